@@ -8,9 +8,8 @@ from flask.testing import FlaskClient
 from helpers.problems import problem
 
 from breastrig.api.config import Config, checked_token
-from breastrig.api.environ_keys import FORWARDED
 from breastrig.api.settings import effective_settings
-from breastrig.api.trusted_proxy import BehindProxy, client_of, read_trusted_proxy
+from breastrig.api.trusted_proxy import FORWARDED, BehindProxy, client_of, read_trusted_proxy
 from breastrig.core.errors import BadSettings
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
@@ -87,8 +86,6 @@ def test_clients_are_counted_by_address_and_by_network_where_a_house_has_a_whole
         ("public_host", "https://scans.example", "is no name of a host"),
         ("public_host", "scans.example:443", "is no name of a host"),
         ("public_host", "a,,b", "is no name of a host"),
-        ("spool_mb", "100", "use 420 or more"),
-        ("spool_mb", "much", "use 420 or more"),
     ],
 )
 def test_a_wrong_value_is_named(name: str, text: str, sentence: str) -> None:
@@ -100,11 +97,9 @@ def test_right_values_are_shown_as_they_were_given() -> None:
     given = {
         "trusted_proxy": "10.0.0.1,2",
         "public_host": "Scans.Example, ::1",
-        "spool_mb": "500",
     }
     found = effective_settings(given, None, {"BREASTRIG_TRUSTED_PROXY": "10.9.9.9"})
-    assert [found[name].shown for name in given] == ["10.0.0.1,2", "scans.example,::1", "500"]
-    assert found["spool_mb"].value == 500_000_000
+    assert [found[name].shown for name in given] == ["10.0.0.1,2", "scans.example,::1"]
     assert effective_settings({}, None, {"BREASTRIG_TRUSTED_PROXY": "10.9.9.9"})["trusted_proxy"].shown == "10.9.9.9"
 
 

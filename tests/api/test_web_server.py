@@ -1,22 +1,18 @@
 """The web server around the application: what slow, idle and broken clients cost, and what they do to others.
 
-In this process, with limits of a few connections and fractions of a second.
+In this process, with limits of a few requests and fractions of a second.
 """
 
-import io
 import json
 import socket
 import subprocess
 import sys
-import tempfile
 import threading
-import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
 import pytest
 from flask import Response
 from helpers import in_worker
@@ -25,11 +21,7 @@ from helpers.waiting import ask_for_fit, until
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
-from breastrig.api.request_body import BodyLimits
-from breastrig.api.web_server import wsgi_bridge
-from breastrig.api.web_server.connections import ConnectionLimits
-from breastrig.api.web_server.wsgi_bridge import ThreadLimits
-from breastrig.api.web_server.wsgi_server import ServerLimits, WsgiServer, listen
+from breastrig.api.web_server import Server, ServerLimits
 from breastrig.execution.asking_client import asking_client
 from breastrig.service.service import Service
 
@@ -44,7 +36,7 @@ Serve = Callable[..., AbstractContextManager["Served"]]
 class Served:
     """A running server and routes of the tests' own."""
 
-    def __init__(self, server: WsgiServer) -> None:
+    def __init__(self, server: Server) -> None:
         self.server = server
         self.port = server.effective_port
         self.release = threading.Event()
@@ -73,18 +65,10 @@ class Served:
 @pytest.fixture
 def serve(service: Service, config: Config) -> Serve:
     @contextmanager
-    def serving(
-        connections: dict[str, Any] | None = None,
-        bodies: dict[str, Any] | None = None,
-        threads: dict[str, Any] | None = None,
-        **changes: Any,
-    ) -> Iterator[Served]:
-        limits = ServerLimits(
-            ConnectionLimits(**connections or {}), BodyLimits(**bodies or {}), ThreadLimits(**threads or {})
-        )
+    def serving(limits: dict[str, Any] | None = None, **changes: Any) -> Iterator[Served]:
         used = replace(config, **changes)
         app = create_app(used, service)
-        served = Served(listen(app, used, 0, lambda: None, limits))
+        served = Served(Server(app.wsgi_app, used, 0, lambda: None, ServerLimits(**limits or {})))
         app.add_url_rule("/test/block", "block", served.block)
         app.add_url_rule("/test/big", "big", served.big)
         app.add_url_rule("/test/cut", "cut", lambda: Response(cut(), mimetype="text/plain"))
@@ -138,7 +122,6 @@ def test_idle_connections_hold_no_thread_and_stay_open(serve: Serve) -> None:
             connection.sendall(request("/healthz"))
             assert answer(connection).status == 200
         assert threading.active_count() < threads + 10  # of the pool, where an answer's thread was not yet free again
-        assert len(served.server.connections) == 1100
         assert served.ask("/api/meta") == 200
         assert all(map(is_open, idle))
         idle[0].sendall(request("/healthz"))
@@ -148,114 +131,56 @@ def test_idle_connections_hold_no_thread_and_stay_open(serve: Serve) -> None:
 def test_a_low_limit_of_open_files_is_raised_and_what_the_system_refuses_is_left() -> None:
     program = """
 import resource, sys
-from breastrig.api.web_server.wsgi_server import _as_many_files_as_allowed
+from breastrig.api.web_server import _raise_file_limit
 resource.setrlimit(resource.RLIMIT_NOFILE, (256, 2000))
-print(_as_many_files_as_allowed(1500), resource.getrlimit(resource.RLIMIT_NOFILE)[0])
-print(_as_many_files_as_allowed(9000), resource.getrlimit(resource.RLIMIT_NOFILE)[0])
+print(_raise_file_limit(1500), resource.getrlimit(resource.RLIMIT_NOFILE)[0])
+print(_raise_file_limit(9000), resource.getrlimit(resource.RLIMIT_NOFILE)[0])
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout == "1500 1500\n2000 2000\n"
 
 
-def test_whoever_is_slow_with_the_headers_is_told_and_whoever_says_nothing_is_left(serve: Serve) -> None:
-    with serve({"head_s": 0.3}) as served, connected(served.port) as slow, connected(served.port) as silent:
-        slow.sendall(b"GET /healthz HTTP/1.1\r\nHost: loc")
-        assert "headers took too long" in problem_of(slow, 408)
-        assert is_closed(slow)
+def test_who_says_nothing_or_half_a_head_is_left_after_a_while(serve: Serve) -> None:
+    with serve({"idle_s": 1}) as served, ExitStack() as stack:
+        silent, half, second = (stack.enter_context(connected(served.port)) for _ in range(3))
+        half.sendall(b"GET /healthz HTTP/1.1\r\nHost: loc")
+        second.sendall(request("/healthz"))
+        assert answer(second).status == 200
+        second.sendall(b"G")
         assert is_closed(silent)
-        until(lambda: len(served.server.connections) == 0, "closed connections")
+        assert is_closed(half)
+        assert is_closed(second)
 
 
-def test_a_second_request_must_not_be_slower_with_its_headers_either(serve: Serve) -> None:
-    with serve({"head_s": 0.3}) as served, connected(served.port) as connection:
-        connection.sendall(request("/healthz"))
-        assert answer(connection).status == 200
-        connection.sendall(b"G")
-        assert problem_of(connection, 408)
-        assert is_closed(connection)
+def test_a_head_without_end_and_what_is_no_http_are_refused(serve: Serve) -> None:
+    with serve({"head_bytes": 4096}) as served:
+        for sent in (b"GET / HTTP/1.1\r\nHost: localhost\r\nX: " + b"x" * 10_000, b"\x16\x03\x01 no HTTP\r\n\r\n"):
+            with connected(served.port) as connection:
+                connection.sendall(sent)
+                assert answer(connection).status == 400
+                while connection.recv(1000):  # until the server ends the connection
+                    pass
 
 
-def test_headers_without_end_are_refused(serve: Serve) -> None:
-    with serve({"head_bytes": 4096}) as served, connected(served.port) as connection:
-        connection.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\nX: " + b"x" * 10_000)
-        assert problem_of(connection, 400)
-        assert is_closed(connection)
+def test_beyond_the_most_connections_a_new_one_is_refused(serve: Serve) -> None:
+    with serve({"connections": 64}) as served, ExitStack() as stack:
+        silent = [stack.enter_context(connected(served.port)) for _ in range(64)]
+        until(lambda: served.ask() == 503, "a full house")
+        for connection in silent[:10]:
+            connection.close()
+        until(lambda: served.ask() == 200, "places that are free again")
 
 
-def test_a_new_connection_takes_the_place_of_the_one_that_has_waited_longest(serve: Serve) -> None:
-    with serve({"each_address": 3}) as served, ExitStack() as stack:
-        blocked, older, newer = (stack.enter_context(connected(served.port)) for _ in range(3))
-        blocked.sendall(request("/test/block"))
-        assert served.at_work.acquire(timeout=20)
-        for connection in (newer, older, newer):
-            connection.sendall(request("/healthz"))
-            assert answer(connection).status == 200
-        assert served.ask() == 200
-        assert is_closed(older)
-        assert is_open(newer)
-        assert served.ask() == 200
-        assert served.ask(source="127.0.0.2") == 200
-        served.release.set()
-        assert answer(blocked).body == b"done"
-
-
-def test_when_all_places_are_at_work_a_new_connection_is_refused_with_a_sentence(serve: Serve) -> None:
-    with serve({"each_address": 2}) as served, ExitStack() as stack:
-        blocked = [stack.enter_context(connected(served.port)) for _ in range(2)]
-        for connection in blocked:
-            connection.sendall(request("/test/block"))
-            assert served.at_work.acquire(timeout=20)
-        with connected(served.port) as refused:
-            assert "as many connections as it can" in problem_of(refused, 503)
-            assert is_closed(refused)
-        assert served.ask(source="127.0.0.2") == 200
-        served.release.set()
-        assert [answer(connection).status for connection in blocked] == [200, 200]
-
-
-def test_whoever_has_most_connections_gives_up_one_when_there_are_too_many_in_all(serve: Serve) -> None:
-    with serve({"total": 6}) as served, ExitStack() as stack:
-        few = [stack.enter_context(connected(served.port, "127.0.0.2")) for _ in range(2)]
-        many = [stack.enter_context(connected(served.port, "127.0.0.3")) for _ in range(4)]
-        for connection in (*few, *many):
-            connection.sendall(request("/healthz"))
-            assert answer(connection).status == 200
-        assert served.ask(source="127.0.0.4") == 200
-        assert is_closed(many[0])
-        assert all(map(is_open, (*few, *many[1:])))
-
-
-def test_slow_bodies_hold_no_thread_and_are_given_up(serve: Serve) -> None:
-    limits = {"grace_s": 0.6, "pause_s": 0.6}
-    with serve(bodies=limits, threads={"work": 1}) as served, ExitStack() as stack:
-        slow = [stack.enter_context(connected(served.port)) for _ in range(20)]
+def test_a_body_that_stops_ends_its_request_and_frees_its_thread(serve: Serve) -> None:
+    with serve({"silent_s": 0.3, "threads": 2}) as served, ExitStack() as stack:
+        slow = [stack.enter_context(connected(served.port)) for _ in range(4)]
         for connection in slow:
             connection.sendall(upload_head(10_000) + b"--b")
-        until(lambda: served.server.spools.held == 20 * 10_000, "bodies on their way in")
+        assert [problem_of(connection, 400) for connection in slow]
         assert served.ask() == 200
-        for connection in slow:
-            assert "too slowly" in problem_of(connection, 408)
-            assert is_closed(connection)
-        assert served.server.spools.held == 0
 
 
-def test_a_body_that_drips_is_slow_too(serve: Serve) -> None:
-    limits = {"grace_s": 0.5, "pause_s": 10.0, "slowest_bytes_s": 1000}
-    with serve(bodies=limits) as served, connected(served.port) as drips:
-        drips.sendall(upload_head(10_000))
-        drips.setblocking(False)
-        for _ in range(40):
-            drips.send(b"-")
-            try:
-                drips.recv(1, socket.MSG_PEEK)
-                break
-            except BlockingIOError:
-                time.sleep(0.05)
-        drips.settimeout(20)
-        assert "too slowly" in problem_of(drips, 408)
-
-
-def test_nothing_of_a_body_is_taken_before_the_headers_have_been_judged(serve: Serve) -> None:
+def test_a_body_is_not_waited_for_before_the_headers_have_been_judged(serve: Serve) -> None:
     right = {"Authorization": f"Bearer {TOKEN}"}
     cases: list[tuple[bytes, int]] = [
         (upload_head(100_000_000), 401),
@@ -270,15 +195,11 @@ def test_nothing_of_a_body_is_taken_before_the_headers_have_been_judged(serve: S
         (request("/healthz", Content_Length=20_000), 413),
         (upload_head(100, **right, Host="evil.example"), 421),
     ]
-    with serve(bodies={"unwanted_pause_s": 0.1}, token=TOKEN, public_hosts=("scans.example",)) as served:
-        taken: list[int] = []
-        served.server.spools.take = lambda _client, size: taken.append(size)
+    with serve({"idle_s": 1}, token=TOKEN, public_hosts=("scans.example",)) as served:
         for sent, status in cases:
             with connected(served.port) as connection:
                 connection.sendall(sent.replace(b"Host: localhost\r\n", b"", sent.count(b"Host:") - 1))
                 assert problem_of(connection, status)
-                assert is_closed(connection)
-        assert taken == []
 
 
 def test_a_refused_body_is_taken_until_its_end_so_that_the_answer_arrives(serve: Serve) -> None:
@@ -286,11 +207,10 @@ def test_a_refused_body_is_taken_until_its_end_so_that_the_answer_arrives(serve:
         for _ in range(2):
             connection.sendall(upload_head(30_000_000) + bytes(30_000_000))
             assert "needs its token" in problem_of(connection, 401)
-        assert served.server.spools.held == 0
 
 
 def test_who_asks_whether_to_send_a_body_is_answered_before_it_is_sent(serve: Serve) -> None:
-    with serve(token=TOKEN) as served:
+    with serve({"idle_s": 1}, token=TOKEN) as served:
         with connected(served.port) as connection:
             connection.sendall(upload_head(10_000, Expect="100-continue"))
             assert problem_of(connection, 401)
@@ -303,88 +223,28 @@ def test_who_asks_whether_to_send_a_body_is_answered_before_it_is_sent(serve: Se
             assert problem_of(connection, 422)
 
 
-def test_a_full_folder_for_temporary_files_is_a_sentence(
-    serve: Serve, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
-    with serve() as served, connected(served.port) as connection:
-        with monkeypatch.context() as full:
-            full.setattr(tempfile, "TemporaryFile", lambda **_: io.FileIO("/dev/full", "w+b"))
-            connection.sendall(upload_head(1_000_000) + bytes(1_000_000))
-            assert "folder for temporary files is full" in problem_of(connection, 507)
-        assert served.server.spools.held == 0
-        connection.sendall(upload_head(len(UPLOAD)) + UPLOAD)
-        assert problem_of(connection, 422)
-    assert "folder for temporary files" in caplog.text
-
-
-def test_what_is_received_at_once_is_bounded_in_all_and_for_each_client(serve: Serve) -> None:
-    small = replace(Config().uploads, file_bytes=1_000)
-    with serve(bodies={"total_bytes": 40_000}, uploads=small) as served, ExitStack() as stack:
-        for source in ("127.0.0.2", "127.0.0.2", "127.0.0.3"):
-            sends = stack.enter_context(connected(served.port, source))
-            sends.sendall(request("/api/fits", "POST", Content_Type="application/json", Content_Length=10_000))
-        until(lambda: served.server.spools.held == 30_000, "three bodies")
-
-        def asks(source: str, size: int) -> socket.socket:
-            connection = stack.enter_context(connected(served.port, source))
-            connection.sendall(request("/api/fits", "POST", b"9" * size, Content_Type="application/json"))
-            return connection
-
-        assert "one client may" in problem_of(asks("127.0.0.2", 10_000), 429)
-        assert "as much as it can" in problem_of(asks("127.0.0.4", 15_000), 503)
-        assert problem_of(asks("127.0.0.4", 1_000), 422)
-    assert served.server.spools.held == 0
-
-
-def test_a_body_of_unknown_length_is_taken_up_to_the_limit(serve: Serve) -> None:
-    chunk = b"2710\r\n" + b" " * 10_000 + b"\r\n"
+def test_a_body_of_unknown_length_is_refused(serve: Serve) -> None:
     head = request("/api/fits", "POST", Content_Type="application/json", Transfer_Encoding="chunked")
-    with serve(json_bytes=25_000) as served, connected(served.port) as connection:
-        connection.sendall(head + 2 * chunk + b'D\r\n{"scan": "a"}\r\n0\r\n\r\n')
-        assert "scan" in problem_of(connection, 404)
-        connection.sendall(head + 3 * chunk + b"0\r\n\r\n")
-        assert "larger than 25 kB" in problem_of(connection, 413)
-        connection.sendall(head + b"no number\r\n")
-        assert problem_of(connection, 400)
-        assert is_closed(connection)
-        assert served.server.spools.held == 0
+    with serve() as served, connected(served.port) as connection:
+        connection.sendall(head + b'D\r\n{"scan": "a"}\r\n0\r\n\r\n')
+        assert "with its length" in problem_of(connection, 411)
 
 
-def test_readers_that_read_nothing_hold_no_thread_and_are_left(serve: Serve) -> None:
-    with serve({"unread_s": 0.5}, threads={"work": 1}) as served, ExitStack() as stack:
-        slow = [stack.enter_context(connected(served.port)) for _ in range(10)]
+def test_readers_that_read_nothing_are_left(serve: Serve) -> None:
+    with serve({"silent_s": 0.5, "threads": 2}) as served, ExitStack() as stack:
+        slow = [stack.enter_context(connected(served.port)) for _ in range(4)]
         for connection in slow:
             connection.sendall(request("/test/big"))
         assert served.ask() == 200
         assert served.closed.wait(20)
-        until(lambda: len(served.server.connections) == 0, "connections that were given up")
 
 
 def test_a_patient_reader_gets_all_of_a_large_answer(serve: Serve) -> None:
-    with serve(threads={"work": 1}) as served, connected(served.port) as connection:
+    with serve({"threads": 1}) as served, connected(served.port) as connection:
         for _ in range(2):
             connection.sendall(request("/test/big"))
             assert answer(connection).body == BIG
         assert served.closed.is_set()
-
-
-@pytest.mark.parametrize(("keeps_pace_s", "most"), [(np.inf, wsgi_bridge.LARGEST_PIECE), (0.0, wsgi_bridge.PIECE)])
-def test_who_keeps_pace_is_given_more_at_once(
-    serve: Serve, monkeypatch: pytest.MonkeyPatch, keeps_pace_s: float, most: int
-) -> None:
-    asked: list[int] = []
-    fetch = wsgi_bridge._fetch
-
-    def noted(answer: wsgi_bridge._Answer) -> bytes:
-        asked.append(answer.at_once)
-        return fetch(answer)
-
-    monkeypatch.setattr(wsgi_bridge, "_fetch", noted)
-    monkeypatch.setattr(wsgi_bridge, "KEEPS_PACE_S", keeps_pace_s)
-    with serve() as served, connected(served.port) as connection:
-        connection.sendall(request("/test/big"))
-        assert answer(connection).body == BIG
-    assert (asked[0], asked[-1], max(asked)) == (wsgi_bridge.PIECE, most, most)
 
 
 def test_one_client_cannot_take_all_readers(
@@ -408,16 +268,17 @@ def test_one_client_cannot_take_all_readers(
         assert answer(other).status == 204
 
 
-def test_streams_hold_no_thread_and_are_woken(serve: Serve, service: Service, scan_id: str) -> None:
+def test_a_stream_ends_with_its_fit_and_is_given_up_when_its_viewer_leaves(
+    serve: Serve, service: Service, scan_id: str
+) -> None:
     fit_id = ask_for_fit(service, scan_id, preset="paper")
-    with serve(threads={"work": 1}, heartbeat_s=3600.0) as served, ExitStack() as stack:
-        threads = threading.active_count()
-        viewers = [stack.enter_context(connected(served.port)) for _ in range(20)]
+    with serve(heartbeat_s=3600.0) as served, ExitStack() as stack:
+        viewers = [stack.enter_context(connected(served.port)) for _ in range(5)]
         for viewer in viewers:
             viewer.sendall(request(f"/api/fits/{fit_id}/events"))
             assert viewer.recv(1000).startswith(b"HTTP/1.1 200")
-        assert threading.active_count() <= threads + 1
-        assert served.ask() == 200
+        viewers.pop().close()
+        until(lambda: service._notifier.listening <= 4, "a stream that was given up")
         service.cancel_fit(fit_id)
         for viewer in viewers:
             heard = b""
@@ -427,15 +288,17 @@ def test_streams_hold_no_thread_and_are_woken(serve: Serve, service: Service, sc
 
 
 def test_one_client_cannot_take_all_threads(serve: Serve) -> None:
-    with serve(threads={"work": 3, "each_client": 2}) as served, ExitStack() as stack:
-        slow = [stack.enter_context(connected(served.port, "127.0.0.2")) for _ in range(4)]
+    with serve({"threads": 3, "threads_each": 2}) as served, ExitStack() as stack:
+        slow = [stack.enter_context(connected(served.port, "127.0.0.2")) for _ in range(2)]
         for connection in slow:
             connection.sendall(request("/test/block"))
-        assert all(served.at_work.acquire(timeout=20) for _ in range(2))
+            assert served.at_work.acquire(timeout=20)
+        with connected(served.port, "127.0.0.2") as third:
+            third.sendall(request("/healthz"))
+            assert "as many requests in work as one client may" in problem_of(third, 429)
         assert served.ask(source="127.0.0.3") == 200
-        assert not served.at_work.acquire(blocking=False)
         served.release.set()
-        assert [answer(connection).body for connection in slow] == [b"done"] * 4
+        assert [answer(connection).body for connection in slow] == [b"done"] * 2
 
 
 def test_an_answer_that_breaks_off_ends_the_connection_and_is_logged_without_its_address(
@@ -460,7 +323,7 @@ def test_a_reader_that_is_sent_away_on_purpose_is_no_error(serve: Serve, caplog:
         received = b""
         while chunk := connection.recv(100_000):
             received += chunk
-        assert len(received) > 200_000
+        assert received.startswith(b"HTTP/1.1 200")
         assert not received.endswith(b"0\r\n\r\n")
     assert [record for record in caplog.records if record.levelname == "ERROR"] == []
 
@@ -475,10 +338,8 @@ def test_requests_that_come_together_are_answered_in_their_order(serve: Serve) -
         assert answer(connection).status == 200
 
 
-def test_an_address_in_full_and_a_header_with_an_underscore_are_understood_as_by_any_server(serve: Serve) -> None:
+def test_a_header_with_an_underscore_is_not_taken_for_another(serve: Serve) -> None:
     with serve() as served, connected(served.port) as connection:
-        connection.sendall(request("http://localhost/healthz"))
-        assert answer(connection).status == 200
         connection.sendall(b"GET /metrics HTTP/1.1\r\nHost: localhost\r\nX_Forwarded_For: 8.8.8.8\r\n\r\n")
         assert answer(connection).status == 200
 

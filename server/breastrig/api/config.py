@@ -5,7 +5,6 @@ import secrets
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from breastrig.api.request_body import BodyLimits
 from breastrig.api.trusted_proxy import TrustedProxy, plain_address
 from breastrig.core.errors import BadSettings
 from breastrig.execution.limits import UploadLimits
@@ -32,7 +31,6 @@ class Config:
     streams: int = STREAMS  # open event streams
     trusted_proxy: TrustedProxy | None = None  # whose X-Forwarded-* are believed
     public_hosts: tuple[str, ...] = ()  # names that outsiders call this server by; none: any, when there is a token
-    spool_bytes: int = BodyLimits().total_bytes  # of requests that are being received, all together
 
     @property
     def allowed_hosts(self) -> frozenset[str] | None:

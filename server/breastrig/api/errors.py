@@ -45,6 +45,12 @@ NOT_OF_FORM = {  # by regular expression
 OTHER_FORM = "This text is not of the form that is taken here; /api/docs describes it"
 
 
+def too_large(most: int) -> str:
+    """The sentence for a body of more than so many bytes."""
+    shown = f"{most // 1_000_000} MB" if most >= 1_000_000 else f"{most // 1000} kB"
+    return f"The request is larger than {shown}."
+
+
 def problem(status: int, detail: str, *, headers: Any = (), fields: list[dict[str, str]] | None = None) -> Response:
     """One problem-details answer; `detail` is one sentence."""
     body: dict[str, Any] = {"type": "about:blank", "title": _title(status), "status": status, "detail": detail}

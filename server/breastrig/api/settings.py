@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.api.config import TOKEN_VARIABLE
-from breastrig.api.request_body import BodyLimits
 from breastrig.api.trusted_proxy import read_trusted_proxy
 from breastrig.core.errors import BadSettings, unknown_name
 from breastrig.execution.limits import FitLimits
@@ -78,13 +77,6 @@ def read_count(text: str) -> int:
 
 
 MB = 1_000_000
-
-
-def read_spool_mb(text: str) -> int:
-    """Megabytes as bytes."""
-    if not (text.isascii() and text.isdigit() and 420 <= int(text) <= 1_000_000):
-        raise ValueError("is not a number of megabytes; use 420 or more, so that the largest scan has room")
-    return int(text) * MB
 
 
 def read_public_hosts(text: str) -> tuple[str, ...]:
@@ -179,7 +171,6 @@ SETTINGS: dict[str, Setting] = {
     "public_host": Setting(
         read_public_hosts, lambda: (), lambda names: ",".join(names) or "any, where there is a token"
     ),
-    "spool_mb": Setting(read_spool_mb, lambda: BodyLimits().total_bytes, lambda size: f"{size // MB}"),
     "token_file": Setting(read_folder, lambda: None, lambda path: "none" if path is None else str(path)),
     "no_token": Setting(read_yes_or_no, lambda: False, show_yes_or_no),
     "no_browser": Setting(read_yes_or_no, lambda: False, show_yes_or_no),

@@ -12,8 +12,7 @@ from typing import Any
 
 from werkzeug.middleware.proxy_fix import ProxyFix
 
-from breastrig.api.environ_keys import FORWARDED
-
+FORWARDED = "breastrig.forwarded"  # in the WSGI environ: the trusted proxy asks; whether it said for whom
 MOST_HOPS = 10
 DROPPED = ("HTTP_FORWARDED", "HTTP_X_REAL_IP")  # say the same in other ways, and nothing here reads them
 

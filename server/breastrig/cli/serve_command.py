@@ -17,7 +17,7 @@ from types import FrameType
 from breastrig.api.app import create_app
 from breastrig.api.config import TOKEN_VARIABLE, Config, checked_token
 from breastrig.api.settings import location_of, token_source
-from breastrig.api.web_server.wsgi_server import listen
+from breastrig.api.web_server import Server, ServerLimits
 from breastrig.cli.interruption import NUMBERS, raise_if_asked
 from breastrig.cli.service_options import service_settings
 from breastrig.core.log_lines import set_up_logs
@@ -48,7 +48,6 @@ def run(options: argparse.Namespace) -> int:
         token=checked_token(setting["host"], given, setting["trusted_proxy"], no_token=setting["no_token"]),
         trusted_proxy=setting["trusted_proxy"],
         public_hosts=setting["public_host"],
-        spool_bytes=setting["spool_mb"],
         model=setting["model"],
         keep_days=setting["keep_days"],
         log_requests=setting["log_requests"] == "yes"
@@ -78,7 +77,7 @@ def run(options: argparse.Namespace) -> int:
         if executor is not None:
             stack.callback(executor.stop)
         app = create_app(config, service)
-        server = listen(app, config, setting["port"], service.end_streams)
+        server = Server(app.wsgi_app, config, setting["port"], service.end_streams, ServerLimits())
         stack.callback(server.close)
         with service.started():
             _stop_on_signals(server.stop)

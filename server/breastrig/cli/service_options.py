@@ -70,12 +70,6 @@ def add_service_options(parser: argparse.ArgumentParser) -> None:
         metavar="NAME[,NAME]",
         help="the only names that outsiders may call this service by (default: any, as the token protects it)",
     )
-    parser.add_argument(
-        "--spool-mb",
-        type=checked("spool_mb"),
-        metavar="MB",
-        help="how much of uploads may be on its way in at once (default 1300); one client may have half of it",
-    )
     parser.add_argument("--token-file", metavar="FILE", help=f"file that holds the token, instead of {TOKEN_VARIABLE}")
     parser.add_argument(
         "--no-token",

@@ -300,13 +300,12 @@ class Service:
         after: int,
         heartbeat_s: float,
         gone: Callable[[], bool] | None = None,
-        wake: Callable[[], None] | None = None,
     ) -> Iterator[Sequence[StreamItem]]:
         """The fit's events above `after`, as they come, those together that are known at once.
 
-        Before the first, its place in the queue.  `gone` and `wake` as `events.follow` says.
+        Before the first, its place in the queue.  `gone` as `events.follow` says.
         """
-        return follow(self._notifier, fit_id, after, heartbeat_s, gone, wake)
+        return follow(self._notifier, fit_id, after, heartbeat_s, gone)
 
     def transfer(
         self, from_fit: str, to_fit: str, drawing: dict[str, Any] | None, other_patient: bool

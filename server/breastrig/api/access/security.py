@@ -15,11 +15,9 @@ from flask import Response, current_app, request
 from breastrig.api.access.rate_limits import RateLimits
 from breastrig.api.access.session import in_session
 from breastrig.api.config import Config
-from breastrig.api.environ_keys import ADMITTED
-from breastrig.api.errors import SENTENCES, problem
+from breastrig.api.errors import SENTENCES, problem, too_large
 from breastrig.api.errors import Refused as Refused
 from breastrig.api.errors import refuse as refuse
-from breastrig.api.request_body import too_large
 from breastrig.api.trusted_proxy import client_of
 from breastrig.execution.asking_client import asking_client
 from breastrig.storage.storage import Storage
@@ -144,7 +142,7 @@ def _refuse_long_names() -> None:
 
 
 def _count_upload(rates: RateLimits) -> None:
-    if (request.endpoint, request.method) == ("scans.upload_scan", "POST") and ADMITTED not in request.environ:
+    if (request.endpoint, request.method) == ("scans.upload_scan", "POST"):
         rates.check("upload")
 
 
@@ -158,6 +156,8 @@ def _limit_body(config: Config) -> Response | None:
         "multipart/form-data": config.uploads.file_bytes,
     }
     request.max_content_length = largest.get(expected, FORM_BYTES) if takes_body else FORM_BYTES
+    if "Transfer-Encoding" in request.headers:
+        return problem(411, "Send the body with its length (Content-Length), not in chunks.")
     if request.content_length is not None and request.content_length > request.max_content_length:
         return problem(413, too_large(request.max_content_length))
     if takes_body and request.mimetype != expected:

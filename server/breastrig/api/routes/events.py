@@ -13,8 +13,8 @@ from flask import Response, request
 
 from breastrig.api.access.security import refuse
 from breastrig.api.app_context import app_context
-from breastrig.api.environ_keys import READER_GONE, WAKE
 from breastrig.api.routes.fits import FITS_TAG
+from breastrig.api.web_server import GONE
 from breastrig.api.wire import common as wire
 from breastrig.service.events.follow import Heartbeat, Queued, StreamItem
 from breastrig.storage.rows.events import events_after
@@ -57,9 +57,9 @@ def follow_fit(fit_id: str, query_data: wire.EventQuery) -> Response:
         raise refuse(
             503, "Too many event streams are open; ask events.json instead, or try again later.", {"Retry-After": "5"}
         )
-    gone, wake = request.environ.get(READER_GONE), request.environ.get(WAKE)
+    gone = request.environ.get("asgi.scope", {}).get(GONE)
     response = Response(
-        _lines(context.service.follow(fit_id, after, context.config.heartbeat_s, gone, wake)),
+        _lines(context.service.follow(fit_id, after, context.config.heartbeat_s, gone and gone.is_set)),
         mimetype="text/event-stream",
         headers=STREAM_HEADERS,
     )
@@ -100,7 +100,7 @@ def _lines(news: Iterator[Sequence[StreamItem]]) -> Iterator[bytes]:
             if size >= TOGETHER:
                 yield b"".join(parts)
                 parts, size = [], 0
-        if parts or not together:  # nothing, where there are no news
+        if parts:
             yield b"".join(parts)
         parts, size = [], 0
     if parts:

@@ -9,7 +9,7 @@ when nobody listens to it any more, or its fit is deleted.
 import logging
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 from sqlalchemy.exc import SQLAlchemyError
@@ -28,9 +28,8 @@ log = logging.getLogger(__name__)
 class Listener:
     """One who waits for news of one fit; made by `Notifier.listen`."""
 
-    def __init__(self, feed: "Feed", wake: Callable[[], None] | None = None) -> None:
+    def __init__(self, feed: "Feed") -> None:
         self.feed = feed
-        self._wake = wake
         self._notified = threading.Event()
 
     def reset(self) -> None:
@@ -43,10 +42,7 @@ class Listener:
 
     def notify(self) -> None:
         """In any thread."""
-        if self._wake is not None:
-            self._wake()
-        else:
-            self._notified.set()
+        self._notified.set()
 
 
 class Feed:
@@ -127,14 +123,11 @@ class Notifier:
             return sum(len(feed.listeners) for feed in self._feeds.values())
 
     @contextmanager
-    def listen(self, fit_id: str, wake: Callable[[], None] | None = None) -> Iterator[Listener]:
-        """A listener for the fit's news, whose feed has been read.
-
-        `wake`, where given, is called from any thread instead of ending a `wait`.
-        """
+    def listen(self, fit_id: str) -> Iterator[Listener]:
+        """A listener for the fit's news, whose feed has been read."""
         with self._condition:
             feed = self._feeds.setdefault(fit_id, Feed(self._storage, fit_id))
-            listener = Listener(feed, wake)
+            listener = Listener(feed)
             feed.listeners.add(listener)
             self._condition.notify_all()
         try:

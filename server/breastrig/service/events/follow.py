@@ -32,7 +32,6 @@ def follow(
     after: int,
     heartbeat_s: float,
     gone: Callable[[], bool] | None = None,
-    wake: Callable[[], None] | None = None,
 ) -> Iterator[Sequence[StreamItem]]:
     """The events of a fit with a number above `after`, those together that are known at once; ends after the last kind.
 
@@ -40,10 +39,9 @@ def follow(
 
     Ends early when the fit is deleted, the notifier is stopped, or `gone()` says that nobody listens any more.
 
-    Only the first step asks the database.  With `wake` no step waits for anything: it yields nothing at all, (), where
-    it would wait, and `wake()` is called in any thread when the next step is worth while.
+    Only the first step asks the database.
     """
-    with notifier.listen(fit_id, wake) as listener:
+    with notifier.listen(fit_id) as listener:
         feed = listener.feed
         quiet_since = time.monotonic()
         sent_position: int | None = None
@@ -68,9 +66,6 @@ def follow(
                 quiet_since = time.monotonic()
             if notifier.stopped:
                 return
-            if wake is not None:
-                yield ()
-            else:
-                listener.wait(max(0.0, min(GONE_EVERY_S, heartbeat_s if left <= 0 else left)))
+            listener.wait(max(0.0, min(GONE_EVERY_S, heartbeat_s if left <= 0 else left)))
             if gone is not None and gone():
                 return

@@ -1,1 +1,0 @@
-"""The application on a socket: connections, bodies and threads, bounded."""
