@@ -8,7 +8,7 @@ from helpers.subdivide import subdivided
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.drawings.skin_map import FittedScan, SkinMap
+from breastrig.drawings.skin_map import FittedScan, SkinMap, carried
 from breastrig.drawings.skin_maps.lying_motion import BEYOND, LyingMotion, lying_motion
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -92,3 +92,16 @@ def test_what_all_bodies_do_is_learnt_and_mirrored(torso: Rig) -> None:
         learned, still = (np.linalg.norm(way.to_b(a.vertices[skin]) - b.vertices[skin], axis=1).mean() for way in ways)
         assert learned < 1.2e-3  # blended over 25 mm
         assert learned < 0.6 * still
+
+
+def test_a_plan_is_carried_up_by_the_inverse_of_the_way_down(torso: Rig) -> None:
+    """From lying to standing the mean motion is gone backwards, exactly, and is not left out."""
+    lying = (torso.template + known(torso)) @ TURN.T + SHIFT
+    a, b = fitted_scan(torso, torso.template, "standing"), fitted_scan(torso, lying, "supine")
+    chosen = np.concatenate([torso.regions["breast_L"], torso.regions["breast_R"]])
+    way = SkinMap(torso, a, b)
+    np.testing.assert_allclose(way.moved(way.moved_back(lying[chosen])), lying[chosen], atol=1e-5)
+    up, left_out = carried(torso, b, a, lying[chosen]), SkinMap(torso, b, a).to_b(lying[chosen])
+    np.testing.assert_array_equal(up, way.to_a(lying[chosen]))
+    wrong = np.linalg.norm(left_out - torso.template[chosen], axis=1).mean()
+    assert np.linalg.norm(up - torso.template[chosen], axis=1).mean() < 0.5 * wrong

@@ -5,7 +5,7 @@ import pytest
 from helpers.surfaces import sphere
 
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.refine import BENDING, _Systems, refined, stiffness_and_area
+from breastrig.fitting.refine import BENDING, DYING, SIGMA, _Systems, refined, stiffness_and_area
 from breastrig.geometry.normals import face_normals, vertex_normals
 from breastrig.scan.clean import compact
 
@@ -116,3 +116,22 @@ def test_the_systems_are_those_of_their_formula() -> None:
     for _ in range(2):  # the second is not disturbed by the first
         found = systems.system(weight, flat).toarray()
         np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-9 * np.abs(wanted).max())
+
+
+def test_oblique_skin_is_reached_along_the_models_normals() -> None:
+    """The scan is a plane that is tilted by 34 degrees against a flat model, so the way along the model's normal is
+    longer than that along the scan's."""
+    tilt, steps = 0.6, np.linspace(-0.018, 0.018, 25)
+    x, y = (grid.ravel() for grid in np.meshgrid(steps, steps))
+    corner = (np.arange(24)[:, None] * 25 + np.arange(24)).ravel()
+    faces = np.concatenate(
+        [np.stack([corner, corner + 1, corner + 26], 1), np.stack([corner, corner + 26, corner + 25], 1)]
+    )
+    model = np.stack([x, y, np.zeros_like(x)], axis=1)
+    true = np.tan(tilt) * x
+    wide = np.stack([3.0 * x, 3.0 * y, 3.0 * true], axis=1)
+    heights = refined(ScanTarget(wide, faces), model, faces).displacement
+    cosine = np.cos(tilt) ** 2
+    dying = cosine / (cosine + (SIGMA / DYING) ** 2)  # what draws the layer back to the model
+    inside = np.maximum(abs(x), abs(y)) < 0.010
+    np.testing.assert_allclose(heights[inside], dying * true[inside], atol=0.25e-3)

@@ -156,3 +156,25 @@ def test_the_packaged_example_lies_on_a_table() -> None:
     ready = prepared(surface, AUTO)
     assert ready.frame.stance == "supine"
     assert 0.3 < ready.table_triangles / len(surface.faces) < 0.45
+
+
+@pytest.mark.parametrize(("tilt", "is_table"), [(25.0, True), (60.0, False), (75.0, False)])
+def test_skin_that_leaves_the_table_steeply_is_kept_down_to_the_table(tilt: float, is_table: bool) -> None:
+    """A flank that rises from the table: its triangles within the scanner's noise of the plane are not table."""
+    up = np.arange(1, 60) * 0.002 / np.sin(np.radians(tilt))
+    along = np.concatenate([np.arange(0.0, 0.6001, 0.006), 0.6 + up * np.cos(np.radians(tilt))])
+    height = np.concatenate([np.zeros(len(along) - len(up)), up * np.sin(np.radians(tilt))])
+    across = np.arange(0.0, 0.3, 0.006)
+    wide, far = len(across), len(along)
+    vertices = np.stack([np.repeat(across, far), np.tile(along, wide), np.tile(height, wide)], axis=1)
+    corner = (np.arange(wide - 1)[:, None] * far + np.arange(far - 1)).ravel()
+    faces = np.concatenate(
+        [np.stack([corner, corner + far, corner + far + 1], 1), np.stack([corner, corner + far + 1, corner + 1], 1)]
+    )
+    found = found_table(vertices, faces, np.array([0.0, 0.0, 1.0]), 0.001)
+    heights = vertices[faces, 2]
+    assert found.triangles[heights.max(axis=1) == 0.0].mean() > 0.98
+    near = (heights.min(axis=1) > 0.0015) & (heights.max(axis=1) < 0.0055)  # within the least band
+    assert near.any()
+    assert (found.triangles[near] == is_table).all()
+    assert not found.triangles[heights.min(axis=1) > 0.013].any()
