@@ -12,6 +12,7 @@ help:
 	@echo "make test    everything that must hold: check, unit tests of page and package, browser test"
 	@echo "make check   lint and types only"
 	@echo "make room    ROOM=fitting: tests and types of one room of the package, in some seconds"
+	@echo "make mutants wrong changes that no test of a numeric room sees   (MUTANTS=\"drawings report --count 40 --seed 1\")"
 	@echo "make docs    build the documentation into dist/docs; warnings are errors"
 	@echo "make bench   measure the hot paths   (BENCH=--benchmark-timer=time.process_time where other work runs)"
 	@echo "make fuzz    many made-up files and requests: a table of what each reader and call did   (FUZZ=20: forty times as many as in make test)"
@@ -87,6 +88,9 @@ routes: page web-packages $(VENV)/.stamp-test
 	BREASTRIG_CHROMIUM="$$(sh .ci/chromium.sh)" && export BREASTRIG_CHROMIUM && \
 	    BREASTRIG_ROUNDS="$${ROUNDS:-20}" $(IN_VENV) npm --prefix web run e2e -- two_links
 
+mutants: $(VENV)/.stamp-test
+	"$(VENV)/bin/python" tests/mutants.py $${MUTANTS:---count 40}
+
 bench: $(VENV)/.stamp-test
 	OPENBLAS_NUM_THREADS=1 "$(VENV)/bin/python" -m pytest tests/benchmarks --benchmark-only --benchmark-columns=min,median,rounds --benchmark-sort=name $${BENCH}
 
@@ -126,4 +130,4 @@ $(VENV)/.stamp-docs: $(VENV)/.stamp-venv pyproject.toml
 
 # Two recipes must not install into the same folder at once, whatever -j says.
 .NOTPARALLEL:
-.PHONY: help serve test check room docs vitest pytest browser fuzz faults scale load routes bench clean page packages programs web-packages
+.PHONY: help mutants serve test check room docs vitest pytest browser fuzz faults scale load routes bench clean page packages programs web-packages
