@@ -1,6 +1,7 @@
 """What the views of one app share: its settings, service, model and counters, found from the request at hand."""
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 from flask import current_app
 
@@ -9,7 +10,8 @@ from breastrig.api.big_answers import BigAnswers
 from breastrig.api.config import Config
 from breastrig.api.metrics import Metrics
 from breastrig.api.passcode_delays import PasscodeDelays
-from breastrig.api.served_model import ServedModel
+from breastrig.api.served_model import ServedModel, serve_model
+from breastrig.service.kept_models import KeptModels
 from breastrig.service.service import Service
 
 KEY = "breastrig"
@@ -26,6 +28,18 @@ class AppContext:
     rates: RateLimits = field(default_factory=RateLimits)
     passcode_delays: PasscodeDelays = field(default_factory=PasscodeDelays)
     big_answers: BigAnswers = field(default_factory=BigAnswers)
+
+    def model_with(self, sha256: str) -> ServedModel:
+        """The service's own model, or that of an earlier server, whose fits are kept; the own one for none of them."""
+        if sha256 == self.model.rig.sha256:
+            return self.model
+        return _read_once(self.service.models, sha256)
+
+
+@lru_cache(maxsize=2)
+def _read_once(models: KeptModels, sha256: str) -> ServedModel:
+    with models.at_hand(sha256) as glb:
+        return serve_model(glb)
 
 
 def app_context() -> AppContext:

@@ -7,7 +7,6 @@ its deletion.  Which fits belong to the patient's other scans is decided here: o
 import json
 from contextlib import ExitStack
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from breastrig.core.errors import BreastRigError, Conflict, NotFound
@@ -16,6 +15,7 @@ from breastrig.drawings.drawing_file import planned_on_scan
 from breastrig.execution.fair_processes import FairProcesses
 from breastrig.report.files.line_files import rgb
 from breastrig.service.failed_tasks import explained
+from breastrig.service.kept_models import KeptModels
 from breastrig.service.remembered import Remembered
 from breastrig.service.single_flight import SingleFlight
 from breastrig.storage.files import fit_place
@@ -27,7 +27,9 @@ from breastrig.workflow.further_jobs import PlanJob, PlannedFit
 from breastrig.workflow.lines.empty_plan import empty_plan_document
 from breastrig.workflow.tasks import plan_on_fit
 
-UNFITTED = "It was made on a scan that is not fitted yet; fit that one to see it here."
+UNFITTED = (
+    "It was made on a scan that is not fitted yet, or with another version of the model; fit that one to see it here."
+)
 WALL_S = 60.0  # two scans take one to two seconds; a slow machine with huge scans may take many
 REMEMBERED = 32  # plans on scans, of some hundred kilobytes each
 
@@ -56,10 +58,10 @@ class PlannedFits:
 class Plans:
     """The plans of all patients.  May be called from any thread."""
 
-    def __init__(self, storage: Storage, processes: FairProcesses, model: Path | None) -> None:
+    def __init__(self, storage: Storage, processes: FairProcesses, models: KeptModels) -> None:
         self._storage = storage
         self._processes = processes
-        self._model = model
+        self._models = models
         self._flights: SingleFlight[bytes] = SingleFlight()
         self._remembered = Remembered(REMEMBERED)
 
@@ -72,9 +74,15 @@ class Plans:
         plan = get_plan(self._storage, patient)
         named = {item.get("scan") for item in plan.items}
         others = [scan for scan in scans_of_patient(self._storage, patient) if scan != fit.scan and scan in named]
-        found = {scan: newest_done(self._storage, scan) for scan in others}
+        found = {scan: self._beside(fit, newest_done(self._storage, scan)) for scan in others}
         unfitted = tuple(str(item["id"]) for item in plan.items if found.get(str(item.get("scan")), fit) is None)
         return PlannedFits(patient, plan, fit, tuple(other for other in found.values() if other is not None), unfitted)
+
+    def _beside(self, fit: FitRow, other: FitRow | None) -> FitRow | None:
+        """The other fit, if lines can be carried between the two: they were made with one model."""
+        if other is None or self._models.sha256_of(other.id) != self._models.sha256_of(fit.id):
+            return None
+        return other
 
     def on_fit(self, fit_id: str) -> bytes:
         """The plan on the fit's scan: breastrig/drawing@1 with the item of each line.
@@ -145,7 +153,8 @@ class Plans:
         with explained("Carrying this plan", WALL_S, "give smaller scans", self._storage, ids), ExitStack() as stack:
             reading = self._storage.files.reading
             folders = [PlannedFit(stack.enter_context(reading(fit_place(fit.id))), fit.scan) for fit in fits]
-            job = PlanJob(planned.document, folders[0], tuple(folders[1:]), self._model)
+            model = stack.enter_context(self._models.of_fits(ids))
+            job = PlanJob(planned.document, folders[0], tuple(folders[1:]), model)
             found: dict[str, Any] = self._processes.result(plan_on_fit, (job,), WALL_S)
         return found
 

@@ -8,13 +8,13 @@ it is remembered by.
 from collections.abc import Callable, Hashable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
-from pathlib import Path
 
 from breastrig.core import wall_clock
 from breastrig.core.errors import NotFound
 from breastrig.core.identity import SAYS_NOTHING, Identity, file_name
 from breastrig.execution.fair_processes import FairProcesses
 from breastrig.service.failed_tasks import explained
+from breastrig.service.kept_models import KeptModels
 from breastrig.service.plans import Plans
 from breastrig.service.remembered import Remembered
 from breastrig.service.single_flight import SingleFlight
@@ -38,11 +38,11 @@ WALL_S = 60.0  # two stances take about four seconds; a slow machine with huge s
 class Reports:
     """The reports of all fits.  May be called from any thread."""
 
-    def __init__(self, storage: Storage, processes: FairProcesses, plans: Plans, model: Path | None) -> None:
+    def __init__(self, storage: Storage, processes: FairProcesses, plans: Plans, models: KeptModels) -> None:
         self._storage = storage
         self._plans = plans
         self._processes = processes
-        self._model = model
+        self._models = models
         self._flights: SingleFlight[bytes] = SingleFlight()
         self._remembered = Remembered(REMEMBERED)
 
@@ -101,11 +101,12 @@ class Reports:
     def _made(self, name: str, ids: list[str], cuts: tuple[Cuts, ...]) -> bytes:
         with explained("This report", WALL_S, "fit a smaller scan", self._storage, ids), ExitStack() as stack:
             folders = [stack.enter_context(self._storage.files.reading(fit_place(one))) for one in ids]
+            model = stack.enter_context(self._models.of_fits(ids))
             fits = [get_fit(self._storage, one) for one in ids]
             job = ReportJob(
                 folders[0],
                 None if len(ids) == 1 else folders[1],
-                self._model,
+                model,
                 identity=self.identity(fits),
                 doubts=() if len({self._patient(fit).id for fit in fits}) == 1 else (TWO_PATIENTS,),
                 cuts=cuts,

@@ -30,6 +30,7 @@ from breastrig.service.events.follow import StreamItem, follow
 from breastrig.service.failed_tasks import explained
 from breastrig.service.fit_worker import PairRunner, Runner, Runners
 from breastrig.service.ink import InkSearch
+from breastrig.service.kept_models import KeptModels
 from breastrig.service.moving.live_patterns import LivePatterns
 from breastrig.service.moving.moved_landmarks import MovedLandmarks
 from breastrig.service.plans import Plans
@@ -101,12 +102,13 @@ class Service:
         self._model = model
         self._proposals = Proposals(storage, self._readers, self._uploads.wall_s, proposer, model)
         self._ink = InkSearch(storage, self._readers, self._uploads.wall_s)
-        self.plans = Plans(storage, self._readers, model)
+        self.models = KeptModels(storage, model)
+        self.plans = Plans(storage, self._readers, self.models)
         self.kept_processes = KeptProcesses(self._uploads.memory_bytes)
-        self.live_patterns = LivePatterns(storage, self.kept_processes, model)
-        self.moved_landmarks = MovedLandmarks(storage, self.kept_processes, model)
-        self.reports = Reports(storage, self._readers, self.plans, model)
-        self.shares = ShareSnapshots(storage, self._readers, self.plans, self.reports, model)
+        self.live_patterns = LivePatterns(storage, self.kept_processes, self.models)
+        self.moved_landmarks = MovedLandmarks(storage, self.kept_processes, self.models)
+        self.reports = Reports(storage, self._readers, self.plans, self.models)
+        self.shares = ShareSnapshots(storage, self._readers, self.plans, self.reports, self.models)
         self._notifier = Notifier(storage)
         self._sweep = Sweep(storage, self.delete_scan, keep_days, self.shares.end_expired)
         self._examples = examples
@@ -120,6 +122,7 @@ class Service:
             self._clean()
             self.storage.forget_deleted()  # from here on the database's file holds nearly all, so damage is seen
             self.storage.refill_reserve()
+            self.models.keep()
             try:
                 self._readers.warm_up()
                 self._workers.warm_up()
@@ -319,8 +322,9 @@ class Service:
             explained("Carrying this drawing", TRANSFER_WALL_S, "give smaller scans", self.storage, both),
             reading(fit_place(from_fit)) as source,
             reading(fit_place(to_fit)) as goal,
+            self.models.of_fits(both) as model,
         ):
-            job = TransferJob(source, goal, drawing, other_patient, self._model)
+            job = TransferJob(source, goal, drawing, other_patient, model)
             carried: dict[str, Any] = self._readers.result(transfer, (job,), TRANSFER_WALL_S)
         return carried
 

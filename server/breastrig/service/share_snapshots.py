@@ -9,12 +9,12 @@ import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from breastrig.core.errors import Conflict
 from breastrig.execution.fair_processes import FairProcesses
 from breastrig.service.failed_tasks import explained
+from breastrig.service.kept_models import KeptModels
 from breastrig.service.plans import Plans
 from breastrig.service.reports import Reports
 from breastrig.storage.deletion import discard, remove_files
@@ -38,13 +38,13 @@ class ShareSnapshots:
     """The links of all fits.  May be called from any thread."""
 
     def __init__(
-        self, storage: Storage, processes: FairProcesses, plans: Plans, reports: Reports, model: Path | None
+        self, storage: Storage, processes: FairProcesses, plans: Plans, reports: Reports, models: KeptModels
     ) -> None:
         self._storage = storage
         self._processes = processes
         self._plans = plans
         self._reports = reports
-        self._model = model
+        self._models = models
 
     def add(self, share: ShareRow, token_sha256: str) -> ShareRow:
         """Keeps the link with what it shows.
@@ -109,6 +109,7 @@ class ShareSnapshots:
             files.reading(fit_place(fit.id)) as source,
             files.reading(scan_place(scan.id), names) as upload,
             files.writing(place) as draft,
+            self._models.of_fits([fit.id]) as model,
         ):
             job = SnapshotJob(
                 fit=source,
@@ -121,7 +122,7 @@ class ShareSnapshots:
                 shows_scan=share.scan != "none",
                 has_notes=share.notes,
                 cuts=get_cuts(self._storage, scan.id),
-                model=self._model,
+                model=model,
             )
             self._processes.result(write_snapshot, (job,), WALL_S)
             draft.keep()

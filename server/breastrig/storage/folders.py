@@ -6,6 +6,7 @@
     data/fits/ID/               result.json, scan.ply (cleaned), fitted.ply, fitted.glb, drawing.json,
                                 distances.bin, uncertainty.bin, fit.log.jsonl
     data/shares/ID/             what one share link shows (see workflow/share_snapshot.py)
+    data/models/SHA256.zip      the models that fits were made with
     data/rubbish/KIND.ID        on its way out: a folder is first moved here, so that no path into it works any more
     data/reserve                space that a full disk has left for deleting (see `reserve`)
     data/lock                   held by the server
@@ -24,6 +25,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from breastrig.storage.data_folder import LOCK_FILE, PLACES, RESERVE_FILE, RUBBISH
+from breastrig.storage.files import MODELS
 
 
 def new_id() -> str:
@@ -39,7 +41,7 @@ class Folders:
         self._removing = threading.Lock()  # who finds a folder half removed would not know whether it will be gone
 
     def create(self) -> None:
-        for folder in (self.root, *self._places, self._rubbish):
+        for folder in (self.root, *self._places, self._rubbish, self.root / MODELS):
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
 
     @property

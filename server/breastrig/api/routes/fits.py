@@ -180,7 +180,8 @@ def move_landmarks(fit_id: str, json_data: wire.MovedLandmarks) -> wire.MovedMod
     """
     context = app_context()
     scan = get_scan(context.service.storage, get_fit(context.service.storage, fit_id).scan)
-    check_landmarks(Picks(json_data.landmarks), scan, context.model)
+    model = context.model_with(context.service.models.sha256_of(fit_id))
+    check_landmarks(Picks(json_data.landmarks), scan, model)
     moved = context.service.moved_landmarks.moved(fit_id, json_data.landmarks)
     return wire.MovedModel.model_validate(moved)
 
@@ -195,8 +196,9 @@ def show_iteration(fit_id: str, iteration: int) -> Response:
     from breastrig.workflow.folder.iteration_file import iteration_gltf  # as in api/served_model.py
 
     context = app_context()
-    storage, model = context.service.storage, context.model
+    storage = context.service.storage
     fit = get_fit(storage, fit_id)
+    model = context.model_with(context.service.models.sha256_of(fit.id))
     event = stored_iteration(storage, fit, iteration)
     content = iteration_gltf(event, model.rig, fit.drawing, model.buffer_link, model.drawing_link(fit.drawing))
     return bytes_answer(content, GLTF, PERSONAL)

@@ -5,6 +5,7 @@ from flask import Response
 
 from breastrig.api.answers import BINARY, CHECK_AGAIN, FOR_EVER, GLB, JSON, file_of, public_answer
 from breastrig.api.app_context import app_context
+from breastrig.api.served_model import ServedModel
 from breastrig.api.wire import common as wire
 from breastrig.core.errors import NotFound, unknown_name
 
@@ -32,8 +33,7 @@ def show_side() -> Response:
 @models.doc(operation_id="getModelBuffer", responses={200: file_of(BINARY, "Never changes")})
 def show_buffer(sha256: str) -> Response:
     """The buffer that every iteration's glTF points at"""
-    model = app_context().model
-    _check_hash(sha256, model.rig.sha256)
+    model = _model_with(sha256)
     return public_answer(model.buffer, BINARY, FOR_EVER)
 
 
@@ -41,13 +41,14 @@ def show_buffer(sha256: str) -> Response:
 @models.doc(operation_id="getDrawingBuffer", responses={200: file_of(BINARY, "Never changes")})
 def show_drawing_buffer(sha256: str, name: str) -> Response:
     """The buffer of one drawing's lines"""
-    model = app_context().model
-    _check_hash(sha256, model.rig.sha256)
+    model = _model_with(sha256)
     if name not in model.drawing_buffers:
         raise NotFound(unknown_name("drawing", name, model.rig.drawing_names))
     return public_answer(model.drawing_buffers[name], BINARY, FOR_EVER)
 
 
-def _check_hash(asked: str, ours: str) -> None:
-    if asked != ours:
+def _model_with(sha256: str) -> ServedModel:
+    model = app_context().model_with(sha256)
+    if model.rig.sha256 != sha256:
         raise NotFound("This version of the model is not here; /api/meta names the one that is.")
+    return model

@@ -4,12 +4,12 @@ What it has prepared is of one patient's body, so it is in no other process's me
 deletion of the scan.
 """
 
-from pathlib import Path
 from typing import Any
 
 from breastrig.core.errors import Conflict
 from breastrig.execution.kept_processes import KeptProcesses
 from breastrig.service.failed_tasks import explained
+from breastrig.service.kept_models import KeptModels
 from breastrig.service.moving.deleted_fits import drop_if_deleted
 from breastrig.storage.files import fit_place
 from breastrig.storage.rows.fits import get_fit
@@ -23,9 +23,9 @@ WALL_S = 30.0  # an answer takes a tenth of a second, the first one; huge scans 
 class LivePatterns:
     """May be called from any thread."""
 
-    def __init__(self, storage: Storage, processes: KeptProcesses, model: Path | None) -> None:
+    def __init__(self, storage: Storage, processes: KeptProcesses, models: KeptModels) -> None:
         self._storage = storage
-        self._model = model
+        self._models = models
         self._processes = processes
 
     def answer(self, fit_id: str, question: LiveQuestion | LengthsQuestion) -> dict[str, Any]:
@@ -42,8 +42,9 @@ class LivePatterns:
 
     def _read_and_answer(self, fit_id: str, question: LiveQuestion | LengthsQuestion) -> dict[str, Any]:
         try:
-            with self._storage.files.reading(fit_place(fit_id)) as folder:
-                job = (fit_id, folder, self._model, question)
+            reading, models = self._storage.files.reading(fit_place(fit_id)), self._models.of_fits([fit_id])
+            with reading as folder, models as model:
+                job = (fit_id, folder, model, question)
                 found: dict[str, Any] = self._processes.result(fit_id, read_and_live_pattern, job, WALL_S)
         finally:
             drop_if_deleted(self._storage, self._processes, fit_id)

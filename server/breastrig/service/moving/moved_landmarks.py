@@ -5,13 +5,13 @@ Nothing is stored: what comes of a drag is a fit like any other, which is asked 
 
 import json
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from breastrig.core.errors import Conflict
 from breastrig.execution.kept_processes import KeptProcesses
 from breastrig.service.failed_tasks import explained
 from breastrig.service.fit_worker import earlier_fit, fit_job
+from breastrig.service.kept_models import KeptModels
 from breastrig.service.moving.deleted_fits import drop_if_deleted
 from breastrig.storage.files import scan_place, upload_name
 from breastrig.storage.rows.events import events_of_kind
@@ -27,10 +27,10 @@ WALL_S = 30.0  # an answer takes a twentieth of a second, the first one; huge sc
 class MovedLandmarks:
     """May be called from any thread."""
 
-    def __init__(self, storage: Storage, processes: KeptProcesses, model: Path | None) -> None:
+    def __init__(self, storage: Storage, processes: KeptProcesses, models: KeptModels) -> None:
         self._storage = storage
         self._processes = processes
-        self._model = model
+        self._models = models
 
     def moved(self, fit_id: str, landmarks: Points) -> dict[str, Any]:
         """Where the model of a fit lies with landmarks (mm, scan frame) that were moved.
@@ -46,8 +46,9 @@ class MovedLandmarks:
 
     def _read_and_moved(self, fit: FitRow, landmarks: Points) -> dict[str, Any]:
         scan = get_scan(self._storage, fit.scan)
-        with self._storage.files.reading(scan_place(scan.id), [upload_name(scan.file_type)]) as folder:
-            job = fit_job(scan, fit, folder, folder, self._model)
+        reading = self._storage.files.reading(scan_place(scan.id), [upload_name(scan.file_type)])
+        with reading as folder, self._models.of_fits([fit.id]) as model:
+            job = fit_job(scan, fit, folder, folder, model)
             job = replace(job, stance=fit.stance, drawing=None, earlier=earlier_fit(self._storage, fit.id))
             asked = (fit.id, FollowJob(job, self._not_followed(fit)), landmarks)
             try:
