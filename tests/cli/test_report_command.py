@@ -168,6 +168,18 @@ def test_a_fit_keeps_the_code_and_the_day_of_its_scan(copy_of_a_fit: Path, tmp_p
 
 
 @pytest.mark.usefixtures("quick_reports")
+def test_a_pattern_that_does_not_fit_is_said_in_words(fits: dict[str, Path], tmp_path: Path) -> None:
+    item = {"kind": "pattern", "id": "w", "name": "reduction", "parameters": {"limb_mm": 80.0}}
+    (tmp_path / "plan.json").write_text(json.dumps({"schema": "breastrig/plan@1", "items": [item]}))
+    asked = ["report", str(fits["standing"]), "--plan", str(tmp_path / "plan.json"), "-o", str(tmp_path / "out")]
+    assert main(asked) == 0
+    text = " ".join(pypdf.PdfReader(pdf_of(tmp_path / "out")).pages[0].extract_text().split())
+    assert "Vertical limbs 80 mm" in text
+    assert "Not drawn: The limbs of 80 mm reach the fold" in text
+    assert "limb_mm" not in text
+
+
+@pytest.mark.usefixtures("quick_reports")
 def test_the_plan_is_shown_with_its_numbers(fits: dict[str, Path], tmp_path: Path) -> None:
     plan = {
         "schema": "breastrig/plan@1",

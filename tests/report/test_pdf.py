@@ -133,7 +133,7 @@ def test_lines_that_are_no_item_of_a_plan_have_their_names_and_no_raw_ids() -> N
     line = Polyline("wise_fold_L", False, "#000000", marks["mid_sternum"][None], np.zeros(1, np.bool_))
     stance = Stance(rig, rig.template, rig.template, rig.faces, "standing", lines=(line,))
     texts = pages(report_pdf([shown(stance)]))
-    assert "New fold, left" in texts[0]
+    assert "No plan. Drawn with the fit: New fold, left." in texts[0]
     assert texts[-1].count("New fold, left") == 1
     assert "Tape sheet, standing" in texts[-1]
     assert "_L" not in " ".join(texts)

@@ -152,6 +152,13 @@ def test_a_circle_is_one_centre_with_its_radius_and_a_shared_end_is_one_point(to
     assert moved.radius_mm == pytest.approx(20.0, abs=1.0)
     assert np.linalg.norm(moved.at - skin.at(aside)[0]) < 0.003
     assert [point.point for point in others] == ["start", "end", "end"]
+    teardrop = rings[1].copy()
+    teardrop[:3] += 0.6 * (rings[1][:3] - rings[1].mean(axis=0))
+    (*corners,) = tape_points(known(torso, 0.01, FOUND, line(teardrop, closed=True)))
+    assert {point.point for point in corners} <= {"upper", "lower", "medial", "lateral"}, "it is no circle"
+    mark = skin.at(circle_around(skin, aside, 0.003))
+    (one,) = tape_points(known(torso, 0.01, FOUND, line(mark, closed=True)))
+    assert (one.point, one.around) == ("centre", ""), "a nipple's new place is one point, however it was carried"
 
 
 def test_a_drawing_of_nothing_and_a_rig_with_few_landmarks_have_no_sheet(torso: Rig, toy_rig: Rig) -> None:

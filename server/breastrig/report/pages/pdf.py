@@ -103,6 +103,7 @@ def report_content(stances: Sequence[Reported], identity: Identity) -> dict[str,
         "warning": " · ".join(warned),
         "pictures": _large_pictures(stances),
         "plan": _plan(stances),
+        "lines": _lines(stances),
         "measures": _measures(stances),
         "landmarks": _landmarks(stances),
         "uncertainty": _uncertainty(stances),
@@ -140,7 +141,7 @@ def _large_pictures(stances: Sequence[Reported]) -> list[Table]:
     for one in stances:
         cameras = views_of(one.stance, views, aspect, height)
         for name, picture in zip(views, scan_pictures(one.stance, cameras, _pixels(LARGE)), strict=True):
-            what = "scan with the plan" if one.stance.lines else "scan"
+            what = "scan with the plan" if one.plan else "scan with the drawing" if one.stance.lines else "scan"
             title = f"{one.name.capitalize()}, {name.replace('_', ' ')}"
             found.append({"title": f"{title}: {what}", "jpeg": list(jpeg(picture))})
     return found
@@ -151,14 +152,20 @@ def _pixels(size: tuple[float, float]) -> tuple[int, int]:
 
 
 def _plan(stances: Sequence[Reported]) -> list[Table]:
-    """Each item once, also where both stances show it; lines that are no item of a plan by their names."""
+    """Each item once, also where both stances show it."""
     items: dict[str, PlannedItem] = {}
     for item in (item for one in stances for item in one.plan):
         known = items.get(item.id, item)
         text = " ".join(dict.fromkeys(filter(None, (known.text, item.text))))
         items[item.id] = replace(max(known, item, key=lambda each: len(each.values)), text=text)
-    names = () if items else dict.fromkeys(spoken(line.name) for one in stances for line in one.stance.lines)
-    return [asdict(item) for item in (*items.values(), *(PlannedItem("", name) for name in names))]
+    return [asdict(item) for item in items.values()]
+
+
+def _lines(stances: Sequence[Reported]) -> str:
+    """Names of the lines that are drawn where there is no plan: the fit's own drawing."""
+    if any(one.plan for one in stances):
+        return ""
+    return "; ".join(dict.fromkeys(spoken(line.name) for one in stances for line in one.stance.lines))
 
 
 def _measures(stances: Sequence[Reported]) -> Table:

@@ -28,8 +28,8 @@ FOUND = (  # by eye or finger on anybody; folds and shoulders are long, the midd
 THREE = 3
 NEAREST = 0.02  # m; nearer the tape is as long as the error of the landmark
 SAME = 0.003  # m; what is as near is one point, as a tape is read
-ROUND = 0.12  # standard deviation over mean of the distances to its centre, up to which a closed line is a circle
-LARGEST = 0.05  # m, of a circle that is drawn around its centre
+CIRCULAR = 0.985  # 4 pi area over the outline's square: circles on breasts have 0.990 and more, rounded patterns 0.946
+POINT, LARGEST = 0.005, 0.05  # m, radius up to which any closed line is one point, and a circle is drawn by its centre
 ASSUMED = {"model": 0.015}  # m, radius of a landmark of which none is known, only to choose by; picked ones PICKED
 PICKED = 0.005
 READ, LAID = 0.002, 0.01  # m, and share of its length, by which a tape is read and laid wrongly; nobody measured it
@@ -113,8 +113,12 @@ def _centre(line: Polyline) -> Array | None:
     if not line.closed or len(line.points) < 2 * THREE:
         return None
     centre = np.asarray(line.points.mean(axis=0))
-    far = np.linalg.norm(line.points - centre, axis=1)
-    return centre if far.mean() < LARGEST and far.std() < ROUND * far.mean() else None
+    arms = line.points - centre
+    radius = float(np.linalg.norm(arms, axis=1).mean())
+    area = np.linalg.norm(np.cross(arms, np.roll(arms, -1, axis=0)).sum(axis=0)) / 2.0  # as it is seen at its best
+    outline = np.linalg.norm(arms - np.roll(arms, -1, axis=0), axis=1).sum()
+    is_circle = 4.0 * np.pi * area > CIRCULAR * outline**2 and radius < LARGEST
+    return centre if radius < POINT or is_circle else None
 
 
 def key_points(line: Polyline, frame: BodyFrame) -> list[tuple[str, int]]:

@@ -1,5 +1,6 @@
 """The items of a plan in words and numbers, as the report shows them."""
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -12,6 +13,7 @@ from breastrig.workflow.folder.fit_folder import FitFolder
 
 SIDES = {"L": "left breast", "R": "right breast", "both": "both breasts"}
 UNITS = {"mm": " mm", "deg": "°"}
+PARAMETER = re.compile(r" \([a-z]+(?:_[a-z]+)+\)")  # which a sentence names for programs: (limb_mm)
 
 
 def planned_items(
@@ -69,7 +71,7 @@ def _as_drawn(item: PlanPattern, fit: FitFolder) -> tuple[tuple[str, str], ...]:
 
 
 def _text(item: PlanItem, missing: Mapping[str, str]) -> str:
-    why = missing.get(item.id, "")
+    why = f"Not drawn: {PARAMETER.sub('', missing[item.id])}" if item.id in missing else ""
     return f"{item.text} {why}".rstrip() if isinstance(item, PlanNote) else why
 
 
