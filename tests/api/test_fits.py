@@ -1,5 +1,6 @@
 import io
 import json
+import re
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -253,7 +254,10 @@ def test_results_are_files_with_an_etag_that_the_browser_may_keep(
     assert answer.data == (service.storage.folders.fit(fit_id) / name).read_bytes()
     assert answer.mimetype == media_type
     assert answer.headers["Cache-Control"] == PERSONAL
-    assert answer.headers["Content-Disposition"] == f"attachment; filename={name}"
+    said = answer.headers["Content-Disposition"]
+    assert re.fullmatch(
+        rf"attachment; filename=[A-Z0-9]{{3}}-[A-Z0-9]{{3}}_standing_[-0-9]{{10}}_{re.escape(name)}", said
+    )
     again = client.get(f"/api/fits/{fit_id}/{name}", headers={"If-None-Match": answer.headers["ETag"]})
     assert (again.status_code, again.data) == (304, b"")
 

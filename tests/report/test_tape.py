@@ -152,6 +152,9 @@ def test_a_circle_is_one_centre_with_its_radius_and_a_shared_end_is_one_point(to
     assert moved.radius_mm == pytest.approx(20.0, abs=1.0)
     assert np.linalg.norm(moved.at - skin.at(aside)[0]) < 0.003
     assert [point.point for point in others] == ["start", "end", "end"]
+    outwards = np.linalg.svd(rings[1] - rings[1].mean(axis=0))[2][2]
+    rough = rings[1] + np.outer(np.random.default_rng(3).normal(0.0, 0.0008, len(rings[1])), outwards)  # as scans are
+    assert [point.point for point in tape_points(known(torso, 0.01, FOUND, line(rough, closed=True)))] == ["centre"]
     teardrop = rings[1].copy()
     teardrop[:3] += 0.6 * (rings[1][:3] - rings[1].mean(axis=0))
     (*corners,) = tape_points(known(torso, 0.01, FOUND, line(teardrop, closed=True)))

@@ -115,9 +115,10 @@ def _centre(line: Polyline) -> Array | None:
     centre = np.asarray(line.points.mean(axis=0))
     arms = line.points - centre
     radius = float(np.linalg.norm(arms, axis=1).mean())
-    area = np.linalg.norm(np.cross(arms, np.roll(arms, -1, axis=0)).sum(axis=0)) / 2.0  # as it is seen at its best
-    outline = np.linalg.norm(arms - np.roll(arms, -1, axis=0), axis=1).sum()
-    is_circle = 4.0 * np.pi * area > CIRCULAR * outline**2 and radius < LARGEST
+    twice = np.cross(arms, np.roll(arms, -1, axis=0)).sum(axis=0)  # the vector of twice the area: seen from there
+    seen = arms - np.outer(arms @ twice, twice) / float(twice @ twice)
+    outline = float(np.linalg.norm(seen - np.roll(seen, -1, axis=0), axis=1).sum())
+    is_circle = 2.0 * np.pi * np.linalg.norm(twice) > CIRCULAR * outline**2 and radius < LARGEST
     return centre if radius < POINT or is_circle else None
 
 
