@@ -17,19 +17,21 @@ from breastrig.cli.main import main
 from breastrig.storage import reserve
 from breastrig.storage.deletion import delete_scan, discard, finish_deletions, remove_files
 from breastrig.storage.file_journal import count_pending_removals, pending_removals, record_creation
-from breastrig.storage.files import fit_place, scan_place
+from breastrig.storage.files import fit_place, scan_place, share_place
 from breastrig.storage.rows.fits import fit_ids
 from breastrig.storage.rows.scans import ScanRow, add_scan, scan_ids
+from breastrig.storage.rows.shares import ShareRow, add_share, end_snapshots, get_share
 from breastrig.storage.storage import Storage, Unremoved
 
 FITS = [f"fit-{k}" for k in range(4)]
-TRACES = (b"skin of scan-1", b"result of fit-", b"scan-1", b"fit-0", b"fit-3")
+SHARE = ShareRow("share", "fit-0", "2026-01-01T00:00:00.000Z", "2999-01-01T00:00:00.000Z", "none", None, "shown", "")
+TRACES = (b"skin of scan-1", b"result of fit-", b"scan-1", b"fit-0", b"fit-3", b"seen through a link", b"shares/shown")
 WRITES = re.compile("INSERT|UPDATE|DELETE")
 
 
 @pytest.fixture
 def full(storage: Storage) -> Storage:
-    """A scan with several fits, files of all, and another scan."""
+    """A scan with several fits and a link to one, files of all, and another scan."""
     for scan in ("scan-1", "scan-2"):
         storage.folders.make(storage.folders.scan(scan))
         storage.folders.uploaded(scan, "ply").write_bytes(f"skin of {scan}".encode())
@@ -38,8 +40,24 @@ def full(storage: Storage) -> Storage:
         storage.make_fit(fit)
         (storage.folders.fit(fit) / "result.json").write_text(f"result of {fit}")
         add_waiting_fit(storage, "scan-1", fit)
+    storage.files.make(share_place("shown"))
+    storage.files.write(share_place("shown"), "plan.json", b"seen through a link")
+    add_share(storage, SHARE, "cd" * 32)
     storage.refill_reserve()
     return storage
+
+
+def test_what_links_show_stays_through_a_restart_and_goes_when_they_are_over(full: Storage) -> None:
+    record_creation(full, "scan-1", [share_place("killed")])  # a server was killed while it made that one
+    full.files.make(share_place("killed"))
+    assert finish_deletions(full) == []
+    assert full.files.find(share_place("killed"), "") is None
+    assert full.files.find(share_place("shown"), "plan.json") is not None
+    assert end_snapshots(full, "2998-12-31T00:00:00.000Z") == []
+    assert end_snapshots(full, "2999-01-01T00:00:00.000Z") == ["scan-1"]
+    assert remove_files(full, "scan-1") == []
+    assert not list((full.root / "shares").iterdir())
+    assert get_share(full, "fit-0", "share").snapshot is None
 
 
 def assert_gone(storage: Storage) -> None:

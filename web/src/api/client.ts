@@ -89,6 +89,19 @@ export async function askJson<Body>(path: string, method = "GET", body?: unknown
 
 const bytes = async (path: string): Promise<ArrayBuffer> => (await ask(path)).arrayBuffer();
 const id = encodeURIComponent;
+
+// A scan never changes, and no browser keeps what shows a patient: the last two, both stances of one patient, stay in memory.
+const KEPT_MESHES = 2;
+const meshes = new Map<string, Promise<ArrayBuffer>>();
+
+function mesh({ links }: Scan): Promise<ArrayBuffer> {
+  const found = meshes.get(links.mesh) ?? bytes(links.mesh);
+  meshes.delete(links.mesh);
+  meshes.set(links.mesh, found); // the one that was asked for last stands last
+  for (const link of [...meshes.keys()].slice(0, -KEPT_MESHES)) meshes.delete(link);
+  found.catch(() => meshes.delete(links.mesh));
+  return found;
+}
 const KEPT_ALIVE_BYTES = 60_000; // the standard allows 64 kB for all of a page together
 
 /** Proxies that compress make the tag a weak one. */
@@ -106,6 +119,7 @@ export const client = {
   scan: (scan: string) => askJson<ExampleScan>(`/api/scans/${id(scan)}`),
   /** With all that was made of it; arrives although the page is being closed. */
   deleteScan: async (scan: Scan): Promise<void> => {
+    meshes.clear();
     await ask(scan.links.self, { method: "DELETE", keepalive: true });
   },
   /** The newest first; `address` is that of a further page. */
@@ -114,9 +128,10 @@ export const client = {
   patient: (patient: string) => askJson<Patient>(`/api/patients/${id(patient)}`),
   renamePatient: (patient: string, code: string) => askJson<Patient>(`/api/patients/${id(patient)}`, "PATCH", { code }),
   deletePatient: async (patient: string): Promise<void> => {
+    meshes.clear();
     await ask(`/api/patients/${id(patient)}`, { method: "DELETE", keepalive: true });
   },
-  mesh: (scan: Scan) => bytes(scan.links.mesh),
+  mesh,
   /** What a file says of the scan's landmarks; nothing of it is kept yet. */
   landmarkFile: async (scan: Scan, file: File): Promise<LandmarkFile> => {
     const body = new FormData();
