@@ -83,13 +83,33 @@ def test_the_result_keeps_its_contract_and_its_accuracy(fitted: Path) -> None:
 
 def test_on_a_terminal_the_verdict_and_how_sure_it_is_come_before_any_distance(fitted: Path) -> None:
     result = json.loads((fitted / "result.json").read_text())
-    sure = r"a good fit, landmarks ± \d+ to \d+ mm"
+    sure = r"a good fit: lines on the breasts ± [5-8] mm, landmarks ± \d+ to \d+ mm"
     near = r"0\.\d\d mm to the scan \(the model alone 0\.\d\d mm\), \d\.\d\d mm to the landmarks"
     assert re.fullmatch(f"{sure}; {near}", summary(result))
     unknown = result["surface_distance_mm"] | {"mean": None}
     worse = {"verdict": {"level": "unusable", "reasons": []}, "refined": False, "surface_distance_mm": unknown}
     nothing = {"landmark_uncertainty_mm": {}, "landmark_distance_mm": {"mean": None}}
     assert summary(result | worse | nothing) == "not usable; no distance to the scan"
+    guess = {"landmark_uncertainty_mm": {"xiphoid": 177.2, "umbilicus": 12.4}, "landmarks_agreed": ["xiphoid"]}
+    unsure = result | guess | {"verdict": {"level": "check", "reasons": []}, "line_error_mm": 14.6}
+    start = "a fit to check: lines on the breasts ± 15 mm, landmarks ± 12 mm, 1 not known, 1 of them only agreed to; "
+    assert summary(unsure).startswith(start)
+
+
+def test_a_fit_that_is_not_usable_is_written_and_has_an_exit_code_of_its_own(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Squeezed sideways, as no adult is: with its landmarks it is not refused."""
+    squeezed = np.array([0.5, 1.0, 1.6])
+    scan = trimesh.load(EXAMPLE / "scan.ply", process=False)
+    trimesh.Trimesh(scan.vertices * squeezed, scan.faces, process=False).export(tmp_path / "squeezed.ply")
+    picks = document(EXAMPLE, "landmarks.json")
+    picks["landmarks"] = {name: (squeezed * place).tolist() for name, place in picks["landmarks"].items()}
+    (tmp_path / "picks.json").write_text(json.dumps(picks))
+    asked = ["fit", str(tmp_path / "squeezed.ply"), "--landmarks", str(tmp_path / "picks.json"), "--preset", "paper"]
+    assert main([*asked, "--units", "m", "--drawing", "none", "-o", str(tmp_path / "out")]) == 3
+    assert document(tmp_path / "out", "result.json")["verdict"]["level"] == "unusable"
+    assert "this fit is not usable: " in capsys.readouterr().err
 
 
 def test_the_fitted_surface_is_the_whole_model_in_the_scans_frame_and_unit(fitted: Path) -> None:

@@ -15,9 +15,11 @@ from breastrig.interface.fit_result import Fit
 from breastrig.interface.pair import PAIR_SETS, FitPair, pair_iterates
 from breastrig.interface.run import FitRun, Iterate, iterates
 from breastrig.interface.scan import Scan, read_coloured
+from breastrig.report.bands import margin_text, margins_text
 from breastrig.workflow.folder.fit_file_names import DRAWING_MISSING, fit_set
 from breastrig.workflow.folder.patient import write_patient
 
+UNUSABLE = 3  # exit code
 SAID = {
     "good": "a good fit",
     "uncalibrated": "not calibrated for this rig",
@@ -90,7 +92,7 @@ def _to_check(reason: str) -> str:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Fits and writes; returns 0, or 2 when all but a pattern that does not fit on this patient was done."""
+    """Fits and writes; returns 0, 3 where that is of no use, or 2 where a pattern does not fit on this patient."""
     files = options.with_landmarks or options.with_cuts
     given = files or not options.alike or (options.with_units, options.with_stance) != ("auto", "auto")
     if options.other is None and given:
@@ -126,6 +128,8 @@ def run(options: argparse.Namespace) -> int:
             print(f"breastrig: {scan}{missing}", file=sys.stderr)
         if sys.stdout.isatty():
             print(f"{scan}{summary(result)}; patient {code}, results in {options.output}")
+    if any(result["verdict"]["level"] == "unusable" for result in results):
+        return UNUSABLE
     return 2 if any(DRAWING_MISSING in result for result in results) else 0
 
 
@@ -135,11 +139,15 @@ def _mm(distance: float | None) -> str:
 
 
 def summary(result: dict[str, Any]) -> str:
-    """What a result.json says in one line: first whether and how far it can be relied on, distances after that."""
-    radii = [mm for mm in result["landmark_uncertainty_mm"].values() if mm is not None]
-    sure = f", landmarks ± {min(radii):.0f} to {max(radii):.0f} mm" if radii else ""
+    """What a result.json says in one line: first what it is good for, distances to the skin after that."""
+    level, radii = result["verdict"]["level"], result["landmark_uncertainty_mm"]
+    lines = "" if result["line_error_mm"] is None else f": lines on the breasts {margin_text(result['line_error_mm'])}"
+    agreed = len(result["landmarks_agreed"])
+    only = f", {agreed} of them only agreed to" if agreed else ""
+    points = f", landmarks {margins_text(list(radii.values()))}{only}" if radii else ""
+    sure = "" if level == "unusable" else lines + points
     found, alone = (_mm(each["surface_distance_mm"]["mean"]) for each in (result, result["model_alone"]))
     to_scan = f"{found} to the scan" + (f" (the model alone {alone})" if result["refined"] else "")
     picks = result["landmark_distance_mm"]["mean"]
     to_picks = "" if picks is None else f", {picks:.2f} mm to the landmarks"
-    return f"{SAID[result['verdict']['level']]}{sure}; {to_scan}{to_picks}"
+    return f"{SAID[level]}{sure}; {to_scan}{to_picks}"

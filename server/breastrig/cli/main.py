@@ -1,4 +1,5 @@
-"""`breastrig` and its commands.  Exit codes: 0 done, 1 the fit failed, 2 bad input or usage, 130 stopped by Ctrl-C.
+"""`breastrig` and its commands.  Exit codes: 0 done, 1 the fit failed, 2 bad input or usage, 3 written but not
+usable, 130 stopped by Ctrl-C.
 
 Of the command that is called first its words are imported, then what it does: all commands together take seconds, and
 who asks for help or mistypes a word waits for neither.

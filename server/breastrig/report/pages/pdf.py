@@ -15,6 +15,7 @@ import typst
 from breastrig import __version__
 from breastrig.core.identity import UNNAMED, Identity
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.report.bands import KNOWN_MM, margin_text, margins_text
 from breastrig.report.document import PlannedItem, Reported
 from breastrig.report.measures import OUTLINE
 from breastrig.report.pages.names import spoken, spoken_together
@@ -40,10 +41,9 @@ KINDS = {  # of rows, in this order
     "ratio": "Symmetry (1 = equal)",
 }
 VERDICTS = {
-    "good": "good",
-    "uncalibrated": "not calibrated for this rig",
-    "check": "check: see doubts and notes",
-    "unusable": "unusable: see doubts and notes",
+    "good": "A good fit",
+    "check": "A fit to check (see doubts and notes)",
+    "unusable": "A fit that is not usable (see doubts and notes)",
 }
 WARNINGS = {
     "uncalibrated": "NOT CALIBRATED FOR THIS RIG: see doubts and notes",
@@ -101,6 +101,7 @@ def report_content(stances: Sequence[Reported], identity: Identity) -> dict[str,
         "program": f"BreastRig {__version__}",
         "limits": LIMITS_OF_USE,
         "warning": " · ".join(warned),
+        "verdicts": [remark for one in stances for remark in _said(stances, one, [_verdict(one.result)])],
         "pictures": _large_pictures(stances),
         "plan": _plan(stances),
         "lines": _lines(stances),
@@ -213,7 +214,7 @@ def _landmarks(stances: Sequence[Reported]) -> Table:
         for one, found in zip(stances, placed, strict=True):
             gap = one.result["landmark_distance_mm"]["each"].get(name)
             radius = one.result.get("landmark_uncertainty_mm", {}).get(name)
-            texts = ["-" if gap is None else f"{gap:.1f}", "-" if radius is None else f"±{radius:.1f}"]
+            texts = ["-" if gap is None else f"{gap:.1f}", "-" if radius is None else _margin(radius)]
             cells.append([found[name].source if name in found else "-", *texts])
         rows.append([spoken(name), cells])
     return {"columns": [one.name for one in stances], "rows": rows}
@@ -239,6 +240,22 @@ def _settings(stances: Sequence[Reported]) -> Table:
     }
 
 
+def _margin(radius: float) -> str:
+    """In whole millimetres, which is what a radius that contains nine of ten is worth."""
+    return "not known" if radius > KNOWN_MM else f"±{radius:.0f}"
+
+
+def _verdict(result: Mapping[str, Any]) -> str:
+    """What the fit is good for: how far off a line may be, then the landmarks; results of earlier versions say less."""
+    level = VERDICTS.get((result.get("verdict") or {}).get("level", ""), VERDICTS["check"])
+    lines, radii = result.get("line_error_mm"), list(result.get("landmark_uncertainty_mm", {}).values())
+    agreed = len(result.get("landmarks_agreed", ()))
+    said = [] if lines is None else [f"lines on the breasts {margin_text(lines)}"]
+    said += [f"landmarks {margins_text(radii)}"] if radii else []
+    said += [f"{agreed} of {len(radii)} landmarks only agreed to where they were proposed"] if agreed else []
+    return f"{level}: {', '.join(said)}." if said else f"{level}."
+
+
 def _making(result: Mapping[str, Any]) -> dict[str, str]:
     """How the fit was made."""
     scan, model, landmarks = result["scan"], result["model"], result["landmark_distance_mm"]
@@ -246,7 +263,6 @@ def _making(result: Mapping[str, Any]) -> dict[str, str]:
     picked = "no landmarks were picked" if mean is None else f"mean {mean:.1f} mm, largest {most:.1f} mm, of {count}"
     alone = result.get("model_alone", result)["surface_distance_mm"]
     return {
-        "Verdict": VERDICTS.get((result.get("verdict") or {}).get("level", ""), "not known"),
         "Model to picked landmarks": picked,
         "Model to scan": _distances(result["surface_distance_mm"]),
         "Without the free-form layer": _distances(alone) if result.get("refined") else "the same",
