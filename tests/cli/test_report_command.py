@@ -4,6 +4,7 @@ import csv
 import json
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from datetime import UTC, date, datetime
 from pathlib import Path
 
@@ -22,6 +23,7 @@ from breastrig.core.glb import split_glb
 from breastrig.core.identity import LETTERS
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.geometry.self_intersections import crossing_faces
+from breastrig.report.table import Value, with_margin
 from breastrig.workflow import report as report_module
 from breastrig.workflow.folder.patient import write_patient
 
@@ -113,7 +115,9 @@ def test_the_pdf_has_the_numbers_the_settings_a_tape_sheet_of_each_stance_and_th
         if row["unit"] == "mm" and row["stance"] in STANCES:
             for cell in ("left", "right", "value"):
                 if row[cell] is not None:
-                    assert any(f"{row[cell] + nudge:.1f}" in whole for nudge in (-0.005, 0.0, 0.005)), row
+                    value = Value(*(row[f"{cell}{end}"] for end in ("", "_low", "_high")))
+                    near = (replace(value, value=value.value + nudge) for nudge in (-0.005, 0.0, 0.005))
+                    assert any(with_margin(each, "mm") in whole for each in near), row
     for stance in found["stances"]:
         assert stance["model"]["sha256"][:12] in whole
         assert stance["scan"]["sha256"][:12] in whole

@@ -9,7 +9,16 @@ import pytest
 from breastrig.report.calibration import measure_calibration
 from breastrig.report.measures import measures
 from breastrig.report.stance import Stance
-from breastrig.report.table import Row, Value, csv_bytes, flat_rows
+from breastrig.report.table import (
+    Row,
+    Value,
+    contradictions,
+    csv_bytes,
+    flat_rows,
+    less,
+    with_band,
+    with_margin,
+)
 from breastrig.rig.model import Rig
 
 LENGTHS = ("notch_nipple", "midclavicle_nipple", "nipple_fold", "nipple_midline", "nipple_nipple", "base_width")
@@ -241,3 +250,30 @@ def test_lines_leave_in_millimetres_with_the_row_and_not_with_the_table_or_a_cha
     assert "paths" not in text
     verdicts = {(row["stance"], row["verdict"]) for row in csv.DictReader(text.splitlines())}
     assert verdicts == {("standing", "good"), ("supine", "check"), ("supine - standing", "check")}
+
+
+def test_a_number_is_written_as_finely_as_its_band_allows() -> None:
+    assert with_margin(Value(201.34), "mm") == "201.3"
+    assert with_margin(Value(201.34, 200.7, 201.9), "mm") == "201.3 ±0.6"
+    assert with_margin(Value(201.34, 196.2, 206.5), "mm") == "201 ±5"
+    assert with_margin(Value(268.7, 240.1, 297.0), "ml") == "270 ±30"
+    assert with_margin(Value(0.9831, 0.93, 1.0), "1") == "0.98 ±0.05"
+    assert with_band(Value(268.7, 240.1, 297.0), "ml") == "270  (240 to 300)"
+    change = less(Value(200.0, 197.0, 203.0), Value(210.0, 206.0, 214.0))
+    assert change == Value(10.0, 5.0, 15.0)
+    assert with_margin(change, "mm", signed=True) == "+10 ±5"
+    assert less(Value(1.0), Value(2.0, 1.0, 3.0)) == Value(1.0)
+
+
+def test_volumes_of_one_breast_that_differ_by_more_than_their_bands_are_said() -> None:
+    def volumes(left: float, right: float) -> list[Row]:
+        sides = (Value(mean, mean - 20.0, mean + 20.0) for mean in (left, right))
+        return [Row("volume", "Volume", "volume", "ml", *sides, None, (), "")]
+
+    standing, alike, less_of_one = volumes(269.0, 262.0), volumes(250.0, 240.0), volumes(245.0, 181.0)
+    assert contradictions([("standing", standing)]) == ()
+    assert contradictions([("standing", standing), ("supine", alike)]) == ()
+    assert contradictions([("standing", standing), ("supine", less_of_one)]) == (
+        "The right breast measures 260 ±20 ml standing and 180 ±20 ml supine: the same breast cannot differ by more "
+        "than both bands; check both fits.",
+    )

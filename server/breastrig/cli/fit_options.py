@@ -1,8 +1,9 @@
 """`breastrig fit SCAN -o OUT`: one scan in, one folder of results out.
 
 With `--with SCAN_B` two stances of one patient are fitted together, their bodies held alike: OUT/first and
-OUT/second are the two folders, OUT/pair.json says what they have in common.  Exit codes: 0 done, 1 the fit failed, 2 bad
-input or usage, 3 written, but not usable.
+OUT/second are the two folders, OUT/pair.json says what they have in common.
+
+Exit codes: 0 done, 1 the fit failed, 2 bad input or usage, 3 written, but not usable.
 """
 
 import argparse

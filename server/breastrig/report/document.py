@@ -13,7 +13,8 @@ SCHEMA = "breastrig/report@1"
 FROM_RESULT = (
     "stance", "stance_reason", "preset", "refined", "scan", "model", "verdict", "converged", "stop_reason",
     "iterations", "surface_distance_mm", "scan_to_model_mm", "landmark_distance_mm", "model_alone",
-    "line_error_mm", "landmark_uncertainty_mm", "landmarks_agreed", "not_calibrated", "landmarks_not_followed", "landmarks_unusual", "drawing_missing",
+    "line_error_mm", "landmark_uncertainty_mm", "landmarks_agreed", "not_calibrated",
+    "landmarks_not_followed", "landmarks_unusual", "drawing_missing",
     "notes", "versions",
 )  # fmt: skip  # no times: the same fit gives the same report
 SIGNS = "difference is left less right; a row of two stances is the second less the first; sides are the patient's"

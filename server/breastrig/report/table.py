@@ -23,7 +23,8 @@ VERDICT = "verdict"  # the last column
 LEVELS = ("", "good", "uncalibrated", "check", "unusable")  # of a verdict; none in results of earlier versions
 PATH_DIGITS = 1  # of mm, in the lines that were measured: they are looked at, not measured again
 FILE_DIGITS = {"mm": 2, "ml": 1, "1": 4, "grade": 0}  # a hundredth of a millimetre is below any scanner: enough
-PRINTED_DIGITS = {"mm": 1, "ml": 0, "1": 2}  # what a scanner of 1 to 3 mm and a band of tens of ml allow
+# In print, where nothing is known of a band, and the coarsest.
+STEPS = {"mm": (0.1, 1.0), "ml": (1.0, 10.0), "1": (0.01, 0.1)}
 GRADES = ("none", "I", "II", "III", "glandular")  # of ptosis.py
 
 
@@ -34,6 +35,13 @@ class Value:
     value: float
     low: float | None = None
     high: float | None = None
+
+    @property
+    def margin(self) -> float | None:
+        """The larger side of the band; None where none is known."""
+        if self.low is None or self.high is None:
+            return None
+        return max(self.high - self.value, self.value - self.low)
 
 
 @dataclass(frozen=True)
@@ -71,6 +79,36 @@ def flat_rows(stances: Sequence[tuple[str, Sequence[Row]]]) -> list[dict[str, Ce
     return flat
 
 
+def less(x: Value | None, y: Value | None) -> Value | None:
+    """y less x, whose errors are independent: their margins add up as squares."""
+    if x is None or y is None:
+        return None
+    change = y.value - x.value
+    if x.margin is None or y.margin is None:
+        return Value(change)
+    half = float(np.hypot(x.margin, y.margin))
+    return Value(change, change - half, change + half)
+
+
+def contradictions(stances: Sequence[tuple[str, Sequence[Row]]]) -> tuple[str, ...]:
+    """Volumes of one breast in two (name, rows) that differ by more than their bands: no breast does."""
+    if len(stances) != 2:
+        return ()
+    (first, before), (second, after) = stances
+    known = {row.measure: row for row in before if row.kind == "volume"}
+    found = []
+    for row in (row for row in after if row.kind == "volume" and row.measure in known):
+        for side in ("left", "right"):
+            one, other = getattr(known[row.measure], side), getattr(row, side)
+            change = less(one, other)
+            if change is not None and change.margin is not None and abs(change.value) > change.margin:
+                found.append(
+                    f"The {side} breast measures {with_margin(one, 'ml')} ml {first} and {with_margin(other, 'ml')} ml "
+                    f"{second}: the same breast cannot differ by more than both bands; check both fits."
+                )
+    return tuple(found)
+
+
 def changes(before: Sequence[Row], after: Sequence[Row]) -> list[Row]:
     """The measures that both stances have, after less before; grades are no numbers to be subtracted."""
     known = {(row.measure, row.kind): row for row in before if row.unit != "grade"}
@@ -78,9 +116,6 @@ def changes(before: Sequence[Row], after: Sequence[Row]) -> list[Row]:
 
 
 def _change(a: Row, b: Row) -> Row:
-    def less(x: Value | None, y: Value | None) -> Value | None:
-        return None if x is None or y is None else Value(y.value - x.value)
-
     landmarks = tuple(dict.fromkeys((*a.landmarks, *b.landmarks)))
     return Row(
         a.measure,
@@ -123,13 +158,23 @@ def csv_bytes(rows: Sequence[dict[str, Cell]], verdicts: Mapping[str, str]) -> b
 
 
 def number(value: Value | None, unit: str, *, signed: bool = False) -> str:
-    """The value without its unit; a dash where there is none."""
+    """The value without its unit, as finely as its band allows; a dash where there is none."""
     if value is None:
         return "-"
     if unit == "grade":
         return GRADES[round(value.value)]
-    text = f"{value.value:{'+' if signed else ''}.{PRINTED_DIGITS[unit]}f}"
+    text = _rounded(value.value, _step(value.margin, unit), "+" if signed else "")
     return text if float(text) else text.lstrip("+-")
+
+
+def _step(margin: float | None, unit: str) -> float:
+    """In which steps a number is written: no finer than a tenth of its band of nine of ten true values."""
+    least, most = STEPS[unit]
+    return least if not margin else float(np.clip(10.0 ** np.floor(np.log10(0.5 * margin)), least, most))
+
+
+def _rounded(number: float, step: float, sign: str = "") -> str:
+    return f"{round(number / step) * step:{sign}.{max(0, round(-np.log10(step)))}f}"
 
 
 def with_band(value: Value | None, unit: str) -> str:
@@ -139,14 +184,13 @@ def with_band(value: Value | None, unit: str) -> str:
     if unit == "grade":
         low, high = (GRADES[round(end)] for end in (value.low, value.high))
         return number(value, unit) if low == high else f"{number(value, unit)}  ({low} to {high})"
-    digits = PRINTED_DIGITS[unit]
-    return f"{number(value, unit)}  ({value.low:.{digits}f} to {value.high:.{digits}f})"
+    step = _step(value.margin, unit)
+    return f"{number(value, unit)}  ({_rounded(value.low, step)} to {_rounded(value.high, step)})"
 
 
-def with_margin(value: Value | None, unit: str) -> str:
-    """201.3 ±4: the larger side of its band, in whole units; of a ratio 0.98 ±0.05."""
-    text = number(value, unit)
-    if value is None or value.low is None or value.high is None or unit == "grade":
+def with_margin(value: Value | None, unit: str, signed: bool = False) -> str:
+    """201 ±4: the larger side of its band, both as finely as that allows; of a ratio 0.98 ±0.05."""
+    text = number(value, unit, signed=signed)
+    if value is None or value.margin is None or unit == "grade":
         return text
-    margin = max(value.high - value.value, value.value - value.low)
-    return f"{text} ±{margin:.{2 if unit == '1' else 0}f}"
+    return f"{text} ±{_rounded(value.margin, _step(value.margin, unit))}"

@@ -19,7 +19,7 @@ from breastrig.report.areolae import areolae_of
 from breastrig.report.document import PlannedItem, Reported, report_document, stance_names
 from breastrig.report.measures import measures
 from breastrig.report.stance import Stance
-from breastrig.report.table import csv_bytes, flat_rows
+from breastrig.report.table import contradictions, csv_bytes, flat_rows
 from breastrig.rig.model import Rig
 from breastrig.workflow.folder.fit_files import json_bytes
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of, still_visible
@@ -167,16 +167,11 @@ def reported(job: ReportJob) -> list[Reported]:
     doubt = body_doubt(*fits) if len(fits) == 2 else None
     doubts = (*job.doubts, *((doubt,) if doubt else ()))
     names = stance_names([stance.name for stance in stances])
+    rows = [measures(stance) for stance in stances]
+    doubts += contradictions(list(zip(names, rows, strict=True)))
     return [
-        Reported(
-            name,
-            stance,
-            fit.result,
-            measures(stance),
-            _in_words(job, plan, fit),
-            doubts,
-        )
-        for name, stance, fit, plan in zip(names, stances, fits, plans, strict=True)
+        Reported(name, stance, fit.result, measured, _in_words(job, plan, fit), doubts)
+        for name, stance, fit, measured, plan in zip(names, stances, fits, rows, plans, strict=True)
     ]
 
 

@@ -29,7 +29,7 @@ from breastrig.report.pictures import (
     views_of,
 )
 from breastrig.report.stance import places
-from breastrig.report.table import Row, Value, changes, number, with_band, with_margin
+from breastrig.report.table import Row, Value, changes, less, with_band, with_margin
 
 TITLE = "Plan and measures from a 3D scan"
 KINDS = {  # of rows, in this order
@@ -42,6 +42,7 @@ KINDS = {  # of rows, in this order
 }
 VERDICTS = {
     "good": "A good fit",
+    "uncalibrated": "Not calibrated for this rig: how far off lines may be is not known",
     "check": "A fit to check (see doubts and notes)",
     "unusable": "A fit that is not usable (see doubts and notes)",
 }
@@ -101,7 +102,7 @@ def report_content(stances: Sequence[Reported], identity: Identity) -> dict[str,
         "program": f"BreastRig {__version__}",
         "limits": LIMITS_OF_USE,
         "warning": " · ".join(warned),
-        "verdicts": [remark for one in stances for remark in _said(stances, one, [_verdict(one.result)])],
+        "verdicts": [_verdict(one) for one in stances],
         "pictures": _large_pictures(stances),
         "plan": _plan(stances),
         "lines": _lines(stances),
@@ -194,14 +195,12 @@ def _cells(row: Row | None, is_change: bool) -> list[str]:
         return ["", "", ""]
 
     def text(value: Value | None) -> str:
-        if is_change:
-            return number(value, row.unit, signed=True)
-        return with_band(value, row.unit) if row.unit == "grade" else with_margin(value, row.unit)
+        return with_band(value, row.unit) if row.unit == "grade" else with_margin(value, row.unit, signed=is_change)
 
     if row.value is not None:
         return [text(row.value)]
-    difference = "" if row.difference is None else number(Value(row.difference), row.unit, signed=True)
-    return [text(row.left), text(row.right), difference]
+    difference = None if row.difference is None else less(row.right, row.left)
+    return [text(row.left), text(row.right), "" if difference is None else with_margin(difference, row.unit, True)]
 
 
 def _landmarks(stances: Sequence[Reported]) -> Table:
@@ -241,19 +240,20 @@ def _settings(stances: Sequence[Reported]) -> Table:
 
 
 def _margin(radius: float) -> str:
-    """In whole millimetres, which is what a radius that contains nine of ten is worth."""
-    return "not known" if radius > KNOWN_MM else f"±{radius:.0f}"
+    """Of a radius in mm."""
+    return "not known" if radius > KNOWN_MM else f"±{radius:.1f}"
 
 
-def _verdict(result: Mapping[str, Any]) -> str:
+def _verdict(one: Reported) -> str:
     """What the fit is good for: how far off a line may be, then the landmarks; results of earlier versions say less."""
+    result = one.result
     level = VERDICTS.get((result.get("verdict") or {}).get("level", ""), VERDICTS["check"])
     lines, radii = result.get("line_error_mm"), list(result.get("landmark_uncertainty_mm", {}).values())
     agreed = len(result.get("landmarks_agreed", ()))
     said = [] if lines is None else [f"lines on the breasts {margin_text(lines)}"]
     said += [f"landmarks {margins_text(radii)}"] if radii else []
     said += [f"{agreed} of {len(radii)} landmarks only agreed to where they were proposed"] if agreed else []
-    return f"{level}: {', '.join(said)}." if said else f"{level}."
+    return f"{one.name.capitalize()}: {': '.join([level, *([', '.join(said)] if said else [])])}."
 
 
 def _making(result: Mapping[str, Any]) -> dict[str, str]:
