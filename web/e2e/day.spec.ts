@@ -5,9 +5,12 @@ import { readdirSync, readFileSync, statSync } from "node:fs";
 import { join } from "node:path";
 import { expect, type Page } from "@playwright/test";
 import type { CarriedDrawing, MeasuresFile, PlanOnScan, Vector } from "../src/api/types";
-import { formatCell } from "../src/stances/measuresTable";
+import { formatCell, formatMargin } from "../src/stances/measuresTable";
+
 import { distance, hook, test, untilFitted, untilStill } from "./page";
 import { type Running, startService } from "./service";
+
+const written = (...[cell, unit, isSigned]: Parameters<typeof formatCell>): string => formatCell(cell, unit, isSigned) + formatMargin(cell, unit);
 
 const state = (page: Page) => page.evaluate(() => window.__breastrig!.state());
 const other = (page: Page) => page.evaluate(() => window.__breastrig!.other());
@@ -189,7 +192,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     for (const row of file.measures.filter(({ left }) => left !== null).slice(0, 12)) {
       const isChange = row.stance.includes(" - ");
       const cells = await dialog.locator(`tbody tr[data-measure="${row.measure}"][data-kind="${row.kind}"] td`).allTextContents();
-      expect(cells, row.measure).toContain(formatCell({ value: row.left, low: null, high: null }, row.unit, isChange));
+      expect(cells, row.measure).toContain(written({ value: row.left, low: row.left_low, high: row.left_high }, row.unit, isChange));
     }
     const waiting = page.waitForEvent("download");
     await dialog.getByRole("button", { name: "measures.csv" }).click();

@@ -73,7 +73,7 @@ test("in a browser without any graphics the page says what is missing and what t
     await page.getByRole("button", { name: /standing/i }).click();
     await page.getByRole("button", { name: /^Fit/ }).first().click();
     await page.getByRole("button", { name: "Fit without landmarks" }).click();
-    await expect(page.locator(".hero-number")).toHaveText(/^\d+\.\d$/);
+    await expect(page.locator(".hero-number")).toHaveText(/^±\u00a0\d+\u00a0mm$/);
     await expect(page.getByRole("link", { name: "Report (PDF)" })).toBeVisible();
   } finally {
     await browser.close();

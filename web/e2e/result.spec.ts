@@ -50,14 +50,16 @@ test("distances are coloured, read under the pointer, and are the service's", as
     expect(known.reduce((sum, value) => sum + value, 0) / known.length).toBeCloseTo(result.surface_distance_mm.mean!, 3);
   });
 
-  await test.step("beside the distance to the skin stands that of the model alone", async () => {
+  await test.step("first stands what the fit is good for; distances to the skin are folded away, with that of the model alone", async () => {
     const alone = result.model_alone!.surface_distance_mm.mean!;
     expect(result.surface_distance_mm.mean!).toBeLessThan(0.5 * alone);
-    await expect(page.locator(".numbers .hero")).toHaveText(`${formatMm(result.surface_distance_mm.mean)} mm to the skin`);
-    await expect(page.locator(".numbers .alone")).toHaveText(`the model alone ${formatMm(alone)} mm`);
+    await expect(page.locator(".numbers .hero")).toHaveText(`±\u00a0${Math.round(result.line_error_mm!)}\u00a0mmlines on the breasts`);
     const radii = Object.values(result.landmark_uncertainty_mm!).map(Math.round);
     await expect(page.locator(".numbers .verdict-level")).toHaveText("A good fit");
-    await expect(page.locator(".numbers > :is(.verdict, .sure, .hero):visible")).toHaveClass([/verdict/, /sure/, /hero/]); // in this order
+    await expect(page.locator(".numbers > :is(.verdict, .sure, .hero):visible")).toHaveClass([/verdict/, /hero/, /sure/]); // in this order
+    await expect(page.locator(".numbers .block").first()).toBeHidden();
+    await page.locator(".numbers .solver summary").click();
+    await expect(page.locator(".numbers .block", { has: page.locator("h3", { hasText: "The model alone" }) })).toContainText(formatMm(alone));
     await expect(page.locator(".numbers .sure")).toHaveText(`landmarks ± ${Math.min(...radii)} to ${Math.max(...radii)} mm`);
   });
 

@@ -1,6 +1,7 @@
 // Puts the panels in their places.
 import { createCanvasBar } from "../drawing/pen/CanvasBar";
 import { createDrawingPanel } from "../drawing/DrawingPanel";
+import { createPlanSummary } from "../drawing/PlanSummary";
 import { createColourBar } from "../fit/distances/ColourBar";
 import { createMirrorLegend, hasMirror } from "../drawing/mirror/MirrorLegend";
 import { createFitPanel } from "../fit/FitPanel";
@@ -98,7 +99,8 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const bodies = { scan: scan.element, landmarks: landmarks.element, fit: fit.element, drawing: drawing.element, result: result.element };
   const steps = createSteps(actions, bodies, next.element);
   const numbers = createNumbersPanel({ outdated, again: () => void actions.fit.start() });
-  const aside = el("aside", { class: "aside" }, guide.element, numbers.element);
+  const summary = createPlanSummary();
+  const aside = el("aside", { class: "aside" }, guide.element, numbers.element, summary.element);
   const timeline = createTimeline(actions.player);
   const help = createHelpDialog(actions);
   const share = later(
@@ -138,6 +140,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
         document.body.classList.toggle("is-comparing", isComparing(state));
         document.body.classList.toggle("has-other", state.stances.other !== null);
         document.body.classList.toggle("is-second", state.stances.isSecond);
+        aside.classList.toggle("is-planning", state.step === "drawing");
         host.classList.toggle("is-placing", state.active !== null);
         overlay.classList.toggle("is-numbered", state.step === "landmarks");
         overlay.classList.toggle("is-narrow", isComparing(state) || (state.fit !== null && state.overlay === "beside"));
@@ -161,6 +164,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(empty);
       on(patients);
       on(numbers);
+      on(summary);
       on(timeline);
       on(help);
       on(share);

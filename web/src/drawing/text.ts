@@ -160,3 +160,11 @@ export const drawing = {
   announceCornerGone: "The point is deleted.",
   announceImported: (count: number) => `${plural(count, "line", "lines")} read.`,
 };
+
+export const summary = {
+  title: "The plan on this scan",
+  hint: "± holds nine of ten places of a line.  What was drawn on this scan is where it was drawn.",
+  none: "Nothing is drawn yet.",
+  own: "as drawn",
+  carried: "carried here",
+};

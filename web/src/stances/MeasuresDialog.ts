@@ -8,7 +8,7 @@ import { el, fill, icon, saveFile, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import { close as closeText } from "../ui/text";
 import type { StancesActions } from "./actions";
-import { type Cell, formatCell, measuredDoubts, type MeasureLine, measuresCsv, measuresTable, type MeasuresTable } from "./measuresTable";
+import { type Cell, formatCell, formatMargin, measuredDoubts, type MeasureLine, measuresCsv, measuresTable, type MeasuresTable } from "./measuresTable";
 import { measuredFits, type StancesSlice } from "./state";
 import * as text from "./text";
 
@@ -125,7 +125,7 @@ function row(line: MeasureLine, groups: number, labels: ReadonlyMap<string, stri
     const isChange = groups > 1 && g === groups - 1;
     const write = (cell: Cell, isSigned: boolean, attributes: { class: string; colspan?: number }): HTMLElement => {
       const ends = [cell.low, cell.high].map((value) => formatCell({ ...cell, value }, line.unit, isSigned));
-      return el("td", { ...attributes, ...(cell.low === null ? {} : { title: words.band(ends[0]!, ends[1]!) }) }, formatCell(cell, line.unit, isSigned));
+      return el("td", { ...attributes, ...(cell.low === null ? {} : { title: words.band(ends[0]!, ends[1]!) }) }, formatCell(cell, line.unit, isSigned), el("span", { class: "margin" }, formatMargin(cell, line.unit)));
     };
     if (group.whole.value !== null) return [write(group.whole, isChange, { class: "group whole", colspan: COLUMNS.length })]; // one value for both sides
     return COLUMNS.map((column, i) => write(group[column], isChange || column === "difference", { class: i === 0 ? "group" : "" }));

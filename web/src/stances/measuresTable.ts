@@ -31,7 +31,18 @@ export const measuredDoubts = ({ stances, doubts = [] }: Pick<MeasuresFile, "sta
   doubts.concat(stances.flatMap(({ name, verdict }) => (verdict && verdict.level !== "good" ? [`${name.charAt(0).toUpperCase()}${name.slice(1)}: ${verdictWords({ verdict })}`] : [])));
 
 const NONE: Cell = { value: null, low: null, high: null };
-const bare = (value: number | null): Cell => ({ value, low: null, high: null });
+
+/** The larger side of the band; null where none is known. */
+const marginOf = ({ value, low, high }: Cell): number | null => (value === null || low === null || high === null ? null : Math.max(high - value, value - low));
+
+/** A difference of two, which are wrong independently: their margins add up as squares. */
+function differenceOf(value: number | null, left: Cell, right: Cell): Cell {
+  const [a, b] = [marginOf(left), marginOf(right)];
+  if (value === null || a === null || b === null) return { value, low: null, high: null };
+  const half = Math.hypot(a, b);
+  return { value, low: value - half, high: value + half };
+}
+
 
 /** Most lengths are there twice: straight, and along the skin. */
 export const measureKey = ({ measure, kind }: Pick<Measure, "measure" | "kind">): string => `${measure}, ${kind}`;
@@ -52,7 +63,7 @@ export function measuresTable(file: Pick<MeasuresFile, "measures" | "stances">):
           ? {
               left: { value: row.left, low: row.left_low, high: row.left_high },
               right: { value: row.right, low: row.right_low, high: row.right_high },
-              difference: bare(row.difference),
+              difference: differenceOf(row.difference, { value: row.left, low: row.left_low, high: row.left_high }, { value: row.right, low: row.right_low, high: row.right_high }),
               whole: { value: row.value, low: row.value_low, high: row.value_high },
             }
           : { left: NONE, right: NONE, difference: NONE, whole: NONE },
@@ -64,17 +75,32 @@ export function measuresTable(file: Pick<MeasuresFile, "measures" | "stances">):
   return { groups, lines };
 }
 
-const DIGITS: Record<Exclude<Measure["unit"], "grade">, number> = { mm: 1, ml: 0, "1": 2 };
+const STEPS: Record<Exclude<Measure["unit"], "grade">, readonly [least: number, most: number]> = { mm: [0.1, 1], ml: [1, 10], "1": [0.01, 0.1] };
 const GRADES = ["none", "I", "II", "III", "glandular"]; // of ptosis, by number
 
-/** With the digits that the measure is worth; changes and differences with their sign. */
-export function formatCell({ value }: Cell, unit: Measure["unit"], isSigned: boolean): string {
+/** In which steps a number is written, as in the report: no finer than a tenth of its band. */
+function stepOf(margin: number | null, unit: Exclude<Measure["unit"], "grade">): number {
+  const [least, most] = STEPS[unit];
+  return margin === null || margin === 0 ? least : Math.min(Math.max(10 ** Math.floor(Math.log10(0.5 * margin)), least), most);
+}
+
+const rounded = (value: number, step: number): string => (Math.round(value / step) * step).toFixed(Math.max(0, Math.round(-Math.log10(step))));
+
+/** As finely as its band allows; changes and differences with their sign. */
+export function formatCell(cell: Cell, unit: Measure["unit"], isSigned: boolean): string {
+  const { value } = cell;
   if (value === null) return "–";
   if (unit === "grade") return GRADES[value] ?? "–";
-  const digits = Math.abs(value).toFixed(DIGITS[unit]);
+  const digits = rounded(Math.abs(value), stepOf(marginOf(cell), unit));
   const isZero = Number(digits) === 0;
   const sign = value < 0 && !isZero ? "\u2212" : isSigned && !isZero ? "+" : "";
   return sign + digits;
+}
+
+/** " ±5", to stand behind the number; nothing where no band is known. */
+export function formatMargin(cell: Cell, unit: Measure["unit"]): string {
+  const margin = marginOf(cell);
+  return margin === null || unit === "grade" ? "" : `\u00a0±${rounded(margin, stepOf(margin, unit))}`;
 }
 
 const COLUMNS = ["stance", "measure", "kind", "unit", "left", "left_low", "left_high", "right", "right_low", "right_high", "difference", "value", "value_low", "value_high", "landmarks", "method"] as const satisfies readonly (keyof Measure)[];

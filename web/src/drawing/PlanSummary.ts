@@ -1,0 +1,55 @@
+// While she draws: what is planned on this scan, and how far off each part of it may be.
+import type { FitSlice } from "../fit/state";
+import { marginOf } from "../fit/verdict";
+import type { PageSlice } from "../store/page";
+import { el, fill, show } from "../ui/dom";
+import type { Panel } from "../ui/Panel";
+import { type DrawingSlice, type Laid, laidPatterns } from "./state";
+import * as text from "./text";
+
+const words = text.summary;
+
+type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "step" | "fit" | "drawn">;
+type Shape = Pick<Laid["shapes"][number], "name" | "error_mm"> & { readonly label?: string };
+
+/** mm: the radius that holds nine of ten places of all of it; null where it is not known. */
+export function marginOfAll(shapes: readonly Pick<Shape, "error_mm">[]): number | null {
+  const known = shapes.flatMap(({ error_mm }) => error_mm ?? []).filter((mm): mm is number => mm !== null);
+  return known.length === 0 ? null : Math.sqrt(known.reduce((sum, mm) => sum + mm * mm, 0) / known.length);
+}
+
+export function createPlanSummary(): Panel<Shown> {
+  const list = el("dl", {});
+  const none = el("p", { class: "muted" }, words.none);
+  const element = el("section", { class: "plan-summary block", "aria-label": words.title, title: words.hint, hidden: true }, el("h3", {}, words.title), list, none);
+
+  /** Lines of one item stand in one row. */
+  function rows({ drawn, fit }: Shown): readonly [name: string, value: string][] {
+    const own = drawn.lines.present.map(({ name }): [string, string] => [name, words.own]);
+    const laid = (shapes: readonly Shape[], where: string): [string, string][] => {
+      const names = [...new Set(shapes.map(itemOf))];
+      return names.map((name) => {
+        const mm = marginOfAll(shapes.filter((shape) => itemOf(shape) === name));
+        return [name, [mm === null ? "" : marginOf(mm), where].filter((part) => part !== "").join(", ")];
+      });
+    };
+    return [...own, ...laid(laidPatterns({ fit, drawn })?.shapes ?? [], ""), ...laid(drawn.onScan?.carried.shapes ?? [], words.carried)];
+  }
+
+  return {
+    element,
+    select: ({ step, fit, drawn }) => ({ step, fit, drawn }),
+    update(state: Shown): void {
+      const shown = rows(state);
+      show(element, state.step === "drawing" && state.fit !== null);
+      show(none, shown.length === 0);
+      fill(list, shown.flat(), () => shown.map(([name, value]) => el("div", { class: "row" }, el("dt", {}, name), el("dd", {}, value))));
+    },
+  };
+}
+
+/** What is said of a shape: its label, without the side that its name ends with. */
+const itemOf = ({ name, label }: Shape): string => {
+  const spoken = (label ?? "") === "" ? name.replace(/_[LR]$/, "").replaceAll("_", " ") : label!;
+  return spoken.charAt(0).toUpperCase() + spoken.slice(1);
+};
