@@ -34,7 +34,6 @@ def test_a_task_runs_alone_within_its_limits_and_with_one_thread(processes: Proc
     assert first["pid"] != second["pid"]
     assert (first["memory"], first["cpu"], first["core"]) == ((4 * GIB, 4 * GIB), (1, 6), (0, 0))
     assert first["threads"] == [1]
-    assert first["libraries_known"]  # by the fork server; each process would look for 8 ms
     assert first["garbage"] == (True, True)  # looked for, but not among the modules
 
 
@@ -77,17 +76,6 @@ def test_a_task_finds_imported_what_was_named_before_the_first_pool_and_nothing_
 
 def test_a_task_finds_imported_all_that_the_program_has_when_nothing_was_named() -> None:
     assert "breastrig.core.round_robin" in imported_by_a_task()
-
-
-def test_tasks_find_imported_what_an_earlier_task_had_to_import_of_the_package_alone() -> None:
-    before, after = answer_of_a_program("learn.py", "breastrig.core.round_robin", "colorsys")
-    assert (before, after) == ([], ["breastrig.core.round_robin"])
-
-
-def test_the_fork_server_outlives_whatever_it_is_told(processes: Processes) -> None:
-    first = processes.schedule(in_worker.tell_fork_server, (b"breastrig.no_such_module\nos\n\xff",), 30.0).result()
-    assert processes.schedule(in_worker.rest, (0.1,), 30.0).result() is None
-    assert processes.schedule(in_worker.fork_server, (), 30.0).result() == first
 
 
 def test_a_task_that_burns_the_processor_is_stopped_and_the_next_one_runs(processes: Processes) -> None:

@@ -3,16 +3,13 @@
 import gc
 import os
 import resource
-import signal
 import sys
 import time
 from collections.abc import Callable
-from importlib import import_module
 
 from threadpoolctl import threadpool_info
 
 from breastrig.core.errors import BadScan, TooMany
-from breastrig.execution import learned_modules, one_thread
 
 
 def describe() -> dict[str, object]:
@@ -23,28 +20,9 @@ def describe() -> dict[str, object]:
         "cpu": resource.getrlimit(resource.RLIMIT_CPU),
         "core": resource.getrlimit(resource.RLIMIT_CORE),
         "threads": sorted({pool["num_threads"] for pool in threadpool_info()}),
-        "libraries_known": one_thread.are_known(),
         "imported": sorted(sys.modules),
         "garbage": (gc.isenabled(), gc.get_freeze_count() > 1000),
     }
-
-
-def need(*modules: str) -> None:
-    """Imports what nothing has imported before."""
-    for name in modules:
-        import_module(name)
-
-
-def fork_server() -> int:
-    """The process from which this one was forked."""
-    return os.getppid()
-
-
-def tell_fork_server(content: bytes) -> int:
-    """Tells it that so many modules were imported; as `fork_server`."""
-    os.write(learned_modules._ends[1], content)
-    os.kill(os.getppid(), signal.SIGUSR1)
-    return os.getppid()
 
 
 def burn() -> None:

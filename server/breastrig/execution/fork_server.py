@@ -1,13 +1,8 @@
-"""The server from which all child processes fork: what it has imported, and its start.
+"""The server from which all child processes fork, and what it has imported.
 
-A child finds imported whatever the server has imported, so callers name the modules of their tasks with `preload`;
-others of the package it learns from the first task that imports them (learned_modules.py).
-
-It is started so that Ctrl-C on a terminal passes it by.
-
-Ctrl-C goes to every process of the terminal.  A child that is just starting would die of it with a traceback, before
-its pool could have it ignore that; and pools end their children anyway.  Processes inherit what is blocked where
-they are started, and children have it from the server.
+A child finds imported whatever the server has imported, so callers name the modules of their tasks with `preload`.
+The server is started with SIGINT blocked: Ctrl-C on a terminal goes to every process of it, and a child that is just
+starting would end with a traceback; pools end their children anyway.
 """
 
 import signal
@@ -15,9 +10,7 @@ import sys
 from collections.abc import Iterable
 from multiprocessing import forkserver, resource_tracker
 
-BEGINS = "breastrig.execution.fork_server_begins"
-READY = "breastrig.execution.fork_server_ready"
-ALWAYS = (BEGINS, "__main__", "breastrig.execution.processes")  # the last two are what every child looks for first
+ALWAYS = ("__main__", "breastrig.execution.processes")  # what every child looks for first
 _named: list[str] = []
 
 
@@ -32,8 +25,7 @@ def modules_to_preload() -> list[str]:
     A program's own modules are not all wanted: those of `breastrig serve` bring Flask, which no task needs, and would
     make its start a fifth longer.
     """
-    between = _named or sorted(name for name in sys.modules if name.startswith("breastrig."))
-    return [*ALWAYS, *(name for name in between if name != READY), READY]
+    return [*ALWAYS, *(_named or sorted(name for name in sys.modules if name.startswith("breastrig.")))]
 
 
 def start_fork_server() -> None:

@@ -20,11 +20,10 @@ from contextlib import suppress
 from typing import Any
 
 from pebble import ProcessFuture, ProcessPool
+from threadpoolctl import threadpool_limits
 
 from breastrig.core.log_lines import set_up_logs_from_environment
 from breastrig.execution.fork_server import modules_to_preload
-from breastrig.execution.learned_modules import run_and_tell
-from breastrig.execution.one_thread import use_one_thread
 
 ANSWER_S = 30.0  # until a process is asked again; importing everything takes a few on a slow machine
 TIMES_ASKED = 3
@@ -72,11 +71,11 @@ class Processes:
             if self._stopped:
                 raise RuntimeError("the processes are stopped")
             try:
-                future = self._pool.schedule(run_and_tell, (function, *args), timeout=timeout)
+                future = self._pool.schedule(function, args, timeout=timeout)
             except RuntimeError:  # an idle process was killed from outside, which breaks the pool
                 self._end_pool()
                 self._pool = self._new_pool()
-                future = self._pool.schedule(run_and_tell, (function, *args), timeout=timeout)
+                future = self._pool.schedule(function, args, timeout=timeout)
             self._unfinished += 1
         future.add_done_callback(self._one_less)
         return future
@@ -150,14 +149,13 @@ class _LockKeepingContext:
 def _limit(memory_bytes: int, cpu_s: int | None) -> None:
     """In the child, before its task."""
     gc.freeze()  # what is imported lasts as long as the process, so it need not be looked through
-    gc.enable()
     resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # a core dump would hold a patient's scan
     if cpu_s is not None:
         resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 5))
     set_up_logs_from_environment()
     threading.Thread(target=_die_with_the_server, daemon=True).start()
-    use_one_thread()
+    threadpool_limits(1)  # more are slower at this size, and fits would fight over the cores
 
 
 def _die_with_the_server() -> None:

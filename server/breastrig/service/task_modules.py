@@ -1,7 +1,6 @@
 """Modules that most of the service's tasks import in their processes; the fork server imports them before any task.
 
-They are named, not imported, because a worker of a cluster needs them in its children only.  What fewer tasks need
-(colours, typesetting, rare formats) takes as long again: the fork server learns it from the first of them.
+They are named, not imported, because a worker of a cluster needs them in its children only.
 """
 
 TASK_MODULES = (
