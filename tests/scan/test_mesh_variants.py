@@ -85,6 +85,9 @@ UV_COLUMNS = {
         ("u v", "u", "v"),
         ("texture_u", "texture_u", "texture_v"),
         ("tu", "tu", "tv"),
+        ("texture_s", "texture_s", "texture_t"),
+        ("texcoord_u", "texcoord_u", "texcoord_v"),
+        ("uv0", "u0", "v0"),
     )
 }
 STRIP = [k for face in FACES for k in (*face.tolist(), -1)]
@@ -115,6 +118,10 @@ PLY = {
     "shares in text that says uchar": ply(vertex_colours("uchar", SHARES), form="ascii"),
     "16 bits": ply(vertex_colours("ushort", WHOLE.astype(int) * 257)),
     "diffuse": ply(vertex_colours("uchar", WHOLE, "diffuse_red diffuse_green diffuse_blue")),
+    "a prefix": ply(vertex_colours("uchar", WHOLE, "color_red color_green color_blue")),
+    "the skin's own before others": ply(
+        vertex_colours("uchar", 0 * WHOLE, "specular_red specular_green specular_blue") | vertex_colours("uchar", WHOLE)
+    ),
     "capitals": ply(vertex_colours("uchar", WHOLE, "Red Green Blue")),
     "colours of faces": ply(face=vertex_colours("uchar", OF_FACES)),
     "colours of quads before corners": ply(face=vertex_colours("uchar", OF_FACES), before=True),
@@ -195,6 +202,8 @@ OBJ = {
         "a.mtl": f"{MTL}map_Kd a.jpg".encode(), "a.jpg": JPEG,
     }),
     "colours to 1": obj("", False, SHARES),
+    "colours of ZBrush": obj("", False) + b"".join(b"#MRGB ff%02x%02x%02x\n" % tuple(row) for row in WHOLE.tolist()),
+    "a remark behind the name": painted_obj(f"{MTL}map_Kd scan.jpg # the skin\n", {"scan.jpg": JPEG}),
     "colours to 255": obj("", False, WHOLE),
     "colours with opacity": obj("", False, np.column_stack([SHARES, np.ones(len(SHARES))])),
     "colours and places without a picture": obj("", True, SHARES),
@@ -252,6 +261,7 @@ LOST = {
         zipped({"a.obj": obj("mtllib a.mtl", uv=False), "a.mtl": b"newmtl skin\nmap_Kd b.jpg", "b.jpg": JPEG}),
         companions.UNPLACED,
     ),
+    "a kind that is not read": (painted_obj(f"{MTL}map_Kd a.heic\n", {"a.heic": bytes(90)}), LEFT_OUT),
     "a picture that is none": (painted_obj(f"{MTL}map_Kd a.webp", {"a.webp": b"RIFF1234WEBP" + bytes(90)}), LEFT_OUT),
 }  # fmt: skip
 
@@ -329,6 +339,12 @@ def test_an_stl_with_something_behind_it(name: str, named: str | None) -> None:
 def test_an_stl_in_text_with_odd_words(change: Callable[[str], str]) -> None:
     lines = stl_text().decode().splitlines()
     assert_same_body(read_scan("\r\n".join(map(change, lines)).encode(), "stl"), coloured=False)
+
+
+def test_an_stl_with_a_tail_as_long_as_a_triangle() -> None:
+    scan = read_scan(stl(more=b"\xff" * 50), "stl")
+    assert_same_body(scan, coloured=False)
+    assert scan.notes == ()
 
 
 @pytest.mark.parametrize("count", [0, 2**32 - 1, 100])

@@ -29,7 +29,7 @@ from breastrig.scan.limits import (
     ZIP_RATIO,
     ZIP_RATIO_FROM,
 )
-from breastrig.scan.pictures.companions import ENDINGS, PICTURES, Companions
+from breastrig.scan.pictures.companions import PICTURES, Companions
 from breastrig.scan.point_clouds.point_table import is_point_table
 
 # Of one scan in several formats the one that carries a picture is the best; a text is the scan if nothing else is.
@@ -184,12 +184,11 @@ def _taken(archive: zipfile.ZipFile) -> Unpacked:
         raise BadScan(SEVERAL_SCANS.format(count=len(scans)) if scans else NO_MESH)
     (found,) = scans.values()
     reader = _Reader(archive)
-    beside = [entry for entry in entries if entry.ending in ENDINGS]
-    is_painted = any(entry.ending == "mtl" and entry.folder == found[0].folder for entry in beside) and any(
-        entry.ending in PICTURES for entry in beside
+    is_painted = any(entry.ending == "mtl" and entry.folder == found[0].folder for entry in entries) and any(
+        entry.ending in PICTURES for entry in entries
     )
     mesh = max(found, key=lambda each: _preference(each, is_painted))
-    found_beside = {_from(mesh.folder, entry): partial(reader.companion, entry) for entry in beside}
+    found_beside = {_from(mesh.folder, entry): partial(reader.companion, entry) for entry in entries}
     notes = (SAME_SCAN.format(count=len(found), kind=mesh.ending.upper()),) if len(found) > 1 else ()
     content = reader.read(mesh)
     if MESH_RANK[mesh.ending] < 0 and not is_point_table(plain_text(content)[:LOOKED_AT]):

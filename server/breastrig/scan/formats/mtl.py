@@ -1,5 +1,8 @@
 """The materials of an OBJ: which picture each is painted with, how it is laid, and its one colour."""
 
+import re
+from collections import deque
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from breastrig.core.errors import TooLarge
@@ -10,6 +13,7 @@ OPTIONS = {
     **{"-blendu": 1, "-blendv": 1, "-boost": 1, "-clamp": 1, "-cc": 1, "-bm": 1, "-imfchan": 1},
     **{"-type": 1, "-texres": 1, "-mm": 2, "-o": 3, "-s": 3, "-t": 3},
 }
+REMARK = re.compile(r"\s#")
 MAPS = ("map_kd", "map_ka", "map_ke")  # the picture of a scan stands behind one of them; the first has it mostly
 CHANGED = (
     "A material changes its picture (option -mm or -t), which is not followed; the picture's own colours are shown."
@@ -56,25 +60,25 @@ def _material(lines: dict[str, str]) -> Material:
     text = next((lines[name] for name in MAPS if name in lines), None)
     if text is None:
         return Material(tint=tint)
-    words, values = text.split(), dict[str, list[float]]()
+    words, values = deque(REMARK.split(text)[0].split()), dict[str, list[float]]()
     while words and words[0].lower() in OPTIONS:
-        option = words.pop(0).lower()
+        option = words.popleft().lower()
         most, taken = OPTIONS[option], list[float]()
         while words and len(taken) < most and (number := _number(words[0])) is not None and len(words) > 1:
             taken.append(number)
-            words.pop(0)
+            words.popleft()
         if not taken and most == 1 and len(words) > 1:
-            words.pop(0)  # on, off, or the name of a channel
+            words.popleft()  # on, off, or the name of a channel
         values[option] = taken
-    name = _tail(text, words)  # as it is written, for there may be several spaces in it
+    name = _tail(REMARK.split(text)[0], words)  # as it is written, for there may be several spaces in it
     changed = values.get("-mm", [0.0, 1.0]) != [0.0, 1.0] or any(values.get("-t", []))
     return Material(name, _pair(values.get("-s"), 1.0), _pair(values.get("-o"), 0.0), tint, CHANGED if changed else "")
 
 
-def _tail(text: str, words: list[str]) -> str:
+def _tail(text: str, words: Iterable[str]) -> str:
     """The text from these last words on."""
     at = len(text)
-    for word in reversed(words):
+    for word in reversed(list(words)):
         at = text.rindex(word, 0, at)
     return text[at:]
 

@@ -37,6 +37,8 @@ def read_obj(data: bytes, files: Companions, texture: bool) -> Pieces:
     """What the file draws.  Raises BadScan, TooLarge, or ValueError where it is damaged."""
     lines = _Lines(data)
     points, colours = _points(lines.points, files)
+    if colours is None and lines.painted:
+        colours = _zbrush_colours(lines.painted, len(points))
     if not lines.counts:
         if not len(points):
             raise BadScan("This OBJ file holds no triangles; export the scan as a triangle mesh.")
@@ -67,6 +69,7 @@ class _Lines:
     def __init__(self, data: bytes) -> None:
         self.points: list[bytes] = []
         self.places: list[bytes] = []
+        self.painted: list[bytes] = []  # ZBrush's colours of the points, eight digits each: a mask and the colour
         self.libraries: list[str] = []
         self.materials: list[tuple[int, str]] = []  # from which polygon on, its name
         self.counts, self.polygons = array("q"), array("q")  # corners of each, and their numbers in `corners`
@@ -81,6 +84,8 @@ class _Lines:
                 self.places.append(rest)
             elif word == b"vn":
                 normals += 1
+            elif word == b"#MRGB":
+                self.painted.append(rest.strip())
             elif word == b"f" or word == b"fo":
                 self._add(rest, normals)
             elif word.lower() == b"usemtl":
@@ -150,6 +155,15 @@ def _points(rows: list[bytes], files: Companions) -> tuple[Array, np.typing.NDAr
     if not has_colour.all():
         files.note(PARTLY_COLOURED)
     return points, colours
+
+
+def _zbrush_colours(rows: list[bytes], points: int) -> np.typing.NDArray[np.uint8]:
+    """(V, 3) of the points, grey where there are none."""
+    digits = b"".join(rows).decode("ascii", "ignore")[: 8 * points]
+    table = np.frombuffer(bytes.fromhex(digits[: len(digits) // 8 * 8]), np.uint8).reshape(-1, 4)
+    colours = np.full((points, 3), UNCOLOURED, np.uint8)
+    colours[: len(table)] = table[:, 1:]
+    return colours
 
 
 def _painted(whole: Piece, lines: _Lines, polygons: Integers, files: Companions) -> list[Piece]:

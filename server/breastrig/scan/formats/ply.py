@@ -5,6 +5,7 @@ checked before anything is allocated.  A file that ends early is refused, for ha
 """
 
 import re
+from array import array
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -25,13 +26,8 @@ TYPES = {
     **{"int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4"},
     **{"int64": "i8", "uint64": "u8", "float16": "f2", "float": "f4", "float32": "f4", "double": "f8", "float64": "f8"},
 }
-COLOURS = (
-    ("red", "green", "blue"),
-    ("diffuse_red", "diffuse_green", "diffuse_blue"),
-    ("r", "g", "b"),
-)
-PLACES_IN_PICTURE = (("texture_u", "texture_v"), ("u", "v"), ("s", "t"), ("tu", "tv"), ("texture_s", "texture_t"))
-DRAWN = ("face", "tristrips")
+COLOURS = re.compile(r"(|diffuse_|\w*?)red")  # of the first of three; the shortest name has the skin's own
+PLACES_IN_PICTURE = re.compile(r"((?:\w*(?:tex|uv)\w*?|t)??)([us])(_?0?)")  # of the first of two: u and v, s and t
 CORNERS = ("vertex_indices", "vertex_index")
 NORMAL = ("nx", "ny", "nz")
 SPLAT_COLUMN = "f_dc_0"
@@ -242,35 +238,43 @@ def _layout(element: Element, order: str, lengths: list[int]) -> np.dtype[Any]:
 
 def _walked(data: bytes, at: int, element: Element, order: str) -> tuple[Columns, int]:
     """Rows of different lengths, one after the other."""
-    sizes = [np.dtype(each.kind).itemsize for each in element.properties]
-    kinds = [None if each.length is None else np.dtype(each.length) for each in element.properties]
     byte_order: Literal["big", "little"] = "big" if order == ">" else "little"
-    starts = np.zeros((len(sizes), element.count), np.int64)
-    counts = np.ones((len(sizes), element.count), np.int64)
-    for row in range(element.count):
-        for index, (size, kind) in enumerate(zip(sizes, kinds, strict=True)):
-            if kind is None:
-                starts[index, row] = at
-                at += size
-                continue
-            word = data[at : at + kind.itemsize]
-            count = int.from_bytes(word, byte_order, signed=kind.kind == "i")
-            at += kind.itemsize
-            starts[index, row], counts[index, row] = at, count
+    lists: list[tuple[int, np.dtype[Any], int]] = []  # bytes before it, the kind of its length, bytes of an item
+    places: list[tuple[int, int]] = []  # of each property: the lists before it, and bytes behind the last of them
+    before = 0
+    for each in element.properties:
+        size = np.dtype(each.kind).itemsize
+        places.append((len(lists), before))
+        before += size
+        if each.length is not None:
+            lists.append((before - size, np.dtype(each.length), size))
+            before = 0
+    walked, lengths = [array("q") for _ in range(len(lists) + 1)], [array("q") for _ in lists]
+    for _ in range(element.count):
+        walked[0].append(at)
+        for index, (skipped, kind, size) in enumerate(lists):
+            at += skipped + kind.itemsize
+            count = int.from_bytes(data[at - kind.itemsize : at], byte_order)
             at += count * size
-            if count < 0:
-                raise ValueError("a list of negative length")
+            lengths[index].append(min(count, len(data)))
+            walked[index + 1].append(min(at, len(data)))
+        at += before
         if at > len(data):
             raise ValueError("cut off")
-    if element.name not in DRAWN:
-        counts[[kind is not None for kind in kinds]] = 0  # lists that nobody reads
-    if int(counts.sum()) > len(sizes) * VERTICES:
+    starts, counts = (np.array(found, np.int64).reshape(-1, element.count) for found in (walked, lengths))
+    if int(counts.sum()) > 2 * VERTICES:
         raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
-    content, found = np.frombuffer(data, np.uint8), {}
-    for index, each in reversed(list(enumerate(element.properties))):
-        cells = np.repeat(starts[index], counts[index]) + sizes[index] * _ranges(0 * counts[index], counts[index])
-        values = content[cells[:, None] + np.arange(sizes[index])].view(order + each.kind).reshape(-1)
-        found[each.name] = values if each.length is None else Ragged(counts[index], values)
+    content, found = np.frombuffer(data, np.uint8), dict[str, Any]()
+    for each, (behind, offset) in reversed(list(zip(element.properties, places, strict=True))):
+        size = np.dtype(each.kind).itemsize
+        if each.length is None:
+            cells = starts[behind] + offset
+            found[each.name] = content[cells[:, None] + np.arange(size)].view(order + each.kind).reshape(-1)
+            continue
+        first = starts[behind + 1] - size * counts[behind]
+        cells = np.repeat(first, counts[behind]) + size * _ranges(0 * counts[behind], counts[behind])
+        values = content[cells[:, None] + np.arange(size)].view(order + each.kind).reshape(-1)
+        found[each.name] = Ragged(counts[behind], values)
     return found, at
 
 
@@ -314,11 +318,28 @@ def _faces(face: Columns, strips: Columns) -> tuple[Integers, Integers]:
 
 def _colours(columns: Columns) -> NDArray[np.uint8] | None:
     """(N, 3) of bytes, of larger whole numbers up to their maximum, or of floats up to 1 or 255."""
-    names = next((names for names in COLOURS if set(names) <= set(columns)), None)
-    if names is None or any(isinstance(columns[name], Ragged) for name in names):
+    firsts = sorted((name for name in columns if COLOURS.fullmatch(name)), key=lambda name: (len(name), name))
+    triples = [(name, f"{name[:-3]}green", f"{name[:-3]}blue") for name in firsts]
+    names = next((names for names in (*triples, tuple("rgb")) if _are_numbers(columns, names)), None)
+    if names is None:
         return None
     kind = np.asarray(columns[names[0]]).dtype
     return colour_bytes(_table(columns, names), float(np.iinfo(kind).max) if kind.kind in "iu" else None)
+
+
+def _are_numbers(columns: Columns, names: tuple[str, ...]) -> bool:
+    return all(isinstance(columns.get(name), np.ndarray) for name in names)
+
+
+def _places(columns: Columns) -> Array | None:
+    """(N, 2) in the picture, from its lower left."""
+    for name in columns:
+        found = PLACES_IN_PICTURE.fullmatch(name)
+        if found is not None:
+            names = name, f"{found[1]}{'v' if found[2] == 'u' else 't'}{found[3]}"
+            if _are_numbers(columns, names):
+                return _table(columns, names)
+    return None
 
 
 def _cloud(vertex: Columns, points: Array) -> Pieces:
@@ -381,9 +402,9 @@ class _Painted:
     def _with_places(self) -> Piece | None:
         """With places in a picture, of vertices or of the corners of polygons; None where the file has none."""
         colours = _colours(self._vertex)
-        names = next((names for names in PLACES_IN_PICTURE if set(names) <= set(self._vertex)), None)
-        if names is not None:
-            return Piece(self._vertices, self._faces, colours, _table(self._vertex, names))
+        places = _places(self._vertex)
+        if places is not None:
+            return Piece(self._vertices, self._faces, colours, places)
         corners, polygon = self._face.get("texcoord"), _corners(self._face)
         if not isinstance(corners, Ragged) or polygon is None or not self._of_polygons:
             return None

@@ -42,11 +42,24 @@ def _binary(data: bytes) -> tuple[NDArray[np.void], tuple[str, ...]]:
     is_no_count = announced == 0 or announced > TRIANGLES  # written before the triangles were counted
     if held < announced and not (is_no_count and rest == 0):
         raise TooLarge(_too_many()) if held > TRIANGLES else BadScan(CUT_OFF)
-    count = held if announced != held and rest == 0 else announced
+    count = held if announced != held and rest == 0 and _go_on(data, announced, held) else announced
     if count > TRIANGLES:
         raise TooLarge(_too_many())
     notes = () if count == announced else (WRONG_COUNT.format(count=count),)
     return np.frombuffer(data, ROW, count, BINARY_STL_HEADER), notes
+
+
+def _go_on(data: bytes, announced: int, held: int) -> bool:
+    """Whether what follows the triangles that are announced are triangles of the same body, and nothing else."""
+    corners = np.frombuffer(data, ROW, min(held, TRIANGLES), BINARY_STL_HEADER)["corners"].reshape(-1, 3)
+    first, others = corners[: 3 * announced], corners[3 * announced :]
+    if not np.isfinite(others).all():
+        return False
+    if not len(first):
+        return True
+    low, high = first.min(axis=0), first.max(axis=0)
+    margin = 4.0 * np.max(high - low)
+    return bool(((others >= low - margin) & (others <= high + margin)).all())
 
 
 def _too_many() -> str:

@@ -15,7 +15,6 @@ from urllib.parse import unquote
 from breastrig.scan.pictures.texture import LEFT_OUT, TURNED, is_turned, plain_picture
 
 PICTURES = ("jpg", "jpeg", "jpe", "jfif", "png", "webp", "tif", "tiff", "bmp", "tga", "gif", "avif")
-ENDINGS = ("mtl", "bin", *PICTURES)
 LOOKED_THROUGH = 100  # folders within that of a scan
 MISSING = "A picture or material file that the scan names is not beside it, and the scan is shown without it."
 ONLY_PICTURE = "The scan does not name its picture; the only one beside it was used."
@@ -128,20 +127,20 @@ def beside(scan: Path, read: Callable[[Path], bytes]) -> Companions:
     """The files in the folder of a scan and in those within it; links are left out."""
 
     def listed() -> dict[str, Reader]:
-        own, folders = _entries(scan.parent, ENDINGS)
+        own, folders = _entries(scan.parent)
         for folder in folders[:LOOKED_THROUGH]:
-            own += _entries(folder, ENDINGS)[0]
+            own += _entries(folder)[0]
         return {path.relative_to(scan.parent).as_posix(): partial(read, path) for path in own}
 
     return Companions(listed)
 
 
-def _entries(folder: Path, endings: tuple[str, ...]) -> tuple[list[Path], list[Path]]:
-    """The ordinary files of these endings and the folders in it; none where it may not be looked into."""
+def _entries(folder: Path) -> tuple[list[Path], list[Path]]:
+    """The ordinary files and the folders in it; none where it may not be looked into."""
     files, folders = [], []
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
-            if entry.is_file(follow_symlinks=False) and Path(entry.name).suffix.lower().removeprefix(".") in endings:
+            if entry.is_file(follow_symlinks=False):
                 files.append(folder / entry.name)
             elif entry.is_dir(follow_symlinks=False) and not entry.name.startswith("."):
                 folders.append(folder / entry.name)
