@@ -32,11 +32,12 @@ if TYPE_CHECKING:
     from breastrig.interface.measure import Measure, Number, measure
     from breastrig.interface.model import load_model
     from breastrig.interface.pair import FitPair, fit_pair, pair_iterates
-    from breastrig.interface.parameters import BonePose, Parameters
+    from breastrig.interface.posterior import Posterior
     from breastrig.interface.run import FitRun, Iterate, fit, iterates
     from breastrig.interface.scan import Scan, read_scan
     from breastrig.interface.transfer import transfer
     from breastrig.rig.model import Rig
+    from breastrig.rig.named_parameters import BonePose, Parameters
 
 __version__ = "0.1.0"
 
@@ -61,6 +62,7 @@ __all__ = [
     "Measure",
     "Number",
     "Parameters",
+    "Posterior",
     "Proposal",
     "Rig",
     "Scan",
@@ -87,7 +89,8 @@ _MODULES = {
     "interface.measure": "Measure Number measure",
     "interface.model": "load_model",
     "interface.pair": "FitPair fit_pair pair_iterates",
-    "interface.parameters": "BonePose Parameters",
+    "rig.named_parameters": "BonePose Parameters",
+    "interface.posterior": "Posterior",
     "interface.run": "FitRun Iterate fit iterates",
     "interface.scan": "Scan read_scan",
     "interface.transfer": "transfer",

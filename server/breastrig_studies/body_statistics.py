@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from breastrig.core.arrays import Array, Integers
-from breastrig.fitting.body.statistics import SCHEMA
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.body_statistics import SCHEMA
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig_studies.cohort import read_cohort

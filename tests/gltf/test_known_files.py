@@ -9,13 +9,13 @@ import pytest
 from breastrig.cli.main import main
 from breastrig.core.errors import BadModel
 from breastrig.fitting.body.hidden_skin import hidden_skin
-from breastrig.fitting.body.statistics import body_statistics
 from breastrig.fitting.body.trunk_depth import trunk_depth
 from breastrig.fitting.uncertainty.calibration import calibration
 from breastrig.fitting.verdicts.verdict import verdict_limits
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.write_rig import write_rig
 from breastrig.report.calibration import measure_calibration
+from breastrig.rig.body_statistics import body_statistics
 
 TORSO = default_rig_path()
 

@@ -20,6 +20,7 @@ COMMANDS = {
     "landmarks": "propose the landmarks on one scan",
     "ink": "find lines that were drawn on the skin of one scan",
     "batch": "fit the model to many scans",
+    "presets": "list the presets of fits, or show one",
     "model": "describe, check or build the model",
     "serve": "serve the page and the HTTP API",
     "worker": "carry out fits for a Dask scheduler",

@@ -9,13 +9,13 @@ from breastrig.core.stances import STANCES
 from breastrig.drawings.skin_maps.lying_motion import lying_motion
 from breastrig.drawings.skin_maps.settings import skin_map_settings
 from breastrig.fitting.body.hidden_skin import hidden_skin
-from breastrig.fitting.body.statistics import body_statistics
 from breastrig.fitting.body.trunk_depth import trunk_depth
 from breastrig.fitting.uncertainty.calibration import calibration
 from breastrig.fitting.verdicts.verdict import verdict_limits
 from breastrig.gltf.known_files import bind_known, known_words
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.calibration import measure_calibration
+from breastrig.rig.body_statistics import body_statistics
 from breastrig.rig.model import Rig
 from breastrig.rig.validation.rules import check_rig, describe_rig
 

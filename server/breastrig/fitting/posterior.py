@@ -56,8 +56,12 @@ class Posterior:
 
     def vertex_variances(self) -> Array:
         """(V,) m², over all three axes, of every vertex."""
+        return vertex_variances(self.state.posed, self.covariance())
+
+    def covariance(self) -> Array:
+        """(P, P) of a step from here, laid out as the unknowns are (rig/parameters.py)."""
         half = self.whitened(np.eye(len(self._factor)))
-        return vertex_variances(self.state.posed, half @ half.T)
+        return np.asarray(half @ half.T)
 
     def sample(self, rng: np.random.Generator) -> Array:
         """(P,) a step drawn from the posterior."""

@@ -26,7 +26,6 @@ from breastrig.energies.symmetry import Symmetry
 from breastrig.energies.table_contact import TableContact
 from breastrig.fitting.body.hollows import hollow_terms, look_for_hollows
 from breastrig.fitting.body.mirrored_landmarks import MirroredLandmark, mirrored_landmarks, mirrored_terms
-from breastrig.fitting.body.statistics import body_statistics
 from breastrig.fitting.observation_weights import observation_weights
 from breastrig.fitting.recipe import Body, Hanging, Range, Scales, Shapes, Stage
 from breastrig.fitting.task import FitIterate, FitTask
@@ -35,6 +34,8 @@ from breastrig.least_squares.newton import Status, System, Value, assemble, valu
 from breastrig.least_squares.problem import Constraint, ResidualTerm
 from breastrig.least_squares.quadratic_program import Bounds
 from breastrig.least_squares.robust import KERNELS
+from breastrig.rig.blocks import block
+from breastrig.rig.body_statistics import body_statistics
 from breastrig.rig.joints import Joints
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import BONE_DOFS, RigParameters
@@ -139,6 +140,8 @@ class ScanProblem:
         free = np.ones(len(self.scaling), dtype=np.bool_)
         free[: BONE_DOFS * bones].reshape(bones, BONE_DOFS)[:, 6:9] = stage.free_scales
         free[BONE_DOFS * bones :] = [shape.kind in stage.free_shapes for shape in rig.shapes]
+        for name in self.task.locked:
+            free[block(rig, name)] = False
         return free
 
     def bounds(self, state: BodyState) -> Bounds:

@@ -5,10 +5,11 @@ A pair [start, end] is run through geometrically while the stage tightens.
 """
 
 import tomllib
+from collections.abc import Mapping
 from functools import lru_cache
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
@@ -192,37 +193,68 @@ def preset_names() -> tuple[str, ...]:
     return tuple(sorted(Path(str(item)).stem for item in folder.iterdir() if item.name.endswith(".toml")))
 
 
-def _preset_text(name: str) -> str:
+def preset_text(name: str) -> str:
+    """The file of a preset that ships with the package; BadSettings for another name."""
+    if name not in preset_names():
+        raise BadSettings(unknown_name("preset", shown(name), preset_names()))
     return (resources.files("breastrig.fitting") / "presets" / f"{name}.toml").read_text("utf-8")
 
 
-def load_recipe(name_or_file: str | Path) -> Recipe:
-    """A preset by name, or a TOML file of the same form; BadSettings says what is wrong with it."""
+def load_recipe(name_or_file: str | Path | Mapping[str, Any]) -> Recipe:
+    """A preset by name, a TOML file of the same form, or such a document; BadSettings says what is wrong with it.
+
+    With `base = "default"` only what differs is given: values of tables are put into those of the base, and `stages`
+    may be a table by their names.  A document without a base changes the default.
+    """
+    if isinstance(name_or_file, Mapping):
+        return _recipe({"base": COMMON} | dict(name_or_file), "of this program")
     if str(name_or_file) in preset_names():
         return _packaged(str(name_or_file))
     if Path(name_or_file).suffix == ".toml":
         if not is_ordinary(Path(name_or_file)):
             raise BadSettings(f"The preset {shown(name_or_file)} is not there or is no file; check the name.")
         try:
-            text = Path(name_or_file).read_text("utf-8")
+            return _recipe(tomllib.loads(Path(name_or_file).read_text("utf-8")), name_or_file)
+        except tomllib.TOMLDecodeError as error:
+            raise BadSettings(f"The preset {name_or_file} cannot be used: the file: {error}.") from error
         except (OSError, UnicodeDecodeError) as error:
             raise BadSettings(f"The preset {shown(name_or_file)} cannot be read; check the file.") from error
-        return _recipe(text, name_or_file)
     raise BadSettings(unknown_name("preset", shown(name_or_file), preset_names()))
 
 
 @lru_cache
 def _packaged(name: str) -> Recipe:
     """Read once a process: TOML takes 8 ms, and each fit and proposal asks for it."""
-    return _recipe(_preset_text(name), name)
+    return _recipe(tomllib.loads(preset_text(name)), name)
 
 
-def _recipe(text: str, name_or_file: str | Path) -> Recipe:
+def _recipe(given: dict[str, Any], name_or_file: str | Path) -> Recipe:
+    base, given = given.get("base"), {name: part for name, part in given.items() if name != "base"}
+    if base is not None:
+        whole = tomllib.loads(preset_text(str(base)))
+        given = _changed(whole | {"name": f"{base}, changed"}, given)
+    common = {name: part for name, part in tomllib.loads(preset_text(COMMON)).items() if name in COMMON_PARTS}
     try:
-        given = tomllib.loads(text)
-        common = {name: part for name, part in tomllib.loads(_preset_text(COMMON)).items() if name in COMMON_PARTS}
         return Recipe.model_validate(common | given)
-    except (tomllib.TOMLDecodeError, ValidationError) as error:
-        first = str(error.errors()[0]["msg"]) if isinstance(error, ValidationError) else str(error)
-        where = ".".join(map(str, error.errors()[0]["loc"])) if isinstance(error, ValidationError) else "the file"
-        raise BadSettings(f"The preset {name_or_file} cannot be used: {where}: {first}.") from error
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(map(str, first["loc"]))
+        raise BadSettings(f"The preset {name_or_file} cannot be used: {where}: {first['msg']}.") from error
+
+
+def _changed(base: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """The base with what is given in its place; tables are gone into, stages by their names."""
+    result = dict(base)
+    for name, part in given.items():
+        old = result.get(name)
+        if isinstance(part, Mapping) and isinstance(old, Mapping):
+            result[name] = _changed(old, part)
+        elif isinstance(part, Mapping) and isinstance(old, list):
+            stages = {stage["name"]: stage for stage in old}
+            unknown = next((stage for stage in part if stage not in stages), None)
+            if unknown is not None:
+                raise BadSettings(unknown_name("stage of the base", str(unknown), tuple(stages)))
+            result[name] = [_changed(stage, part.get(key, {})) for key, stage in stages.items()]
+        else:
+            result[name] = part
+    return result

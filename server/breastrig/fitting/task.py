@@ -53,3 +53,4 @@ class FitTask:
     seen: frozenset[str] = frozenset()  # landmarks that colour shows and no person has picked
     relief: Mapping[str, SeenHollow] | None = None  # what the skin's form shows, where a fit has looked; None: it will
     hanging: tuple[str, ...] = ()  # shapes by which breasts were seen to hang (body/hanging_start.py)
+    locked: tuple[str, ...] = ()  # blocks of the unknowns that stay where they start, see rig/blocks.py

@@ -5,9 +5,11 @@ agree with those of the command line.  Its files are made when they are asked fo
 """
 
 import json
+from base64 import b64encode
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -23,8 +25,9 @@ from breastrig.fitting.verdicts.verdict import Verdict
 from breastrig.interface.drawing import Drawing, drawing_of
 from breastrig.interface.model import Model, loaded
 from breastrig.interface.one_thread import one_thread
-from breastrig.interface.parameters import Parameters, parameters_by_name
+from breastrig.interface.posterior import Posterior, posterior_of
 from breastrig.rig.model import Rig
+from breastrig.rig.named_parameters import Parameters, parameters_by_name
 from breastrig.workflow.fit_outcome import FitOutcome
 from breastrig.workflow.folder.fit_file_names import (
     DRAWING_MISSING,
@@ -85,7 +88,7 @@ class Fit:
     picked: dict[str, Array]  # (3,) each: as they were given
     not_followed: dict[str, str]  # given landmarks that all else contradicts, each with a sentence
     unusual: dict[str, str]  # given landmarks that were followed and should be looked at, each with a sentence
-    parameters: Parameters
+    parameters: Parameters  # pose, shape and the layer over them: `model.pose(parameters)` is `vertices`
     stance: str  # standing | supine
     verdict: Verdict  # level (good | uncalibrated | check | unusable) and reasons
     converged: bool
@@ -97,6 +100,7 @@ class Fit:
     files: FitFiles
     in_metres: FitFolder  # what measures and transfers work on
     inputs: tuple[Path, ...]  # files that the fit was made from; saving replaces none of them
+    known_posterior: Posterior | None = field(default=None, repr=False)
 
     @cached_property
     def distances(self) -> Array:
@@ -108,6 +112,24 @@ class Fit:
         if len(found) != len(self.vertices):
             raise BadInput("distances.bin does not belong to this fit; fit the scan again.")
         return np.asarray(frozen(1e-3 * found / self.metres_per_unit))
+
+    @cached_property
+    def uncertainty(self) -> Array:
+        """(V,) the radius around each of `vertices` that holds its true place with 90 %, in the scan's unit.
+
+        All nan where nobody has calibrated the model, which `result["not_calibrated"]` says.
+        """
+        found = np.frombuffer(self.files[UNCERTAINTY], dtype="<f4").astype(np.float64)
+        if len(found) != len(self.vertices):
+            raise BadInput(f"{UNCERTAINTY} does not belong to this fit; fit the scan again.")
+        return np.asarray(frozen(1e-3 * found / self.metres_per_unit))
+
+    @property
+    def posterior(self) -> Posterior:
+        """What the fit leaves open of pose and shape.  Raises BadInput for a fit that was loaded: no file has it."""
+        if self.known_posterior is None:
+            raise BadInput("The posterior is in no file of a fit; fit the scan again to have it.")
+        return self.known_posterior
 
     @cached_property
     def drawing(self) -> Drawing:
@@ -149,6 +171,14 @@ class Fit:
         place = Path(folder)
         return fit_of(read_fit_files(place), loaded(model), place.resolve().name[:100])
 
+    def _repr_html_(self) -> str:
+        """The same with a picture from the front, as notebooks show it: model coloured by its distance to the scan."""
+        from breastrig.interface.picture import picture_png  # rendering, which other programs need not load
+
+        image = b64encode(picture_png(self)).decode("ascii")
+        said = escape(f"{repr(self)[1:-1]}. {' '.join(self.verdict.reasons)}")
+        return f'<figure><img alt="fitted model" src="data:image/png;base64,{image}"><p>{said}</p></figure>'
+
     def __repr__(self) -> str:
         mean = self.result["surface_distance_mm"]["mean"]
         far = "no pair" if mean is None else f"{mean:.2f} mm to the scan"
@@ -184,6 +214,7 @@ class _Result(_Part):
     converged: bool
     stop_reason: str
     iterations: int
+    refined: bool = True
     notes: tuple[str, ...]
     surface_distance_mm: _Distance
 
@@ -192,7 +223,8 @@ def fit_of_outcome(outcome: FitOutcome, inputs: tuple[Path, ...]) -> Fit:
     """The Fit of a fit that has just ended."""
     files = FitFiles({}, outcome)
     needed = files.several(("scan.ply", "fitted.ply", UNCERTAINTY, RESULT))
-    return _fit(files, fit_of_files(needed, outcome.rig, THIS_FIT), inputs, THIS_FIT)
+    made = _fit(files, fit_of_files(needed, outcome.rig, THIS_FIT), inputs, THIS_FIT)
+    return replace(made, known_posterior=posterior_of(outcome.rig, outcome.parameters, outcome.covariance))
 
 
 def fit_of(contents: dict[str, bytes], rig: Rig, shown: str) -> Fit:
@@ -227,7 +259,9 @@ def _fit(files: FitFiles, found: FitFolder, inputs: tuple[Path, ...], shown: str
         picked={name: frozen(place) for name, place in result.landmarks_picked.items()},
         not_followed=_by_name(result.landmarks_not_followed),
         unusual=_by_name(result.landmarks_unusual),
-        parameters=parameters_by_name(found.rig, found.parameters, per_unit),
+        parameters=parameters_by_name(
+            found.rig, found.parameters, per_unit, found.vertices if result.refined else None
+        ),
         stance=found.stance,
         verdict=Verdict(result.verdict.level, result.verdict.reasons),
         converged=result.converged,

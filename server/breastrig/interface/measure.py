@@ -10,6 +10,7 @@ from breastrig.interface.one_thread import one_thread
 from breastrig.report.areolae import areolae_of
 from breastrig.report.measures import measures
 from breastrig.report.stance import Stance
+from breastrig.workflow.folder.fit_folder import FitFolder
 
 
 class Value(Protocol):
@@ -63,22 +64,8 @@ def measure(fit: Fit | str | Path, model: Model = None) -> tuple[Measure, ...]:
     `model` is that of a folder.  Raises BadInput.
     """
     found = (fit if isinstance(fit, Fit) else Fit.load(fit, model)).in_metres
-    uncertain = found.result.get("landmark_uncertainty_mm", {})
     with one_thread():
-        rows = measures(
-            Stance(
-                rig=found.rig,
-                vertices=found.vertices,
-                scan_vertices=found.surface.vertices,
-                scan_faces=found.surface.faces,
-                name=found.stance,
-                picked=found.landmarks,
-                seen=found.seen,
-                landmark_radii={name: 1e-3 * radius for name, radius in uncertain.items()},
-                areolae=areolae_of(found.result, found.metres_per_unit),
-                radii=found.radii,
-            )
-        )
+        rows = measures(stance_of(found))
 
     def number(found: Value | None) -> Number | None:
         return None if found is None else Number(float(found.value), _float(found.low), _float(found.high))
@@ -101,3 +88,20 @@ def measure(fit: Fit | str | Path, model: Model = None) -> tuple[Measure, ...]:
 
 def _float(value: float | None) -> float | None:
     return None if value is None else float(value)
+
+
+def stance_of(found: FitFolder) -> Stance:
+    """A fit as measures and pictures want it."""
+    uncertain = found.result.get("landmark_uncertainty_mm", {})
+    return Stance(
+        rig=found.rig,
+        vertices=found.vertices,
+        scan_vertices=found.surface.vertices,
+        scan_faces=found.surface.faces,
+        name=found.stance,
+        picked=found.landmarks,
+        seen=found.seen,
+        landmark_radii={name: 1e-3 * radius for name, radius in uncertain.items()},
+        areolae=areolae_of(found.result, found.metres_per_unit),
+        radii=found.radii,
+    )

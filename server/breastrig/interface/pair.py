@@ -16,8 +16,8 @@ from breastrig.interface.fit_result import Fit, fit_of_outcome
 from breastrig.interface.landmarks import Landmarks
 from breastrig.interface.model import Model, files_of, loaded
 from breastrig.interface.one_thread import one_thread
-from breastrig.interface.run import FitRun, GivenScan, Iterate, Settings, iterate_of
-from breastrig.interface.scan import Scan, ScanSource
+from breastrig.interface.run import FitRun, GivenScan, Iterate, Preset, Settings, iterate_of
+from breastrig.interface.scan import ScanLike, ScanSource
 from breastrig.workflow.folder.fit_file_names import RESULT, fit_set
 from breastrig.workflow.folder.fit_files import json_bytes, write_files
 from breastrig.workflow.jobs import FIRST
@@ -68,8 +68,8 @@ class FitPair:
 
 
 def pair_iterates(
-    first: Scan | str | Path,
-    second: Scan | str | Path,
+    first: ScanLike,
+    second: ScanLike,
     landmarks: Landmarks = None,
     second_landmarks: Landmarks = None,
     *,
@@ -79,7 +79,7 @@ def pair_iterates(
     second_units: str = "auto",
     stance: str = "auto",
     second_stance: str = "auto",
-    preset: str = "default",
+    preset: Preset = "default",
     drawing: str | None = FIRST,
     tumours: Sequence[str] = (),
     refine: bool = True,
@@ -113,8 +113,8 @@ def pair_iterates(
 
 
 def fit_pair(
-    first: Scan | str | Path,
-    second: Scan | str | Path,
+    first: ScanLike,
+    second: ScanLike,
     landmarks: Landmarks = None,
     second_landmarks: Landmarks = None,
     *,
@@ -124,7 +124,7 @@ def fit_pair(
     second_units: str = "auto",
     stance: str = "auto",
     second_stance: str = "auto",
-    preset: str = "default",
+    preset: Preset = "default",
     drawing: str | None = FIRST,
     tumours: Sequence[str] = (),
     refine: bool = True,

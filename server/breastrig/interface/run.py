@@ -4,32 +4,35 @@ The stream is an iterator and not a callback, as in the rest of the package: who
 the fit, and an error is raised where the next iterate is asked for.
 """
 
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeAlias, TypeVar
 
 from breastrig.core.arrays import Array, frozen
-from breastrig.core.errors import FitFailed
+from breastrig.core.errors import BadSettings, FitFailed
+from breastrig.core.stances import AUTO
 from breastrig.drawings.patterns import tumour_text
+from breastrig.gltf.pose_nodes import node_poses
 from breastrig.interface.fit_result import Fit, fit_of_outcome
 from breastrig.interface.landmarks import Landmarks, landmarks_in_mm
 from breastrig.interface.model import Model, files_of, loaded
 from breastrig.interface.one_thread import one_thread
-from breastrig.interface.parameters import Parameters, parameters_by_name
-from breastrig.interface.scan import Scan, ScanSource
+from breastrig.interface.scan import ScanLike, ScanSource
 from breastrig.rig.model import Rig
+from breastrig.rig.named_parameters import Parameters, in_metres, parameters_by_name
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
 from breastrig.workflow.fit_outcome import FitOutcome
 from breastrig.workflow.fit_recorder import RecordedIterate
-from breastrig.workflow.jobs import FIRST, FitSettings
+from breastrig.workflow.jobs import FIRST, EarlierFit, FitSettings
 from breastrig.workflow.run_fit import fit_steps
 from breastrig.workflow.scan_fit import Clock, FitPlan, ReadyScan, fit_plan, made_ready
 
 Step = TypeVar("Step")
 Result = TypeVar("Result")
+Preset: TypeAlias = str | Mapping[str, Any]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -98,16 +101,18 @@ class FitRun(Iterator[Step], Generic[Step, Result]):
 
 
 def iterates(
-    scan: Scan | str | Path,
+    scan: ScanLike,
     landmarks: Landmarks = None,
     *,
     certain: Sequence[str] = (),
     units: str = "auto",
     stance: str = "auto",
-    preset: str = "default",
+    preset: Preset = "default",
     drawing: str | None = FIRST,
     tumours: Sequence[str] = (),
     refine: bool = True,
+    start: Fit | Parameters | None = None,
+    locked: Sequence[str] = (),
     model: Model = None,
 ) -> FitRun[Iterate, Fit]:
     """A fit as an iterator of `Iterate`s, each with its vertices (V, 3) in the scan's unit and frame.
@@ -121,7 +126,7 @@ def iterates(
     loop cancels the fit.
     """
     clock = Clock()
-    settings = Settings(stance, preset, drawing, tuple(tumours), refine)
+    settings = Settings(stance, preset, drawing, tuple(tumours), refine, start, tuple(locked))
     given = GivenScan(ScanSource(scan, units), landmarks, certain)
     with one_thread():
         plan = given.plan(settings, loaded(model))
@@ -139,27 +144,31 @@ def iterates(
 
 
 def fit(
-    scan: Scan | str | Path,
+    scan: ScanLike,
     landmarks: Landmarks = None,
     *,
     certain: Sequence[str] = (),
     units: str = "auto",
     stance: str = "auto",
-    preset: str = "default",
+    preset: Preset = "default",
     drawing: str | None = FIRST,
     tumours: Sequence[str] = (),
     refine: bool = True,
+    start: Fit | Parameters | None = None,
+    locked: Sequence[str] = (),
     model: Model = None,
 ) -> Fit:
     """Fits the model to one scan, and returns a `Fit` with everything in the scan's unit and frame; writes nothing.
 
-    scan        from `read_scan`, or the path of a file
+    scan        from `read_scan`, the path of a file, or a trimesh.Trimesh
     landmarks   name -> (3,) place in the scan's unit and frame, or a `Proposal`; or the path of a landmark file
                 (JSON, CSV, .pp, .mrk.json); None: the scan alone decides
     certain     names of landmarks that are followed whatever all else says, besides those that the file names so
     units       of a path: auto, m, dm, cm, mm, in
     stance      auto, standing or supine
-    preset      default, paper, or the path of a TOML file
+    preset      default, paper, the path of a TOML file, or a dict of what differs from the default or from
+                "base", another preset: {"scales": {"sigma": 0.1}, "stages": {"settle": {"iterations": 5}}}
+                (`breastrig presets show default` has the names)
     drawing     first: the model's first drawing, if it has any (the torso's: lumpectomy); one by its name (anatomy,
                 mastectomy), a pattern in mm (reduction:areola_mm=42), several joined by +, or None
                 a pattern that does not fit on this patient is left out, and `fit.drawing_missing` says why
@@ -167,6 +176,9 @@ def fit(
                 "at:X,Y,Z,RADIUS" around a place in the scan's frame
     refine      a smooth free-form layer follows the skin that the scan shows; the model's own distances stand in
                 `fit.result["model_alone"]`
+    start       a `Fit` of the same scan, or `Parameters` in its unit and frame, to go on from; None: it is found
+    locked      blocks that stay where they start: scales, shapes, rotations, translations, the name of a bone or a
+                shape, or one part of a bone (lumbar.scale)
     model       from `load_model`, or the path of a .glb; None: the torso of the package
 
     Raises BadScan, BadLandmarks, BadDrawing, BadModel or BadSettings (all BadInput) for what can be mended, FitFailed
@@ -182,6 +194,8 @@ def fit(
         drawing=drawing,
         tumours=tumours,
         refine=refine,
+        start=start,
+        locked=locked,
         model=model,
     ).result()
 
@@ -191,15 +205,27 @@ class Settings:
     """What both kinds of fits are asked in the same words."""
 
     stance: str
-    preset: str
+    preset: Preset
     drawing: str | None
     tumours: tuple[str, ...]
     refine: bool
+    start: Fit | Parameters | None = None
+    locked: tuple[str, ...] = ()
 
     @property
     def files(self) -> tuple[Path, ...]:
         """A preset of the user's own."""
-        return (Path(self.preset),) if self.preset.endswith(".toml") else ()
+        return (Path(self.preset),) if isinstance(self.preset, str) and self.preset.endswith(".toml") else ()
+
+    def earlier(self, rig: Rig) -> EarlierFit | None:
+        """Where to go on from; BadSettings for what another rig has made."""
+        if self.start is None:
+            return None
+        x = in_metres(rig, self.start.parameters if isinstance(self.start, Fit) else self.start)
+        stance = self.start.stance if isinstance(self.start, Fit) else self.stance
+        if stance == AUTO:
+            raise BadSettings("Parameters do not say the stance that they are of; give stance as well.")
+        return EarlierFit(stance, node_poses(rig, x), rig.sha256)
 
     @property
     def drawing_text(self) -> str | None:
@@ -226,6 +252,8 @@ class GivenScan:
             landmark_confidence=self.landmarks.confidences,
             certain=self.landmarks.certain,
             refine=settings.refine,
+            earlier=settings.earlier(rig),
+            locked=settings.locked,
         )
         return fit_plan(asked, rig, self.landmarks.places_mm)
 

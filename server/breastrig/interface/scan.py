@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 import breastrig.scan.read as scan_files
 from breastrig.core.arrays import Array, Integers, frozen
@@ -36,6 +36,43 @@ class Scan:
     notes: tuple[str, ...]  # what reading found, one sentence each
     in_metres: ScanInMetres = field(repr=False)  # what a fit works on
     file: Path | None = field(repr=False)  # where it was read; no result replaces it
+
+    @staticmethod
+    def from_arrays(
+        vertices: ArrayLike, triangles: ArrayLike, colours: ArrayLike | None = None, unit: str = "auto"
+    ) -> "Scan":
+        """A scan of a program's own: vertices (V, 3) in `unit`, triangles (F, 3) of their indices, counter-clockwise.
+
+        colours   (V, 3) or (V, 4) sRGB: whole numbers 0 to 255, or others 0 to 1
+        unit      of the vertices: m, dm, cm, mm, in, ft, or auto to decide from the size
+
+        Raises BadScan, TooLarge or BadSettings (no such unit), each with one sentence.
+        """
+        places = _numbers(vertices, "vertices", (3,)).astype(np.float64)
+        faces = _numbers(triangles, "triangles", (3,))
+        if not np.array_equal(faces, np.rint(faces)):
+            raise BadScan("triangles must be whole numbers, the indices of three vertices each.")
+        if len(faces) and not 0 <= faces.min() <= faces.max() < len(places):
+            raise BadScan("triangles name vertices that do not exist.")
+        painted = None if colours is None else _numbers(colours, "colours", (3, 4))[:, :3]
+        if painted is not None and len(painted) != len(places):
+            raise BadScan(f"There are {len(painted)} colours for {len(places)} vertices; give one for each.")
+        if painted is not None and painted.dtype.kind == "f":
+            painted = np.rint(255.0 * np.clip(painted, 0.0, 1.0))
+        tints = None if painted is None else painted.astype(np.uint8)
+        return _scan(scan_files.scan_of_arrays(places, faces.astype(np.int64), tints, unit), None)
+
+    @staticmethod
+    def from_trimesh(mesh: "trimesh.Trimesh", unit: str = "auto") -> "Scan":
+        """The scan of a trimesh.Trimesh with its vertex colours; `unit` auto is the mesh's own, where it names one.
+
+        A texture is left out: save the mesh and give its file to `read_scan` to have it.  Raises as `from_arrays`.
+        """
+        visual = mesh.visual
+        own = {"millimeters": "mm", "meters": "m", "centimeters": "cm", "decimeters": "dm", "inches": "in"}
+        named = own.get(str(mesh.units), "auto") if unit == "auto" else unit
+        colours = mesh.visual.vertex_colors if getattr(visual, "kind", None) == "vertex" else None
+        return Scan.from_arrays(mesh.vertices, mesh.faces, colours, named)
 
     def without(self, cuts: str | Path | Mapping[str, Any]) -> "Scan":
         """The scan without what a person has cut away in the page: fits, proposals and ink do not see it.
@@ -101,10 +138,26 @@ def existing(file: str | Path) -> Path:
     return Path(file)
 
 
+def _numbers(given: ArrayLike, name: str, columns: tuple[int, ...]) -> NDArray[Any]:
+    """A table with so many columns; BadScan says what is wrong with it."""
+    try:
+        found = np.asarray(given)
+    except (TypeError, ValueError) as error:
+        raise BadScan(f"{name} is no table of numbers.") from error
+    if found.dtype.kind not in "fiu" or found.ndim != 2 or found.shape[1] not in columns:
+        raise BadScan(f"{name} has the shape {found.shape} of {found.dtype}; it must be numbers (N, {columns[0]}).")
+    return found
+
+
+ScanLike: TypeAlias = "Scan | str | Path | trimesh.Trimesh"  # read already, a file, or a mesh of a program
+
+
 class ScanSource:
     """A scan that has been read, or will be when it is needed: what else is wrong is better known before."""
 
-    def __init__(self, scan: Scan | str | Path, units: str) -> None:
+    def __init__(self, scan: ScanLike, units: str) -> None:
+        if not isinstance(scan, Scan | str | Path):
+            scan, units = Scan.from_trimesh(scan, units), "auto"
         if isinstance(scan, Scan) and units != "auto":
             raise BadSettings("This scan has been read already; give its units to read_scan.")
         self._given = scan if isinstance(scan, Scan) else existing(scan)

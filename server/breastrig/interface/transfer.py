@@ -9,13 +9,13 @@ from breastrig.core.errors import BadInput
 from breastrig.core.scratch import scratch_folder
 from breastrig.interface.drawing import Drawing, Line, document_of, drawing_of
 from breastrig.interface.fit_result import Fit
-from breastrig.interface.model import load_model
+from breastrig.interface.model import Model, loaded
 from breastrig.interface.one_thread import one_thread
+from breastrig.rig.model import Rig
 from breastrig.workflow.folder.fit_file_names import FIT_FILES, RESULT, UNCERTAINTY
 from breastrig.workflow.folder.fit_files import write_files
 from breastrig.workflow.further_jobs import TransferJob
-from breastrig.workflow.lines.transfer import drawing_document
-from breastrig.workflow.lines.transfer import transfer as transfer_documents
+from breastrig.workflow.lines.transfer import drawing_document, transfer_with
 
 READ = ("scan.ply", "fitted.ply", UNCERTAINTY, RESULT)  # what a transfer reads of a fit
 
@@ -26,7 +26,7 @@ def transfer(
     drawing: Drawing | Sequence[Line] | Mapping[str, Any] | str | Path | None = None,
     *,
     other_patient: bool = False,
-    model: str | Path | None = None,
+    model: Model = None,
 ) -> Drawing:
     """A drawing made on the scan of one fit, shown on the scan of another, in that scan's unit and frame.
 
@@ -34,28 +34,29 @@ def transfer(
     drawing          `Line`s with points (M, 3) in the source scan's unit and frame; a `Drawing`; a document
                      breastrig/drawing@1 or the path of one; None: the drawing that the first fit has
     other_patient    the scans are of two patients: the same place of the model instead of the same skin
-    model            the .glb that both fits were made with, where it is not the package's
+    model            of folders, where it is not the package's; a `Fit` has its own
 
     Each line of the answer has more points than before; `bridged` (M,) says where the target's scan has a hole, and
     `distance_from_mm`, `distance_to_mm` (M,) how far both fits were from their scans there.
 
     Raises BadDrawing or another BadInput with one sentence.
     """
-    rigs = {each.model.sha256: each.model.name for each in (source, target) if isinstance(each, Fit)}
-    if rigs and set(rigs) != {load_model(model).sha256}:
-        raise BadInput(
-            f"The fits were made with another model ({', '.join(rigs.values())}); fit both scans with one, and "
-            "give its .glb as model when it is not the package's."
-        )
+    own = {each.model.sha256: each.model for each in (source, target) if isinstance(each, Fit)}
+    rigs = own if model is None and own else own | {(given := loaded(model)).sha256: given}
+    if len(rigs) > 1:
+        raise BadInput(f"The fits were made with several models ({_names(rigs)}); fit both scans with one.")
+    [rig] = rigs.values()
     document, inputs = _document(source, drawing)
     inputs += tuple(Path(each) / name for each in (source, target) if not isinstance(each, Fit) for name in FIT_FILES)
     with ExitStack() as stack:
         folders = [stack.enter_context(_folder(each, with_drawing=document is None)) for each in (source, target)]
         with one_thread():
-            found = transfer_documents(
-                TransferJob(folders[0], folders[1], document, other_patient, None if model is None else Path(model))
-            )
+            found = transfer_with(rig, TransferJob(folders[0], folders[1], document, other_patient))
     return drawing_of(found, inputs)
+
+
+def _names(rigs: Mapping[str, Rig]) -> str:
+    return ", ".join(f"{rig.name} {sha256[:12]}" for sha256, rig in rigs.items())
 
 
 def _document(

@@ -3,7 +3,7 @@
 The files stand in the folder NAME.known beside NAME.glb and are bound to the rig by its hash (gltf/known_files.py), so
 that what was measured with one rig is never said of another.
 
-    bodies.json          mean and covariance of scales and shapes over bodies       fitting/body/statistics.py
+    bodies.json          mean and covariance of scales and shapes over bodies       rig/body_statistics.py
     hidden_STANCE.json   how deep skin lies that no scan shows                      fitting/body/hidden_skin.py
     trunk_depth.json     and how much deeper it lies under a high belly             fitting/body/trunk_depth.py
     lying_motion.json    how skin moves between standing and lying                  drawings/skin_maps/lying_motion.py

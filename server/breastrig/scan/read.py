@@ -95,6 +95,30 @@ def read_scan(
         _check(whole, pieces.has_points)
         across = _extent(whole.vertices, whole.faces)
         unit, reason = decide_unit(across, units, pieces.unit, pieces.unit_by_default)
+    notes = (*sorting, *notes)
+    return _scan(whole, unit, reason, hashlib.sha256(data).hexdigest(), notes, for_display, from_points)
+
+
+def scan_of_arrays(vertices: Array, faces: Integers, colours: NDArray[np.uint8] | None, units: str) -> Scan:
+    """The scan of (V, 3) vertices in this unit and (F, 3) triangles, colours (V, 3) sRGB; checked as a file's."""
+    joined, notes = _joined(Pieces((Piece(vertices, faces, colours),)))
+    whole, left_out = _without_bad_vertices(joined)
+    _check(whole, has_points=False)
+    unit, reason = decide_unit(_extent(whole.vertices, whole.faces), units)
+    content = hashlib.sha256(vertices.tobytes() + faces.tobytes() + (b"" if colours is None else colours.tobytes()))
+    return _scan(whole, unit, reason, content.hexdigest(), (*notes, *left_out))
+
+
+def _scan(
+    whole: Piece,
+    unit: str,
+    reason: str,
+    sha256: str,
+    notes: tuple[str, ...],
+    for_display: bool = False,
+    from_points: bool = False,
+) -> Scan:
+    """What has been read, in metres."""
     metres = METRES_PER_UNIT[unit]
     whole, strays = _placed(whole, metres)
     jpeg = whole.picture if whole.picture is None or not for_display else written_anew(whole.picture)
@@ -106,8 +130,8 @@ def read_scan(
         unit=unit,
         metres_per_unit=metres,
         unit_reason=reason,
-        sha256=hashlib.sha256(data).hexdigest(),
-        notes=(*sorting, *notes, *strays, *_far_away(whole.vertices, metres)),
+        sha256=sha256,
+        notes=(*notes, *strays, *_far_away(whole.vertices, metres)),
         colours=whole.colours if jpeg is None else None,
         uv=None if jpeg is None else whole.uv,
         texture=jpeg,

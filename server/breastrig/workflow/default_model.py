@@ -14,7 +14,6 @@ from breastrig.core.stances import AUTO, STANCES
 from breastrig.drawings.skin_maps.lying_motion import lying_motion
 from breastrig.energies.folding import pressed_edges
 from breastrig.fitting.body.hidden_skin import hidden_skin
-from breastrig.fitting.body.statistics import body_statistics
 from breastrig.fitting.body.trunk_depth import trunk_depth
 from breastrig.fitting.observation_weights import observation_weights
 from breastrig.fitting.problem import body_terms
@@ -26,6 +25,7 @@ from breastrig.gltf.lines.ribbon import ribbons
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.skinned import skinned_document
 from breastrig.relief.limits import relief
+from breastrig.rig.body_statistics import body_statistics
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.state import BodyState

@@ -58,5 +58,6 @@ class FitOutcome:
     notes: tuple[str, ...]
     verdict: Verdict
     areolae: Mapping[str, SeenAreola | None]  # by side, None where none is seen; empty for a scan without texture
+    covariance: Array  # (P, P) of a step from the parameters (fitting/posterior.py)
     table_triangles: int  # of the scan, cut away as table
     cut_away: float = 0.0  # m², of the scan's floors and walls

@@ -120,6 +120,7 @@ class FitRecorder:
             stance_reason=ready.stance_reason,
             preset=ready.task.recipe.name,
             parameters=last.parameters,
+            covariance=posterior.covariance(),
             vertices=vertices,
             refined=ready.settings.refine,
             model_alone=alone,

@@ -3,6 +3,7 @@
 They stand apart from the numerics that carry them out: who only hands a job on loads none of them.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -27,12 +28,13 @@ class FitSettings:
     """What is asked of a fit, whatever scan it is asked of."""
 
     stance: str = AUTO
-    preset: str = DEFAULT
+    preset: str | Mapping[str, Any] = DEFAULT  # a name, a TOML file, or a document (fitting/recipe.py)
     drawing: str | None = FIRST  # see drawings/patterns.py: names, patterns with parameters, joined by +
     landmark_confidence: dict[str, float] = field(default_factory=dict)  # 0 to 1, of proposed ones; absent: 1
     certain: tuple[str, ...] = ()  # picks that are followed whatever all else says
     refine: bool = True  # a free-form layer on top, which follows the skin that the scan shows
     earlier: EarlierFit | None = None  # None: the start is found from landmarks and scan
+    locked: tuple[str, ...] = ()  # blocks of the unknowns that stay where they start (rig/blocks.py)
     orientation: dict[str, Any] | None = None  # of the scan, found at its upload; see fitting/scan_orientation.py
 
 

@@ -26,6 +26,7 @@ from breastrig.fitting.scan_orientation import ScanOrientation, orientation_from
 from breastrig.fitting.seen.landmarks import seen_landmarks, with_seen
 from breastrig.fitting.starts.two_openings import opened_iterates
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.blocks import block
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig.scan.coloured_scan import coloured_scan
@@ -160,6 +161,8 @@ def fit_plan(settings: FitSettings, rig: Rig, landmarks_mm: dict[str, list[float
     recipe = load_recipe(settings.preset)
     settings = replace(settings, drawing=named_drawing(rig, settings.drawing))
     drawing = None if settings.drawing is None else asked_drawing(rig, settings.drawing)
+    for name in settings.locked:
+        block(rig, name)
     landmarks = checked_landmarks(rig, landmarks_mm)
     confidence = by_known_names(settings.landmark_confidence, landmark_words(rig))
     settings = replace(
@@ -221,6 +224,7 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
         followed,
         landmark_errors=errors,
         certain=frozenset(settings.certain) & frozenset(followed),
+        locked=settings.locked,
     )
     if earlier is None:
         task, clearness = with_start(task, ready, orientation)

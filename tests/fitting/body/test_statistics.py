@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from breastrig.fitting.body.statistics import body_statistics
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.body_statistics import body_statistics
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig_studies.body_statistics import mirrored, statistics

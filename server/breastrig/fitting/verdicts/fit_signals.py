@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from breastrig.fitting.body.statistics import body_statistics
 from breastrig.report.distances import Comparison
+from breastrig.rig.body_statistics import body_statistics
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 

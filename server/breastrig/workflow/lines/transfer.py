@@ -41,7 +41,11 @@ def drawing_document(file: Path) -> dict[str, Any]:
 
 def transfer(job: TransferJob) -> dict[str, Any]:
     """The drawing on the target scan (breastrig/drawing@1), in its frame and unit.  Raises BadInput."""
-    rig = read_rig(job.model or default_rig_path())
+    return transfer_with(read_rig(job.model or default_rig_path()), job)
+
+
+def transfer_with(rig: Rig, job: TransferJob) -> dict[str, Any]:
+    """The same with a rig that has been read."""
     source, goal = fit_folder_of(job.from_fit, rig), fit_folder_of(job.to_fit, rig)
     document = drawing_document(job.from_fit / "drawing.json") if job.drawing is None else job.drawing
     if is_plan(document):
