@@ -7,7 +7,6 @@ A pair [start, end] is run through geometrically while the stage tightens.
 import tomllib
 from collections.abc import Mapping
 from functools import lru_cache
-from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -15,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from breastrig.core.errors import BadSettings, unknown_name
 from breastrig.core.private_files import is_ordinary, shown
+from breastrig.fitting.presets.preset_files import changed, preset_names, preset_text
 
 COMMON = "default"  # what a preset is silent about is taken from it:
 COMMON_PARTS = ("outliers", "stance_rule", "lying", "landmarks")
@@ -187,19 +187,6 @@ class Recipe(_Part):
         return self.model_copy(update={"stages": self.stages[1:] or self.stages})
 
 
-def preset_names() -> tuple[str, ...]:
-    """The presets that ship with the package."""
-    folder = resources.files("breastrig.fitting") / "presets"
-    return tuple(sorted(Path(str(item)).stem for item in folder.iterdir() if item.name.endswith(".toml")))
-
-
-def preset_text(name: str) -> str:
-    """The file of a preset that ships with the package; BadSettings for another name."""
-    if name not in preset_names():
-        raise BadSettings(unknown_name("preset", shown(name), preset_names()))
-    return (resources.files("breastrig.fitting") / "presets" / f"{name}.toml").read_text("utf-8")
-
-
 def load_recipe(name_or_file: str | Path | Mapping[str, Any]) -> Recipe:
     """A preset by name, a TOML file of the same form, or such a document; BadSettings says what is wrong with it.
 
@@ -232,7 +219,7 @@ def _recipe(given: dict[str, Any], name_or_file: str | Path) -> Recipe:
     base, given = given.get("base"), {name: part for name, part in given.items() if name != "base"}
     if base is not None:
         whole = tomllib.loads(preset_text(str(base)))
-        given = _changed(whole | {"name": f"{base}, changed"}, given)
+        given = changed(whole | {"name": f"{base}, changed"}, given)
     common = {name: part for name, part in tomllib.loads(preset_text(COMMON)).items() if name in COMMON_PARTS}
     try:
         return Recipe.model_validate(common | given)
@@ -240,21 +227,3 @@ def _recipe(given: dict[str, Any], name_or_file: str | Path) -> Recipe:
         first = error.errors()[0]
         where = ".".join(map(str, first["loc"]))
         raise BadSettings(f"The preset {name_or_file} cannot be used: {where}: {first['msg']}.") from error
-
-
-def _changed(base: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
-    """The base with what is given in its place; tables are gone into, stages by their names."""
-    result = dict(base)
-    for name, part in given.items():
-        old = result.get(name)
-        if isinstance(part, Mapping) and isinstance(old, Mapping):
-            result[name] = _changed(old, part)
-        elif isinstance(part, Mapping) and isinstance(old, list):
-            stages = {stage["name"]: stage for stage in old}
-            unknown = next((stage for stage in part if stage not in stages), None)
-            if unknown is not None:
-                raise BadSettings(unknown_name("stage of the base", str(unknown), tuple(stages)))
-            result[name] = [_changed(stage, part.get(key, {})) for key, stage in stages.items()]
-        else:
-            result[name] = part
-    return result

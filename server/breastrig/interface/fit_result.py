@@ -175,7 +175,7 @@ class Fit:
         """The same with a picture from the front, as notebooks show it: model coloured by its distance to the scan."""
         from breastrig.interface.picture import picture_png  # rendering, which other programs need not load
 
-        image = b64encode(picture_png(self)).decode("ascii")
+        image = b64encode(picture_png(self.in_metres)).decode("ascii")
         said = escape(f"{repr(self)[1:-1]}. {' '.join(self.verdict.reasons)}")
         return f'<figure><img alt="fitted model" src="data:image/png;base64,{image}"><p>{said}</p></figure>'
 

@@ -7,10 +7,8 @@ from typing import Protocol
 from breastrig.interface.fit_result import Fit
 from breastrig.interface.model import Model
 from breastrig.interface.one_thread import one_thread
-from breastrig.report.areolae import areolae_of
+from breastrig.interface.picture import stance_of
 from breastrig.report.measures import measures
-from breastrig.report.stance import Stance
-from breastrig.workflow.folder.fit_folder import FitFolder
 
 
 class Value(Protocol):
@@ -88,20 +86,3 @@ def measure(fit: Fit | str | Path, model: Model = None) -> tuple[Measure, ...]:
 
 def _float(value: float | None) -> float | None:
     return None if value is None else float(value)
-
-
-def stance_of(found: FitFolder) -> Stance:
-    """A fit as measures and pictures want it."""
-    uncertain = found.result.get("landmark_uncertainty_mm", {})
-    return Stance(
-        rig=found.rig,
-        vertices=found.vertices,
-        scan_vertices=found.surface.vertices,
-        scan_faces=found.surface.faces,
-        name=found.stance,
-        picked=found.landmarks,
-        seen=found.seen,
-        landmark_radii={name: 1e-3 * radius for name, radius in uncertain.items()},
-        areolae=areolae_of(found.result, found.metres_per_unit),
-        radii=found.radii,
-    )

@@ -1,26 +1,44 @@
-"""A small picture of a fit, for notebooks."""
+"""A fit as measures and pictures want it, and a small picture of it for notebooks."""
 
 import io
 
 from PIL import Image
 
-from breastrig.interface.fit_result import Fit
-from breastrig.interface.measure import stance_of
 from breastrig.interface.one_thread import one_thread
 from breastrig.rendering.picture import Layer, Scene, diverging_colours
+from breastrig.report.areolae import areolae_of
 from breastrig.report.pictures import views_of
+from breastrig.report.stance import Stance
+from breastrig.workflow.folder.fit_folder import FitFolder
 
 SIZE = (300, 360)  # pixels
 LIMIT_MM = 5.0  # where the colours end: blue inside the scan's skin, orange outside
 
 
-def picture_png(fit: Fit) -> bytes:
+def picture_png(found: FitFolder) -> bytes:
     """PNG of the fitted model from the front, coloured by its signed distance to the scan."""
     with one_thread():
-        stance = stance_of(fit.in_metres)
+        stance = stance_of(found)
         [view] = views_of(stance, ("front",), SIZE[0] / SIZE[1])
         colours = diverging_colours(1e3 * stance.distances, LIMIT_MM)
         picture = Scene([Layer(stance.vertices, stance.rig.faces, colours)]).render(view, SIZE)
     stream = io.BytesIO()
     Image.fromarray(picture).save(stream, "PNG")
     return stream.getvalue()
+
+
+def stance_of(found: FitFolder) -> Stance:
+    """A fit as measures and pictures want it."""
+    uncertain = found.result.get("landmark_uncertainty_mm", {})
+    return Stance(
+        rig=found.rig,
+        vertices=found.vertices,
+        scan_vertices=found.surface.vertices,
+        scan_faces=found.surface.faces,
+        name=found.stance,
+        picked=found.landmarks,
+        seen=found.seen,
+        landmark_radii={name: 1e-3 * radius for name, radius in uncertain.items()},
+        areolae=areolae_of(found.result, found.metres_per_unit),
+        radii=found.radii,
+    )

@@ -18,7 +18,7 @@ from breastrig.api.wire import files as wire_files
 from breastrig.core.errors import BadScan, BadSettings, Conflict, NotFound, unknown_name
 from breastrig.drawings.drawing_schema import DrawingFile
 from breastrig.drawings.patterns import asked_drawing
-from breastrig.fitting.recipe import preset_names
+from breastrig.fitting.presets.preset_files import preset_names
 from breastrig.service.events.stored_iteration import stored_iteration
 from breastrig.storage.files import fit_place
 from breastrig.storage.rows.cuts import cuts_digest, get_cuts

@@ -12,7 +12,7 @@ from breastrig.api.wire import meta as wire_meta
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.drawings.pattern_parameters import pattern_forms
 from breastrig.drawings.patterns import offered_patterns
-from breastrig.fitting.recipe import preset_names
+from breastrig.fitting.presets.preset_files import preset_names
 
 meta = APIBlueprint("meta", __name__, tag={"name": "meta", "description": "Version, limits, examples."})
 
