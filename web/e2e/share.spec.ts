@@ -146,7 +146,7 @@ test("a visitor's day: what stood when the link was made, the present state when
   await page.goto(`${owner.base}/#scan=${part(own.scan)}&fit=${part(own.fit)}&step=result`);
   await page.getByRole("button", { name: "Share", exact: true }).click();
   const dialog = page.getByRole("dialog", { name: "Share this result" });
-  await expect(dialog.getByText("some millimetres off her skin")).toBeVisible();
+  await expect(dialog.getByText("without the layer that follows her skin")).toBeVisible();
   await dialog.getByLabel("It shows").selectOption("full");
   await expect(dialog.getByText("What is visible of the scan and its picture")).toBeVisible();
   expect(await seriousFindings(page)).toEqual([]);

@@ -11,7 +11,7 @@ export const share = {
     full: "the scan with its colours",
   } satisfies Record<"none" | "plain" | "full", string>,
   showsWhat: {
-    none: "No scan, no report, no distances: a body shaped and posed like hers, some millimetres off her skin, with the plan's lines laid on it.",
+    none: "No scan, no report, no distances: a body shaped and posed like hers, without the layer that follows her skin, with the plan's lines laid on it.",
     plain: "What is visible of the scan and nothing that was cut away, in the report too; the fitted surface follows her skin.",
     full: "What is visible of the scan and its picture, and nothing that was cut away; the fitted surface follows her skin.",
   } satisfies Record<"none" | "plain" | "full", string>,
@@ -53,7 +53,7 @@ export const shared = {
   what: "This result was shared with you. It can be looked at from all sides and taken away, but not changed.",
   until: (when: string) => `The link works until ${when}.`,
   shownAt: (when: string) => `It is shown as it stood on ${when}.`,
-  modelAlone: "This is the model alone: shaped and posed like her, some millimetres off her skin. The plan's lines are laid on it.",
+  modelAlone: "This is the model alone: shaped and posed like her, without the layer that follows her skin. The plan's lines are laid on it.",
   opening: "Opening the link …",
   howToOpen: "No link is open here. To see a result, open the link that was sent to you.",
   close: "Close",
