@@ -94,11 +94,12 @@ def _database_and_folder(data: Path) -> tuple[dict[str, int], list[Path]]:
     try:
         attempts = dict(rows.execute("SELECT id, attempt FROM fits"))
         scans = {row[0] for row in rows.execute("SELECT id FROM scans")}
+        shares = {row[0] for row in rows.execute("SELECT snapshot FROM shares")}
     finally:
         rows.close()
-    known = {"scans": scans, "fits": set(attempts)}
+    known = {"scans": scans, "fits": set(attempts), "shares": shares}
     left = []
-    for folder in (one for one in data.iterdir() if one.is_dir()):
+    for folder in (one for one in data.iterdir() if one.is_dir() and one.name != "models"):  # they are no patient's
         left += [entry for entry in folder.iterdir() if entry.name not in known.get(folder.name, set())]
     return attempts, left
 
