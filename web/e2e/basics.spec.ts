@@ -13,10 +13,10 @@ test("a file that is no scan is refused with the service's own sentence, and a g
   await page.locator("#scan-file").setInputFiles(bad);
   const { detail } = (await (await refused).json()) as { detail: string };
   await expect(page.getByRole("alert").filter({ hasText: detail })).toBeVisible();
-  const text = info.outputPath("notes.txt");
+  const text = info.outputPath("notes.doc");
   writeFileSync(text, "no scan at all\n");
   await page.locator("#scan-file").setInputFiles(text);
-  await expect(page.getByRole("alert").filter({ hasText: "“notes.txt” is not a 3D scan" })).toBeVisible();
+  await expect(page.getByRole("alert").filter({ hasText: "“notes.doc” is not a 3D scan" })).toBeVisible();
   await page.locator("#scan-file").setInputFiles(SCAN_FILE);
   await hook.ready(page);
   await expect(page.getByRole("alert").filter({ visible: true })).toHaveCount(0);
