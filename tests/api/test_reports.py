@@ -299,17 +299,6 @@ def test_a_links_report_has_no_code_and_notes_only_where_the_owner_says_so(real:
 
 
 @pytest.mark.usefixtures("blank")
-def test_deleting_the_scan_deletes_the_report(real: Real) -> None:
-    service, client, scans, fits = real
-    place = f"/api/fits/{fits['standing']}/report.pdf"
-    assert client.get(place).status_code == 200
-    assert client.delete(f"/api/scans/{scans['standing']}").status_code == 204
-    assert client.get(place).status_code == 404
-    for name in ("report.pdf", "measures.json"):
-        assert not list(service.storage.root.rglob(name))
-
-
-@pytest.mark.usefixtures("blank")
 def test_no_length_that_a_plan_can_reach_ends_the_patient(real: Real) -> None:
     """A megabyte, with as many items and points as the schema takes: nudged, fitted again, drawn, reported, shared."""
     service, client, scans, fits = real
@@ -364,3 +353,14 @@ def test_no_length_that_a_plan_can_reach_ends_the_patient(real: Real) -> None:
     opened = visitor.post("/api/shared/open", json={"token": token}).json["links"]
     assert visitor.get(opened["report"]).status_code == visitor.get(opened["plan"]).status_code == 200
     client.put(plan, json={"items": []}, headers={"If-Match": stored.headers["ETag"]})
+
+
+@pytest.mark.usefixtures("blank")
+def test_deleting_the_scan_deletes_the_report(real: Real) -> None:
+    service, client, scans, fits = real
+    place = f"/api/fits/{fits['standing']}/report.pdf"
+    assert client.get(place).status_code == 200
+    assert client.delete(f"/api/scans/{scans['standing']}").status_code == 204
+    assert client.get(place).status_code == 404
+    for name in ("report.pdf", "measures.json"):
+        assert not list(service.storage.root.rglob(name))
