@@ -295,12 +295,14 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   await areola.fill("99");
   await areola.press("Tab");
   expect(await areola.evaluate((input: HTMLInputElement) => input.validationMessage)).toContain("between 30 and 55");
-  await areola.fill("45");
+  await areola.fill("44,5");
   await areola.press("Tab");
+  await pattern.locator("[data-parameter=opening_deg]").fill("95.5");
+  await pattern.locator("[data-parameter=opening_deg]").press("Tab");
   await pattern.getByLabel("Tumour by the clock").check();
   await pattern.locator("[data-parameter=clock]").fill("10");
   await pattern.locator("[data-parameter=clock]").press("Tab");
-  const wanted = "reduction:areola_mm=45+tumour:side=L,clock=10,distance_mm=40,radius_mm=15";
+  const wanted = "reduction:areola_mm=44.5,opening_deg=95.5+tumour:side=L,clock=10,distance_mm=40,radius_mm=15";
   expect((await page.evaluate(() => window.__breastrig!.state())).drawing).toBe(wanted);
   const names = ["wise_L", "wise_R", "areola_L", "tumour_L"];
   for (const name of names) await expect(page.locator(`[data-layer=reference] [data-line="${name}"]`)).toHaveCount(1, { timeout: 20_000 });
@@ -310,6 +312,14 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   await expect(page.locator("[data-layer=reference]").locator("xpath=..")).toContainText("Reduction (Wise pattern), Tumour");
   await untilStill(page);
   expect((await hook.picture(page)).checksum).not.toBe(before.checksum);
+
+  // A fit again is not asked to draw the plan, however long that is; where it fails, the page says so where she looks.
+  await page.keyboard.press("3");
+  await page.getByLabel("Follow the skin").uncheck();
+  await page.getByRole("button", { name: /^Fit again/ }).first().click();
+  await expect.poll(async () => (await hook.fit(page))!.id).not.toBe(first);
+  await untilFitted(page);
+  expect(JSON.stringify((await page.evaluate(() => window.__breastrig!.state())).problems)).toBe("{}");
   await page.reload();
   await hook.ready(page);
   await untilFitted(page);

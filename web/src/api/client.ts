@@ -59,7 +59,7 @@ function problemOf(status: number, body: string): ApiError {
   try {
     const problem = JSON.parse(body) as Partial<Problem>;
     const sentence = problem.detail ?? problem.title;
-    if (sentence) return new ApiError(sentence, status);
+    if (sentence) return new ApiError(problem.errors?.length ? text.notTaken(sentence) : sentence, status);
   } catch {
     // not JSON: a proxy or a crash answered, and its page would help nobody
   }

@@ -77,8 +77,9 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const page = problem(() => dismiss("page"));
   const model = problem(() => dismiss("model"));
   const distances = problem(() => dismiss("distances"));
+  const refit = problem(() => dismiss("fit")); // of a fit that was asked for from another step
   const graphics = el("p", { class: "no-graphics", role: "alert", hidden: true });
-  const host = el("main", { class: "stage" }, canvas, overlay, swipe.element, colourBar.element, viewBar.element, empty.element, page.element, model.element, distances.element, graphics);
+  const host = el("main", { class: "stage" }, canvas, overlay, swipe.element, colourBar.element, viewBar.element, empty.element, page.element, model.element, distances.element, refit.element, graphics);
   const canvasBar = createCanvasBar(actions.drawing, actions.view.from, () => dismiss("drawing"));
   const mirror = createMirrorLegend();
   host.append(canvasBar.element, mirror.element);
@@ -88,11 +89,11 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
 
   const scan = createScanPanel({ ...actions.scan, askToDelete: () => actions.deletion.ask(true) }, () => dismiss("scan"), needsConfirming);
   const landmarks = createLandmarkPanel(actions.landmarks, actions.proposals, () => dismiss("landmarks"));
-  const fit = createFitPanel({ ...actions.fit, chooseDrawing: actions.drawing.choosePattern }, () => dismiss("fit"));
+  const fit = createFitPanel(actions.fit, () => dismiss("fit"));
   const carry = createDrawingCarry(actions.stances);
   const ink = { scan: el("div", {}), drawing: el("div", {}) }; // lines found on the skin, see ink/open.ts
   scan.element.prepend(ink.scan);
-  const drawing = createDrawingPanel(actions.drawing, actions.plan, () => dismiss("drawing"), () => dismiss("fit"), carry.element);
+  const drawing = createDrawingPanel(actions.drawing, actions.plan, () => dismiss("drawing"), carry.element);
   drawing.element.prepend(ink.drawing);
   const result = createResultPanel(actions.handPose);
   const next = createNextButton(actions);
@@ -176,11 +177,12 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(deleting);
       on(deleted);
       on(changed);
-      store.select(only("active", "problems", "graphics", "meta", "announcement"), (state) => {
+      store.select(only("active", "step", "problems", "graphics", "meta", "announcement"), (state) => {
         show(numbers.element, state.active === null);
         page.set(state.problems.page);
         model.set(state.problems.model);
         distances.set(state.problems.distances);
+        refit.set(state.step === "fit" ? undefined : state.problems.fit);
         show(graphics, state.graphics !== "ok");
         setText(graphics, state.graphics === "absent" ? errors.noGraphics : state.graphics === "lost" ? errors.graphicsLost : "");
         setText(version, state.meta ? pageText.version(state.meta.version) : "");

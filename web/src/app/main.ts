@@ -2,7 +2,6 @@
 import "../style.css";
 import { client, onSignedOut } from "../api/client";
 import { mayShowInk } from "../ink/state";
-import { referenceOf } from "../plan/actions";
 import type { Place } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
 import { createStore, only } from "../store/store";
@@ -66,13 +65,18 @@ async function begin(): Promise<void> {
   try {
     const [meta, examples] = await Promise.all([client.meta(), client.examples()]);
     const preset = meta.presets.includes("default") ? "default" : (meta.presets[0] ?? "default");
-    const drawing = meta.drawings.length === 0 ? "" : referenceOf(meta.drawings);
-    store.set({ meta, examples, preset, drawing });
+    store.set({ meta, examples, preset });
   } catch (error) {
     store.set((state) => withProblem(state, "service", messageOf(error)));
     return;
   }
-  void loadModel();
+  // The model is nearly a megabyte, which a list of patients does not need.
+  let isModelAsked = false;
+  store.select(only("scan", "loading"), ({ scan, loading }) => {
+    if (isModelAsked || !(scan ?? loading)) return;
+    isModelAsked = true;
+    void loadModel();
+  });
   // Whenever no patient is on the page, the list of all is, as the service has it now.
   store.select(only("scan"), ({ scan }) => {
     if (scan === null) queueMicrotask(() => void actions.patients.read());

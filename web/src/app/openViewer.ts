@@ -51,7 +51,7 @@ import type { Session } from "./session";
 /** What of the state the view shows; when something else changes it is not drawn again. */
 const SEEN = [
   ...(["meta", "model", "theme", "step", "overlay", "swipe", "view", "loading", "scan", "showColours", "showLoose", "showRelief", "showMirror", "stances"] as const),
-  ...(["picks", "certain", "proposals", "active", "fit", "handPose", "followed", "showDistances", "drawn", "ink", "inkPointed", "pointedCut"] as const),
+  ...(["picks", "certain", "proposals", "active", "fit", "handPose", "followed", "showDistances", "drawing", "drawn", "ink", "inkPointed", "pointedCut"] as const),
 ];
 type Seen = Pick<Session, (typeof SEEN)[number]>;
 

@@ -18,7 +18,7 @@ const words = text.drawing;
 type Shown = Pick<PageSlice & ScanSlice & FitSlice & DrawingSlice, "meta" | "model" | "problems" | "scan" | "drawing" | "fit" | "isStarting" | "drawn" | "hasPen" | "fingersDraw">;
 
 /** `more`: what other features have to say about the drawing, below the rest. */
-export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dismiss: () => void, dismissFit: () => void, more: HTMLElement): Panel<Shown> {
+export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dismiss: () => void, more: HTMLElement): Panel<Shown> {
   let state: Shown | null = null;
   const tools = segmented<Tool>(
     words.tools,
@@ -49,7 +49,7 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
   const wrong = problem(dismiss);
   const corners = createCorners(drawing);
   const layers = createDrawingLayers(drawing);
-  const pattern = createDrawingPattern(drawing, plan, dismissFit);
+  const pattern = createDrawingPattern(drawing, plan);
   const element = el(
     "div",
     { class: "panel drawing" },

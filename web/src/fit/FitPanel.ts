@@ -10,16 +10,13 @@ import { button, problem, select } from "../ui/controls";
 import { el, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { FitActions } from "./actions";
-import { hasPattern } from "./modelLines";
-import { drawingLabels, requestLabel } from "./requestedDrawing";
 import { type FitSlice, isFitting, shownIteration } from "./state";
 import * as text from "./text";
 
-type Shown = Pick<PageSlice & LandmarksSlice & FitSlice, "meta" | "model" | "problems" | "picks" | "certain" | "stance" | "preset" | "drawing" | "refine" | "fit" | "isStarting"> & Pick<Asked, "scan">;
+type Shown = Pick<PageSlice & LandmarksSlice & FitSlice, "meta" | "problems" | "picks" | "certain" | "stance" | "preset" | "refine" | "fit" | "isStarting"> & Pick<Asked, "scan">;
 
 export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<Shown> {
   const stance = select<StanceChoice>(text.fit.stance, actions.chooseStance);
-  const drawing = select<string>(text.fit.drawing, actions.chooseDrawing);
   const preset = select<string>(text.fit.preset, actions.choosePreset);
   const refine = el("input", { type: "checkbox", "aria-describedby": "refine-hint", onchange: () => actions.chooseRefine(refine.checked) });
   const refining = el("div", { class: "toggle" }, el("label", { class: "check" }, refine, el("span", {}, text.fit.refine)), el("p", { id: "refine-hint" }, text.fit.refineHint));
@@ -27,27 +24,23 @@ export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<
   const progress = el("progress", { max: 1, "aria-label": text.fit.running });
   const phase = el("p", { class: "phase" });
   const retrying = el("p", { class: "look-here", hidden: true }, text.fit.retrying);
-  const pattern = el("p", { class: "muted small", hidden: true }, text.fit.patternLater);
   const cancel = button(text.fit.cancel, () => void actions.cancel(), "quiet outlined wide");
-  const running = el("div", { class: "running", hidden: true }, phase, progress, pattern, retrying, cancel);
+  const running = el("div", { class: "running", hidden: true }, phase, progress, retrying, cancel);
   const cancelled = el("p", { class: "muted", hidden: true }, text.fit.cancelled);
   const warnings = el("p", { class: "look-here", hidden: true });
   const notes = el("div", { class: "reasons" });
   const wrong = problem(dismiss);
-  const element = el("div", { class: "panel" }, wrong.element, drawing.element, stance.element, preset.element, refining, hint, running, cancelled, warnings, notes);
+  const element = el("div", { class: "panel" }, wrong.element, stance.element, preset.element, refining, hint, running, cancelled, warnings, notes);
   return {
     element,
-    select: only("meta", "model", "problems", "scan", "picks", "certain", "stance", "preset", "drawing", "refine", "fit", "isStarting"),
+    select: only("meta", "problems", "scan", "picks", "certain", "stance", "preset", "refine", "fit", "isStarting"),
     update(state: Shown): void {
       const { fit, meta } = state;
       const busy = isFitting(state);
       const stances = (["auto", "standing", "supine"] as const).map((value) => ({ value, label: scanText.scan.stances[value] }));
       stance.set(stances, state.stance);
-      const offered = (meta?.drawings ?? []).map(({ name, label }) => ({ value: name, label }));
-      const isOffered = offered.some(({ value }) => value === state.drawing);
-      drawing.set(isOffered ? offered : [...offered, { value: state.drawing, label: requestLabel(state.drawing, drawingLabels(state)) || text.fit.noDrawing }], state.drawing);
       preset.set((meta?.presets ?? []).map((name) => ({ value: name, label: text.fit.presets[name] ?? name })), state.preset);
-      for (const each of [stance, drawing, preset]) each.enable(!busy);
+      for (const each of [stance, preset]) each.enable(!busy);
       refine.checked = state.refine;
       refine.disabled = busy;
       const count = pickCount(state);
@@ -59,7 +52,6 @@ export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<
       const limit = fit?.started?.iterations_limit ?? 0;
       if (shown && limit > 0) progress.value = Math.min(1, shown.iteration / limit);
       else progress.removeAttribute("value");
-      show(pattern, hasPattern(state.model?.side ?? null, fit?.drawingName ?? null));
       show(retrying, fit !== null && !fit.isConnected);
       show(cancelled, fit?.state === "cancelled");
       const unfollowed = fit ? openQuestions(state).map((question) => sentenceOf(question, meta?.landmarks ?? [])) : [];

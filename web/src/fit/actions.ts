@@ -172,19 +172,19 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
 
   /** `isUnseen`: what is on the screen stays there until the new one is done. */
   async function begin(isUnseen: boolean): Promise<void> {
-    const { scan, picks, certain: kept, stance, preset, drawing, refine } = store.get();
+    const { scan, picks, certain: kept, stance, preset, refine } = store.get();
     if (!scan) return;
     const mine = ++run;
     const landmarks = { ...picks.present };
     const certain = certainNames(picks.present, kept);
     try {
-      const { id, links, cuts } = await client.startFit({ scan: scan.info.id, stance, preset, drawing: drawing || null, refine, landmarks, certain });
+      const { id, links, cuts } = await client.startFit({ scan: scan.info.id, stance, preset, refine, landmarks, certain });
       if (mine !== run || store.get().scan?.info.id !== scan.info.id) {
         void client.cancel(links.cancel).catch(() => undefined); // nobody waits for it any more
         return;
       }
       const before = isUnseen ? (store.get().fit?.result ?? store.get().fit?.before ?? null) : null;
-      (isUnseen ? followUnseen : follow)(freshFit(id, links, drawing || null, { picks: picks.present, certain, before, cuts, asked: { stance, preset, refine } }));
+      (isUnseen ? followUnseen : follow)(freshFit(id, links, null, { picks: picks.present, certain, before, cuts, asked: { stance, preset, refine } }));
     } catch (error) {
       if (mine === run) store.set((state) => ({ ...standStill(state), ...withProblem(state, "fit", messageOf(error)) }));
     }
@@ -265,7 +265,6 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
     chooseStance: (stance: StanceChoice): void => store.set({ stance }),
     choosePreset: (preset: string): void => store.set({ preset }),
     chooseRefine: (refine: boolean): void => store.set({ refine }),
-    chooseDrawing: (drawing: string): void => store.set({ drawing }),
 
     showMirror: (showMirror: boolean): void => store.set({ showMirror }),
     showDistances: (isOn: boolean): void => store.set((state) => withDistances(state, isOn)),

@@ -25,7 +25,7 @@ export interface FitState {
   readonly playing: boolean;
   readonly result: Result | null;
   readonly drawing: DrawingFile | null; // on the scan's surface
-  readonly drawingName: string | null;
+  readonly drawingName: string | null; // that a program asked this fit to draw; the page asks for none and shows the plan
   readonly surface: ArrayBuffer | null; // fitted.ply
   readonly distances: Float32Array | null; // mm, of each vertex of the surface; NaN where there is no scan
   readonly reason: string | null;
@@ -41,7 +41,7 @@ export interface FitState {
 export interface FitSlice {
   readonly stance: StanceChoice;
   readonly preset: string;
-  readonly drawing: string; // that the next fit brings along, see requestedDrawing.ts
+  readonly drawing: string; // the pattern and the tumour that are planned on this scan, see requestedDrawing.ts
   readonly refine: boolean;
   readonly fit: FitState | null;
   readonly handPose: HandPose | null;
@@ -54,7 +54,7 @@ export interface FitSlice {
 export const initialFit: FitSlice = {
   stance: "auto",
   preset: "default",
-  drawing: "lumpectomy",
+  drawing: "",
   refine: true,
   fit: null,
   handPose: null,

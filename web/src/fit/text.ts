@@ -5,9 +5,8 @@ export * from "./hand_pose/handPoseText";
 export * from "./resultText";
 
 export const fit = {
-  before: "The model settles on the scan within seconds, drawing included.",
+  before: "The model settles on the scan within seconds.",
   stance: "Stance",
-  drawing: "Drawing",
   noDrawing: "None",
   preset: "Settings",
   presets: { default: "Best known (default)", paper: "As in the paper" } as Record<string, string>,
@@ -17,7 +16,6 @@ export const fit = {
   waiting: "Waiting for a free worker …",
   running: "Fitting …",
   stage: "Stage",
-  patternLater: "The pattern is measured on the fitted skin: it appears when the fit has ended.",
   retrying: "The connection to the service broke; trying again. The fit goes on meanwhile.",
   gone: "This fit is no longer there: its scan was deleted, in another tab or by somebody else.",
   cancelled: "Cancelled. The iterations so far can still be looked at.",

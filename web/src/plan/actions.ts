@@ -4,7 +4,7 @@ import type { PlanItem, Scan, StoredPlan } from "../api/types";
 import type { OwnLine } from "../drawing/lines/lines";
 import { type DrawingSlice, type PlanStep, stepOf, withStep } from "../drawing/state";
 import { drawing as drawingText } from "../drawing/text";
-import { type FitSlice, initialFit } from "../fit/state";
+import type { FitSlice } from "../fit/state";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import { messageOf, withoutMessage, withProblem } from "../store/problems";
@@ -17,10 +17,8 @@ type State = PageSlice & ScanSlice & FitSlice & DrawingSlice;
 /** What the plan says about one scan. */
 export interface PlannedOnScan {
   readonly lines: readonly OwnLine[];
-  /** that its next fit brings along, see fit/requestedDrawing.ts */
+  /** pattern and tumour, see fit/requestedDrawing.ts */
   readonly drawing: string;
-  /** Somebody has planned something; else the drawing is the reference that a first fit brings along. */
-  readonly isWhole: boolean;
   readonly note: string;
   readonly depthMm: number | null;
 }
@@ -28,10 +26,9 @@ export interface PlannedOnScan {
 type Shown = Pick<State, "drawing" | "drawn">;
 
 /** What is shown of a scan with what somebody else has planned on it meanwhile, as one step; null where that changes nothing. */
-export function withElsewhere(shown: Shown, scan: string, mine: Pick<StoredPlan, "items" | "whole">, now: readonly PlanItem[]): Shown | null {
+export function withElsewhere(shown: Shown, scan: string, mine: Pick<StoredPlan, "items">, now: readonly PlanItem[]): Shown | null {
   const step = stepOf(shown);
-  const asked = mine.whole ? drawingOn(mine.items, scan) : step.drawing; // nobody had chosen what is shown
-  const { lines, drawing, note, depthMm } = stepTogether(mine.items, asked, step, now, scan);
+  const { lines, drawing, note, depthMm } = stepTogether(mine.items, step, now, scan);
   if (lines === step.lines && drawing === step.drawing && note === step.note && depthMm === step.depthMm) return null;
   return { drawing, drawn: { ...shown.drawn, lines: { ...withStep(shown), present: lines }, note, depthMm } };
 }
@@ -53,11 +50,9 @@ export function planActions(store: Store<State>, client: Client) {
   let ledTo: { link: string; version: number; text: string } | null = null; // the last step back beyond this page
   const link = (scan: Pick<Scan, "links">): string => scan.links.plan;
 
-  /** Before anybody has planned anything a fit brings the reference drawing along. */
-  const onScan = (items: readonly PlanItem[], isWhole: boolean, scan: string): PlannedOnScan => ({
+  const onScan = (items: readonly PlanItem[], scan: string): PlannedOnScan => ({
     lines: linesOn(items, scan),
-    drawing: isWhole ? drawingOn(items, scan) : referenceOf(store.get().meta?.drawings ?? []),
-    isWhole,
+    drawing: drawingOn(items, scan),
     note: noteOn(items, scan),
     depthMm: depthOn(items, scan),
   });
@@ -94,17 +89,10 @@ export function planActions(store: Store<State>, client: Client) {
     if (drawn.depthMm !== before.drawn.depthMm) void change(scan.info, (items) => withDepth(items, scan.info.id, shown().depthMm));
   });
 
-  /** The first fit decides that its drawing is the plan, also where lines were drawn before it: from then on the plan speaks for all scans. */
-  store.select(only("fit"), ({ fit }, before) => {
-    const { scan } = store.get();
-    if (!scan || fit?.state !== "running" || fit.id === before.fit?.id) return;
-    if (keeper.seen(link(scan.info))) void saveDrawing(scan.info);
-  });
-
   return {
     async read(scan: Scan): Promise<PlannedOnScan> {
       const plan = await keeper.read(link(scan));
-      return onScan(plan.items, plan.whole, scan.id);
+      return onScan(plan.items, scan.id);
     },
 
     /** The scan's lines that are kept now: as the page shows them by then, with those that somebody else has drawn meanwhile. */
@@ -158,13 +146,10 @@ export function planActions(store: Store<State>, client: Client) {
       }
     },
 
-    /** Whether more of the plan belongs to a scan, or to others of the patient, than its fit has brought along. */
-    isMoreThan(scan: Scan, drawingOfFit: string | null, isOtherFitted: boolean): boolean {
+    /** Whether anything of the plan is to be laid on a scan besides the pen's lines, which are there already. */
+    isMoreThanLines(scan: Scan, isOtherFitted: boolean): boolean {
       const items = keeper.seen(link(scan))?.items ?? [];
-      const beyondLines = items.filter((item) => item.scan === scan.id && item.kind !== "line");
-      const asked = withDrawing([], scan.id, drawingOfFit ?? "");
-      const isAsked = drawingOn(items, scan.id) === (drawingOfFit ?? "") && beyondLines.length === asked.length;
-      return !isAsked || (isOtherFitted && items.some((item) => item.scan !== scan.id));
+      return items.some((item) => (item.scan === scan.id ? item.kind !== "line" : isOtherFitted));
     },
 
     note(text: string): void {
@@ -182,9 +167,5 @@ export function planActions(store: Store<State>, client: Client) {
     settled: keeper.settled,
   };
 }
-
-/** The reference drawing that a first fit brings along, where the model has it. */
-export const referenceOf = (drawings: readonly { readonly name: string }[]): string =>
-  drawings.length === 0 || drawings.some(({ name }) => name === initialFit.drawing) ? initialFit.drawing : drawings[0]!.name;
 
 export type PlanActions = ReturnType<typeof planActions>;

@@ -107,9 +107,9 @@ export function merged(base: Items, mine: Items, theirs: Items): PlanItem[] {
   return named(found);
 }
 
-/** What is shown of one scan, `step`, brought together with what the plan says `now`, where it said `mine`, shown with `drawing`. */
-export function stepTogether(mine: Items, drawing: string, step: PlanStep, now: Items, scan: string): PlanStep {
-  const [before, then] = [{ ...stepOn(mine, scan), drawing }, stepOn(now, scan)];
+/** What is shown of one scan, `step`, brought together with what the plan says `now`, where it said `mine`. */
+export function stepTogether(mine: Items, step: PlanStep, now: Items, scan: string): PlanStep {
+  const [before, then] = [stepOn(mine, scan), stepOn(now, scan)];
   const linesIn = (items: Items): PlanItem[] => items.filter((item) => isLine(item) && item.scan === scan);
   const both = merged(linesIn(mine), linesIn(withLines(mine, scan, step.lines)), linesIn(now));
   const known = new Map(linesIn(withLines([], scan, step.lines)).map((item, i) => [sorted(item), step.lines[i]!]));

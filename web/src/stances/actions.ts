@@ -27,7 +27,7 @@ interface Others {
   readonly fit: Pick<FitActions, "stop" | "open" | "start">;
   readonly landmarks: Pick<LandmarkActions, "flush" | "read">;
   readonly drawing: { flush(): Promise<void> };
-  readonly plan: Pick<PlanActions, "read" | "isMoreThan" | "settled" | "followElsewhere">;
+  readonly plan: Pick<PlanActions, "read" | "isMoreThanLines" | "settled" | "followElsewhere">;
 }
 
 export function stancesActions(store: Store<State>, client: Client, others: Others) {
@@ -100,8 +100,7 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       await client.moveScan(scan.id, patient.patient);
       const info = { ...scan, patient: patient.patient, links: { ...scan.links, patient: patient.links.patient, plan: patient.links.plan } };
       const planned = await others.plan.read(info);
-      const drawing = planned.isWhole ? planned.drawing : "";
-      store.set((state) => (state.scan?.info.id === scan.id ? { scan: { ...state.scan, info }, drawing } : {}));
+      store.set((state) => (state.scan?.info.id === scan.id ? { scan: { ...state.scan, info }, drawing: planned.drawing } : {}));
     } catch (error) {
       fail(error);
     }
@@ -201,11 +200,11 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       if (!other?.scan || store.get().isStarting) return;
       try {
         if (other.fit === null || other.fit.state === "failed" || other.fit.state === "cancelled") {
-          const { scan, picks, certain, stance, drawing } = other;
+          const { scan, picks, certain, stance } = other;
           const landmarks = { ...picks.present };
           const kept = certainNames(picks.present, certain);
           await others.plan.settled();
-          const { id } = await client.startFit({ scan: scan.info.id, stance, preset, drawing: drawing || null, refine, landmarks, certain: kept });
+          const { id } = await client.startFit({ scan: scan.info.id, stance, preset, refine, landmarks, certain: kept });
           const begun = await loadFit(client, id, picks.present, kept);
           change(scan.info.id, () => ({ fit: begun }));
           lookAfter();

@@ -10,7 +10,7 @@ const CALM_MS = 300; // after the last stroke
 type State = Workspace & StancesSlice;
 
 interface Others {
-  readonly plan: Pick<PlanActions, "isMoreThan" | "settled">;
+  readonly plan: Pick<PlanActions, "isMoreThanLines" | "settled">;
   /** Lines that were drawn just now are on their way to the plan. */
   flush(): Promise<void>;
   fail(error: unknown): void;
@@ -50,7 +50,7 @@ export function followPlan<Whole extends State>(store: Store<Whole>, client: Pic
     if (!scan || !fit) return;
     const key = keyOf(to, from);
     asked.set(fit.id, key);
-    const isNeeded = others.plan.isMoreThan(scan.info, fit.drawingName, from?.fit?.state === "done");
+    const isNeeded = others.plan.isMoreThanLines(scan.info, from?.fit?.state === "done");
     const onScan = isNeeded ? laidOnScan(name, key, await client.planOnFit(fit.links.plan)) : null;
     set((state) => placed(state, scan.info.id, fit.id, onScan));
   }

@@ -74,7 +74,7 @@ export async function loadWorkspace(client: Client, landmarks: Pick<LandmarkActi
     skipped: new Set(),
     saving: "saved",
     stance: "auto",
-    drawing: planned.isWhole ? planned.drawing : "",
+    drawing: planned.drawing,
     fit: fitted,
   };
 }

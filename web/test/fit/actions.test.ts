@@ -23,7 +23,6 @@ test("a fit is followed from start to result", async () => {
     scan: "s1",
     stance: "auto",
     preset: "default",
-    drawing: "lumpectomy",
     refine: true,
     landmarks: { nipple_L: [1, 2, 3] },
     certain: [],
@@ -46,6 +45,18 @@ test("a fit that fails says why where it was started, and its iterations stay", 
   FakeEventSource.last!.say("failed", { reason: "No start was found." });
   expect(store.get()).toMatchObject({ step: "fit", problems: { fit: "No start was found." } });
   expect(store.get().fit).toMatchObject({ state: "failed", iterations: [{ iteration: 0 }] });
+});
+
+test("a fit again that is asked for from another step fails there, in words", async () => {
+  const startFit = vi.fn().mockResolvedValueOnce({ id: "f1", links: fitLinks("f1") }).mockRejectedValue(new ApiError("The queue is full.", 503));
+  const { store, actions } = await withScan({ startFit });
+  await actions.fit.start();
+  FakeEventSource.last!.say("iterated", iterated(0));
+  FakeEventSource.last!.say("done", { result });
+  store.set({ step: "landmarks" });
+  actions.fit.refit();
+  await vi.advanceTimersByTimeAsync(500);
+  expect(store.get()).toMatchObject({ step: "landmarks", isStarting: false, problems: { fit: "The queue is full." }, fit: { id: "f1", state: "done" } });
 });
 
 test("a fit that cannot be started says so and can be started again", async () => {

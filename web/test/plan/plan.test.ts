@@ -182,19 +182,19 @@ test("a reload brings back pattern and tumour, and how the fit was asked for: a 
   await made.actions.fit.open("f1");
   expect(made.store.get()).toMatchObject({ drawing: TEXT, stance: "supine", preset: "paper", refine: false });
   await made.actions.fit.start();
-  expect(startFit).toHaveBeenCalledWith(expect.objectContaining({ drawing: TEXT, stance: "supine", preset: "paper", refine: false }));
+  expect(startFit).toHaveBeenCalledWith(expect.objectContaining({ stance: "supine", preset: "paper", refine: false }));
+  expect(startFit).not.toHaveBeenCalledWith(expect.objectContaining({ drawing: expect.anything() as string }));
   expect(savePlan).not.toHaveBeenCalled();
 });
 
-test("the first fit makes its reference drawing the plan; a pattern that is chosen is written at once", async () => {
+test("a fit plans nothing by itself; a pattern that is chosen is written at once", async () => {
   const made = page();
   await made.actions.scan.open("s1", null);
   const plan = async () => (await made.client.plan("/api/patients/of-s1/plan")).items.map((item) => (item.kind === "pattern" ? [item.scan, item.name] : item.kind));
-  expect(await plan()).toEqual([]);
   await made.actions.fit.start();
   await vi.advanceTimersByTimeAsync(10);
-  expect(await plan()).toEqual([["s1", "lumpectomy"]]);
-  made.actions.fit.chooseDrawing("reduction+tumour:side=R,clock=3,distance_mm=30,radius_mm=10");
+  expect([await plan(), made.store.get().drawing]).toEqual([[], ""]);
+  made.actions.drawing.choosePattern("reduction+tumour:side=R,clock=3,distance_mm=30,radius_mm=10");
   await vi.advanceTimersByTimeAsync(10);
   expect(await plan()).toEqual([["s1", "reduction"], "tumour"]);
   void made.actions.scan.leave();
@@ -202,21 +202,10 @@ test("the first fit makes its reference drawing the plan; a pattern that is chos
   expect(await plan()).toEqual([["s1", "reduction"], "tumour"]);
 });
 
-test("a line drawn before the first fit leaves the fit its reference drawing, in the plan too", async () => {
-  const made = page();
-  await made.actions.scan.open("s1", null);
-  made.actions.drawing.restore([drawnLine("early", 0)]);
-  await vi.advanceTimersByTimeAsync(1000);
-  await made.actions.fit.start();
-  await vi.advanceTimersByTimeAsync(10);
-  const { items } = await made.client.plan(KEPT_LINKS.plan);
-  expect([linesOn(items, "s1").map(({ name }) => name), drawingOn(items, "s1"), made.store.get().drawing]).toEqual([["early"], "lumpectomy", "lumpectomy"]);
-});
-
 test("what is said about the plan is kept with it, and there again", async () => {
   const made = page();
   await made.actions.scan.open("s1", null);
-  made.actions.fit.chooseDrawing("lumpectomy+tumour:side=R,clock=3,distance_mm=30,radius_mm=10");
+  made.actions.drawing.choosePattern("lumpectomy+tumour:side=R,clock=3,distance_mm=30,radius_mm=10");
   made.actions.plan.depth(25);
   made.actions.plan.note("wants it smaller");
   await vi.advanceTimersByTimeAsync(10);
@@ -278,7 +267,7 @@ test("a pattern, a depth and a note that were changed here are one step each, ba
   made.actions.drawing.undo();
   expect(drawn()).toMatchObject({ note: "", depthMm: null });
   made.actions.drawing.undo();
-  expect(made.store.get().drawing).toBe("lumpectomy");
+  expect(made.store.get().drawing).toBe("");
   for (let count = 0; count < 3; count += 1) made.actions.drawing.redo();
   expect(drawn()).toMatchObject({ note: "wants it smaller", depthMm: 25 });
   await vi.advanceTimersByTimeAsync(1000);

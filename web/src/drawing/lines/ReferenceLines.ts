@@ -3,7 +3,7 @@ import { Vector3 } from "three";
 import type { DrawingFile, ModelShape, PlannedShape } from "../../api/types";
 import type { FittedSurface } from "../../fit/distances/FittedSurface";
 import { hasPattern, shapesOnModel } from "../../fit/modelLines";
-import { isAtRest, isPosedByHand, type Shown, shownPoses } from "../../fit/state";
+import { type FitSlice, isAtRest, isPosedByHand, type Shown, shownPoses } from "../../fit/state";
 import type { TorsoModel } from "../../fit/TorsoModel";
 import type { ScanMesh } from "../../scan/ScanMesh";
 import { mmFrom } from "../../ui/units";
@@ -17,7 +17,7 @@ import { type DrawingSlice, layerKey, shownPatterns } from "../state";
 
 const LIFT = 0.001; // metres off the skin
 
-type State = Shown & Pick<ViewSlice & DrawingSlice, "overlay" | "drawn">;
+type State = Shown & Pick<ViewSlice & FitSlice & DrawingSlice, "overlay" | "drawing" | "drawn">;
 
 export class ReferenceLines implements Part<State> {
   private readonly lines = new FatLines();
@@ -39,14 +39,15 @@ export class ReferenceLines implements Part<State> {
     const fit = state.fit;
     const side = state.model?.side ?? null;
     const drawing = shownPatterns(state);
-    const isOnScan = fit !== null && drawing !== null && !isPosedByHand(state) && isAtRest(fit) && (state.overlay === "model" ? this.fitted.mesh !== null && (this.fitted.mesh.visible || hasPattern(side, fit.drawingName)) : this.scan.bvh !== null);
+    const asked = fit?.drawingName ?? state.drawing;
+    const isOnScan = fit !== null && drawing !== null && !isPosedByHand(state) && isAtRest(fit) && (state.overlay === "model" ? this.fitted.mesh !== null && (this.fitted.mesh.visible || hasPattern(side, asked)) : this.scan.bvh !== null);
     const skin = this.scan.bvh ? this.scan : this.fitted; // a link may show the model alone
-    const shapes = shapesOnModel(side, fit?.drawingName ?? null);
+    const shapes = shapesOnModel(side, asked);
     const vertexAt = this.torso.vertexAt;
     const isOnModel = !isOnScan && fit !== null && fit.shown >= 0 && state.overlay !== "scan" && shapes.length > 0 && vertexAt !== null;
     const { hidden } = state.drawn;
     const isOn = ({ name }: { name: string }): boolean => !hidden.has(layerKey("reference", name));
-    const source = isOnScan ? [drawing, skin.bvh, hidden] : isOnModel ? [fit.drawingName, shownPoses(state), hidden] : [];
+    const source = isOnScan ? [drawing, skin.bvh, hidden] : isOnModel ? [asked, shownPoses(state), hidden] : [];
     if (source.length === this.drawn.length && source.every((each, i) => each === this.drawn[i])) return;
     this.drawn = source;
     if (isOnScan) this.lines.set(onScan(drawing.shapes.filter(isOn), mmFrom(1, drawing.unit), skin).map(smoothed));

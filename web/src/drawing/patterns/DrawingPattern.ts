@@ -6,7 +6,7 @@ import type { FitSlice } from "../../fit/state";
 import { fit as fitText } from "../../fit/text";
 import type { PageSlice } from "../../store/page";
 import { only } from "../../store/store";
-import { button, problem, select } from "../../ui/controls";
+import { button, select } from "../../ui/controls";
 import { el, fill, setText, show } from "../../ui/dom";
 import type { Panel } from "../../ui/Panel";
 import type { DrawingActions } from "../actions";
@@ -16,7 +16,7 @@ import * as text from "../text";
 const words = text.drawing.pattern;
 const DEEPEST_MM = 150; // as the service takes it
 
-type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "problems" | "drawing" | "fit" | "drawn">;
+type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "drawing" | "fit" | "drawn">;
 
 /** What is kept of the plan in words and numbers, see plan/actions.ts. */
 export interface PlanWords {
@@ -24,7 +24,7 @@ export interface PlanWords {
   depth(mm: number | null): void;
 }
 
-export function createDrawingPattern(drawing: Pick<DrawingActions, "choosePattern">, plan: PlanWords, dismiss: () => void): Panel<Shown> {
+export function createDrawingPattern(drawing: Pick<DrawingActions, "choosePattern">, plan: PlanWords): Panel<Shown> {
   let state: Shown | null = null;
   const choose = (change: Partial<DrawingRequest>): void => {
     if (state) drawing.choosePattern(requestText({ ...readRequest(state.drawing), ...change }));
@@ -54,8 +54,8 @@ export function createDrawingPattern(drawing: Pick<DrawingActions, "choosePatter
   const mirrorPattern = button(words.mirror, () => mirror("values"), "quiet outlined", "mirror");
   const mirrorTumour = button(words.mirror, () => mirror("tumour"), "quiet outlined", "mirror");
   const note = el("p", { class: "muted small" });
-  const wrong = problem(dismiss);
-  const element = el("details", { class: "pattern" }, el("summary", {}, words.title), el("div", { class: "panel" }, base.element, parameters, mirrorPattern, hasTumour, tumour, depthField, mirrorTumour, el("label", { class: "field wide" }, el("span", {}, words.note), sayings), wrong.element, note));
+  const undrawn = el("p", { class: "look-here", role: "status", hidden: true });
+  const element = el("details", { class: "pattern" }, el("summary", {}, words.title), el("div", { class: "panel" }, base.element, parameters, mirrorPattern, hasTumour, tumour, depthField, mirrorTumour, el("label", { class: "field wide" }, el("span", {}, words.note), sayings), undrawn, note));
 
   function field(parameter: PatternParameter, value: string, changed: (value: string) => void): HTMLElement {
     const hint = [parameter.about, parameter.min !== null && parameter.max !== null ? words.range(parameter.min, parameter.max, parameter.unit) : ""].filter((each) => each !== "").join("; ");
@@ -88,7 +88,7 @@ export function createDrawingPattern(drawing: Pick<DrawingActions, "choosePatter
 
   return {
     element,
-    select: only("meta", "problems", "drawing", "fit", "drawn"),
+    select: only("meta", "drawing", "fit", "drawn"),
     update(session: Shown): void {
       state = session;
       const { meta } = session;
@@ -113,7 +113,8 @@ export function createDrawingPattern(drawing: Pick<DrawingActions, "choosePatter
       if (document.activeElement !== sayings) sayings.value = session.drawn.note;
       show(mirrorTumour, mirroredValues(request.tumour ?? {}) !== null);
       const missing = session.drawn.onScan?.plan.missing.map(({ reason }) => reason) ?? [];
-      wrong.set(session.problems.fit ?? (missing.length > 0 ? missing.join(" ") : undefined));
+      setText(undrawn, missing.join(" "));
+      show(undrawn, missing.length > 0);
       setText(note, session.fit?.state === "done" ? words.follows : words.needsFit);
     },
   };
