@@ -134,7 +134,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     expect((await state(page)).drawing, "nothing is made anew on the second body").toBe("");
     expect((await state(page)).fit!.drawingName).toBeNull();
     await expect(page.getByText("Carried from standing")).toBeVisible();
-    for (const name of ["Line 1", "Tumour, patient's left", "Wise, patient's left"]) await expect(page.getByLabel(`Show ${name}`)).toBeVisible();
+    for (const name of ["Line 1", "Tumour, patient's left", "Pattern"]) await expect(page.getByLabel(`Show ${name}`, { exact: true })).toBeVisible();
     await untilStill(page);
     const full = await hook.picture(page);
     await page.getByLabel("Show Line 1").uncheck();

@@ -21,12 +21,38 @@ type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "model" | "fit" 
 /** What the file calls a line; null where it says no more than its name does. */
 const labelOf = (name: string, label: string | undefined): string | null => (label === undefined || label === "" || label === name ? null : label);
 
+interface Line {
+  readonly name: string;
+  readonly label: string;
+  readonly color: string | null;
+}
+
+/** What was planned as one thing: a pattern with its lines, or one line. */
+interface Item {
+  readonly label: string;
+  readonly lines: readonly Line[];
+}
+
+type Shape = { name: string; label?: string; color?: string; item?: string; kind?: string };
+
+function itemsOf(shapes: readonly Shape[], asLine: (shape: Shape) => Line, labelOf: (kind: string) => string): Item[] {
+  const items = new Map<string, { label: string; lines: Line[] }>();
+  for (const shape of shapes) {
+    const line = asLine(shape);
+    const key = shape.kind === "line" || shape.kind === "note" ? `line ${shape.name}` : `${shape.kind ?? ""} ${shape.item ?? ""}`;
+    const item = items.get(key);
+    if (item) item.lines.push(line);
+    else items.set(key, { label: labelOf(shape.kind ?? "pattern"), lines: [line] });
+  }
+  return [...items.values()];
+}
+
 export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
   const own = el("ul", { class: "layers", "data-layer": "own" });
   const none = el("p", { class: "muted small" }, words.none);
   const reference = group("reference");
   const carried = group("carried");
-  const bands = el("input", { type: "checkbox", "aria-describedby": "bands-legend", onchange: () => drawing.show("band", ALL_BANDS, bands.checked) });
+  const bands = el("input", { type: "checkbox", "aria-describedby": "bands-legend", onchange: () => drawing.show("band", [ALL_BANDS], bands.checked) });
   const ofBands = el(
     "div",
     { class: "toggle", hidden: true },
@@ -39,31 +65,42 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
   function group(layer: Layer) {
     const title = el("p", { class: "label" });
     const list = el("ul", { class: "layers", "data-layer": layer });
-    const note = el("p", { class: "muted small" });
-    const element = el("div", { class: "panel", hidden: true }, title, list, note);
+    const element = el("div", { class: "panel", hidden: true }, title, list);
     return {
       element,
-      set(label: string, shapes: readonly { name: string; label: string; color: string | null }[], hidden: ReadonlySet<string>, says: string): void {
-        show(element, label !== "");
+      set(label: string, items: readonly Item[], hidden: ReadonlySet<string>): void {
+        show(element, label !== "" && items.length > 0);
         setText(title, label);
-        setText(note, says);
-        show(note, says !== "");
-        fill(list, shapes, () => shapes.map((shape) => el("li", { "data-line": shape.name }, toggle(layer, shape.name, shape.label, shape.color))));
+        fill(list, items, () => items.map((item) => (item.lines.length === 1 ? lineRow(layer, item.lines[0]!) : itemRow(layer, item))));
         check(list, layer, hidden);
       },
     };
   }
 
-  function toggle(layer: Layer, name: string, label: string | null, color: string | null): HTMLElement {
-    const box = el("input", { type: "checkbox", "aria-label": words.show(label ?? name), onchange: () => drawing.show(layer, name, box.checked) });
+  const lineRow = (layer: Layer, { name, label, color }: Line): HTMLElement => el("li", { "data-line": name }, toggle(layer, [name], label, color));
+
+  /** One row for all lines of a pattern; they are inside. */
+  function itemRow(layer: Layer, { label, lines }: Item): HTMLElement {
+    const all = toggle(layer, lines.map(({ name }) => name), label, lines[0]!.color);
+    const inside = el("details", {}, el("summary", { "aria-label": words.linesOf(label) }, words.count(lines.length)), el("ul", {}, ...lines.map((line) => lineRow(layer, line))));
+    return el("li", { class: "of-pattern", "data-item": label }, all, inside);
+  }
+
+  function toggle(layer: Layer, names: readonly string[], label: string | null, color: string | null): HTMLElement {
+    const box = el("input", { type: "checkbox", "aria-label": words.show(label ?? names[0]!), onchange: () => drawing.show(layer, names, box.checked) });
     const stroke = el("span", { class: `stroke stroke-${layer}`, "aria-hidden": "true" });
     if (color !== null) stroke.style.background = color;
     return el("label", { class: "check" }, box, stroke, label === null ? null : el("span", {}, label));
   }
 
   function check(list: HTMLElement, layer: Layer, hidden: ReadonlySet<string>): void {
-    for (const row of list.querySelectorAll<HTMLElement>("li")) {
+    for (const row of list.querySelectorAll<HTMLElement>("li[data-line]")) {
       row.querySelector<HTMLInputElement>("input[type=checkbox]")!.checked = !hidden.has(layerKey(layer, row.dataset.line!));
+    }
+    for (const row of list.querySelectorAll<HTMLElement>("li[data-item]")) {
+      const [all, ...lines] = row.querySelectorAll<HTMLInputElement>("input[type=checkbox]");
+      all!.checked = lines.some((line) => line.checked);
+      all!.indeterminate = all!.checked && !lines.every((line) => line.checked);
     }
   }
 
@@ -88,7 +125,7 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
     close.setAttribute("aria-label", line.closed ? words.open(name) : words.close(name));
     const length = line.closed ? null : el("span", { class: "muted small" }, words.length(cm(lengthOf(line))));
     field.title = name;
-    return el("li", { "data-line": name }, toggle("own", name, null, ownColour(line.color)), el("div", { class: "line-words" }, field, length), close, mayMirror ? iconButton("mirror", words.mirror(name), () => drawing.mirror(name)) : null, iconButton("close", words.erase(name), () => drawing.erase(name)));
+    return el("li", { "data-line": name }, toggle("own", [name], null, ownColour(line.color)), el("div", { class: "line-words" }, field, length), close, mayMirror ? iconButton("mirror", words.mirror(name), () => drawing.mirror(name)) : null, iconButton("close", words.erase(name), () => drawing.erase(name)));
   }
 
   return {
@@ -108,12 +145,14 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
       const nameOf = (name: string, label?: string): string => plainStart(labelOf(name, label) ?? onModel.find((each) => each.name === name)?.label ?? words.shapeName(name));
       const patterns = shownPatterns(state);
       const shapes = patterns?.shapes ?? known?.shapes ?? [];
-      const named = shapes.map(({ name, label, color }) => ({ name, label: nameOf(name, label), color: ownColour(color) }));
-      const label = requestLabel(state.drawn.onScan ? state.drawing : (fit?.drawingName ?? ""), drawingLabels(state));
-      reference.set(fit && label !== "" ? words.reference(label) : "", named, hidden, "");
+      const labels = drawingLabels(state);
+      const label = requestLabel(state.drawn.onScan ? state.drawing : (fit?.drawingName ?? ""), labels);
+      const planned = (kind: string, drawing: string): string => (kind === "tumour" ? (labels.get(kind) ?? words.tumourItem) : requestLabel(drawing.split("+tumour:")[0]!, labels) || words.patternItem);
+      const asRow = (shape: { name: string; label?: string; color?: string; kind?: string }): Line => ({ name: shape.name, label: shape.kind === "line" ? (labelOf(shape.name, shape.label) ?? shape.name) : nameOf(shape.name, shape.label), color: ownColour(shape.color) });
+      reference.set(fit && label !== "" ? words.reference(label) : "", itemsOf(shapes, asRow, (kind) => planned(kind, state.drawn.onScan ? state.drawing : (fit?.drawingName ?? ""))), hidden);
       const from = state.drawn.onScan;
       const brought = from?.carried.shapes ?? [];
-      carried.set(brought.length > 0 ? words.carried(from!.from) : "", brought.map(({ name, label, color, kind }) => ({ name, label: kind === "line" ? (labelOf(name, label) ?? name) : nameOf(name, label), color: ownColour(color) })), hidden, "");
+      carried.set(brought.length > 0 ? words.carried(from!.from) : "", itemsOf(brought, asRow, (kind) => planned(kind, "")), hidden);
       show(ofBands, [...(patterns?.shapes ?? []), ...brought].some((shape) => shape.error_mm?.some((mm) => mm !== null)));
       bands.checked = !hidden.has(BANDS);
       const hasBridge = [...(patterns?.shapes ?? []), ...brought, ...lines.present].some((shape) => shape.bridged?.includes(true));

@@ -5,8 +5,9 @@ import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
 import { button, fileButton, iconButton, problem, segmented } from "../ui/controls";
 import { el, saveFile, setText, show } from "../ui/dom";
+import { numberField } from "../ui/NumberField";
 import type { Panel } from "../ui/Panel";
-import type { DrawingActions } from "./actions";
+import { type DrawingActions, RADIUS_MM } from "./actions";
 import { createDrawingLayers } from "./DrawingLayers";
 import { createDrawingPattern, type PlanWords } from "./patterns/DrawingPattern";
 import { toText } from "./lines/files";
@@ -31,8 +32,7 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
   const hint = el("p", { class: "tool-hint muted small", id: "tool-hint" });
   const withFingers = el("input", { type: "checkbox", onchange: () => drawing.drawWithFingers(withFingers.checked) });
   const fingers = el("label", { class: "check", hidden: true }, withFingers, el("span", {}, text.canvas.fingersHint));
-  const radius = el("input", { type: "number", min: 1, max: 80, step: 1, inputmode: "numeric", onchange: () => drawing.radius(radius.valueAsNumber) });
-  const size = el("label", { class: "field inline short", hidden: true }, el("span", {}, words.radius), radius);
+  const radius = numberField({ name: "next_radius_mm", label: words.radius, unit: "mm", min: RADIUS_MM.least, max: RADIUS_MM.most, hint: "", mayBeEmpty: false, changed: (mm) => mm !== null && drawing.radius(mm) });
   const finish = button(words.finish, () => drawing.finish(), "quiet outlined");
   const measured = el("p", { class: "tape-length", hidden: true });
   const endTape = button(text.tape.end, () => drawing.endTape(), "quiet outlined");
@@ -58,14 +58,14 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
     hint,
     full,
     fingers,
-    size,
+    radius.element,
     finish,
     measured,
     endTape,
     corners.element,
     el("div", { class: "toolbar" }, undo, redo, el("span", { class: "spring" }), saved, again, file, save),
-    layers.element,
     pattern.element,
+    layers.element,
     more,
   );
   return {
@@ -78,8 +78,8 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
       setText(hint, words.hints[drawn.tool]);
       show(fingers, session.hasPen);
       withFingers.checked = session.fingersDraw;
-      show(size, drawn.tool === "tumour");
-      if (document.activeElement !== radius && radius.valueAsNumber !== drawn.radiusMm) radius.valueAsNumber = drawn.radiusMm;
+      show(radius.element, drawn.tool === "tumour");
+      radius.set(drawn.radiusMm);
       show(finish, drawn.tool === "pen" && (drawn.open !== null || drawn.start !== null));
       const { tape } = drawn;
       show(measured, tape !== null);

@@ -24,7 +24,7 @@ type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice & Dra
 
 const PAUSE_MS = 400; // a run of quick strokes is one save
 const CLOSES_MM = 8; // a click, or a stroke's end, so near to the line's start closes it
-const RADIUS_MM = { least: 1, most: 80 }; // what the model's own tumour circle takes as well
+export const RADIUS_MM = { least: 1, most: 80 }; // what the model's own tumour circle takes as well
 
 /** Where lines are kept: the patient's plan. */
 export interface KeepsLines {
@@ -337,10 +337,12 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
       saveSoon();
     },
 
-    show(layer: Layer, name: string, isShown: boolean): void {
+    show(layer: Layer, names: readonly string[], isShown: boolean): void {
       const hidden = new Set(drawn().hidden);
-      if (isShown) hidden.delete(layerKey(layer, name));
-      else hidden.add(layerKey(layer, name));
+      for (const name of names) {
+        if (isShown) hidden.delete(layerKey(layer, name));
+        else hidden.add(layerKey(layer, name));
+      }
       put({ hidden });
     },
 

@@ -134,7 +134,7 @@ export function startDrawn(lines: readonly OwnLine[] = [], words: Pick<DrawnStat
     note: words.note,
     depthMm: words.depthMm,
     decided: null,
-    hidden: new Set(),
+    hidden: new Set([BANDS]), // on demand: they bury small patterns
     onScan: null,
     live: null,
     isChangedElsewhere: false,

@@ -1,5 +1,6 @@
 // Drawing on the scan: tools, lines, layers, the model's own drawings.
 import { sideOf } from "../landmarks/picks";
+import { writtenNumber } from "../ui/NumberField";
 import { plural } from "../ui/plural";
 import { formatMmWhole } from "../ui/units";
 import type { LiveHandle } from "./state";
@@ -7,7 +8,7 @@ import { type Tape, tapeHasHole, tapeLength } from "./tape/tape";
 
 type Unit = LiveHandle["numbers"][number]["unit"];
 
-const amount = (value: number, unit: Unit): string => `${Number(value.toFixed(unit === "mm" ? 1 : 2))}${unit === "deg" ? "°" : unit === "h" ? " o'clock" : "\u00a0mm"}`;
+const amount = (value: number, unit: Unit): string => `${writtenNumber(unit === "mm" ? Math.round(10 * value) / 10 : value, unit)}${unit === "deg" ? "°" : unit === "h" ? " o'clock" : "\u00a0mm"}`;
 
 export const bands = {
   error: (mm: string) => `±\u00a0${mm} mm`,
@@ -78,7 +79,7 @@ export const drawing = {
     erase: "Touch a line to erase it. The second button or two fingers turn the body.",
     tumour: "Click where the tumour is; the radius is along the skin. The second button or two fingers turn the body.",
   },
-  radius: "Radius, mm",
+  radius: "Radius",
   tumourName: (mm: string) => `Tumour ${mm} mm`,
   undo: "Undo (Z)",
   redo: "Redo (Shift+Z)",
@@ -115,6 +116,10 @@ export const drawing = {
   arrows: { ArrowLeft: "To the left", ArrowUp: "Up", ArrowDown: "Down", ArrowRight: "To the right" },
   arrowSigns: { ArrowLeft: "←", ArrowUp: "↑", ArrowDown: "↓", ArrowRight: "→" },
   reference: (label: string) => label,
+  patternItem: "Pattern",
+  tumourItem: "Tumour",
+  count: (lines: number) => plural(lines, "line", "lines"),
+  linesOf: (label: string) => `Lines of ${label}`,
   carried: (from: string) => `Carried from ${from}`,
   dashed: "Dashed and paler where the scan shows no skin: a guess of the model.",
   elsewhere: (name: string) => `“${name}” lies more than 50 mm off this scan: it was drawn on another one, or in another unit.`,
@@ -130,10 +135,12 @@ export const drawing = {
     needsFit: "Drawn on the body as soon as the model is fitted.",
     mirror: "Mirror to the other side",
     byItself: "auto",
-    units: { mm: "mm", deg: "°", h: "o'clock" },
+    byItselfAt: (amount: string) => `auto: ${amount}`,
+    stopsAt: (amount: string) => `Drawn at ${amount}: her breast ends there, and the nipple is not moved down.`,
+    sides: { L: "left", R: "right" },
+    amount: (value: string, unit: string) => `${value}${unit === "deg" ? "°" : unit === "mm" ? "\u00a0mm" : ""}`,
     choices: { L: "Patient's left", R: "Patient's right", both: "Both" } as Record<string, string>,
     range: (min: number, max: number, unit: string) => `${min} to ${max} ${unit}`.trim(),
-    outside: (label: string, min: number | null, max: number | null, unit: string) => `${label} must lie between ${min} and ${max} ${unit}`.trim() + ".",
   },
   handles: {
     says: ({ label, side, numbers }: LiveHandle) =>

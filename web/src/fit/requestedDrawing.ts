@@ -1,5 +1,5 @@
-// The model's drawing that a fit is asked to bring along: one of its own, or a pattern with numbers, and a tumour by the clock.
-// The service takes it as one text, for instance lumpectomy+tumour:side=L,clock=10,distance_mm=45,radius_mm=12.
+// The pattern (or drawing of the model) and the tumour by the clock that are planned on one scan, as one text that is
+// compared and kept on this page only, for instance lumpectomy+tumour:side=L,clock=10,distance_mm=45,radius_mm=12.
 import type { Meta, PatternInfo, PatternParameter } from "../api/types";
 
 export type Values = Readonly<Record<string, string>>;
@@ -61,16 +61,6 @@ export function mirroredValues(values: Values): Values | null {
 
 /** As read by one who faces her, 0.5 to 12.5: 10 o'clock on one breast lies where 2 o'clock does on the other. */
 const mirroredHour = (hour: number): number => Math.round(100 * (hour > 11.5 ? 24 - hour : 12 - hour)) / 100;
-
-/** A number within its bounds, or null: then the field says what it takes. */
-export function checked(parameter: PatternParameter, written: string): string | null {
-  const text = written.trim().replace(",", ".");
-  if (text === "") return parameter.needed ? null : "";
-  if (parameter.choices) return parameter.choices.includes(text) ? text : null;
-  const value = Number(text);
-  const isIn = Number.isFinite(value) && value >= (parameter.min ?? -Infinity) && value <= (parameter.max ?? Infinity);
-  return isIn ? String(value) : null;
-}
 
 /** For people: the labels of all parts. */
 export function requestLabel(text: string, labels: ReadonlyMap<string, string>): string {

@@ -142,9 +142,9 @@ test("a line is switched off and on without a step of the history", async () => 
   const { actions, store } = await drawing();
   actions.drawing.strokes([stroke(-50, 50)]);
   const { past } = store.get().drawn.lines;
-  actions.drawing.show("own", "Line 1", false);
+  actions.drawing.show("own", ["Line 1"], false);
   expect(store.get().drawn.hidden.has(layerKey("own", "Line 1"))).toBe(true);
-  actions.drawing.show("own", "Line 1", true);
+  actions.drawing.show("own", ["Line 1"], true);
   expect(store.get().drawn.hidden.size).toBe(0);
   expect(store.get().drawn.lines.past).toBe(past);
 });

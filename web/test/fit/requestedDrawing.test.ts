@@ -1,7 +1,7 @@
-// The text that asks the service for a drawing.
+// Pattern and tumour as one text.
 import { expect, test } from "vitest";
 import type { PatternInfo, PatternParameter } from "../../src/api/types";
-import { checked, mirroredValues, readRequest, requestLabel, requestText, startValues } from "../../src/fit/requestedDrawing";
+import { mirroredValues, readRequest, requestLabel, requestText, startValues } from "../../src/fit/requestedDrawing";
 
 const parameter = (part: Partial<PatternParameter>): PatternParameter => ({ name: "areola_mm", label: "New areola", about: "", unit: "mm", default: 42, needed: false, min: 30, max: 55, choices: null, ...part });
 
@@ -16,16 +16,6 @@ test("defaults are left out, and nothing is asked for by an empty text", () => {
   expect(requestText({ base: "", values: {}, tumour: null })).toBe("");
   expect(readRequest("")).toEqual({ base: "", values: {}, tumour: null });
   expect(readRequest("lumpectomy")).toEqual({ base: "lumpectomy", values: {}, tumour: null });
-});
-
-test("a value must lie within its bounds; what has a default may be left out", () => {
-  expect(checked(parameter({}), "45,5")).toBe("45.5");
-  expect(checked(parameter({}), "29")).toBeNull();
-  expect(checked(parameter({}), "x")).toBeNull();
-  expect(checked(parameter({}), "")).toBe("");
-  expect(checked(parameter({ needed: true }), "")).toBeNull();
-  expect(checked(parameter({ choices: ["L", "R"], min: null, max: null }), "L")).toBe("L");
-  expect(checked(parameter({ choices: ["L", "R"], min: null, max: null }), "both")).toBeNull();
 });
 
 test("what is needed starts with a value", () => {

@@ -247,7 +247,8 @@ def _within(pattern: Pattern, handle: Handle, values: Mapping[str, float]) -> tu
         found[parameter] = float(np.clip(rounded, min(max(ends, default=-np.inf), most), most))
         if found[parameter] != rounded:
             words = {"mm": " mm", "deg": "°", "h": " o'clock"}[field.unit]
-            limit = f"{field.label} stops at {found[parameter]:g}{words}."
+            stops = found[parameter] if own is None else max(found[parameter], float(own))  # as it is drawn
+            limit = f"{field.label} stops at {stops:g}{words}."
     return found, limit
 
 

@@ -18,7 +18,7 @@ import { onceAFrame } from "../../viewer/onceAFrame";
 type State = Shown & Pick<ViewSlice & DrawingSlice, "overlay" | "drawn">;
 type Drawing = Pick<DrawingFile, "unit"> & { readonly shapes: readonly Pick<DrawingFile["shapes"][number], "name" | "points" | "error_mm">[] };
 
-const STRENGTH = 0.6; // opacity
+const STRENGTH = 0.45; // opacity
 const SOFT = 0.2; // share of the band over which it dies out
 const TOWARDS_EYE = 0.006; // metres: over the noise of scan and fit, under the lines
 const AWAY = 16; // pixels from the pointer
@@ -52,10 +52,10 @@ export class ErrorBands implements Part<State> {
     const { fit, overlay } = state;
     const skin = this.skin(state);
     const isOn = !state.drawn.hidden.has(BANDS);
-    const isThere = isOn && fit !== null && isAtRest(fit) && !isPosedByHand(state);
-    this.layers.reference.update(isThere ? shownPatterns(state) : null, skin, state.drawn.hidden, palette.band);
-    const carried = isOn && !(overlay === "model" && isPosedByHand(state)) ? (state.drawn.onScan?.carried ?? null) : null;
-    this.layers.carried.update(carried, skin, state.drawn.hidden, palette.band);
+    const isThere = fit !== null && isAtRest(fit) && !isPosedByHand(state);
+    this.layers.reference.update(isThere ? shownPatterns(state) : null, skin, state.drawn.hidden, palette.band, isOn);
+    const carried = !(overlay === "model" && isPosedByHand(state)) ? (state.drawn.onScan?.carried ?? null) : null;
+    this.layers.carried.update(carried, skin, state.drawn.hidden, palette.band, isOn);
     this.ask(this.pointer);
     this.viewer.invalidate();
   }
@@ -98,19 +98,19 @@ class BandOnSkin {
     this.mesh.raycast = () => undefined;
   }
 
-  update(drawing: Drawing | null, skin: ScanMesh | FittedSurface, hidden: ReadonlySet<string>, colour: Color): void {
+  update(drawing: Drawing | null, skin: ScanMesh | FittedSurface, hidden: ReadonlySet<string>, colour: Color, isShown: boolean): void {
     this.mesh.material.color.copy(colour);
-    const now = [drawing, skin.mesh, hidden];
+    const now = [drawing, skin.mesh, hidden, isShown];
     if (now.every((each, i) => each === this.shown[i])) return;
     this.shown = now;
     this.skin = skin;
     const lines = drawing && skin.mesh && isUnit(drawing.unit) ? drawing.shapes.filter(({ name }) => !hidden.has(layerKey(this.layer, name))) : [];
     this.points = drawing ? pointsOf(lines, mmFrom(1, drawing.unit), skin) : noPoints;
     this.index = this.points.errors.length > 0 ? new ErrorIndex(this.points) : null;
-    this.mesh.visible = this.index !== null;
+    this.mesh.visible = this.index !== null && isShown;
     this.mesh.geometry.dispose();
     this.mesh.geometry = new BufferGeometry();
-    if (!this.index) return;
+    if (!this.index || !isShown) return;
     const { attributes, index } = skin.mesh!.geometry;
     const band = errorBand({ position: attributes.position!.array, normal: attributes.normal!.array, index: index!.array }, this.index);
     this.mesh.geometry.setAttribute("position", new BufferAttribute(band.position, 3));

@@ -1,20 +1,22 @@
-// The model's drawing: which one, with which numbers, and a tumour by the clock.  It is made on the fitted body
-// and changed there; the fit stays.
+// The pattern that is planned, with its numbers, and a tumour by the clock.  They are drawn on the fitted body and changed
+// there; the fit stays.  A field says what is drawn, as the handles on the body do.
 import type { PatternInfo, PatternParameter } from "../../api/types";
-import { checked, type DrawingRequest, mirroredValues, readRequest, requestText, startValue, startValues, TUMOUR, type Values } from "../../fit/requestedDrawing";
+import { type DrawingRequest, mirroredValues, readRequest, requestText, startValue, startValues, TUMOUR, type Values } from "../../fit/requestedDrawing";
 import type { FitSlice } from "../../fit/state";
 import { fit as fitText } from "../../fit/text";
 import type { PageSlice } from "../../store/page";
 import { only } from "../../store/store";
 import { button, select } from "../../ui/controls";
 import { el, fill, setText, show } from "../../ui/dom";
+import { type NumberField, numberField, writtenNumber } from "../../ui/NumberField";
 import type { Panel } from "../../ui/Panel";
 import type { DrawingActions } from "../actions";
-import type { DrawingSlice } from "../state";
+import type { DrawingSlice, LiveHandle, LivePart } from "../state";
 import * as text from "../text";
 
 const words = text.drawing.pattern;
 const DEEPEST_MM = 150; // as the service takes it
+const SAME = 1; // mm, degrees: what a field rounds, and a line on the scan beside one on the model
 
 type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "drawing" | "fit" | "drawn">;
 
@@ -30,61 +32,22 @@ export function createDrawingPattern(drawing: Pick<DrawingActions, "choosePatter
     if (state) drawing.choosePattern(requestText({ ...readRequest(state.drawing), ...change }));
   };
   const base = select<string>(words.base, (value) => choose({ base: value, values: {} }));
-  const parameters = el("div", { class: "parameters" });
+  const parameters = createFields("values", (values) => choose({ values }));
   const box = el("input", { type: "checkbox", onchange: () => choose({ tumour: box.checked ? startValues(tumourOf(state)!) : null }) });
   const hasTumour = el("label", { class: "check" }, box, el("span", {}, words.tumour));
-  const tumour = el("div", { class: "parameters" });
-  const depth = el("input", {
-    type: "number",
-    min: 0,
-    max: DEEPEST_MM,
-    step: 1,
-    inputmode: "numeric",
-    "data-parameter": "depth_mm",
-    onchange: () => depth.reportValidity() && plan.depth(depth.value === "" ? null : depth.valueAsNumber),
-  });
-  const depthField = el("label", { class: "field", title: words.depthHint, hidden: true }, el("span", {}, words.depth, el("span", { class: "unit" }, " mm")), depth);
+  const tumour = createFields(TUMOUR, (values) => choose({ tumour: values }));
+  const depth = numberField({ name: "depth_mm", label: words.depth, unit: "mm", min: 0, max: DEEPEST_MM, hint: words.depthHint, mayBeEmpty: true, changed: (mm) => plan.depth(mm) });
   const sayings = el("textarea", { rows: 2, maxlength: 2000, placeholder: words.noteHint, "aria-label": words.note, onchange: () => plan.note(sayings.value) });
-  let mirrorings = 0; // the fields are written anew after each
-  const mirror = (part: "values" | "tumour"): void => {
+  const mirror = (part: LivePart): void => {
     const other = state && mirroredValues(readRequest(state.drawing)[part] ?? {});
-    mirrorings += 1;
     if (other) choose({ [part]: other });
   };
   const mirrorPattern = button(words.mirror, () => mirror("values"), "quiet outlined", "mirror");
-  const mirrorTumour = button(words.mirror, () => mirror("tumour"), "quiet outlined", "mirror");
+  const mirrorTumour = button(words.mirror, () => mirror(TUMOUR), "quiet outlined", "mirror");
   const note = el("p", { class: "muted small" });
   const undrawn = el("p", { class: "look-here", role: "status", hidden: true });
-  const element = el("details", { class: "pattern" }, el("summary", {}, words.title), el("div", { class: "panel" }, base.element, parameters, mirrorPattern, hasTumour, tumour, depthField, mirrorTumour, el("label", { class: "field wide" }, el("span", {}, words.note), sayings), undrawn, note));
-
-  function field(parameter: PatternParameter, value: string, changed: (value: string) => void): HTMLElement {
-    const hint = [parameter.about, parameter.min !== null && parameter.max !== null ? words.range(parameter.min, parameter.max, parameter.unit) : ""].filter((each) => each !== "").join("; ");
-    const label = el("span", {}, parameter.label, el("span", { class: "unit" }, parameter.unit === "" ? "" : ` ${words.units[parameter.unit]}`));
-    if (parameter.choices) {
-      const list = el("select", { "data-parameter": parameter.name, onchange: () => changed(list.value) }, ...parameter.choices.map((choice) => el("option", { value: choice, selected: choice === value }, words.choices[choice] ?? choice)));
-      return el("label", { class: "field", title: hint }, label, list);
-    }
-    const input = el("input", {
-      type: "number",
-      step: "any",
-      min: parameter.min,
-      max: parameter.max,
-      value,
-      placeholder: words.byItself,
-      "data-parameter": parameter.name,
-      oninput: () => input.setCustomValidity(""),
-      onchange: () => {
-        const good = checked(parameter, input.value);
-        if (good !== null) return changed(good);
-        input.setCustomValidity(words.outside(parameter.label, parameter.min, parameter.max, parameter.unit));
-        input.reportValidity();
-      },
-    });
-    return el("label", { class: "field", title: hint }, label, input);
-  }
-
-  const fields = (pattern: PatternInfo, values: Values, changed: (name: string, value: string) => void): HTMLElement[] =>
-    pattern.parameters.map((each) => field(each, values[each.name] ?? startValue(each), (value) => changed(each.name, value)));
+  const fields = [base.element, undrawn, parameters.element, mirrorPattern, hasTumour, tumour.element, depth.element, mirrorTumour, el("label", { class: "field wide" }, el("span", {}, words.note), sayings), note];
+  const element = el("details", { class: "pattern" }, el("summary", {}, words.title), el("div", { class: "panel" }, ...fields));
 
   return {
     element,
@@ -95,21 +58,15 @@ export function createDrawingPattern(drawing: Pick<DrawingActions, "choosePatter
       if (!meta) return;
       const request = asDragged(session);
       base.set([{ value: "", label: fitText.noDrawing }, ...meta.drawings.map(({ name, label }) => ({ value: name, label }))], request.base);
-      const pattern = meta.patterns.find(({ name }) => name === request.base && name !== TUMOUR);
-      fill(parameters, [request.base, Boolean(pattern), mirrorings], () => (pattern ? fields(pattern, request.values, (name, value) => state && choose({ values: { ...readRequest(state.drawing).values, [name]: value } })) : []));
-      if (pattern) showValues(parameters, pattern, request.values);
-      show(parameters, pattern !== undefined);
-      show(mirrorPattern, pattern !== undefined && mirroredValues(request.values) !== null);
+      const handles = session.drawn.live?.handles ?? [];
+      parameters.set(meta.patterns.find(({ name }) => name === request.base && name !== TUMOUR) ?? null, request.values, handles);
+      show(mirrorPattern, !parameters.element.hidden && mirroredValues(request.values) !== null);
       const clock = tumourOf(session);
       show(hasTumour, clock !== null);
       box.checked = request.tumour !== null;
-      fill(tumour, [request.tumour !== null, mirrorings], () =>
-        clock && request.tumour ? fields(clock, request.tumour, (name, value) => state && choose({ tumour: { ...readRequest(state.drawing).tumour, [name]: value } })) : [],
-      );
-      if (clock && request.tumour) showValues(tumour, clock, request.tumour);
-      show(tumour, request.tumour !== null);
-      show(depthField, request.tumour !== null);
-      if (document.activeElement !== depth) depth.value = session.drawn.depthMm === null ? "" : String(session.drawn.depthMm);
+      tumour.set(request.tumour && clock, request.tumour ?? {}, handles);
+      show(depth.element, request.tumour !== null);
+      depth.set(session.drawn.depthMm);
       if (document.activeElement !== sayings) sayings.value = session.drawn.note;
       show(mirrorTumour, mirroredValues(request.tumour ?? {}) !== null);
       const missing = session.drawn.onScan?.plan.missing.map(({ reason }) => reason) ?? [];
@@ -120,20 +77,67 @@ export function createDrawingPattern(drawing: Pick<DrawingActions, "choosePatter
   };
 }
 
+/** The fields of a pattern or tumour; they follow what is changed elsewhere: by a drag, by undoing, in another tab. */
+function createFields(part: LivePart, changed: (values: Values) => void) {
+  const element = el("div", { class: "parameters", hidden: true });
+  let shown: Values = {};
+  let numbers = new Map<PatternParameter, NumberField>();
+  let choices = new Map<PatternParameter, HTMLSelectElement>();
+  const change = (name: string, value: string): void => changed({ ...shown, [name]: value });
+
+  function made(pattern: PatternInfo): HTMLElement[] {
+    numbers = new Map();
+    choices = new Map();
+    return pattern.parameters.map((each) => {
+      const { name, label, unit, min, max } = each;
+      const hint = [each.about, min !== null && max !== null ? words.range(min, max, unit) : ""].filter((one) => one !== "").join("; ");
+      if (each.choices) {
+        const list = el("select", { "data-parameter": name, onchange: () => change(name, list.value) }, ...each.choices.map((choice) => el("option", { value: choice }, words.choices[choice] ?? choice)));
+        choices.set(each, list);
+        return el("label", { class: "field", title: hint }, el("span", {}, label), list);
+      }
+      const field = numberField({ name, label, unit, min, max, hint, mayBeEmpty: !each.needed, changed: (value) => change(name, value === null ? "" : String(value)) });
+      numbers.set(each, field);
+      return field.element;
+    });
+  }
+
+  return {
+    element,
+    set(pattern: PatternInfo | null, values: Values, handles: readonly LiveHandle[]): void {
+      show(element, pattern !== null);
+      fill(element, pattern?.name ?? "", () => (pattern ? made(pattern) : []));
+      shown = values;
+      for (const [{ name }, list] of choices) {
+        const value = values[name] ?? startValue(pattern!.parameters.find((each) => each.name === name)!);
+        if (list.value !== value) list.value = value;
+      }
+      for (const [parameter, field] of numbers) {
+        const given = values[parameter.name] || startValue(parameter);
+        const asked = given === "" ? null : Number(given);
+        const drawn = drawnAt(handles.filter((each) => each.part === part), parameter.name);
+        if (asked === null) field.set(null, drawn.length > 0 ? words.byItselfAt(sidesSaid(drawn, parameter.unit)) : words.byItself);
+        else if (drawn.every(({ value }) => Math.abs(value - asked) < SAME)) field.set(asked);
+        else field.set(Math.min(...drawn.map(({ value }) => value)), "", words.stopsAt(sidesSaid(drawn, parameter.unit)));
+      }
+    },
+  };
+}
+
+/** The numbers of a parameter as they are drawn on each side. */
+const drawnAt = (handles: readonly LiveHandle[], parameter: string): { side: "L" | "R"; value: number }[] =>
+  [...new Map(handles.flatMap(({ side, numbers }) => numbers.filter((each) => each.parameter === parameter).map(({ value }) => [side, { side, value }] as const))).values()];
+
+const sidesSaid = (drawn: readonly { side: "L" | "R"; value: number }[], unit: string): string => {
+  const said = drawn.map(({ side, value }) => [words.sides[side], words.amount(writtenNumber(Math.round(10 * value) / 10, unit), unit)] as const);
+  return said.every(([, amount]) => amount === said[0]![1]) ? said[0]![1] : said.map(([side, amount]) => `${amount} ${side}`).join(", ");
+};
+
 /** The drawing with the numbers that a hand drags just now. */
 function asDragged({ drawing, drawn: { live } }: Shown): DrawingRequest {
   const request = readRequest(drawing);
   const part = live?.handles.find(({ id }) => id === live.held)?.part;
   return part && live.values ? { ...request, [part]: live.values } : request;
-}
-
-/** The fields follow what is changed elsewhere: by a drag, by undoing, in another tab. */
-function showValues(fields: HTMLElement, pattern: PatternInfo, values: Values): void {
-  for (const parameter of pattern.parameters) {
-    const input = fields.querySelector<HTMLInputElement | HTMLSelectElement>(`[data-parameter="${parameter.name}"]`);
-    const value = values[parameter.name] ?? startValue(parameter);
-    if (input && input !== document.activeElement && input.value !== value) input.value = value;
-  }
 }
 
 const tumourOf = (state: Pick<PageSlice, "meta"> | null): PatternInfo | null => state?.meta?.patterns.find(({ name }) => name === TUMOUR) ?? null;

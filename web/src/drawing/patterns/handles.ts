@@ -174,7 +174,8 @@ export function handleActions(store: Store<State>, client: Pick<Client, "pattern
       const current = live()?.handles.find(({ id }) => id === now.handle.id) ?? now.handle;
       const [number] = current.numbers;
       if (!number) return;
-      const value = Math.min(number.max ?? Infinity, Math.max(number.min ?? -Infinity, Math.round(2 * (number.value + by)) / 2));
+      // What the body itself keeps beyond a limit stays there: a nipple that is higher than the field goes.
+      const value = number.value > (number.max ?? Infinity) ? number.value : Math.min(number.max ?? Infinity, Math.max(number.min ?? -Infinity, Math.round(2 * (number.value + by)) / 2));
       const values = { ...(now.answer ? valuesOf(now.answer) : now.part.values), [number.parameter]: String(value) };
       const ends = value === number.value + by || Math.abs(value - number.value - by) < 0.5 ? "" : words.ends(number.label, value, number.unit);
       ask(async () => ({ ...(await client.pattern(now.link, { name: now.part.name, parameters: parametersOf(values), side: now.handle.side })), limit: ends }));

@@ -1,0 +1,43 @@
+import { expect, test } from "vitest";
+import { readNumber, writtenNumber } from "../../src/ui/NumberField";
+
+const mm = { label: "From the nipple", unit: "mm", min: 0, max: 200 };
+const hour = { label: "Hour", unit: "h", min: 0.5, max: 12.5 };
+
+test.each([
+  ["4,5", 4.5],
+  ["4.5", 4.5],
+  ["43,5", 43.5],
+  [" 45 mm", 45],
+  [",5", 0.5],
+  ["12.345", 12.345],
+])("%s mm is %d", (written, value) => expect(readNumber(written, mm)).toBe(value));
+
+test.each(["1,234.5", "1.234,5", "1,234", "1.2.3"])("%s can be read in two ways", (written) => expect(readNumber(written, mm)).toContain("two ways"));
+
+test.each([
+  ["abc", "is no number"],
+  ["4e1", "is no number"],
+  ["10:30", "is no number"],
+  ["201", "between 0 and 200 mm"],
+  ["-1", "between 0 and 200 mm"],
+])("%s mm is refused", (written, sentence) => expect(readNumber(written, mm)).toContain(sentence));
+
+test.each([
+  ["10:30", 10.5],
+  ["10.5", 10.5],
+  ["10,5", 10.5],
+  ["10½", 10.5],
+  ["10", 10],
+  ["12:20", 12.33],
+])("%s on the clock is %d", (written, value) => expect(readNumber(written, hour)).toBe(value));
+
+test("what the clock has not is refused", () => {
+  for (const written of ["13", "10:75", "half past ten", "0:10"]) expect(readNumber(written, hour)).toEqual(expect.any(String));
+});
+
+test("a number is written as it is read again", () => {
+  expect([10.5, 12, 12.33, 0.5].map((value) => writtenNumber(value, "h"))).toEqual(["10:30", "12", "12:20", "0:30"]);
+  expect([41.999999, 0, -3.5, 1 / 3].map((value) => writtenNumber(value, "mm"))).toEqual(["42", "0", "-3.5", "0.33"]);
+  for (const value of [10.5, 12.33, 0.5]) expect(readNumber(writtenNumber(value, "h"), hour)).toBe(value);
+});
