@@ -314,6 +314,7 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   expect((await hook.picture(page)).checksum).not.toBe(before.checksum);
 
   // A fit again is not asked to draw the plan, however long that is; where it fails, the page says so where she looks.
+  await page.evaluate(() => (document.activeElement as HTMLElement).blur()); // else the key is written into a field
   await page.keyboard.press("3");
   await page.getByLabel("Follow the skin").uncheck();
   await page.getByRole("button", { name: /^Fit again/ }).first().click();

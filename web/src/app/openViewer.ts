@@ -93,7 +93,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     new ErrorBands(viewer, scan, fitted, stage.canvas),
     own,
     corners,
-    new PatternHandles(viewer, scan, actions.drawing, actions.handles),
+    new PatternHandles(viewer, scan, actions.drawing, actions.handles, stages.main.canvas),
     new TapeLines(viewer, scan),
     new MeasureLines(viewer, false),
     { update: (state) => pins.update(state, isFree(state)) },

@@ -33,7 +33,13 @@ interface Item {
   readonly lines: readonly Line[];
 }
 
-type Shape = { name: string; label?: string; color?: string; item?: string; kind?: string };
+interface Shape {
+  readonly name: string;
+  readonly label?: string;
+  readonly color?: string;
+  readonly item?: string;
+  readonly kind?: string;
+}
 
 function itemsOf(shapes: readonly Shape[], asLine: (shape: Shape) => Line, labelOf: (kind: string) => string): Item[] {
   const items = new Map<string, { label: string; lines: Line[] }>();

@@ -11,6 +11,7 @@ import { el, fill, setText, show } from "../../ui/dom";
 import { type NumberField, numberField, writtenNumber } from "../../ui/NumberField";
 import type { Panel } from "../../ui/Panel";
 import type { DrawingActions } from "../actions";
+import { keyOf } from "./handles";
 import type { DrawingSlice, LiveHandle, LivePart } from "../state";
 import * as text from "../text";
 
@@ -58,7 +59,8 @@ export function createDrawingPattern(drawing: Pick<DrawingActions, "choosePatter
       if (!meta) return;
       const request = asDragged(session);
       base.set([{ value: "", label: fitText.noDrawing }, ...meta.drawings.map(({ name, label }) => ({ value: name, label }))], request.base);
-      const handles = session.drawn.live?.handles ?? [];
+      const { live } = session.drawn;
+      const handles = live?.held === null && live.key === keyOf(session) ? live.handles : []; // of these numbers, on both sides
       parameters.set(meta.patterns.find(({ name }) => name === request.base && name !== TUMOUR) ?? null, request.values, handles);
       show(mirrorPattern, !parameters.element.hidden && mirroredValues(request.values) !== null);
       const clock = tumourOf(session);
@@ -113,7 +115,7 @@ function createFields(part: LivePart, changed: (values: Values) => void) {
         if (list.value !== value) list.value = value;
       }
       for (const [parameter, field] of numbers) {
-        const given = values[parameter.name] || startValue(parameter);
+        const given = values[parameter.name] ?? startValue(parameter);
         const asked = given === "" ? null : Number(given);
         const drawn = drawnAt(handles.filter((each) => each.part === part), parameter.name);
         if (asked === null) field.set(null, drawn.length > 0 ? words.byItselfAt(sidesSaid(drawn, parameter.unit)) : words.byItself);

@@ -42,11 +42,12 @@ export class PatternHandles implements Part<Shown> {
     private readonly scan: Surface,
     private readonly drawing: Pick<DrawingActions, "skin">,
     private readonly handles: HandleActions,
+    canvas: HTMLCanvasElement,
   ) {
     // The camera listens to the canvas alone: without this the wheel would stand still over a handle.
     this.element.addEventListener("wheel", (event) => {
       event.preventDefault();
-      viewer.controls.domElement!.dispatchEvent(new WheelEvent("wheel", event));
+      canvas.dispatchEvent(new WheelEvent("wheel", event));
     }, { passive: false });
     viewer.overlay.after(this.element); // not in the overlay, which is nothing to those who cannot see it
     viewer.beforeFrame.add(() => this.place());

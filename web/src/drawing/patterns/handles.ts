@@ -43,7 +43,8 @@ function partsOf({ meta, drawing }: Pick<State, "meta" | "drawing">): Part[] {
 export const hasHandles = ({ step, fit, drawn }: Pick<State, "step" | "fit" | "drawn">): boolean =>
   step === "drawing" && (drawn.tool === "none" || drawn.tool === "points") && fit?.state === "done" && isAtRest(fit);
 
-const keyOf = ({ fit, drawing }: Pick<State, "fit" | "drawing">): string => `${fit?.id ?? ""} ${drawing}`;
+/** What handles are of: the fit and the numbers. */
+export const keyOf = ({ fit, drawing }: Pick<State, "fit" | "drawing">): string => `${fit?.id ?? ""} ${drawing}`;
 
 const handlesOf = (part: LivePart, { handles }: PatternOnScan): LiveHandle[] => handles.map((handle) => ({ ...handle, id: `${part}/${handle.name}`, part }));
 
