@@ -42,6 +42,9 @@ test("the new nipple is dragged: line and number follow, the plan keeps them, un
   const name = "values/new_nipple_L";
   const start = await middle(page, name);
   const before = numberOf(await handle(page, name).getAttribute("aria-label"));
+  const field = page.locator(".pattern [data-parameter=nipple_above_fold_mm]");
+  expect(Math.abs(Number(await field.inputValue()) - before), "field and handle say what is drawn, the lesser of both sides").toBeLessThan(1);
+  await expect(page.locator(".pattern .field-note:not([hidden])")).toContainText(`${before}\u00a0mm left`);
   const plan = async () => (await (await page.request.get(base + (await state(page)).scan!.info.links.plan)).json()) as StoredPlan;
   const parameters = async () => (await plan()).items.map((item) => (item.kind === "pattern" ? item.parameters! : {}))[0]!;
   await expect.poll(async () => (await state(page)).drawn.onScan?.patterns.shapes.some(({ name: line }) => line === "vertical_L")).toBe(true);
@@ -96,6 +99,13 @@ test("the new nipple is dragged: line and number follow, the plan keeps them, un
     await expect(handle(page, "values/width_first_L")).toHaveAttribute("aria-label", "Width, left: 56\u00a0mm");
     expect((await state(page)).drawing).toBe("vertical:nipple_above_fold_mm=40,width_mm=56");
     await expect.poll(async () => (await state(page)).drawn.onScan?.patterns.shapes.length).toBe(6);
+  });
+
+  await test.step("the wheel zooms over a handle as it does beside it", async () => {
+    const [at, other] = [await middle(page, "values/width_first_L"), await middle(page, "values/width_first_R")];
+    await page.mouse.move(at.x, at.y);
+    await page.mouse.wheel(0, -300);
+    await expect.poll(async () => Math.abs((await middle(page, "values/width_first_L")).x - (await middle(page, "values/width_first_R")).x)).toBeGreaterThan(1.05 * Math.abs(at.x - other.x));
   });
   expect(troubles).toEqual([]);
 });
