@@ -348,7 +348,9 @@ def test_no_length_that_a_plan_can_reach_ends_the_patient(real: Real) -> None:
         assert glb.status_code == 200, glb.json
     report = client.get(links["report"])
     assert report.status_code == 200, report.json
-    token = client.post(links["shares"], json={"scan": "plain"}).json["url"].removeprefix("/s#")
+    share = client.post(links["shares"], json={"scan": "plain"})
+    assert share.status_code == 201, share.json
+    token = share.json["url"].removeprefix("/s#")
     visitor = client.application.test_client()
     opened = visitor.post("/api/shared/open", json={"token": token}).json["links"]
     assert visitor.get(opened["report"]).status_code == visitor.get(opened["plan"]).status_code == 200

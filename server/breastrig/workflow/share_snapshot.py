@@ -17,7 +17,7 @@ from breastrig.core.arrays import Array, Booleans
 from breastrig.core.errors import BadInput, BreastRigError
 from breastrig.core.private_files import read_ordinary, write_private
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.drawings.drawing_file import FILE_BYTES, lines_on_scan
+from breastrig.drawings.drawing_file import FILE_BYTES, lines_on_scan, planned_on_scan
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.gltf.lines.with_lines import with_lines
 from breastrig.gltf.link_mesh import coloured_mesh, plain_mesh
@@ -125,7 +125,7 @@ def _laid_on(search: ClosestPointSearch, document: dict[str, Any], unit: str) ->
 
 def _fitted_glb(fit: FitFolder, surface: Array, plan: dict[str, Any], own: dict[str, Any]) -> bytes:
     """The posed rig with the lines; the way there, iteration by iteration, is the owner's alone."""
-    planned = lines_on_scan(plan, fit.unit)
+    planned = planned_on_scan(plan)
     names = {line.name for line in planned}
     lines = [*(line for line in lines_on_scan(own, fit.unit) if line.name not in names), *planned]
     refined = fit.result.get("refined") and not np.array_equal(surface, Posed(fit.rig, fit.parameters).vertices)

@@ -109,9 +109,10 @@ function createFields(part: LivePart, changed: (values: Values) => void) {
     set(pattern: PatternInfo | null, values: Values, handles: readonly LiveHandle[]): void {
       show(element, pattern !== null);
       fill(element, pattern?.name ?? "", () => (pattern ? made(pattern) : []));
+      if (!pattern) return;
       shown = values;
       for (const [{ name }, list] of choices) {
-        const value = values[name] ?? startValue(pattern!.parameters.find((each) => each.name === name)!);
+        const value = values[name] ?? startValue(pattern.parameters.find((each) => each.name === name)!);
         if (list.value !== value) list.value = value;
       }
       for (const [parameter, field] of numbers) {
