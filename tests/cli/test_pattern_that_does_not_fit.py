@@ -34,11 +34,11 @@ def test_the_fit_is_the_same_the_rest_is_drawn_and_the_reason_said(
     plain, asked = tmp_path / "plain", tmp_path / "asked"
     without = fitted(plain, "--drawing", "lumpectomy", "--tumour", "L:10,45,12", code=0)
     assert "drawing_missing" not in without
-    assert capsys.readouterr().err == ""
+    assert "Not drawn" not in capsys.readouterr().err
     found = fitted(asked, "--drawing", f"lumpectomy+{TOO_LONG}", "--tumour", "L:10,45,12")
     (missing,) = found.pop("drawing_missing")
     assert missing.startswith(SAID)
-    assert capsys.readouterr().err == f"breastrig: {missing}\n"
+    assert f"breastrig: {missing}\n" in capsys.readouterr().err
     changing = {"timing_s", "written", "patient"}  # the second has the drawing's own digest; codes are random
     assert found.keys() == without.keys()
     assert all(found[key] == without[key] for key in found.keys() - changing)
@@ -77,7 +77,7 @@ def test_a_tumour_that_is_nowhere_on_the_skin_is_one_line(
     (missing,) = fitted(tmp_path, "--drawing", "mastectomy", "--tumour", tumour)["drawing_missing"]
     assert missing.startswith("Not drawn: Tumour. ")
     assert missing.endswith(why)
-    assert capsys.readouterr().err == f"breastrig: {missing}\n"
+    assert capsys.readouterr().err.splitlines().count(f"breastrig: {missing}") == 1
     names = shape_names(tmp_path)
     assert names
     assert "tumour_L" not in names

@@ -135,7 +135,7 @@ def fit_pair(
 
     Their bodies (the bones' scales, the shapes) are held alike, for chests flatten when lying.  `alike=False` gives
     both one body instead, which is better only where the body keeps its shape (fitting/two_stances.py has figures).
-    The other arguments are those of `fit`; those called second_... are of the second scan,
+    The other arguments are those of `fit`; those whose names begin with `second` are of the second scan,
     drawing, tumours, preset and model of both.  Nothing is written.
 
     Raises what `fit` raises, and BadScan when both scans are the same file.

@@ -115,7 +115,7 @@ def iterates(
     locked: Sequence[str] = (),
     model: Model = None,
 ) -> FitRun[Iterate, Fit]:
-    """A fit as an iterator of `Iterate`s, each with its vertices (V, 3) in the scan's unit and frame.
+    """A fit as an iterator of `Iterate` objects, each with its vertices (V, 3) in the scan's unit and frame::
 
         run = breastrig.iterates("scan.ply")
         for iterate in run:
@@ -160,29 +160,31 @@ def fit(
 ) -> Fit:
     """Fits the model to one scan, and returns a `Fit` with everything in the scan's unit and frame; writes nothing.
 
-    scan        from `read_scan`, the path of a file, or a trimesh.Trimesh
-    landmarks   name -> (3,) place in the scan's unit and frame, or a `Proposal`; or the path of a landmark file
-                (JSON, CSV, .pp, .mrk.json); None: the scan alone decides
-    certain     names of landmarks that are followed whatever all else says, besides those that the file names so
-    units       of a path: auto, m, dm, cm, mm, in
-    stance      auto, standing or supine
-    preset      default, paper, the path of a TOML file, or a dict of what differs from the default or from
-                "base", another preset: {"scales": {"sigma": 0.1}, "stages": {"settle": {"iterations": 5}}}
-                (`breastrig presets show default` has the names)
-    drawing     first: the model's first drawing, if it has any (the torso's: lumpectomy); one by its name (anatomy,
-                mastectomy), a pattern in mm (reduction:areola_mm=42), several joined by +, or None
-                a pattern that does not fit on this patient is left out, and `fit.drawing_missing` says why
-    tumours     circles on the skin, in mm: "L:10,45,12" (side: hour, distance from the nipple, radius), or
-                "at:X,Y,Z,RADIUS" around a place in the scan's frame
-    refine      a smooth free-form layer follows the skin that the scan shows; the model's own distances stand in
-                `fit.result["model_alone"]`
-    start       a `Fit` of the same scan, or `Parameters` in its unit and frame, to go on from; None: it is found
-    locked      blocks that stay where they start: scales, shapes, rotations, translations, the name of a bone or a
-                shape, or one part of a bone (lumbar.scale)
-    model       from `load_model`, or the path of a .glb; None: the torso of the package
+    Args:
+        scan: From `read_scan`, the path of a file, or a trimesh.Trimesh.
+        landmarks: Name -> (3,) place in the scan's unit and frame, or a `Proposal`; or the path of a landmark file
+            (JSON, CSV, .pp, .mrk.json, .fcsv); None: the scan alone decides.
+        certain: Names of landmarks that are always followed, besides those that the file names so.
+        units: Of a path: auto, m, dm, cm, mm, in, ft.
+        stance: auto, standing or supine.
+        preset: default, paper, the path of a TOML file, or a dict of what differs from the default or from
+            "base", another preset: {"scales": {"sigma": 0.1}, "stages": {"settle": {"iterations": 5}}}
+            (`breastrig presets show default` has the names).
+        drawing: first: the model's first drawing, if it has any (the torso's: lumpectomy); one by its name (anatomy,
+            mastectomy), a pattern in mm (reduction:areola_mm=42), several joined by +, or None.  A pattern that does
+            not fit on this patient is left out, and `fit.drawing_missing` says why.
+        tumours: Circles on the skin, in mm: "L:10,45,12" (side: hour, distance from the nipple, radius), or
+            "at:X,Y,Z,RADIUS" around a place in the scan's frame.
+        refine: Whether a smooth free-form layer follows the skin that the scan shows; the model's own distances are in
+            `fit.result["model_alone"]`.
+        start: A `Fit` of the same scan, or `Parameters` in its unit and frame, to go on from; None: it is found.
+        locked: Blocks that stay where they start: scales, shapes, rotations, translations, the name of a bone or a
+            shape, or one part of a bone (lumbar.scale).
+        model: From `load_model`, or the path of a .glb; None: the torso of the package.
 
-    Raises BadScan, BadLandmarks, BadDrawing, BadModel or BadSettings (all BadInput) for what can be mended, FitFailed
-    when the fit fails, each with one sentence.
+    Raises:
+        BadInput: BadScan, BadLandmarks, BadDrawing, BadModel or BadSettings, for what can be mended.
+        FitFailed: When the fit fails.
     """
     return iterates(
         scan,

@@ -30,16 +30,20 @@ def transfer(
 ) -> Drawing:
     """A drawing made on the scan of one fit, shown on the scan of another, in that scan's unit and frame.
 
-    source, target   fits, or folders of fits
-    drawing          `Line`s with points (M, 3) in the source scan's unit and frame; a `Drawing`; a document
-                     breastrig/drawing@1 or the path of one; None: the drawing that the first fit has
-    other_patient    the scans are of two patients: the same place of the model instead of the same skin
-    model            of folders, where it is not the package's; a `Fit` has its own
+    Args:
+        source: The fit, or its folder, on whose scan the drawing was made.
+        target: The fit, or its folder, on whose scan it is shown.
+        drawing: `Line`s with points (M, 3) in the source scan's unit and frame; a `Drawing`; a document
+            breastrig/drawing@1 or the path of one; None: the drawing that the first fit has.
+        other_patient: Whether the scans are of two patients: the same place of the model instead of the same skin.
+        model: Of folders, where it is not the package's; a `Fit` has its own.
 
-    Each line of the answer has more points than before; `bridged` (M,) says where the target's scan has a hole, and
-    `distance_from_mm`, `distance_to_mm` (M,) how far both fits were from their scans there.
+    Returns:
+        Lines with more points than before; `bridged` (M,) says where the target's scan has a hole, and
+        `distance_from_mm`, `distance_to_mm` (M,) how far both fits were from their scans there.
 
-    Raises BadDrawing or another BadInput with one sentence.
+    Raises:
+        BadInput: BadDrawing or another, with one sentence.
     """
     own = {each.model.sha256: each.model for each in (source, target) if isinstance(each, Fit)}
     rigs = own if model is None and own else own | {(given := loaded(model)).sha256: given}
