@@ -64,6 +64,12 @@ def fitted(service: Service, client: FlaskClient, scan: dict, landmarks: dict, *
     return result
 
 
+def nothing_left(service: Service) -> bool:
+    """Whether no file of a patient is left: the fits' models, which are nobody's, stay."""
+    root = service.storage.root
+    return not [file for file in root.glob("*/*") if file.parent != root / "models"]
+
+
 def test_the_model_itself_as_a_scan_in_millimetres_is_fitted(real: tuple[Service, FlaskClient]) -> None:
     service, client = real
     rig = read_rig(default_rig_path())
@@ -77,7 +83,7 @@ def test_the_model_itself_as_a_scan_in_millimetres_is_fitted(real: tuple[Service
     assert result["landmark_distance_mm"]["mean"] < 3.0
     assert result["scan"]["sha256"] == hashlib.sha256(data).hexdigest()  # the user's own file
     assert client.delete(scan["links"]["self"]).status_code == 204
-    assert not list(service.storage.root.glob("*/*"))  # scans, fits and rubbish are empty
+    assert nothing_left(service)
 
 
 def test_the_packaged_examples_are_both_there(real: tuple[Service, FlaskClient]) -> None:
@@ -179,7 +185,7 @@ def test_the_model_follows_a_landmark_that_is_dragged_and_nothing_is_kept(real: 
     problem(client.post(links["moved"], json={"landmarks": picked}), 404)
 
 
-def test_two_stances_are_fitted_together_with_one_body(real: tuple[Service, FlaskClient]) -> None:
+def test_two_stances_are_fitted_together_with_bodies_alike(real: tuple[Service, FlaskClient]) -> None:
     service, client = real
     scans = {name: client.post(f"/api/examples/{name}").json for name in ("standing", "supine")}
     picked = {name: scan["example_landmarks"]["landmarks"] for name, scan in scans.items()}
@@ -200,12 +206,13 @@ def test_two_stances_are_fitted_together_with_one_body(real: tuple[Service, Flas
         left = (service.storage.folders.fit(one["id"]) / "result.json").read_text()
         assert not any(scan["id"] in left for scan in scans.values())
     scales = [[bone["scale"] for bone in result["parameters"]["bones"]] for result in results.values()]
-    assert np.allclose(*scales)
+    assert np.allclose(*scales, atol=0.2)
+    assert not np.allclose(*scales, atol=1e-6)
     rotations = [[bone["rotation_xyzw"] for bone in result["parameters"]["bones"]] for result in results.values()]
     assert not np.allclose(*rotations, atol=1e-3)
     for scan in scans.values():
         client.delete(scan["links"]["self"])
-    assert not list(service.storage.root.glob("*/*"))
+    assert nothing_left(service)
 
 
 def test_a_pattern_follows_a_hand_and_its_parameters_give_the_same_lines_in_the_plan(
