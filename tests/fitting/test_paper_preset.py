@@ -116,14 +116,14 @@ def test_a_preset_with_two_data_terms_in_one_stage_is_refused(tmp_path: Path, re
 def test_a_packaged_preset_is_read_once_and_a_file_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     mine = tmp_path / "mine.toml"
     mine.write_text((files("breastrig.fitting") / "presets" / "paper.toml").read_text("utf-8"), encoding="utf-8")
-    known, preset_text = load_recipe("paper"), recipe._preset_text
+    known, preset_text = load_recipe("paper"), recipe.preset_text
     read: list[str] = []
 
     def noted(name: str) -> str:
         read.append(name)
         return preset_text(name)
 
-    monkeypatch.setattr(recipe, "_preset_text", noted)
+    monkeypatch.setattr(recipe, "preset_text", noted)
     assert load_recipe("paper") is known
     assert read == []
     assert load_recipe(mine) == known

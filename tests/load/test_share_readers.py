@@ -1,14 +1,19 @@
 """A smaller scan than `make load` takes, and a stand-in for its fit, which no reader reads."""
 
+from pathlib import Path
+
 from helpers.real_server import PROGRAM, search_path
+from helpers.toy_rig import toy_rig
 
 from breastrig.api.share_limits import BIG_ANSWERS_EACH
+from breastrig.gltf.write_rig import write_rig
 from load.share_readers import MOST_GROWTH_MB, ShareReaders, run_share_readers
 
 
-def test_readers_of_a_large_scan_and_those_that_never_read_cost_the_server_no_memory() -> None:
-    program = [str(PROGRAM)]
-    found = run_share_readers(200_000, 12, 30, program, FAKE_FIT="quick", PYTHONPATH=search_path())
+def test_readers_of_a_large_scan_and_those_that_never_read_cost_the_server_no_memory(tmp_path: Path) -> None:
+    write_rig(toy_rig(), tmp_path)
+    surroundings = {"FAKE_FIT": "quick", "PYTHONPATH": search_path(), "BREASTRIG_MODEL": str(tmp_path / "toy.glb")}
+    found = run_share_readers(200_000, 12, 30, [str(PROGRAM)], **surroundings)
     assert found.errors == []
     assert found.whole == 12
     assert found.silent_answers == {"200": BIG_ANSWERS_EACH, "503": 30 - BIG_ANSWERS_EACH}

@@ -182,7 +182,7 @@ def test_the_queue_and_its_claims(storage: Storage) -> None:
 
 def test_deleting_a_scan_leaves_no_row(storage: Storage) -> None:
     add_waiting_fit(storage, "scan-1", "fit-1")
-    add_share(storage, ShareRow("share-1", "fit-1", "2026", "2027", "none", None), "ab" * 32)
+    add_share(storage, ShareRow("share-1", "fit-1", "2026", "2027", "none", None, "shown", "2026"), "ab" * 32)
     for visit in ("cd" * 32, "ef" * 32):
         assert add_opening(storage, "share-1", "2026", visit, most_wrong=1)
     assert get_share(storage, "fit-1", "share-1").openings == 2
@@ -198,7 +198,7 @@ def test_deleting_a_scan_leaves_no_row(storage: Storage) -> None:
 def test_visits_of_a_share_and_what_wrong_passcodes_do_to_it(storage: Storage) -> None:
     add_waiting_fit(storage, "scan-1", "fit-1")
     for share, token in (("share-1", "ab" * 32), ("share-2", "ba" * 32)):
-        add_share(storage, ShareRow(share, "fit-1", "2026", "2027", "none", None), token)
+        add_share(storage, ShareRow(share, "fit-1", "2026", "2027", "none", None, f"shown-{share}", "2026"), token)
     assert add_opening(storage, "share-1", "2026-02", "cd" * 32, most_wrong=2)
     found = share_of_visit(storage, "share-1", "cd" * 32, "2026-01")
     assert found is not None

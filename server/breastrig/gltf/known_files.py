@@ -27,7 +27,10 @@ class _Binding(BaseModel):
 def known_paths(glb: Path) -> tuple[Path, ...]:
     """The files beside this rig."""
     folder = glb.with_suffix(".known")
-    return tuple(sorted(file for file in folder.glob("*") if file.suffix in (".json", ".toml")))
+    try:
+        return tuple(sorted(file for file in folder.glob("*") if file.suffix in (".json", ".toml")))
+    except OSError:  # no such name can be
+        return ()
 
 
 def read_known(glb: Path, sha256: str) -> dict[str, str]:
