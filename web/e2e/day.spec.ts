@@ -255,6 +255,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     await page.getByRole("button", { name: "Share", exact: true }).click();
     const dialog = page.getByRole("dialog", { name: "Share this result" });
     await dialog.getByLabel(/^Passcode/).fill("four words of it");
+    await dialog.getByLabel("The plan's notes as well").check();
     await dialog.getByRole("button", { name: "Make a link" }).click();
     await expect(dialog.getByLabel("Address of the link")).not.toHaveValue("");
     const address = await dialog.getByLabel("Address of the link").inputValue();

@@ -41,7 +41,7 @@ async function fitted(page: Page, base: string, landmarks: Record<string, Vector
 async function untilFittedAgain(page: Page, before: string): Promise<Result> {
   await until(page, (id) => {
     const { fit, isStarting } = window.__breastrig!.state();
-    return fit && fit.id !== id && fit.state === "done" && !isStarting && fit.drawing;
+    return fit && fit.id !== id && fit.state === "done" && !isStarting && (fit.drawing !== null || fit.drawingName === null);
   }, before);
   return page.evaluate(() => window.__breastrig!.state().fit!.result!);
 }

@@ -2,7 +2,7 @@
 import { writeFileSync } from "node:fs";
 import { expect } from "@playwright/test";
 import type { EventPage, Result, Vector } from "../src/api/types";
-import { formatMm, formatPercent, formatSeconds } from "../src/ui/units";
+import { formatMm, formatMmWhole, formatPercent, formatSeconds } from "../src/ui/units";
 import { distance, hook, SCAN_FILE, test, trueLandmarks, untilFitted, untilStill } from "./page";
 
 const CLICKED = ["suprasternal_notch", "mid_sternum", "nipple_L", "nipple_R", "umbilicus"];
@@ -110,16 +110,16 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
     const surface = result.surface_distance_mm;
     const back = result.scan_to_model_mm;
     const numbers = page.locator(".numbers");
-    await expect(numbers.locator(".hero-number")).toHaveText(formatMm(surface.mean));
+    await expect(numbers.locator(".hero-number")).toHaveText(`±\u00a0${formatMmWhole(result.line_error_mm!)}\u00a0mm`);
     const block = (title: string) => numbers.locator(".block", { has: page.locator("h3", { hasText: new RegExp(`^${title}$`) }) });
     const mm = (value: number | null): string => `${formatMm(value)} mm`;
-    await expect(block("Model to scan").locator("dd")).toHaveText([mm(surface.std), mm(surface.p95), mm(surface.max), `${formatPercent(surface.coverage)} %`]);
+    await expect(block("Model to scan").locator("dd")).toHaveText([mm(surface.mean), mm(surface.std), mm(surface.p95), mm(surface.max), `${formatPercent(surface.coverage)} %`]);
     await expect(block("Scan to model").locator("dd")).toHaveText([mm(back.mean), mm(back.std), mm(back.p95), mm(back.max)]);
     await expect(block("Landmarks").locator("dd")).toHaveText([mm(result.landmark_distance_mm.mean), mm(result.landmark_distance_mm.max)]);
     await expect(block("Run").locator("dd").first()).toHaveText(`${formatSeconds(result.timing_s.solve)} s`);
     await numbers.getByText("Each landmark").click();
     for (const [name, value] of Object.entries(result.landmark_distance_mm.each)) {
-      const radius = formatMm(result.landmark_uncertainty_mm![name]);
+      const radius = formatMmWhole(result.landmark_uncertainty_mm![name]!);
       await expect(numbers.locator(`[data-landmark=${name}] dd`)).toHaveText(new RegExp(`^${formatMm(value)}\\s*±\\s${radius} mm$`));
     }
   });

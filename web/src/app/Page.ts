@@ -22,7 +22,6 @@ import { empty as emptyText } from "../scan/text";
 import { createDrawingCarry } from "../stances/DrawingCarry";
 import { createOtherPane } from "../stances/OtherPane";
 import { createStancesBar } from "../stances/StancesBar";
-import { createStancesDialog } from "../stances/StancesDialog";
 import { isComparing } from "../stances/state";
 import type { Place } from "../store/page";
 import { only, type Store } from "../store/store";
@@ -116,7 +115,11 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   host.append(deleted.element, changed.element);
   const stances = createStancesBar(actions.stances);
   const top = createTopBar(actions, stances.element);
-  const adding = createStancesDialog(actions.stances, () => dismiss("stances"));
+  const adding = later(
+    only("examples", "problems", "scan", "stances"),
+    ({ stances }: Pick<Session, "examples" | "problems" | "scan" | "stances">) => stances.isAdding,
+    async () => (await import("../stances/StancesDialog")).createStancesDialog(actions.stances, () => dismiss("stances")),
+  );
   const measures = later(
     only("meta", "problems", "scan", "fit", "stances"),
     ({ stances }: Pick<Session, "meta" | "problems" | "fit" | "stances">) => stances.measures.isOpen,

@@ -1,6 +1,6 @@
 // The lines of the measure that is pointed at, as they run on one of the scans.
 import type { Measure, MeasuresFile, Vector } from "../api/types";
-import { formatCell, measureKey } from "./measuresTable";
+import { formatCell, formatMargin, measureKey } from "./measuresTable";
 
 export interface MeasuredLine {
   readonly side: "left" | "right" | "value";
@@ -21,7 +21,8 @@ export function measuredLines(file: Pick<MeasuresFile, "measures"> | null, stanc
     const points = paths[side];
     if (!points || points.length < 2) return [];
     const value = row[side];
-    const says = value === null || row.unit === "1" ? "" : formatCell({ value, low: null, high: null }, row.unit, false) + UNITS[row.unit];
+    const cell = { value, low: row[`${side}_low`], high: row[`${side}_high`] };
+    const says = value === null || row.unit === "1" ? "" : formatCell(cell, row.unit, false) + formatMargin(cell, row.unit) + UNITS[row.unit];
     return [{ side, points, isStraight: points.length === 2, label: middleOf(points), says }];
   });
 }
