@@ -300,7 +300,7 @@ def test_a_links_report_has_no_code_and_notes_only_where_the_owner_says_so(real:
 
 @pytest.mark.usefixtures("blank")
 def test_no_length_that_a_plan_can_reach_ends_the_patient(real: Real) -> None:
-    """A megabyte, with as many items and points as the schema takes: nudged, fitted again, drawn, reported."""
+    """A megabyte, with as many items and points as the schema takes: nudged, fitted again, drawn, reported, shared."""
     service, client, scans, fits = real
     scan = scans["standing"]
     picked = get_fit(service.storage, fits["standing"]).landmarks_mm
@@ -348,6 +348,14 @@ def test_no_length_that_a_plan_can_reach_ends_the_patient(real: Real) -> None:
         assert glb.status_code == 200, glb.json
     report = client.get(links["report"])
     assert report.status_code == 200, report.json
+    share = client.post(links["shares"], json={"scan": "plain"})
+    assert share.status_code == 201, share.json
+    visitor = client.application.test_client()
+    opened = visitor.post("/api/shared/open", json={"token": share.json["url"].removeprefix("/s#")}).json["links"]
+    with visitor.get(opened["plan"]) as answer:
+        assert {shape["item"] for shape in answer.json["shapes"]} >= {each["id"] for each in (*lines, *tumours)}
+    with visitor.get(opened["report"]) as answer:
+        assert answer.status_code == 200
     client.put(plan, json={"items": []}, headers={"If-Match": stored.headers["ETag"]})
 
 

@@ -77,6 +77,7 @@ test("the new nipple is dragged: line and number follow, the plan keeps them, un
 
   await test.step("it is one step to undo", async () => {
     await page.keyboard.press("z");
+    await expect(page.locator(".undone")).toHaveText("Undone: new nipple above the fold 40\u00a0mm instead of 0\u00a0mm.");
     await expect.poll(parameters).toEqual({});
     await page.keyboard.press("Shift+Z");
     await expect.poll(parameters).toEqual({ nipple_above_fold_mm: 40 });

@@ -17,7 +17,7 @@ from breastrig.core.arrays import Array, Booleans
 from breastrig.core.errors import BadInput, BreastRigError
 from breastrig.core.private_files import read_ordinary, write_private
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.drawings.drawing_file import FILE_BYTES, lines_on_scan, planned_on_scan
+from breastrig.drawings.drawing_file import FILE_BYTES, planned_on_scan
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.gltf.lines.with_lines import with_lines
 from breastrig.gltf.link_mesh import coloured_mesh, plain_mesh
@@ -107,7 +107,7 @@ def _plan(job: SnapshotJob) -> dict[str, Any]:
 def _own_drawing(job: SnapshotJob) -> dict[str, Any]:
     try:
         document: dict[str, Any] = json.loads(read_ordinary(job.fit / "drawing.json", FILE_BYTES))
-        lines_on_scan(document, "mm")
+        planned_on_scan(document)
     except (OSError, ValueError) as error:
         raise BadInput("The fit's drawing.json is damaged; fit the scan again.") from error
     return document
@@ -127,7 +127,7 @@ def _fitted_glb(fit: FitFolder, surface: Array, plan: dict[str, Any], own: dict[
     """The posed rig with the lines; the way there, iteration by iteration, is the owner's alone."""
     planned = planned_on_scan(plan)
     names = {line.name for line in planned}
-    lines = [*(line for line in lines_on_scan(own, fit.unit) if line.name not in names), *planned]
+    lines = [*(line for line in planned_on_scan(own) if line.name not in names), *planned]
     refined = fit.result.get("refined") and not np.array_equal(surface, Posed(fit.rig, fit.parameters).vertices)
     extras = {"preset": fit.result.get("preset")}
     glb = fitted_glb(fit.rig, [fit.parameters], [0.0], None, extras, surface if refined else None)

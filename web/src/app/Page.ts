@@ -63,6 +63,8 @@ export interface Page {
   follow(store: Store<Session>): void;
 }
 
+const UNDONE_MS = 6000; // so long what undo has changed stands over the body
+
 export function createPage(actions: Actions, dismiss: (place: Place) => void): Page {
   const canvas = el("canvas", { class: "view", role: "application", "aria-label": viewText.canvas, tabindex: 0 });
   const overlay = el("div", { class: "overlay", "aria-hidden": "true" });
@@ -129,6 +131,8 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   host.append(other.caption);
   const version = el("span", { class: "muted" });
   const live = el("p", { class: "visually-hidden", role: "status", "aria-live": "polite" });
+  const undone = el("p", { class: "undone", role: "status", "aria-live": "polite" }); // each saying is an element of its own: the same one twice is read out twice
+  host.append(undone);
   const footer = el("footer", { class: "footer" }, el("strong", {}, notice), el("span", { class: "spring" }), version);
 
   return {
@@ -180,6 +184,11 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(deleting);
       on(deleted);
       on(changed);
+      store.select(only("undone"), (state) => {
+        const said = state.undone && el("span", {}, state.undone.says);
+        undone.replaceChildren(...(said ? [said] : []));
+        setTimeout(() => said?.remove(), UNDONE_MS);
+      });
       store.select(only("active", "step", "problems", "graphics", "meta", "announcement"), (state) => {
         show(numbers.element, state.active === null);
         page.set(state.problems.page);

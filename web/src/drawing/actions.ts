@@ -10,6 +10,7 @@ import { messageOf, withoutMessage, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import { formatMmWhole } from "../ui/units";
 import type { ViewSlice } from "../viewer/state";
+import { planChanges } from "./changes";
 import { closedUp, cornerAdded, cornerMoved, cornerRemoved, extended, lineAlong, lineThrough, openedUp } from "./lines/edits";
 import { readDrawing, UnreadableDrawing } from "./lines/files";
 import { freeName, gap, newId, nextName, type OwnLine, TUMOUR_INK, withLine, withoutLine } from "./lines/lines";
@@ -97,8 +98,12 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
   }
 
   /** Back or forth: all that the step holds is as it was then.  What is not a line is kept by plan/actions.ts. */
-  function goTo(step: PlanStep, history: Omit<PlanHistory, "present">, announcement: string): void {
-    put({ lines: { ...history, present: step.lines }, note: step.note, depthMm: step.depthMm, decided: step.decided ?? drawn().decided, start: null, corner: null }, { drawing: step.drawing, announcement });
+  function goTo(step: PlanStep, history: Omit<PlanHistory, "present">, isBack: boolean): void {
+    const now = stepOf(store.get());
+    const { patterns, drawings } = store.get().meta ?? { patterns: [], drawings: [] };
+    const changes = isBack ? planChanges(step, now, [...patterns, ...drawings]) : planChanges(now, step, [...patterns, ...drawings]);
+    const says = (isBack ? landmarkText.undone : landmarkText.redone)(changes);
+    put({ lines: { ...history, present: step.lines }, note: step.note, depthMm: step.depthMm, decided: step.decided ?? drawn().decided, start: null, corner: null }, { drawing: step.drawing, announcement: "", undone: { says } });
   }
 
   function add(line: OwnLine, announcement: string, part: Partial<DrawnState> = {}): void {
@@ -297,7 +302,7 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
       const { past, future } = drawn().lines;
       const before = past.at(-1);
       if (!before) return void this.undoKept();
-      goTo(before, { past: past.slice(0, -1), future: [stepOf(store.get()), ...future] }, landmarkText.announceUndone);
+      goTo(before, { past: past.slice(0, -1), future: [stepOf(store.get()), ...future] }, true);
       this.tidy();
     },
 
@@ -315,7 +320,7 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
           put({}, { announcement: words.nothingEarlier });
           return;
         }
-        goTo(earlier, { past: [], future: [before, ...drawn().lines.future] }, landmarkText.announceUndone);
+        goTo(earlier, { past: [], future: [before, ...drawn().lines.future] }, true);
         this.tidy();
       } catch (error) {
         store.set((state) => withProblem(state, "drawing", messageOf(error)));
@@ -326,7 +331,7 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
       const { past, future } = drawn().lines;
       const next = future[0];
       if (!next) return;
-      goTo(next, { past: [...past, stepOf(store.get())], future: future.slice(1) }, landmarkText.announceRedone);
+      goTo(next, { past: [...past, stepOf(store.get())], future: future.slice(1) }, false);
       this.tidy();
     },
 

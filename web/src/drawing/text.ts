@@ -8,7 +8,9 @@ import { type Tape, tapeHasHole, tapeLength } from "./tape/tape";
 
 type Unit = LiveHandle["numbers"][number]["unit"];
 
-const amount = (value: number, unit: Unit): string => `${writtenNumber(unit === "mm" ? Math.round(10 * value) / 10 : value, unit)}${unit === "deg" ? "°" : unit === "h" ? " o'clock" : "\u00a0mm"}`;
+export const amount = (value: number, unit: string): string => `${writtenNumber(unit === "mm" ? Math.round(10 * value) / 10 : value, unit)}${unit === "deg" ? "°" : unit === "h" ? " o'clock" : "\u00a0mm"}`;
+
+const several = (names: readonly string[]): string => (names.length > 3 ? plural(names.length, "line", "lines") : names.join(", "));
 
 export const bands = {
   error: (mm: string) => `±\u00a0${mm} mm`,
@@ -55,6 +57,22 @@ export const canvas = {
   fingers: "Fingers",
   fingersHint: "Fingers draw too, though a pen was seen",
   fingersDraw: "The pen and one finger draw; two fingers turn the body.",
+};
+
+/** What a step of the history has changed. */
+export const changes = {
+  drawn: (names: readonly string[]) => `${several(names)} drawn`,
+  erased: (names: readonly string[]) => `${several(names)} erased`,
+  renamed: (before: string, after: string) => `${before} called ${after}`,
+  recoloured: (name: string) => `${name} in another colour`,
+  moved: (name: string) => `${name} changed`,
+  pattern: (before: string, after: string) => (before === "" ? `${after} chosen` : after === "" ? `${before} put aside` : `${after} instead of ${before}`),
+  number: (label: string, before: string, after: string) => `${label.toLowerCase()} ${after} instead of ${before}`,
+  depth: "depth below the skin",
+  depthOf: (mm: number | null) => (mm === null ? "not known" : amount(mm, "mm")),
+  note: "notes changed",
+  ink: "choice among the lines of ink",
+  nothing: "the last step",
 };
 
 export const drawing = {

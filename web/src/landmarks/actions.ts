@@ -9,7 +9,7 @@ import type { Store } from "../store/store";
 import type { ViewSlice } from "../viewer/state";
 import { type Certain, certainAt, certainNames } from "./certain";
 import { createPicksKeeper } from "./keeper";
-import { exchanged, nextMissing, type Picks, picksOf, withoutPick, withPick } from "./picks";
+import { exchanged, nextMissing, type Picks, picksChanged, picksOf, withoutPick, withPick } from "./picks";
 import { isFelt, onlyAgreed } from "./proposals/agreed";
 import { openProposals } from "./proposals/proposals";
 import type { LandmarksSlice } from "./state";
@@ -151,6 +151,13 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
     followed.answered();
   }
 
+  function changesSaid(before: Picks, after: Picks): string {
+    const { changes } = text.landmarks;
+    const { placed, moved, removed } = picksChanged(before, after);
+    const said = ([[placed, changes.placed], [moved, changes.moved], [removed, changes.removed]] as const).filter(([names]) => names.length > 0);
+    return said.map(([names, says]) => says(names.map(spoken))).join(", ");
+  }
+
   /** The picks changed from `before` by going back or forth in the history. */
   function follow(before: Picks, isAnswer: boolean): void {
     saveSoon();
@@ -250,14 +257,16 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
     undo(): void {
       if (store.get().picks.past.length === 0) return;
       const before = store.get().picks.present;
-      store.set((state) => ({ picks: undo(state.picks), announcement: text.landmarks.announceUndone }));
+      const picks = undo(store.get().picks);
+      store.set({ picks, announcement: "", undone: { says: text.landmarks.undone(changesSaid(picks.present, before)) } });
       follow(before, answers.has(before));
     },
 
     redo(): void {
       if (store.get().picks.future.length === 0) return;
       const before = store.get().picks.present;
-      store.set((state) => ({ picks: redo(state.picks), announcement: text.landmarks.announceRedone }));
+      const picks = redo(store.get().picks);
+      store.set({ picks, announcement: "", undone: { says: text.landmarks.redone(changesSaid(before, picks.present)) } });
       follow(before, answers.has(store.get().picks.present));
     },
 

@@ -33,6 +33,13 @@ export function withoutPick(picks: Picks, name: string): Picks {
   return rest;
 }
 
+/** What a step of the history has changed, by name. */
+export const picksChanged = (before: Picks, after: Picks): { placed: string[]; moved: string[]; removed: string[] } => ({
+  placed: Object.keys(after).filter((name) => !(name in before)),
+  moved: Object.keys(after).filter((name) => name in before && before[name]!.some((value, axis) => value !== after[name]![axis])),
+  removed: Object.keys(before).filter((name) => !(name in after)),
+});
+
 /** The picks of these landmarks with their places exchanged: two with each other, more each with its partner. */
 export function exchanged(picks: Picks, names: readonly string[]): Picks {
   const [first, second] = names;

@@ -2,6 +2,8 @@
 import { plural } from "../ui/plural";
 import { plainLabel, sideOf } from "./picks";
 
+const several = (labels: readonly string[]): string => (labels.length > 3 ? plural(labels.length, "landmark", "landmarks") : labels.join("; "));
+
 export const landmarks = {
   before: "Up to twelve clicks on the body; three are enough to start.",
   /** "nipple, patient's left": as it stands inside a sentence */
@@ -44,8 +46,13 @@ export const landmarks = {
     next === null ? `Placed: ${label}. All landmarks are done.` : `Placed: ${label}. Next: ${next}.`,
   announceMoved: (label: string) => `Moved: ${label}.`,
   noSkin: "There is no skin under the cross: move it with the arrow keys.",
-  announceUndone: "Undone.",
-  announceRedone: "Redone.",
+  undone: (changes: string) => `Undone: ${changes}.`,
+  redone: (changes: string) => `Redone: ${changes}.`,
+  changes: {
+    placed: (labels: readonly string[]) => `placed ${several(labels)}`,
+    moved: (labels: readonly string[]) => `moved ${several(labels)}`,
+    removed: (labels: readonly string[]) => `removed ${several(labels)}`,
+  },
   changedElsewhere: (taken: readonly string[], overruled: readonly string[]) =>
     [
       ...(taken.length === 0 ? [] : [`Changed in another tab or by somebody else, and shown here now: ${taken.join("; ")}.`]),

@@ -21,7 +21,8 @@ export function createOtherPane(stances: StancesActions): Panel<Shown> & { capti
   const name = el("strong", {});
   const work = button(words.workHere, () => void stances.swap(), "outlined");
   const aside = iconButton("close", words.remove(""), () => stances.remove());
-  const head = el("div", { class: "pane-caption" }, name, work, el("span", { class: "spring" }), aside);
+  const following = el("span", { class: "muted small", hidden: true }, words.following);
+  const head = el("div", { class: "pane-caption" }, name, work, following, el("span", { class: "spring" }), aside);
   const element = el("section", { class: "other-stage", hidden: true }, canvas, overlay, head);
   const mine = el("strong", {});
   const caption = el("div", { class: "pane-caption", hidden: true }, mine, el("span", { class: "muted" }, words.inWork));
@@ -38,6 +39,7 @@ export function createOtherPane(stances: StancesActions): Panel<Shown> & { capti
       const [own, other] = stanceNames(state);
       setText(mine, words.here(own));
       setText(name, words.here(other));
+      show(following, state.stances.isCarrying);
       if (element.getAttribute("aria-label") !== words.here(other)) {
         element.setAttribute("aria-label", words.here(other));
         canvas.setAttribute("aria-label", words.canvas(other));

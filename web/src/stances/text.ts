@@ -16,6 +16,7 @@ export const stances = {
   here: (name: string) => capital(name),
   inWork: "in work",
   workHere: "Work here",
+  following: "following …",
   canvas: (name: string) => `3D view of the ${name} scan. Drag to turn it, scroll to zoom.`,
   remove: (name: string) => `Put the ${name} scan aside`,
 

@@ -17,6 +17,7 @@ export interface PageSlice {
   readonly step: Step;
   readonly problems: Readonly<Partial<Record<Place, string>>>;
   readonly announcement: string; // for the live region
+  readonly undone: { readonly says: string } | null; // what undo or redo has just changed: shown, and read out
 }
 
-export const initialPage: PageSlice = { meta: null, examples: [], model: null, theme: "system", step: "scan", problems: {}, announcement: "" };
+export const initialPage: PageSlice = { meta: null, examples: [], model: null, theme: "system", step: "scan", problems: {}, announcement: "", undone: null };

@@ -85,6 +85,34 @@ test("undo and redo go step by step, through the first click too", async () => {
   expect(names()).toEqual(["Line 1"]);
 });
 
+test("undo and redo say what they changed", async () => {
+  const { actions, store } = await drawing();
+  const says = () => store.get().undone?.says;
+  actions.drawing.strokes([stroke(-50, -10), stroke(10, 50)]);
+  actions.drawing.rename("Line 1", "cut");
+  actions.drawing.recolour("cut", "#c53030");
+  actions.drawing.choosePattern("reduction:areola_mm=42");
+  actions.drawing.choosePattern("reduction:areola_mm=50+tumour:side=L,clock=12,distance_mm=40,radius_mm=15");
+  actions.drawing.choosePattern("reduction:areola_mm=50+tumour:side=R,clock=10.5,distance_mm=40,radius_mm=15");
+  actions.drawing.clear();
+  const all: (string | undefined)[] = [];
+  for (let i = 0; i < 7; i += 1) {
+    actions.drawing.undo();
+    all.push(says());
+  }
+  expect(all).toEqual([
+    "Undone: cut, Line 2 erased.",
+    "Undone: side Patient's right instead of Patient's left, hour 10:30 o'clock instead of 12 o'clock.",
+    "Undone: new areola 50\u00a0mm instead of 42\u00a0mm, Tumour chosen.",
+    "Undone: Reduction chosen.",
+    "Undone: cut in another colour.",
+    "Undone: Line 1 called cut.",
+    "Undone: Line 1, Line 2 drawn.",
+  ]);
+  actions.drawing.redo();
+  expect(says()).toBe("Redone: Line 1, Line 2 drawn.");
+});
+
 test("a failed request loses nothing: the lines stay, it is said, and the next try saves all", async () => {
   let fails = true;
   const kept = fakePlans();

@@ -67,6 +67,20 @@ test("skipped landmarks are passed over, and undo and redo are saved as well", a
   expect(vi.mocked(client.saveLandmarks).mock.lastCall![1].landmarks).toEqual({ nipple_L: [1, 2, 3] });
 });
 
+test("undo and redo say which landmarks they changed, and how", async () => {
+  const { store, actions } = await withScan();
+  actions.landmarks.want("nipple_L");
+  actions.landmarks.place([1, 2, 3]);
+  actions.landmarks.move("nipple_L", [4, 5, 6]);
+  actions.landmarks.remove("nipple_L");
+  const says = [actions.landmarks.undo, actions.landmarks.undo, actions.landmarks.undo, actions.landmarks.redo].map((go) => {
+    go();
+    return store.get().undone?.says;
+  });
+  const nipple = "nipple, patient's left";
+  expect(says).toEqual([`Undone: removed ${nipple}.`, `Undone: moved ${nipple}.`, `Undone: placed ${nipple}.`, `Redone: placed ${nipple}.`]);
+});
+
 test("imported landmarks join the placed ones and stand the body upright", async () => {
   const { store, actions } = await withScan();
   const landmarks: Record<string, Vector> = {

@@ -1,0 +1,68 @@
+// What a step of the plan's history has changed, in words: undo and redo say it.
+import type { PatternInfo, PatternParameter } from "../api/types";
+import { readRequest, startValue, TUMOUR, type Values } from "../fit/requestedDrawing";
+import type { OwnLine } from "./lines/lines";
+import type { PlanStep } from "./state";
+import * as text from "./text";
+
+const words = text.changes;
+
+/** A pattern of the service, or a drawing of the model, which has no numbers. */
+type Named = Pick<PatternInfo, "name" | "label"> & Partial<Pick<PatternInfo, "parameters">>;
+
+export function planChanges(before: PlanStep, after: PlanStep, known: readonly Named[]): string {
+  const said = [...linesChanged(before.lines, after.lines), ...drawingChanged(before.drawing, after.drawing, known)];
+  if (before.depthMm !== after.depthMm) said.push(words.number(words.depth, words.depthOf(before.depthMm), words.depthOf(after.depthMm)));
+  if (before.note !== after.note) said.push(words.note);
+  if (before.decided && after.decided && !isSame(before.decided, after.decided)) said.push(words.ink);
+  return said.length > 0 ? said.join(", ") : words.nothing;
+}
+
+const isSame = (one: unknown, other: unknown): boolean => one === other || JSON.stringify(one) === JSON.stringify(other);
+
+const keyOf = ({ id, name }: OwnLine): string => id ?? name;
+
+function linesChanged(before: readonly OwnLine[], after: readonly OwnLine[]): string[] {
+  const [earlier, later] = [before, after].map((lines) => new Map(lines.map((line) => [keyOf(line), line]))) as [Map<string, OwnLine>, Map<string, OwnLine>];
+  const namesOf = (lines: readonly OwnLine[]): string[] => lines.map(({ name }) => name);
+  const drawn = namesOf(after.filter((line) => !earlier.has(keyOf(line))));
+  const erased = namesOf(before.filter((line) => !later.has(keyOf(line))));
+  return [
+    ...(drawn.length > 0 ? [words.drawn(drawn)] : []),
+    ...(erased.length > 0 ? [words.erased(erased)] : []),
+    ...after.flatMap((line) => lineChanged(earlier.get(keyOf(line)) ?? line, line)),
+  ];
+}
+
+function lineChanged(before: OwnLine, after: OwnLine): string[] {
+  if (before === after) return [];
+  return [
+    ...(before.name === after.name ? [] : [words.renamed(before.name, after.name)]),
+    ...(before.color === after.color ? [] : [words.recoloured(after.name)]),
+    ...(before.closed === after.closed && isSame(before.points, after.points) ? [] : [words.moved(after.name)]),
+  ];
+}
+
+function drawingChanged(before: string, after: string, known: readonly Named[]): string[] {
+  if (before === after) return [];
+  const [was, is] = [readRequest(before), readRequest(after)];
+  const labelOf = (name: string): string => known.find((each) => each.name === name)?.label ?? name;
+  const numbers = (name: string, earlier: Values, later: Values): string[] => valuesChanged(known.find((each) => each.name === name)?.parameters ?? [], earlier, later);
+  return [
+    ...(was.base === is.base ? numbers(is.base, was.values, is.values) : [words.pattern(labelOf(was.base), labelOf(is.base))]),
+    ...(was.tumour && is.tumour ? numbers(TUMOUR, was.tumour, is.tumour) : was.tumour || is.tumour ? [words.pattern(was.tumour ? labelOf(TUMOUR) : "", is.tumour ? labelOf(TUMOUR) : "")] : []),
+  ];
+}
+
+function valuesChanged(parameters: readonly PatternParameter[], before: Values, after: Values): string[] {
+  return parameters.flatMap((parameter) => {
+    const [was, is] = [valueSaid(parameter, before), valueSaid(parameter, after)];
+    return was === is ? [] : [words.number(parameter.label, was, is)];
+  });
+}
+
+function valueSaid(parameter: PatternParameter, values: Values): string {
+  const value = values[parameter.name] || startValue(parameter);
+  if (value === "") return text.drawing.pattern.byItself;
+  return parameter.choices ? (text.drawing.pattern.choices[value] ?? value) : text.amount(Number(value), parameter.unit);
+}
