@@ -100,8 +100,9 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
   /** Back or forth: all that the step holds is as it was then.  What is not a line is kept by plan/actions.ts. */
   function goTo(step: PlanStep, history: Omit<PlanHistory, "present">, isBack: boolean): void {
     const now = stepOf(store.get());
-    const { patterns, drawings } = store.get().meta ?? { patterns: [], drawings: [] };
-    const changes = isBack ? planChanges(step, now, [...patterns, ...drawings]) : planChanges(now, step, [...patterns, ...drawings]);
+    const { meta } = store.get();
+    const named = [...(meta?.patterns ?? []), ...(meta?.drawings ?? [])];
+    const changes = isBack ? planChanges(step, now, named) : planChanges(now, step, named);
     const says = (isBack ? landmarkText.undone : landmarkText.redone)(changes);
     put({ lines: { ...history, present: step.lines }, note: step.note, depthMm: step.depthMm, decided: step.decided ?? drawn().decided, start: null, corner: null }, { drawing: step.drawing, announcement: "", undone: { says } });
   }

@@ -62,7 +62,7 @@ function valuesChanged(parameters: readonly PatternParameter[], before: Values, 
 }
 
 function valueSaid(parameter: PatternParameter, values: Values): string {
-  const value = values[parameter.name] || startValue(parameter);
+  const value = values[parameter.name] ?? startValue(parameter);
   if (value === "") return text.drawing.pattern.byItself;
   return parameter.choices ? (text.drawing.pattern.choices[value] ?? value) : text.amount(Number(value), parameter.unit);
 }

@@ -88,6 +88,10 @@ test("undo and redo go step by step, through the first click too", async () => {
 test("undo and redo say what they changed", async () => {
   const { actions, store } = await drawing();
   const says = () => store.get().undone?.says;
+  const number = (name: string, label: string, more: object = {}) => ({ name, label, unit: "mm", default: null, needed: true, min: null, max: null, choices: null, ...more });
+  const tumour = [number("side", "side", { unit: "", choices: ["L", "R"] }), number("clock", "hour", { unit: "h" }), number("distance_mm", "distance"), number("radius_mm", "radius")];
+  const patterns = [{ name: "reduction", label: "Reduction", parameters: [number("areola_mm", "new areola")] }, { name: "tumour", label: "Tumour", parameters: tumour }];
+  store.set(({ meta }) => ({ meta: { ...meta, patterns, drawings: [] } as unknown as typeof meta }));
   actions.drawing.strokes([stroke(-50, -10), stroke(10, 50)]);
   actions.drawing.rename("Line 1", "cut");
   actions.drawing.recolour("cut", "#c53030");

@@ -73,11 +73,11 @@ test("undo and redo say which landmarks they changed, and how", async () => {
   actions.landmarks.place([1, 2, 3]);
   actions.landmarks.move("nipple_L", [4, 5, 6]);
   actions.landmarks.remove("nipple_L");
-  const says = [actions.landmarks.undo, actions.landmarks.undo, actions.landmarks.undo, actions.landmarks.redo].map((go) => {
-    go();
+  const says = (["undo", "undo", "undo", "redo"] as const).map((way) => {
+    actions.landmarks[way]();
     return store.get().undone?.says;
   });
-  const nipple = "nipple, patient's left";
+  const nipple = "nipple_L, patient's left"; // by its label, which here is its name
   expect(says).toEqual([`Undone: removed ${nipple}.`, `Undone: moved ${nipple}.`, `Undone: placed ${nipple}.`, `Redone: placed ${nipple}.`]);
 });
 
