@@ -26,6 +26,7 @@ test("the plan at true scale and through a projector", async ({ page, base, trou
   await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).first().click();
   await untilFitted(page);
   await page.keyboard.press("4");
+  await page.locator(".pattern summary").click();
   await page.locator(".pattern select").first().selectOption("lumpectomy");
   await expect(page.locator(".drawing-saved")).toHaveText("Saved");
   const frame = await page.evaluate(() => window.__breastrig!.state().scan!.info.frame);

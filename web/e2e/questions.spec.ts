@@ -52,7 +52,7 @@ test("a pick far off is asked about where it was made, and is calm once it is ta
   const right = trueLandmarks();
   const [x, y, z] = right.xiphoid!;
   await fitted(page, base, { ...right, xiphoid: [x + 50, y, z] });
-  await expect(page.locator("[role=status][aria-live=polite]")).toContainText("Please check: ");
+  await expect(page.locator("p.visually-hidden[role=status]")).toContainText("Please check: ");
   await look(page, "asked-result");
   await page.getByRole("button", { name: "Check one landmark" }).click();
 
