@@ -28,7 +28,9 @@ test("the plan at true scale and through a projector", async ({ page, base, trou
   await page.keyboard.press("4");
   await page.locator(".pattern summary").click();
   await page.locator(".pattern select").first().selectOption("lumpectomy");
-  await expect(page.locator(".drawing-saved")).toHaveText("Saved");
+  const planned = `${base}/api/fits/${(await hook.fit(page))!.id}/plan.json`;
+  await expect.poll(async () => ((await (await page.request.get(planned)).json()) as { shapes: unknown[] }).shapes.length).toBeGreaterThan(0);
+  await page.keyboard.press("3");
   const frame = await page.evaluate(() => window.__breastrig!.state().scan!.info.frame);
   await page.getByRole("button", { name: "Export" }).click();
   const opening = context.waitForEvent("page");
