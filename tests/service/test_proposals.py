@@ -1,5 +1,6 @@
 import threading
 from dataclasses import replace
+from typing import Any
 
 import pytest
 from helpers import fake_fit, fake_proposals
@@ -7,6 +8,7 @@ from helpers.waiting import until
 
 from breastrig.core.errors import BreastRigError, FitFailed, NotFound
 from breastrig.execution.limits import UploadLimits
+from breastrig.service.proposals import Proposals
 from breastrig.storage.rows.proposals import get_proposals
 from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
@@ -111,3 +113,26 @@ def test_deleting_the_scan_ends_the_search_and_removes_what_was_found(serving, s
         thread.join(timeout=10)
         assert [type(error) for error in raised] == [NotFound]
         assert get_proposals(storage, scan_id, "a" * 64) is None
+
+
+def test_who_asks_while_a_search_is_being_stored_begins_no_second_one(
+    serving, storage: Storage, scan_id: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scan = get_scan(storage, scan_id)
+    with serving(fake_fit.quick) as service:
+        stored = Proposals._stored
+        lookups = []
+
+        def stored_just_after_the_lookup(self: Proposals, scan_id: str, variant: str) -> dict[str, Any] | None:
+            found = stored(self, scan_id, variant)
+            lookups.append(found)
+            if len(lookups) == 2:  # of the second caller
+                until(lambda: get_proposals(storage, scan_id, "a" * 64) is not None, "the row")
+                until(lambda: not self._running, "the end of the search")
+            return found
+
+        monkeypatch.setattr(Proposals, "_stored", stored_just_after_the_lookup)
+        assert service.proposed_landmarks(scan, "a" * 64, 0.0) is None
+        assert service.proposed_landmarks(scan, "a" * 64, 20.0) == FOUND
+        assert service.proposed_landmarks(scan, "a" * 64, 20.0) == FOUND
+    assert times_made(storage, scan_id) == 1

@@ -8,7 +8,7 @@ import logging
 import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from concurrent.futures import CancelledError, wait
+from concurrent.futures import CancelledError, Future, wait
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
@@ -58,9 +58,6 @@ class ScanSearch(ABC):
 
         Raises a BreastRigError when it cannot be done, NotFound when the scan was deleted meanwhile.
         """
-        stored = self._stored(scan.id, variant)
-        if stored is not None:
-            return stored
         future = self._future(scan, variant)
         if not wait([future], timeout=wait_s).done:
             return None
@@ -91,10 +88,19 @@ class ScanSearch(ABC):
             future.cancel()
 
     def _future(self, scan: ScanRow, variant: str) -> Any:
+        """Of the search that runs, else of what is stored, else of a search that is begun.
+
+        A search leaves `_running` once it is stored, so that looking there first misses none.
+        """
         key = scan.id, variant
         with self._lock:
             future = self._running.get(key)
             if future is not None:
+                return future
+            stored = self._stored(scan.id, variant)
+            if stored is not None:
+                future = Future()
+                future.set_result(stored)
                 return future
             fetched = ExitStack()
             name = upload_name(scan.file_type)
