@@ -23,7 +23,7 @@ import breastrig.scan.read as read
 from breastrig.core.errors import BadInput, BadScan, BadSettings, TooLarge
 from breastrig.core.glb import pack_glb, split_glb
 from breastrig.gltf.mesh_glb import mesh_glb
-from breastrig.scan.pictures.companions import MISSING
+from breastrig.scan.pictures.companions import MISSING, NO_MATERIAL
 from breastrig.scan.read import read_scan
 
 FACES = toy_rig().faces
@@ -164,7 +164,7 @@ def test_a_glb_that_points_elsewhere() -> None:
         )
         scan = read_scan(changed_glb(lambda d, uri=uri: d.update(images=[{"uri": uri}]), painted))
         assert scan.texture is None
-        assert scan.notes == (MISSING,)
+        assert scan.notes == (MISSING if kind == "ply" else NO_MATERIAL,)
 
 
 @pytest.mark.parametrize("name", ["EXT_meshopt_compression", "KHR_meshopt_compression"])
@@ -441,7 +441,7 @@ def test_materials_that_make_a_reader_open_a_picture_again_and_again() -> None:
 def test_a_material_that_names_something_elsewhere_gets_nothing_and_it_is_said(name: str) -> None:
     scan = read_scan(zipped(textured_obj(name)))
     assert scan.texture is None
-    assert scan.notes == (MISSING,)
+    assert scan.notes == (MISSING if kind == "ply" else NO_MATERIAL,)
 
 
 def test_an_obj_of_more_materials_than_meshes_can_be_made_of() -> None:
@@ -551,5 +551,5 @@ def test_the_librarys_log_says_nothing_of_a_file(kind: str, caplog: pytest.LogCa
         scan = read_scan(data)
         refused(data[: len(data) // 2])
     assert not caplog.records
-    assert scan.notes == (MISSING,)
+    assert scan.notes == (MISSING if kind == "ply" else NO_MATERIAL,)
     assert not read_scan(data, texture=False).notes

@@ -97,8 +97,28 @@ def test_a_slicer_template_without_placed_points_holds_no_landmarks() -> None:
         read_landmarks(markups("LPS", "undefined"))
 
 
+POINTS = {
+    "nipple_L": [102.25, -11.5, 0.125],
+    "nipple_R": [-98.5, -12.125, 3.0],
+    "suprasternal_notch": [0.5, 210.25, 7.5],
+}
+
+
 def ours(**landmarks: object) -> bytes:
     return json.dumps({"schema": "breastrig/landmarks@1", "landmarks": landmarks}).encode()
+
+
+@pytest.mark.parametrize(
+    "document",
+    [
+        POINTS,
+        {"landmarks": [{"name": name, "position": place} for name, place in POINTS.items()]},
+        [dict(zip(("label", "x", "y", "z"), (name, *place), strict=True)) for name, place in POINTS.items()],
+        {name: dict(zip("xyz", place, strict=True)) for name, place in POINTS.items()},
+    ],
+)
+def test_json_without_a_schema_as_programs_write_it(document: object) -> None:
+    assert_the_points(json.dumps(document).encode())
 
 
 @pytest.mark.parametrize(
@@ -109,7 +129,10 @@ def ours(**landmarks: object) -> bytes:
         (b"just some text", "holds no landmarks"),
         (b"\x89PNG\r\n\x1a\n\xff\xfe", "not text"),
         (b"{", "not valid JSON"),
-        (b"[1, 2]", "x, y, z"),
+        (b"[1, 2]", "not a landmark file"),
+        (b'[{"x": 1, "y": 2, "z": 3}]', "no proper name"),
+        (b'[{"name": "a", "x": 1, "y": 2}]', '"a" needs three numbers'),
+        (b'{"a": [1, 2, 3], "b": {"place": 1}}', "not a landmark file"),
         (b"xiphoid,one,two,three", '"xiphoid" needs three numbers'),
         (b'{"a": 1}', "not a landmark file"),
         (b'{"schema": "breastrig/result@1", "landmarks": {"a": [1, 2, 3]}}', "not a landmark file"),
@@ -147,7 +170,7 @@ def ours(**landmarks: object) -> bytes:
         (b'{"markups": [{"controlPoints": [{"label": "a"}]}]}', "incomplete"),
         (b'{"markups": [{"controlPoints": [{"label": "a", "position": [1, 2]}]}]}', "incomplete"),
         (b'{"markups": []}', "holds no landmarks"),
-        (b"[" * 100_000, "holds no landmarks"),
+        (b"[" * 100_000, "not valid JSON"),
         (b'{"a":' * 100_000, "not valid JSON"),
     ],
 )
@@ -223,11 +246,6 @@ def test_what_cannot_be_certain_is_said_in_one_sentence(certain: str, sentence: 
     assert "\n" not in str(refused.value)
 
 
-POINTS = {
-    "nipple_L": [102.25, -11.5, 0.125],
-    "nipple_R": [-98.5, -12.125, 3.0],
-    "suprasternal_notch": [0.5, 210.25, 7.5],
-}
 ROWS = [[name, *(f"{value:g}" for value in place)] for name, place in POINTS.items()]
 
 

@@ -243,6 +243,12 @@ def test_a_picture_that_is_found_by_guessing_is_said(name: str) -> None:
     assert scan.notes == (sentence,)
 
 
+def test_a_missing_material_file_does_not_hide_that_the_picture_is_in_use() -> None:
+    scan = read_scan(zipped({"a.obj": obj("mtllib a.mtl"), "skin.jpg": JPEG}))
+    assert_same_body(scan)
+    assert scan.notes == (companions.NO_MATERIAL, companions.ONLY_PICTURE)
+
+
 def test_an_obj_that_is_coloured_in_part_says_so() -> None:
     rows = [list(row) if k > 20 else [] for k, row in enumerate(SHARES)]
     scan = read_scan(obj("", False, rows))  # type: ignore[arg-type]

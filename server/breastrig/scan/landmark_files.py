@@ -34,6 +34,8 @@ SLICER_SCHEMA = (
 SLICER_TO_MESH = {"LPS": np.array([1.0, 1.0, 1.0]), "RAS": np.array([-1.0, -1.0, 1.0])}
 FILE_TYPES = ("json", "csv", "pp", "mrk.json")
 FORMATS = "a landmark file is JSON, CSV (name,x,y,z), MeshLab .pp or 3D Slicer .mrk.json or .fcsv"
+NAME_KEYS = ("name", "label", "id")
+POINT_KEYS = ("position", "point", "coordinates")
 CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")
 REACH = 0.25  # m; a landmark may lie in a hole or beside the seen part, but not further out than this
 APART = 0.1  # m between the farthest landmarks on a body, or to one from the origin, where a wrong unit puts all
@@ -50,7 +52,7 @@ def read_landmarks(source: Path | bytes, file_type: str | None = None) -> tuple[
     """
     text = _text(source)
     start = text.lstrip()[:1]
-    if start == "{":
+    if start in ("{", "["):
         pairs, unit = _from_json(text)
     elif start == "<":
         pairs, unit = _from_meshlab(text), None
@@ -166,17 +168,41 @@ def _text(source: Path | bytes) -> str:
 def _from_json(text: str) -> tuple[list[tuple[str, Any]], str | None]:
     try:
         document = json.loads(text, object_pairs_hook=_Pairs)
+        document = document if isinstance(document, _Pairs) else _Pairs([("landmarks", document)])
     except (ValueError, RecursionError) as error:
         raise BadLandmarks("This landmark file is not valid JSON; export it again.") from error
     if "markups" in document:
         return _from_slicer(document), None
-    landmarks = document.get("landmarks")
-    if not isinstance(landmarks, _Pairs) or document.get("schema", SCHEMA) != SCHEMA:
+    pairs = _plain_json(document) if document.get("schema", SCHEMA) == SCHEMA else None
+    if pairs is None:
         raise BadLandmarks(f'This JSON is not a landmark file ("schema": "{SCHEMA}"); {FORMATS}.')
     unit = document.get("unit")
     if unit is not None and (not isinstance(unit, str) or unit not in METRES_PER_UNIT):
         raise BadLandmarks(f"The unit of this landmark file is not known; use {', '.join(METRES_PER_UNIT)}.")
-    return landmarks.pairs, unit
+    return pairs, unit
+
+
+def _plain_json(document: "_Pairs") -> list[tuple[str, Any]] | None:
+    """The points that "landmarks" holds, else the document: by name, or a list with names; None where it holds none."""
+    listed = document.get("landmarks", None if "schema" in document else document)
+    if isinstance(listed, list) and all(isinstance(each, dict) for each in listed):
+        entries = [(next((each[key] for key in NAME_KEYS if key in each), ""), each) for each in listed]
+    elif isinstance(listed, _Pairs):
+        entries = listed.pairs
+    else:
+        return None
+    pairs = [(name, _point(given)) for name, given in entries]
+    placed = listed is not document or all(isinstance(point, list) for _, point in pairs)
+    return pairs if placed else None
+
+
+def _point(given: Any) -> Any:
+    """The three numbers of {"x", "y", "z"} or of {"position"}; anything else as it is."""
+    if not isinstance(given, dict):
+        return given
+    if all(axis in given for axis in "xyz"):
+        return [given[axis] for axis in "xyz"]
+    return next((given[key] for key in POINT_KEYS if key in given), given)
 
 
 class _Pairs(dict[str, Any]):

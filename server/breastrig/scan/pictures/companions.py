@@ -16,7 +16,8 @@ from breastrig.scan.pictures.texture import LEFT_OUT, TURNED, is_turned, plain_p
 
 PICTURES = ("jpg", "jpeg", "jpe", "jfif", "png", "webp", "tif", "tiff", "bmp", "tga", "gif", "avif")
 LOOKED_THROUGH = 100  # folders within that of a scan
-MISSING = "A picture or material file that the scan names is not beside it, and the scan is shown without it."
+MISSING = "A picture that the scan names is not beside it, and the scan is shown without it."
+NO_MATERIAL = "The material file that the scan names is not beside it; colours may be missing."
 ONLY_PICTURE = "The scan does not name its picture; the only one beside it was used."
 ONLY_MATERIAL = "The scan names no material file that is there; the only one beside it was used."
 ONLY_PAINTING = "The scan does not say which material it is painted with; the only one with a picture was used."
@@ -63,7 +64,7 @@ class Companions:
             places = list(self._ending_in(("mtl",)))
             if len(places) != 1:
                 if written or places:
-                    self.note(MISSING)
+                    self.note(NO_MATERIAL)
                 return []
             self.note(ONLY_MATERIAL)
         return [self._files[place]() for place in places]
@@ -85,7 +86,7 @@ class Companions:
         """The picture beside a scan that names none; None unless there is just one."""
         places = [place for place in self._ending_in(PICTURES) if "/" not in place]
         if len(places) != 1:
-            if not self._notes:
+            if not self._notes.keys() - {NO_MATERIAL}:
                 self.note(UNNAMED)
             return None
         self.note(ONLY_PICTURE)
