@@ -164,7 +164,7 @@ def test_a_glb_that_points_elsewhere() -> None:
         )
         scan = read_scan(changed_glb(lambda d, uri=uri: d.update(images=[{"uri": uri}]), painted))
         assert scan.texture is None
-        assert scan.notes == (MISSING if kind == "ply" else NO_MATERIAL,)
+        assert scan.notes == (MISSING,)
 
 
 @pytest.mark.parametrize("name", ["EXT_meshopt_compression", "KHR_meshopt_compression"])
@@ -441,7 +441,7 @@ def test_materials_that_make_a_reader_open_a_picture_again_and_again() -> None:
 def test_a_material_that_names_something_elsewhere_gets_nothing_and_it_is_said(name: str) -> None:
     scan = read_scan(zipped(textured_obj(name)))
     assert scan.texture is None
-    assert scan.notes == (MISSING if kind == "ply" else NO_MATERIAL,)
+    assert scan.notes == (MISSING,)
 
 
 def test_an_obj_of_more_materials_than_meshes_can_be_made_of() -> None:
