@@ -10,7 +10,7 @@ import pytest
 from helpers.example_fit import EXAMPLE, indexed_scan
 
 from breastrig.drawings.patterns import asked_drawing
-from breastrig.scan.landmark_files import read_landmarks
+from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.workflow.jobs import FitJob
 from breastrig.workflow.run_fit import run_fit
 

@@ -10,7 +10,7 @@ from breastrig.cli import landmarks_command
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.fitting.propose import Proposal
-from breastrig.scan.landmark_files import landmark_confidences, read_landmarks
+from breastrig.scan.landmarks.landmark_files import landmark_confidences, read_landmarks
 
 EXAMPLE = asset_folder("example")
 

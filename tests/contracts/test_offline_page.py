@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from breastrig.scan.landmark_files import SLICER_SCHEMA
+from breastrig.scan.landmarks.landmark_files import SLICER_SCHEMA
 
 ADDRESS = re.compile(
     r"""(?:(?:https?|wss?):|(?<=["'`(=]))//(?P<host>[a-z0-9-]+(?:\.[a-z0-9-]+)*\.[a-z]{2,})[^\s"'`<>)\\]*""",

@@ -17,7 +17,7 @@ from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.relief.limits import relief
 from breastrig.scan.clean import clean, compact
-from breastrig.scan.landmark_files import read_landmarks
+from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
 from breastrig.workflow.propose_on_scan import propose_on_scan
 

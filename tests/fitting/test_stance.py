@@ -21,7 +21,7 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.similarity import umeyama
 from breastrig.scan.clean import Surface, clean, compact
-from breastrig.scan.landmark_files import read_landmarks
+from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.orient import Frame, propose_frame, table_plane
 from breastrig.scan.read import read_scan
 from breastrig_studies.virtual.bodies import VirtualBody

@@ -11,7 +11,7 @@ from breastrig.fitting.orientation import start_from_landmarks
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.clean import clean
-from breastrig.scan.landmark_files import read_landmarks
+from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
 
 EXAMPLE = asset_folder("example") / "standing"

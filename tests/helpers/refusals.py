@@ -3,7 +3,7 @@
 import numpy as np
 
 from breastrig.core.errors import BadInput
-from breastrig.scan.landmark_files import read_landmarks
+from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
 from helpers.fuzz_table import count
 

@@ -19,7 +19,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.gltf.read_rig import default_rig_path
 from breastrig.interface.one_thread import one_thread
 from breastrig.rig.skinning import pose
-from breastrig.scan.landmark_files import landmark_file, read_landmarks
+from breastrig.scan.landmarks.landmark_files import landmark_file, read_landmarks
 from breastrig.workflow.folder.fit_files import FIT_FILES
 
 EXAMPLE = asset_folder("example")

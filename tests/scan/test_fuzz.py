@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from breastrig.core.errors import BadInput
 from breastrig.gltf.mesh_glb import mesh_glb
-from breastrig.scan.landmark_files import landmark_file
+from breastrig.scan.landmarks.landmark_files import landmark_file
 from breastrig.scan.read import read_scan
 
 SCANS = {kind: as_bytes(tube(), kind) for kind in ("ply", "obj", "stl", "stl_ascii", "glb")}

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from breastrig.core.errors import BadLandmarks
-from breastrig.scan.landmark_files import (
+from breastrig.scan.landmarks.landmark_files import (
     FILE_TYPES,
     certain_landmarks,
     landmark_confidences,

@@ -21,7 +21,7 @@ from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.normals import vertex_normals
 from breastrig.gltf.read_rig import default_rig_path
 from breastrig.rig.model import Rig
-from breastrig.scan.landmark_files import read_landmarks
+from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig_studies import command as evaluate_command
 from breastrig_studies.cohort import Case, read_cohort
 from breastrig_studies.page import publish

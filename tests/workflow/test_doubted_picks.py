@@ -6,7 +6,7 @@ import pytest
 
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadLandmarks, FitFailed
-from breastrig.scan.landmark_files import read_landmarks
+from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.workflow.events import Done, Started
 from breastrig.workflow.jobs import FitJob
 from breastrig.workflow.run_fit import run_fit

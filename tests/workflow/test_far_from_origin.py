@@ -9,7 +9,7 @@ import trimesh
 from helpers.gltf_evaluator import GltfScene
 
 from breastrig.core.assets import asset_folder
-from breastrig.scan.landmark_files import read_landmarks
+from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
 from breastrig.workflow.export_fit import export_files
 from breastrig.workflow.jobs import FitJob

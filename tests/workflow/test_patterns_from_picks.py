@@ -12,7 +12,7 @@ from breastrig.drawings.plan_on_scan import PlannedScan, plan_on_scan
 from breastrig.drawings.plan_schema import PlanPattern
 from breastrig.drawings.transfer import fitted_scan
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.scan.landmark_files import read_landmarks
+from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.workflow.events import Done
 from breastrig.workflow.folder.fit_folder import fit_folder_of
 from breastrig.workflow.jobs import FitJob

@@ -9,7 +9,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.fitting.two_stances import ONE_BODY
-from breastrig.scan.landmark_files import read_landmarks
+from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.workflow.events import Done, Event, Iterated, Started
 from breastrig.workflow.jobs import FitJob
 from breastrig.workflow.run_pair import run_pair

@@ -13,7 +13,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.core.errors import FitFailed
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.scan.landmark_files import read_landmarks
+from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
 from breastrig.workflow.events import Done
 from breastrig.workflow.jobs import FitJob

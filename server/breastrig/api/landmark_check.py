@@ -6,7 +6,7 @@ from breastrig.api.beyond_scan import metres_outside, outside_text
 from breastrig.api.served_model import ServedModel
 from breastrig.core.errors import BadLandmarks, unknown_name
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.scan.landmark_files import (
+from breastrig.scan.landmarks.landmark_files import (
     REACH,
     certain_landmarks,
     checked_certain,

@@ -20,7 +20,7 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.patterns import asked_drawing, tumour_text
 from breastrig.fitting.recipe import load_recipe
 from breastrig.rig.model import Rig
-from breastrig.scan.landmark_files import certain_landmarks, landmark_confidences, read_landmarks
+from breastrig.scan.landmarks.landmark_files import certain_landmarks, landmark_confidences, read_landmarks
 from breastrig.workflow.jobs import FIRST
 from breastrig.workflow.scan_fit import checked_landmarks, named_drawing
 

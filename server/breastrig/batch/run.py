@@ -32,7 +32,7 @@ from breastrig.core.output_record import OutputSet, recorded
 from breastrig.core.private_files import private_folder, read_ordinary, write_private
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
-from breastrig.scan.landmark_files import LIMIT_BYTES
+from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES
 from breastrig.scan.limits import FILE_BYTES
 from breastrig.workflow.folder.fit_file_names import FIT_FILES, RESULT, RESULT_SCHEMA
 from breastrig.workflow.folder.fit_files import json_bytes

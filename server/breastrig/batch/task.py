@@ -7,7 +7,12 @@ from breastrig.batch.table import MEASURES
 from breastrig.core.private_files import write_private
 from breastrig.core.scratch import scratch_folder
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.scan.landmark_files import certain_landmarks, landmark_confidences, metres_per_unit, read_landmarks
+from breastrig.scan.landmarks.landmark_files import (
+    certain_landmarks,
+    landmark_confidences,
+    metres_per_unit,
+    read_landmarks,
+)
 from breastrig.scan.read import read_scan
 from breastrig.workflow.events import Event
 from breastrig.workflow.further_jobs import ReportJob

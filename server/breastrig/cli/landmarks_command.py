@@ -10,7 +10,7 @@ from breastrig.core.private_files import write_private
 from breastrig.core.staged_output import all_or_nothing
 from breastrig.interface.landmarks import propose_landmarks
 from breastrig.interface.scan import read_coloured
-from breastrig.scan.landmark_files import landmark_file
+from breastrig.scan.landmarks.landmark_files import landmark_file
 
 NO_CONFIDENCE = (
     "This kind of file has no place for confidences, so a fit takes its points as picked by a person: check each of "

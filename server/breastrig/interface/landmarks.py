@@ -13,7 +13,12 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.interface.model import Model, loaded
 from breastrig.interface.one_thread import one_thread
 from breastrig.interface.scan import Scan, ScanSource
-from breastrig.scan.landmark_files import certain_landmarks, landmark_confidences, metres_per_unit, read_landmarks
+from breastrig.scan.landmarks.landmark_files import (
+    certain_landmarks,
+    landmark_confidences,
+    metres_per_unit,
+    read_landmarks,
+)
 from breastrig.workflow.propose_on_scan import propose_on_scan
 
 

@@ -31,7 +31,7 @@ from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig.scan.coloured_scan import coloured_scan
 from breastrig.scan.hand_cuts import without_hand_cuts
-from breastrig.scan.landmark_files import checked_certain
+from breastrig.scan.landmarks.landmark_files import checked_certain
 from breastrig.scan.landmarks.names import by_known_names, known_name
 from breastrig.scan.scan import Scan
 from breastrig.workflow.events import DoubtedPick, Started

@@ -32,7 +32,7 @@ from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
 from breastrig.scan.clean import Surface, clean
-from breastrig.scan.landmark_files import read_landmarks
+from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.orient import Frame, propose_frame
 from breastrig.scan.read import read_scan
 from breastrig_studies.cohort import Case

@@ -28,7 +28,7 @@ from breastrig.relief.observe import SeenHollow
 from breastrig.rig.skinning import pose
 from breastrig.rig.state import BodyState
 from breastrig.scan.clean import clean, compact
-from breastrig.scan.landmark_files import read_landmarks
+from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
 from breastrig_studies.virtual.bodies import read_bodies
 from breastrig_studies.virtual.warped.mastectomy import breast_region, filled

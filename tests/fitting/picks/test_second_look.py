@@ -19,7 +19,7 @@ from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.skinning import pose
 from breastrig.scan.clean import clean
-from breastrig.scan.landmark_files import read_landmarks
+from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
 
 NAVEL = "umbilicus"

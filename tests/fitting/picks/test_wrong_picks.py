@@ -10,7 +10,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.fitting.picks.mistakes import sides_exchanged
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.scan.landmark_files import read_landmarks
+from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.workflow.events import Done
 from breastrig.workflow.jobs import FitJob
 from breastrig.workflow.run_fit import run_fit

@@ -16,7 +16,7 @@ from breastrig.gltf.write_rig import write_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
 from breastrig.scan.clean import clean
-from breastrig.scan.landmark_files import read_landmarks
+from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
 from breastrig.workflow.events import Done
 from breastrig.workflow.folder.fit_folder import read_fit_folder

@@ -13,7 +13,7 @@ from breastrig.api.landmark_check import check_landmarks, landmarks_of_file
 from breastrig.api.wire import common as wire
 from breastrig.core.errors import NotFound
 from breastrig.scan.file_type import ENDINGS
-from breastrig.scan.landmark_files import LIMIT_BYTES
+from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES
 from breastrig.storage.files import MESH, THUMBNAIL, OpenedFile, scan_place
 from breastrig.storage.rows.cuts import Cuts, cuts_digest, get_cuts, put_cuts
 from breastrig.storage.rows.patients import get_patient, patient_of_scan
