@@ -135,6 +135,10 @@ def test_proposals_and_fits_begin_with_what_the_upload_found(
     assert facts["stance"]["proposed"] == stance
     assert (facts["table"] is not None) == (stance == "supine")
     assert facts["other_pieces"] == []
+    width, height, depth = facts["size_m"]  # in the body's axes, however it lies in the file
+    assert 0.49 < width < 0.63
+    assert height == pytest.approx(0.53, abs=0.01)
+    assert 0.18 < depth < 0.23
     assert calls == {"fits": int(stance == "standing"), "fronts": 1, "starts": 1}
     calls.update(fits=0, fronts=0, starts=0)
     proposed = propose_on_file(ProposeJob(scan, "ply", unit, None, known))

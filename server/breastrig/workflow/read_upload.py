@@ -8,6 +8,8 @@ proposals and fits of this scan begin with it.
 
 from typing import Any
 
+import numpy as np
+
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.core.stances import AUTO
 from breastrig.fitting.recipe import load_recipe
@@ -43,6 +45,7 @@ def _read(job: UploadJob) -> dict[str, Any]:
     rig = read_rig(job.model or default_rig_path())
     ready = prepared_scan(scan, AUTO)
     orientation, _, _ = scan_orientation(rig, ready, load_recipe("default"))
+    body = ready.target.vertices[np.unique(ready.target.faces)]
     table = ready.target.table
     mesh = mesh_glb(scan.vertices, scan.faces, colours=scan.colours, uv=scan.uv, texture=scan.texture)
     job.mesh.write_bytes(mesh)
@@ -57,6 +60,7 @@ def _read(job: UploadJob) -> dict[str, Any]:
         "vertices": len(scan.vertices),
         "triangles": len(scan.faces),
         "bounds_m": {"min": scan.vertices.min(axis=0).tolist(), "max": scan.vertices.max(axis=0).tolist()},
+        "size_m": np.ptp(body @ orientation.start.rotation, axis=0).tolist(),
         "colours": scan.colour_kind,
         "reconstructed_from_points": scan.from_points,
         "notes": [*scan.notes, *ready.surface.notes],

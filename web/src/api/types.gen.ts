@@ -153,6 +153,8 @@ export type ExampleScan = {
   triangles: number;
   /** metres, the scan's own axes */
   bounds_m: Bounds;
+  /** width, height and depth of the body in its own axes, metres */
+  size_m?: [number, number, number] | null;
   colours: "none" | "vertex" | "texture";
   /** the file held points without triangles; the surface was made from them */
   reconstructed_from_points?: boolean;
@@ -1014,6 +1016,8 @@ export type Scan = {
   triangles: number;
   /** metres, the scan's own axes */
   bounds_m: Bounds;
+  /** width, height and depth of the body in its own axes, metres */
+  size_m?: [number, number, number] | null;
   colours: "none" | "vertex" | "texture";
   /** the file held points without triangles; the surface was made from them */
   reconstructed_from_points?: boolean;

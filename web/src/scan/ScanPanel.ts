@@ -5,7 +5,7 @@ import { button, fileButton, type Option, problem, row, select } from "../ui/con
 import { el, fill, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import { formatCm, formatCount } from "../ui/units";
-import type { Turn } from "../viewer/frame";
+import { sizeIn, type Turn } from "../viewer/frame";
 import type { ScanActions } from "./actions";
 import { createCropRow } from "./CropRow";
 import type { ScanSlice } from "./state";
@@ -33,7 +33,7 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
   });
   const crop = createCropRow(actions);
   const check = el("p", { class: "look-here", hidden: true }, text.scan.check);
-  const size = el("p", { class: "look-here", role: "status", hidden: true });
+  const doubt = el("p", { class: "look-here", role: "status", hidden: true });
   const unitNote = el("p", { class: "muted small", hidden: true }, text.scan.unitNote);
   const wrong = problem(dismiss);
   const other = fileButton(text.scan.other, SCAN_FILES, "quiet wide", (file) => void actions.upload(file));
@@ -42,7 +42,7 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
     { class: "panel" },
     wrong.element,
     check,
-    size,
+    doubt,
     facts,
     el("details", { class: "why" }, el("summary", {}, text.scan.why), reasons),
     again.element,
@@ -62,19 +62,17 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
     update(state: Shown): void {
       wrong.set(state.problems.scan);
       if (!state.scan) return;
-      const { info, file, frameFrom } = state.scan;
+      const { info, file, frame, frameFrom } = state.scan;
       chosen = file;
-      fill(facts, info.id, () => {
-        const [w, h, d] = [0, 1, 2].map((axis) => formatCm(info.bounds_m.max[axis]! - info.bounds_m.min[axis]!));
-        return [
-          row(text.scan.triangles, formatCount(info.triangles)),
-          row(text.scan.unit, text.units[info.unit].toLowerCase()),
-          row(text.scan.size, text.scan.sizeValue(w!, h!, d!), "cm"),
-          ...(info.reconstructed_from_points ? [row(text.scan.surface, text.scan.fromPoints)] : []),
-          ...(info.cut_away_cm2 ? [row(text.scan.cutAway, formatCount(info.cut_away_cm2), "cm²", text.scan.cutAwayHint)] : []),
-          row(text.scan.stance, text.scan.stances[info.stance.proposed].toLowerCase(), "", info.stance.reason),
-        ];
-      });
+      const size = info.size_m ? sizeIn(frame, info.frame, info.size_m) : null;
+      fill(facts, [info.id, size], () => [
+        row(text.scan.triangles, formatCount(info.triangles)),
+        row(text.scan.unit, text.units[info.unit].toLowerCase()),
+        size && row(text.scan.size, text.scan.sizeValue(size.map(formatCm)), "cm"),
+        info.reconstructed_from_points ? row(text.scan.surface, text.scan.fromPoints) : null,
+        info.cut_away_cm2 ? row(text.scan.cutAway, formatCount(info.cut_away_cm2), "cm²", text.scan.cutAwayHint) : null,
+        row(text.scan.stance, text.scan.stances[info.stance.proposed].toLowerCase(), "", info.stance.reason),
+      ]);
       fill(reasons, [info.id, frameFrom], () => {
         const facing = frameFrom === "service" ? info.frame.reason : text.scan.facingFrom[frameFrom];
         const sentences = [info.unit_reason, info.stance.reason, facing, ...info.notes].filter((sentence) => sentence !== "");
@@ -82,8 +80,8 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
       });
       crop.update(state);
       show(check, state.isUnconfirmed);
-      setText(size, info.size_doubt ?? "");
-      show(size, (info.size_doubt ?? "") !== "");
+      setText(doubt, info.size_doubt ?? "");
+      show(doubt, (info.size_doubt ?? "") !== "");
       show(again.element, file !== null);
       show(unitNote, file === null && state.scan.example === null);
       again.set(unitOptions(), state.units);

@@ -39,3 +39,10 @@ export function turned(frame: Frame, turn: Turn): Frame {
   if (turn === "sideways") return { up: left, front: frame.front }; // in the plane of the picture
   return { up: frame.front, front: negative(frame.up) }; // over its own feet
 }
+
+/** Width, height and depth as one frame has them, of what was measured along the axes of another: whole turns exchange them. */
+export function sizeIn(frame: Frame, measured: Frame, [width, height, depth]: readonly number[]): [number, number, number] {
+  const parts: [Vector, number][] = [[leftOf(measured), width!], [measured.up, height!], [measured.front, depth!]];
+  const along = (axis: Vector): number => parts.reduce((best, part) => (Math.abs(dot(part[0], axis)) > Math.abs(dot(best[0], axis)) ? part : best))[1];
+  return [along(leftOf(frame)), along(frame.up), along(frame.front)];
+}

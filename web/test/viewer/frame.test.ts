@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Frame } from "../../src/api/types";
-import { cross, dot, leftOf, tidyFrame, turned } from "../../src/viewer/frame";
+import { cross, dot, leftOf, sizeIn, tidyFrame, turned } from "../../src/viewer/frame";
 
 const upright: Frame = { up: [0, 1, 0], front: [0, 0, 1] };
 
@@ -26,4 +26,13 @@ test("a slanted or useless proposal becomes a right-angled frame", () => {
     expect(Math.hypot(...frame.front)).toBeCloseTo(1, 12);
     expect(Math.hypot(...cross(frame.up, frame.front))).toBeCloseTo(1, 12);
   }
+});
+
+test("a size goes along when the body is turned", () => {
+  const size = [0.45, 0.64, 0.23] as const; // wide, high, deep
+  expect(sizeIn(upright, upright, size)).toEqual([0.45, 0.64, 0.23]);
+  expect(sizeIn(turned(upright, "around"), upright, size)).toEqual([0.23, 0.64, 0.45]);
+  expect(sizeIn(turned(upright, "sideways"), upright, size)).toEqual([0.64, 0.45, 0.23]);
+  const slanted = tidyFrame({ up: [0.1, 1, 0.1], front: [0.2, 0, 1] }); // as landmarks or a fit say it
+  expect(sizeIn(slanted, upright, size)).toEqual([0.45, 0.64, 0.23]);
 });

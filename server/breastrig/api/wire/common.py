@@ -103,6 +103,7 @@ class Scan(Wire):
     vertices: int
     triangles: int
     bounds_m: Bounds = Field(description="metres, the scan's own axes")
+    size_m: Three | None = Field(None, description="width, height and depth of the body in its own axes, metres")
     colours: Literal["none", "vertex", "texture"]
     reconstructed_from_points: bool = Field(
         False, description="the file held points without triangles; the surface was made from them"
