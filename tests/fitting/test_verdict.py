@@ -1,6 +1,8 @@
 """A fit's level follows from its signals: several together refuse, one alone never does."""
 
+from collections.abc import Iterator
 from dataclasses import asdict, replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -8,8 +10,9 @@ from helpers.toy_rig import toy_rig
 
 from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.verdicts.fit_signals import FitSignals
+from breastrig.fitting.verdicts.reasons import GivenLandmarks
 from breastrig.fitting.verdicts.repeated import told_by_a_person
-from breastrig.fitting.verdicts.verdict import UNKNOWN_MODEL, Verdict, shows_a_part, verdict, verdict_limits
+from breastrig.fitting.verdicts.verdict import Verdict, shows_a_part, verdict, verdict_limits
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
 
@@ -28,6 +31,14 @@ RIGHT = FitSignals(
 LIMITS = verdict_limits(read_rig(default_rig_path()))
 assert LIMITS is not None
 NAMES = list(LIMITS.signals)
+NONE = GivenLandmarks(picked=0, left=12, followed=0)
+AGREED = replace(NONE, agreed=12)
+SOME = GivenLandmarks(picked=9, left=3, followed=9)
+ALL = GivenLandmarks(picked=12, left=0, followed=12)
+PAIR = Doubt(("nipple_L", "nipple_R"), "nipple_L and nipple_R look exchanged; they were not followed.", exchanged=True)
+NAVEL = Doubt(
+    ("umbilicus",), "umbilicus is 40 mm from where it is expected; it was followed. Is it right?", followed=True
+)
 
 
 def beyond_no_torso(*names: str) -> FitSignals:
@@ -49,15 +60,15 @@ def test_the_limits_stand_on_the_side_that_they_say() -> None:
 
 
 def test_a_right_fit_is_good_and_has_no_reasons() -> None:
-    found = verdict(RIGHT, Status.CONVERGED, LIMITS)
+    found = verdict(RIGHT, Status.CONVERGED, LIMITS, NONE)
     assert (found.level, found.reasons, found.is_torso) == ("good", (), True)
-    placed = verdict(replace(RIGHT, clearness=np.nan), Status.CONVERGED, LIMITS)  # by landmarks
+    placed = verdict(replace(RIGHT, clearness=np.nan), Status.CONVERGED, LIMITS, ALL)
     assert placed.level == "good"
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_one_signal_alone_is_to_be_checked_and_named(name: str) -> None:
-    found = verdict(beyond_no_torso(name), Status.CONVERGED, LIMITS)
+    found = verdict(beyond_no_torso(name), Status.CONVERGED, LIMITS, NONE)
     assert (found.level, found.is_torso, len(found.reasons)) == ("check", True, 1)
     assert found.reasons[0].endswith(".")
     assert "{" not in found.reasons[0]
@@ -65,92 +76,171 @@ def test_one_signal_alone_is_to_be_checked_and_named(name: str) -> None:
 
 def test_more_and_more_signals_make_it_unusable_and_then_no_torso() -> None:
     assert LIMITS is not None
-    levels = [verdict(beyond_no_torso(*NAMES[:count]), Status.CONVERGED, LIMITS) for count in range(len(NAMES) + 1)]
+    levels = [
+        verdict(beyond_no_torso(*NAMES[:count]), Status.CONVERGED, LIMITS, NONE) for count in range(len(NAMES) + 1)
+    ]
     for count, found in enumerate(levels):
-        assert len(found.reasons) == count
+        distances = [LIMITS.signals[name].distance or name for name in NAMES[:count]]
+        assert len(found.reasons) == len(set(distances))
         assert (found.level == "unusable") == (count >= LIMITS.unusable_at)
         assert found.is_torso == (count < LIMITS.refused_at)
 
 
 def test_who_named_landmarks_is_not_told_that_it_is_no_torso() -> None:
-    found = verdict(beyond_no_torso(*NAMES), Status.CONVERGED, LIMITS, placed=True)
+    found = verdict(beyond_no_torso(*NAMES), Status.CONVERGED, LIMITS, ALL)
     assert (found.level, found.is_torso) == ("unusable", True)
 
 
 def test_the_strongest_reasons_come_first_and_make_one_sentence() -> None:
     far = replace(beyond_no_torso(*NAMES), scan_p95=0.4)
-    found = verdict(far, Status.CONVERGED, LIMITS)
+    found = verdict(far, Status.CONVERGED, LIMITS, NONE)
     assert "400 mm" in found.reasons[0]
-    assert found.refusal("torso").startswith("This does not look like a torso: one in twenty places of the scan")
-    assert found.refusal("torso").count(". ") == 0
-    assert found.refusal("torso").endswith(".")
-    assert len(found.refusal("torso")) < 400
+    assert found.refusal("torso", NONE).startswith("This does not look like a torso: one in twenty places of the scan")
+    assert found.refusal("torso", NONE).count(". ") == 0
+    assert found.refusal("torso", NONE).endswith(".")
+    assert len(found.refusal("torso", NONE)) < 400
 
 
 def test_a_fit_that_did_not_come_to_rest_is_to_be_checked() -> None:
     for status in (Status.OUT_OF_ITERATIONS, Status.STALLED):
-        found = verdict(RIGHT, status, LIMITS)
+        found = verdict(RIGHT, status, LIMITS, ALL)
         assert found.level == "check"
-        assert "did not come to rest" in found.reasons[0]
+        assert "did not converge" in found.reasons[0]
 
 
 def test_a_model_that_found_no_skin_at_all_is_refused() -> None:
     nothing = replace(RIGHT, seen=0.0, distance_p95=np.nan, beyond=np.nan, angle_p90=np.nan, scan_p95=np.nan)
-    found = verdict(nothing, Status.STALLED, LIMITS)
+    found = verdict(nothing, Status.STALLED, LIMITS, NONE)
     assert not found.is_torso
-    assert "found no skin" in found.refusal("torso")
+    assert "found no skin" in found.refusal("torso", NONE)
 
 
 def test_of_another_model_nothing_is_known() -> None:
     assert verdict_limits(toy_rig()) is None
-    found = verdict(RIGHT, Status.CONVERGED, None)
-    assert (found.level, found.reasons, found.is_torso) == ("uncalibrated", (UNKNOWN_MODEL,), True)
-    assert "Not calibrated for this rig" in UNKNOWN_MODEL
-    assert verdict(RIGHT, Status.STALLED, None).level == "check"
-    assert verdict(replace(RIGHT, scan_p95=np.nan), Status.CONVERGED, None).level == "unusable"
+    found = verdict(RIGHT, Status.CONVERGED, None, NONE)
+    assert (found.level, found.reasons, found.is_torso) == (
+        "uncalibrated",
+        ("Not calibrated for this rig: nobody has measured what its right fits look like; judge this one by eye.",),
+        True,
+    )
+    assert verdict(RIGHT, Status.STALLED, None, NONE).level == "check"
+    assert verdict(replace(RIGHT, scan_p95=np.nan), Status.CONVERGED, None, NONE).level == "unusable"
 
 
 def test_landmarks_in_doubt_make_a_right_fit_worth_a_look() -> None:
     def judged(*doubts: Doubt) -> Verdict:
-        return verdict(RIGHT, Status.CONVERGED, LIMITS, placed=True, doubts=doubts)
+        return verdict(RIGHT, Status.CONVERGED, LIMITS, ALL, doubts=doubts)
 
-    navel, notch = (
-        Doubt(("umbilicus",), "It is far.", followed=True),
-        Doubt(("suprasternal_notch",), "It is elsewhere."),
-    )
-    one, two = judged(navel), judged(navel, notch)
+    notch = Doubt(("suprasternal_notch",), "It is elsewhere.")
+    one, two = judged(NAVEL), judged(NAVEL, notch)
     assert one.level == two.level == "check"
     assert one.reasons == ("One landmark is in doubt; look at what is asked about it.",)
     assert two.reasons == ("2 landmarks are in doubt; look at what is asked about them.",)
-    pair = ("nipple_L", "nipple_R")
-    exchanged = Doubt(pair, "nipple_L and nipple_R look exchanged; they were not followed.", exchanged=True)
-    assert judged(navel, exchanged).reasons == (
-        "nipple_L and nipple_R look exchanged; look at what is asked about them.",
-        "One landmark is in doubt; look at what is asked about it.",
+    assert judged(NAVEL, PAIR).reasons == (
+        "2 landmarks look exchanged between left and right, and one landmark is in doubt; look at what is asked about "
+        "them.",
     )
 
 
 def test_a_part_of_a_body_is_to_be_checked_unless_landmarks_say_where_it_belongs() -> None:
     part = replace(RIGHT, seen=0.33)
-    alone = verdict(part, Status.CONVERGED, LIMITS)
+    alone = verdict(part, Status.CONVERGED, LIMITS, NONE)
     assert alone.level == "check"
     assert alone.reasons[0].startswith("The scan shows only 33 % of the body")
-    assert verdict(replace(part, clearness=np.nan), Status.CONVERGED, LIMITS, placed=True).level == "good"
+    assert verdict(replace(part, clearness=np.nan), Status.CONVERGED, LIMITS, ALL).level == "good"
 
 
 def test_a_fit_is_as_good_as_the_lines_that_it_places() -> None:
-    def judged(error: float | None, agreed: int = 0) -> Verdict:
-        return verdict(RIGHT, Status.CONVERGED, LIMITS, line_error=error, agreed=agreed)
+    def judged(error: float | None, given: GivenLandmarks) -> Verdict:
+        return verdict(RIGHT, Status.CONVERGED, LIMITS, given, line_error=error)
 
-    assert judged(None).level == judged(0.009, agreed=3).level == "good"
-    far, unknown = judged(0.0146, agreed=12), judged(0.3)
-    assert (far.level, unknown.level) == ("check", "unusable")
-    assert unknown.is_torso
-    assert far.reasons == (
-        "Lines on the breasts may be 15 mm off; place landmarks by hand, or plan with that margin.",
-        "12 landmarks were only agreed to where they were proposed; they keep the proposals' errors.",
+    agreed = "12 landmarks were only agreed to where they were proposed; they keep the proposals' errors."
+    assert judged(None, NONE).level == judged(0.009, replace(SOME, agreed=3)).level == "good"
+    assert judged(0.0146, AGREED) == Verdict(
+        "check",
+        (
+            "Lines on the breasts may be 15 mm off; place at least three landmarks by hand, or plan with that margin.",
+            agreed,
+        ),
     )
-    assert unknown.reasons == ("Where lines on the breasts lie is not known; place at least three landmarks by hand.",)
+    assert judged(0.0146, SOME).reasons == (
+        "Lines on the breasts may be 15 mm off; place more landmarks by hand, or plan with that margin.",
+    )
+    assert judged(0.0146, ALL) == Verdict("check", ("Lines on the breasts may be 15 mm off; plan with that margin.",))
+    assert judged(0.3, AGREED) == Verdict(
+        "unusable",
+        ("Where lines on the breasts lie is not known; place at least three landmarks by hand.", agreed),
+    )
+    assert judged(0.3, ALL).reasons == ("Where lines on the breasts lie is not known.",)
+
+
+STRENGTHS = (0.5, 1.5)  # between both limits, beyond the second
+
+
+def all_verdicts() -> Iterator[tuple[str, GivenLandmarks, Verdict]]:
+    """Every combination of what decides, with signals alone and together."""
+    limits = LIMITS
+    assert limits is not None
+
+    def with_signals(strengths: dict[str, float]) -> FitSignals:
+        span = {n: limits.signals[n].no_torso - limits.signals[n].check for n in strengths}
+        return replace(RIGHT, **{n: limits.signals[n].check + each * span[n] for n, each in strengths.items() if each})
+
+    each = [{name: strength} for name, strength in product(NAMES, STRENGTHS)]
+    together = [dict.fromkeys(NAMES[:count], s) for count in range(2, len(NAMES) + 1) for s in STRENGTHS]
+    signals = [RIGHT, *(with_signals(one) for one in (*each, *together))]
+    signals.append(replace(RIGHT, distance_p95=np.nan, scan_p95=np.nan))
+    landmarks = [
+        replace(given, agreed=agreed, repeated=repeated)
+        for given, agreed, repeated in product((NONE, SOME, ALL), (0, 1, 3), (False, True))
+        if agreed <= given.left and not (repeated and not given.placed)
+    ] + [replace(ALL, followed=0)]  # exchanged, so that none was followed
+    doubts: tuple[tuple[Doubt, ...], ...] = ((), (NAVEL,), (PAIR,), (PAIR, NAVEL))
+    for shown, status, known, given, asked, error in product(
+        signals, (Status.CONVERGED, Status.STALLED), (limits, None), landmarks, doubts, (None, 0.005, 0.012, 0.1)
+    ):
+        if given.picked or not asked:  # doubts are of picks
+            found = verdict(shown, status, known, given, asked, error)
+            text = " ".join(found.reasons) if found.is_torso else found.refusal("torso", given)
+            yield text, given, found
+
+
+def test_no_verdict_gives_advice_that_was_followed_or_says_a_thing_twice() -> None:
+    """In no combination: what is placed is not to be placed, no advice comes twice, none contradicts its level."""
+    seen = set()
+    for text, given, found in all_verdicts():
+        if (text, given, found.level) in seen:
+            continue
+        seen.add((text, given, found.level))
+        assert (found.level == "good") == (text == "")
+        assert given.left or "place " not in text, text
+        assert not (given.picked and "at least three" in text), text
+        parts = [part for reason in found.reasons for part in reason.rstrip(".").split("; ")]
+        assert len(parts) == len(set(parts)), text
+        advice = [
+            each for reason in found.reasons for each in reason.rstrip(".").partition("; ")[2].split(", or ") if each
+        ]
+        assert len(advice) == len(set(advice)), text
+        facts = [fact for fact, of_same in SAME.items() if any(each in text for each in of_same)]
+        assert all(sum(each in text for each in SAME[fact]) == 1 for fact in facts), text
+        if found.level == "unusable":
+            assert "margin" not in text, text
+            assert "may be" not in text, text
+        if not found.is_torso:
+            assert text.startswith("This does not look like a torso: ")
+            assert "mm off" not in text
+        assert ".." not in text
+        assert ";." not in text
+    assert len(seen) > 1000
+
+
+SAME = {  # what would say the same in other words
+    "model far from the scan": ("places of the model is more than", "of the model that has scan lies more than"),
+    "scan far from the model": ("places of the scan is more than", "explains only"),
+    "landmarks": ("place at least three", "place more", "or place landmarks if"),
+    "lines": ("may be", "is not known"),
+    "doubt": ("is in doubt", "are in doubt"),
+}
 
 
 def test_picks_where_they_were_proposed_tell_nothing() -> None:
@@ -167,6 +257,6 @@ def test_repeated_proposals_do_not_place_a_part() -> None:
     part = replace(RIGHT, seen=0.57)
     assert shows_a_part(part, LIMITS)
     assert not shows_a_part(RIGHT, LIMITS)
-    assert verdict(part, Status.CONVERGED, LIMITS, placed=True).level == "good"
-    assert verdict(part, Status.CONVERGED, LIMITS, placed=True, repeated=True).level == "check"
-    assert verdict(RIGHT, Status.CONVERGED, LIMITS, placed=True, repeated=True).level == "good"
+    assert verdict(part, Status.CONVERGED, LIMITS, ALL).level == "good"
+    assert verdict(part, Status.CONVERGED, LIMITS, replace(ALL, repeated=True)).level == "check"
+    assert verdict(RIGHT, Status.CONVERGED, LIMITS, replace(ALL, repeated=True)).level == "good"

@@ -72,8 +72,8 @@ def test_agreeing_to_every_proposal_makes_no_fit_surer(stance: str, tmp_path: Pa
     assert result["verdict"]["level"] == "check"
     assert result["line_error_mm"] > 10.0
     assert result["verdict"]["reasons"] == [
-        f"Lines on the breasts may be {result['line_error_mm']:.0f} mm off; place landmarks by hand, or plan with that "
-        "margin.",
+        f"Lines on the breasts may be {result['line_error_mm']:.0f} mm off; place at least three landmarks by hand, or "
+        "plan with that margin.",
         "12 landmarks were only agreed to where they were proposed; they keep the proposals' errors.",
     ]
 

@@ -22,6 +22,7 @@ from breastrig.fitting.seen.areolae import seen_areolae
 from breastrig.fitting.seen.landmarks import followed
 from breastrig.fitting.uncertainty.radii import radii
 from breastrig.fitting.verdicts.fit_signals import fit_signals
+from breastrig.fitting.verdicts.reasons import GivenLandmarks
 from breastrig.fitting.verdicts.repeated import told_by_a_person
 from breastrig.fitting.verdicts.verdict import shows_a_part, verdict, verdict_limits
 from breastrig.gltf.pose_nodes import node_poses
@@ -52,7 +53,7 @@ class FitRecorder:
     def record(self, iterate: FitIterate) -> RecordedIterate:
         """Keeps the iterate; FitFailed when the fit broke down."""
         if not iterate.is_finite:
-            raise FitFailed(" ".join(explained(self.ready.task, (_why_failed(iterate),))))
+            raise FitFailed(" ".join(explained(self.ready.task, (_why_failed(iterate, self.ready.given),))))
         self._recorded.append(RecordedIterate(iterate, _iterated(self.ready.task.rig, iterate)))
         return self._recorded[-1]
 
@@ -81,15 +82,15 @@ class FitRecorder:
         vertices = posterior.state.vertices
         compared = Comparison(target, vertices, rig.faces)
         signals = fit_signals(rig, last.parameters, compared, ready.clearness)
-        placed = len(task.landmarks.keys() - task.seen) >= MIN_LANDMARKS
-        limits = verdict_limits(rig)
-        repeated = placed and shows_a_part(signals, limits) and self._only_repeats()
+        limits, given = verdict_limits(rig), ready.given
+        if given.placed and shows_a_part(signals, limits):
+            given = replace(given, repeated=self._only_repeats())
         known = radii(posterior, ready.clearness)
         lines_off = None if known is None else known.lines
-        found_verdict = verdict(signals, last.status, limits, placed, doubtful, repeated, lines_off, len(ready.agreed))
+        found_verdict = verdict(signals, last.status, limits, given, doubtful, lines_off)
         if not found_verdict.is_torso:
-            raise FitFailed(" ".join(explained(task, (found_verdict.refusal(rig.name),))))
-        if found_verdict.level == "unusable":
+            raise FitFailed(" ".join(explained(task, (found_verdict.refusal(rig.name, given),))))
+        if found_verdict.level == "unusable" and not any(doubt.exchanged for doubt in let_go):
             found_verdict = replace(found_verdict, reasons=explained(task, found_verdict.reasons))
         timing = ready.timing_s | {"solve": solve_s}
         alone = ModelAlone(vertices, compared.distances)
@@ -160,7 +161,10 @@ def _iterated(rig: Rig, iterate: FitIterate) -> Iterated:
     )
 
 
-def _why_failed(iterate: FitIterate) -> str:
+def _why_failed(iterate: FitIterate, given: GivenLandmarks) -> str:
+    """A sentence with what to do that was not done yet."""
     if iterate.status is Status.NOT_FINITE:
-        return "The fit broke down (a number is not finite); try other landmarks or another scan."
-    return "The model found no skin of the scan near it; place at least three landmarks, or check the scan's unit."
+        advice = given.advice or "check the landmarks"
+        return f"The fit broke down (a number is not finite); {advice}, or try another scan."
+    advice = f"{given.advice}, or check the scan's unit" if given.advice else "check the landmarks and the scan's unit"
+    return f"The model found no skin of the scan near it; {advice}."

@@ -25,6 +25,7 @@ from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.scan_orientation import ScanOrientation, orientation_from
 from breastrig.fitting.seen.landmarks import seen_landmarks, with_seen
 from breastrig.fitting.starts.two_openings import opened_iterates
+from breastrig.fitting.verdicts.reasons import GivenLandmarks
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.blocks import block
 from breastrig.rig.model import Rig
@@ -127,6 +128,14 @@ class ReadyScan:
     shown: "Mapping[str, Observation] | None"  # what colours show of the landmarks; None: not looked at
     begun: tuple[FitIterate, ...]  # all iterates of the task's fit, where they were needed to find the stance
     timing_s: dict[str, float]  # solve is what the stance took
+
+    @property
+    def given(self) -> GivenLandmarks:
+        """How many landmarks a person has given, before any of them was doubted."""
+        picked = len(self.landmarks.keys() - self.agreed)
+        left = len(self.task.rig.landmark_names) - picked
+        followed = len(self.task.landmarks.keys() - self.task.seen)
+        return GivenLandmarks(picked, left, followed, agreed=len(self.agreed))
 
     @property
     def started(self) -> Started:

@@ -7,7 +7,7 @@ uncalibrated: neither good nor bad, unless something speaks against it without t
 """
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Annotated, Literal
 
@@ -16,21 +16,25 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.verdicts.fit_signals import HANGS, FitSignals
+from breastrig.fitting.verdicts.reasons import GivenLandmarks, Reason, of_agreed, of_doubts, sentences
 from breastrig.least_squares.newton import Status
 from breastrig.rig.known import NOT_CALIBRATED, known_part
 from breastrig.rig.model import Rig
 
 Level = Literal["good", "uncalibrated", "check", "unusable"]
-UNKNOWN_MODEL = f"{NOT_CALIBRATED}: nobody has measured what its right fits look like; judge this one by eye."
-NOTHING = "The model found no skin that faces as it does; check the scan."
-NOT_CONVERGED = "The fit did not come to rest; look at it closely, or place more landmarks."
-IN_DOUBT = "One landmark is in doubt; look at what is asked about it."
-LOOK_AT_IT = "; look at what is asked about them."
-SEVERAL_IN_DOUBT = " are in doubt; look at what is asked about them."
-FAR_LINES = "Lines on the breasts may be {:.0f} mm off; place landmarks by hand, or plan with that margin."
-UNKNOWN_LINES = "Where lines on the breasts lie is not known; place at least three landmarks by hand."
-ONE_AGREED = "One landmark was only agreed to where it was proposed; it keeps the proposal's error."
-SEVERAL_AGREED = " were only agreed to where they were proposed; they keep the proposals' errors."
+UNKNOWN_MODEL = Reason(
+    f"{NOT_CALIBRATED}: nobody has measured what its right fits look like", ("judge this one by eye",)
+)
+NO_SKIN = Reason("The model found no skin that faces as it does", ("check the scan",))
+NOT_CONVERGED = "The fit did not converge"
+FAR_LINES, WITH_MARGIN = "Lines on the breasts may be {:.0f} mm off", "plan with that margin"
+UNKNOWN_LINES = "Where lines on the breasts lie is not known"
+LOOK_CLOSELY = "look at it closely"
+ADVICE = {
+    "compare": "compare model and scan",
+    "scan": "check what the scan shows",
+    "unit": "check the scan's unit",
+}
 PER_UNIT = {"percent": 100.0, "mm": 1e3, "degrees": 180.0 / np.pi}
 SHOWN = 2  # reasons in the sentence of a refusal: the strongest
 
@@ -46,7 +50,9 @@ class SignalLimits(_Part):
     check: float
     no_torso: float
     unit: Literal["percent", "mm", "degrees"]  # of the sentence; the value is a share, m or rad
-    reason: str  # a sentence; {value} is the signal
+    fact: str  # a sentence without its end; {value} is the signal
+    advice: Literal["compare", "scan", "unit", "landmarks"]  # what to do about it
+    distance: str = ""  # what it is a distance of; of signals of one distance only the strongest is a reason
     hanging: float | None = None  # the first limit where breasts hang; absent: the same
     scan_alone: bool = False  # says nothing where landmarks placed the fit
 
@@ -75,12 +81,13 @@ class Verdict:
     reasons: tuple[str, ...]  # sentences, the strongest first; none when it is good
     is_torso: bool = True  # False: certainly none
 
-    def refusal(self, name: str) -> str:
+    def refusal(self, name: str, given: GivenLandmarks) -> str:
         """One sentence, for what is certainly not what the rig of this name shows."""
-        reasons = [reason.split(";")[0].rstrip(".") for reason in self.reasons[:SHOWN]]
-        inner = ", and ".join(reason[:1].lower() + reason[1:] for reason in reasons)
-        body = name.replace("_", " ")
-        return f"This does not look like a {body}: {inner}; check scan and unit, or place landmarks if it is one."
+        facts = [reason.partition(";")[0].rstrip(".") for reason in self.reasons[:SHOWN]]
+        inner = ", and ".join(fact[:1].lower() + fact[1:] for fact in facts)
+        landmarks = " and landmarks" if given.picked else ", or place landmarks if it is one" if given.left else ""
+        checked = "scan, unit" if given.picked else "scan and unit"
+        return f"This does not look like a {name.replace('_', ' ')}: {inner}; check {checked}{landmarks}."
 
 
 @lru_cache(maxsize=8)
@@ -93,66 +100,63 @@ def verdict(
     signals: FitSignals,
     status: Status,
     limits: VerdictLimits | None,
-    placed: bool = False,
+    given: GivenLandmarks,
     doubts: Sequence[Doubt] = (),
-    repeated: bool = False,
     line_error: float | None = None,
-    agreed: int = 0,
 ) -> Verdict:
-    """`status` is why the fit stopped, `placed` whether a person's landmarks placed it, `doubts` what is asked about.
+    """`status` is why the fit stopped, `doubts` are asked about; `line_error` (m) says what the fit is good for.
 
-    Who names landmarks has seen a torso: such a fit is unusable at most.  `repeated` says that these landmarks only
-    repeat what was proposed (repeated.py), so that the scan alone has placed it.  `line_error` (m) decides what the fit
-    is good for (uncertainty/radii.py); `agreed` landmarks were proposed and only agreed to.
+    Whoever places landmarks has seen a torso: such a fit is unusable at most.
     """
-    stopped = (*(() if status is Status.CONVERGED else (NOT_CONVERGED,)), *_doubt_reasons(doubts))
+    asked, converged = of_doubts(doubts), status is Status.CONVERGED
+    stopped = () if converged else (Reason(NOT_CONVERGED, (LOOK_CLOSELY, given.advice)),)
+    broken = () if converged else (Reason(NOT_CONVERGED),)
     nothing = not np.isfinite(signals.distance_p95) or not np.isfinite(signals.scan_p95)
     if limits is None and nothing:
-        return Verdict("unusable", (NOTHING, *stopped))
+        return Verdict("unusable", sentences((NO_SKIN, *broken, *asked)))
     if limits is None:
-        return Verdict("check" if stopped else "uncalibrated", (*stopped, UNKNOWN_MODEL))
-    found = {
-        name: _strength(asdict(signals)[name], limit, signals.hanging > HANGS)
-        for name, limit in limits.signals.items()
-        if np.isfinite(asdict(signals)[name]) and not (placed and not repeated and limit.scan_alone)
-    }
-    order = sorted((name for name, strength in found.items() if strength > 0.0), key=found.__getitem__, reverse=True)
-    reasons = tuple(_reason(asdict(signals)[name], limits.signals[name]) for name in order)
-    impossible = sum(strength >= 1.0 for strength in found.values())
-    if nothing:
-        reasons = (NOTHING, *reasons)
-    refused = nothing or (impossible >= limits.refused_at and not placed)
-    lines = _line_reasons(line_error, agreed, limits.lines)
-    if refused or impossible >= limits.unusable_at:
-        return Verdict("unusable", (*reasons, *lines, *stopped), is_torso=not refused)
-    if line_error is not None and line_error > limits.lines.unknown:
-        return Verdict("unusable", (*lines, *reasons, *stopped))
-    if not (lines or reasons or stopped):
+        level: Level = "check" if stopped or asked else "uncalibrated"
+        return Verdict(level, sentences((*stopped, *asked, UNKNOWN_MODEL)))
+    strengths = _strengths(signals, limits, given)
+    found = _reasons(signals, strengths, limits, given)
+    impossible = sum(strength >= 1.0 for strength in strengths.values())
+    unknown = line_error is not None and line_error > limits.lines.unknown
+    far = line_error is not None and line_error > limits.lines.check
+    if nothing or (impossible >= limits.refused_at and not given.placed):
+        return Verdict("unusable", sentences((*((NO_SKIN,) if nothing else ()), *found)), is_torso=False)
+    if unknown or impossible >= limits.unusable_at:
+        lines = (Reason(UNKNOWN_LINES, (given.advice,)), *of_agreed(given)) if unknown else ()
+        return Verdict("unusable", sentences((*lines, *found, *broken, *asked)))
+    lines = (Reason(FAR_LINES.format(1e3 * (line_error or 0.0)), (given.advice, WITH_MARGIN)),) if far else ()
+    if not (lines or found or stopped or asked):
         return Verdict("good", ())
-    return Verdict("check", (*(lines or _agreed_reason(agreed)), *reasons, *stopped))
+    return Verdict("check", sentences((*lines, *of_agreed(given), *found, *stopped, *asked)))
 
 
-def _line_reasons(error: float | None, agreed: int, limits: LineLimits) -> tuple[str, ...]:
-    """How far off a line may be, where that is too far for a plan, and why."""
-    if error is None or error <= limits.check:
-        return ()
-    return ((UNKNOWN_LINES if error > limits.unknown else FAR_LINES.format(1e3 * error)), *_agreed_reason(agreed))
+def _strengths(signals: FitSignals, limits: VerdictLimits, given: GivenLandmarks) -> dict[str, float]:
+    """By name, of the signals that say anything of this fit."""
+    values = vars(signals)
+    trusted = given.placed and not given.repeated
+    return {
+        name: _strength(values[name], limit, signals.hanging > HANGS)
+        for name, limit in limits.signals.items()
+        if np.isfinite(values[name]) and not (trusted and limit.scan_alone)
+    }
 
 
-def _agreed_reason(agreed: int) -> tuple[str, ...]:
-    if not agreed:
-        return ()
-    return (ONE_AGREED if agreed == 1 else f"{agreed} landmarks{SEVERAL_AGREED}",)
-
-
-def _doubt_reasons(doubts: Sequence[Doubt]) -> tuple[str, ...]:
-    """Exchanged sides first, by their name: what is drawn would be meant for the other breast."""
-    exchanged = [doubt for doubt in doubts if doubt.exchanged]
-    reasons = [doubt.reason.partition(";")[0] + LOOK_AT_IT for doubt in exchanged]
-    others = sum(len(doubt.names) for doubt in doubts if not doubt.exchanged)
-    if others:
-        reasons.append(IN_DOUBT if others == 1 else f"{others} landmarks{SEVERAL_IN_DOUBT}")
-    return tuple(reasons)
+def _reasons(
+    signals: FitSignals, strengths: dict[str, float], limits: VerdictLimits, given: GivenLandmarks
+) -> tuple[Reason, ...]:
+    """Of the signals that speak against the fit, the strongest first."""
+    values, distances, found = vars(signals), set[str](), []
+    against = [name for name, strength in strengths.items() if strength > 0.0]
+    for name in sorted(against, key=strengths.__getitem__, reverse=True):
+        limit = limits.signals[name]
+        if limit.distance not in distances:
+            advice = given.advice if limit.advice == "landmarks" else ADVICE[limit.advice]
+            found.append(Reason(limit.fact.format(value=PER_UNIT[limit.unit] * values[name]), (advice,)))
+        distances |= {limit.distance} - {""}
+    return tuple(found)
 
 
 def _strength(value: float, limit: SignalLimits, hangs: bool) -> float:
@@ -161,13 +165,9 @@ def _strength(value: float, limit: SignalLimits, hangs: bool) -> float:
     return float(max((value - check) / (limit.no_torso - check), 0.0))
 
 
-def _reason(value: float, limit: SignalLimits) -> str:
-    return limit.reason.format(value=PER_UNIT[limit.unit] * value)
-
-
 def shows_a_part(signals: FitSignals, limits: VerdictLimits | None) -> bool:
     """Whether the scan shows so little that it matters who placed the fit."""
     return limits is not None and any(
-        limit.scan_alone and _strength(asdict(signals)[name], limit, hangs=False) > 0.0
+        limit.scan_alone and _strength(vars(signals)[name], limit, hangs=False) > 0.0
         for name, limit in limits.signals.items()
     )

@@ -20,6 +20,7 @@ from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.uncertainty.radii import radii
 from breastrig.fitting.verdicts.fit_signals import fit_signals
+from breastrig.fitting.verdicts.reasons import GivenLandmarks
 from breastrig.fitting.verdicts.repeated import told_by_a_person
 from breastrig.fitting.verdicts.verdict import verdict, verdict_limits
 from breastrig.report.distances import Comparison
@@ -71,10 +72,11 @@ def _judged(
     vertices = posterior.state.vertices
     signals = fit_signals(rig, last.parameters, Comparison(scene.target, vertices, rig.faces), clearness)
     repeated = len(told_by_a_person(picks, proposed)) < MIN_LANDMARKS
-    placed = len(picks) >= MIN_LANDMARKS
+    left = len(rig.landmark_names) - len(picks)
+    given = GivenLandmarks(picked=len(picks), left=left, followed=len(picks), repeated=repeated)
     known = radii(posterior, clearness)
     lines = None if known is None else known.lines
-    said = verdict(signals, last.status, verdict_limits(rig), placed, doubts, repeated, lines)
+    said = verdict(signals, last.status, verdict_limits(rig), given, doubts, lines)
     error = 1e3 * float(scene.landmark_errors(rig, vertices).mean())
     at = rig.landmark_points().positions(vertices, rig.faces)
     answer = {"level": said.level, "error_mm": round(error, 2), "reasons": list(said.reasons)}

@@ -1,0 +1,83 @@
+"""Reasons as sentences: what was found and what to do about it, without advice that was given or followed before."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from breastrig.fitting.doubt import Doubt
+from breastrig.fitting.orientation import MIN_LANDMARKS
+
+LOOK_AGAIN = "look at what is asked about {}"
+
+
+@dataclass(frozen=True)
+class GivenLandmarks:
+    """How many of a rig's landmarks a person has given."""
+
+    picked: int  # not those that were only agreed to
+    left: int  # the others
+    followed: int  # as observations
+    agreed: int = 0  # proposed, and only agreed to
+    repeated: bool = False  # those that are followed lie where they were proposed (repeated.py)
+
+    @property
+    def placed(self) -> bool:
+        """Whether they have placed the fit."""
+        return self.followed >= MIN_LANDMARKS
+
+    @property
+    def advice(self) -> str:
+        """Which landmarks to place; empty where none is left."""
+        if not self.left:
+            return ""
+        return f"place {'more' if self.picked >= MIN_LANDMARKS else 'at least three'} landmarks by hand"
+
+
+@dataclass(frozen=True)
+class Reason:
+    """One sentence without its end."""
+
+    fact: str
+    advice: tuple[str, ...] = ()  # one or the other; empty ones do not count
+
+    def without(self, given: Iterable[str]) -> "Reason":
+        """The reason without advice that was given before."""
+        return Reason(self.fact, tuple(each for each in self.advice if each and each not in given))
+
+    def __str__(self) -> str:
+        return f"{'; '.join(filter(None, (self.fact, ', or '.join(filter(None, self.advice)))))}."
+
+
+def sentences(reasons: Sequence[Reason]) -> tuple[str, ...]:
+    """The reasons in their order; advice stands where it is given first."""
+    given: set[str] = set()
+    said = []
+    for reason in reasons:
+        said.append(str(reason.without(given)))
+        given |= set(reason.advice)
+    return tuple(said)
+
+
+def of_agreed(given: GivenLandmarks) -> tuple[Reason, ...]:
+    """That landmarks keep the error of their proposals."""
+    if not given.agreed:
+        return ()
+    if given.agreed == 1:
+        return (Reason("One landmark was only agreed to where it was proposed; it keeps the proposal's error"),)
+    return (
+        Reason(
+            f"{given.agreed} landmarks were only agreed to where they were proposed; they keep the proposals' errors"
+        ),
+    )
+
+
+def of_doubts(doubts: Sequence[Doubt]) -> tuple[Reason, ...]:
+    """How many landmarks are asked about; each doubt has its own sentence, which names them."""
+    exchanged = sum(len(doubt.names) for doubt in doubts if doubt.exchanged)
+    others = sum(len(doubt.names) for doubt in doubts if not doubt.exchanged)
+    parts = [f"{exchanged} landmarks look exchanged between left and right"] if exchanged else []
+    if others:
+        count = "one landmark is" if others == 1 else f"{others} landmarks are"
+        parts.append(f"{count} in doubt")
+    fact = ", and ".join(parts)
+    which = "it" if exchanged + others == 1 else "them"
+    return (Reason(fact[:1].upper() + fact[1:], (LOOK_AGAIN.format(which),)),) if parts else ()
