@@ -263,7 +263,8 @@ def test_picks_that_were_not_followed_are_named_on_stderr(tmp_path: Path, capsys
     told = capsys.readouterr().err.splitlines()
     assert told == [
         *OF_EXAMPLE,
-        "breastrig: check this fit: 2 landmarks look exchanged between left and right; look at what is asked about them.",
+        "breastrig: check this fit: 2 landmarks look exchanged between left and right; look at what is asked about "
+        "them.",
         "breastrig: nipple_L and nipple_R look exchanged; they were not followed.",
     ]
 
