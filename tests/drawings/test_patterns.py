@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 from breastrig.cli.pattern_words import PATTERN_WORDS
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.clock import FittedSkin, angle_of, on_clock
+from breastrig.drawings.constructions.tumour import Tumour
 from breastrig.drawings.patterns import asked_drawing, known_drawings, offered_patterns, pattern_help, tumour_text
 from breastrig.geometry import geodesic
 from breastrig.geometry.geodesic import length
@@ -213,7 +214,15 @@ def test_without_ptosis_the_nipple_stays(torso: Rig) -> None:
         ("reduction:limb_mm=50,limb_mm=40", "The parameter limb_mm of reduction is given twice."),
         ("reduction:limb_mm=500", "limb_mm of reduction cannot be 500: input should be less than or equal to 80"),
         ("reduction:limb_mm=nan", "limb_mm of reduction cannot be nan: "),
-        ("reduction:limb_mm=long", "limb_mm of reduction cannot be long: input should be a valid number"),
+        ("reduction:limb_mm=long", "limb_mm of reduction cannot be long: write a number, for instance 4.5 or 4,5."),
+        ("reduction:limb_mm=1,234", "limb_mm of reduction cannot be 1,234: it can be read in two ways;"),
+        ("reduction:limb_mm=1.2,3", "limb_mm of reduction cannot be 1.2,3: it can be read in two ways;"),
+        ("tumour:side=L,clock=10:75,distance_mm=4,radius_mm=3", "write an hour, for instance 10:30 or 10.5."),
+        ("tumour:side=L,clock=0:10,distance_mm=10:30,radius_mm=3", "distance_mm of tumour cannot be 10:30: write a"),
+        (
+            "tumour:L,10,5,45,12",
+            "write name=value, for instance side=L (decimals with a point).",
+        ),
         ("reduction:side=M", "side of reduction cannot be M: input should be 'both', 'L' or 'R'"),
         ("tumour", "The drawing tumour also needs side, clock, distance_mm, radius_mm."),
         (
@@ -232,6 +241,28 @@ def test_a_wish_that_cannot_be_is_refused_before_the_fit(torso: Rig, text: str, 
     assert words in str(refused.value)
     assert str(refused.value).endswith(".")
     assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("tumour:side=L,clock=10:30,distance_mm=4,5,radius_mm=12", (10.5, 4.5, 12.0)),
+        (tumour_text("L:10:30,43.5,12"), (10.5, 43.5, 12.0)),
+        ("tumour:side=R,radius_mm=12,5 mm,distance_mm=45mm,clock=10½", (10.5, 45.0, 12.5)),
+        ("tumour:side=R,clock=12:20,distance_mm=12,345,radius_mm=1", None),
+        ("tumour:side=R,clock=10,5,distance_mm=12.345,radius_mm=1,5", (10.5, 12.345, 1.5)),
+    ],
+)
+def test_numbers_are_read_as_people_write_them(
+    torso: Rig, text: str, values: tuple[float, float, float] | None
+) -> None:
+    if values is None:
+        with pytest.raises(BadDrawing, match="two ways"):
+            asked_drawing(torso, text)
+        return
+    [(_, tumour)] = asked_drawing(torso, text).patterns
+    assert isinstance(tumour, Tumour)
+    assert (tumour.clock, tumour.distance_mm, tumour.radius_mm) == values
 
 
 @pytest.mark.parametrize("short", ["L", "L:10", "L:10,45", "L:10,45,12,3", "10,45,12", "at:1,2,3"])

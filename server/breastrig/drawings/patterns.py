@@ -26,6 +26,7 @@ from breastrig.drawings.constructions.periareolar import Periareolar
 from breastrig.drawings.constructions.reduction import Reduction
 from breastrig.drawings.constructions.tumour import PickedTumour, Tumour
 from breastrig.drawings.constructions.vertical import Vertical
+from breastrig.drawings.constructions.written_numbers import split_parameters
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 
 
@@ -61,6 +62,7 @@ NEEDED_MARKS: dict[str, set[str]] = {  # landmarks of each side
     "tumour_at": set(),
 }
 FIXED = 'The drawing "{}" is a fixed one of the model and has no parameters.'
+POINT = " (decimals with a point)"  # where commas stand between numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,7 +187,8 @@ def tumour_text(short: str) -> str:
     if not colon or len(numbers) != 3 or side == "at":
         raise BadDrawing(
             f'"{short}" is not a tumour; write SIDE:HOUR,DISTANCE_MM,RADIUS_MM, for instance L:10,45,12 for the left '
-            "breast at 10 o'clock, 45 mm from the nipple, radius 12 mm, or at:X,Y,Z,RADIUS in mm of the scan's frame."
+            f"breast at 10 o'clock, 45 mm from the nipple, radius 12 mm{POINT}, or at:X,Y,Z,RADIUS in mm of the scan's "
+            "frame."
         )
     return f"tumour:{side},{rest}"
 
@@ -208,7 +211,7 @@ def _parameters(name: str, values: str) -> dict[str, str]:
     given: dict[str, str] = {}
     in_order = all(field.is_required() for field in kind.model_fields.values())
     names = iter(kind.model_fields)
-    for pair in filter(None, (word.strip() for word in values.split(","))):
+    for pair in split_parameters(values):
         if in_order and "=" not in pair and (following := next(names, None)) is not None:
             pair = f"{following}={pair}"
         key, equals, value = (word.strip() for word in pair.partition("="))
@@ -223,12 +226,9 @@ def _parameters(name: str, values: str) -> dict[str, str]:
 
 
 def _example(kind: type[BaseModel]) -> str:
-    examples: dict[type[BaseModel], str] = {
-        Tumour: "side=L",
-        PickedTumour: "radius_mm=12",
-        MastectomyEllipse: "width_mm=70",
-    }
-    return examples.get(kind, "areola_mm=42")
+    if kind is MastectomyEllipse:
+        return "width_mm=70"
+    return {Tumour: f"side=L{POINT}", PickedTumour: f"radius_mm=12{POINT}"}.get(kind, "areola_mm=42")
 
 
 def _unique(shapes: list[DrawnShape]) -> tuple[DrawnShape, ...]:

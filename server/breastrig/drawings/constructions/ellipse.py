@@ -6,9 +6,10 @@ Stewart's is transverse and rises a little towards the armpit, Orr's is steeper;
 from typing import Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from breastrig.drawings.clock import SIDES, FittedSkin, on_clock
+from breastrig.drawings.constructions.written_numbers import WrittenNumbers
 from breastrig.geometry.geodesic import MARGIN
 from breastrig.geometry.surface_points import joined
 from breastrig.rig.model import DrawnShape
@@ -17,10 +18,9 @@ COLOR = "#c53030"
 STEPS = 48  # points of the ellipse
 
 
-class MastectomyEllipse(BaseModel):
+class MastectomyEllipse(WrittenNumbers):
     """The ellipse's dimensions."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
     side: Literal["both", "L", "R"] = Field("both", title="Side", description="the patient's side")
     length_mm: float = Field(
         140.0, title="Length", ge=30.0, le=260.0, description="of the long axis along the skin, through the nipple"

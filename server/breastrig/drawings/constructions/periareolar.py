@@ -7,9 +7,10 @@ the nipple shall rise, and which takes the skin between the two; both are measur
 from typing import Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from breastrig.drawings.clock import SIDES, FittedSkin, circle_around, on_clock
+from breastrig.drawings.constructions.written_numbers import WrittenNumbers
 from breastrig.geometry.geodesic import MARGIN
 from breastrig.geometry.surface_points import joined
 from breastrig.rig.model import DrawnShape
@@ -18,10 +19,9 @@ CUT = "#2c5282"
 STEPS = 36  # points of the outer ring
 
 
-class Periareolar(BaseModel):
+class Periareolar(WrittenNumbers):
     """The rings' dimensions."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
     side: Literal["both", "L", "R"] = Field("both", title="Side", description="the patient's side")
     areola_mm: float = Field(
         42.0, title="New areola", ge=30.0, le=55.0, description="diameter of the new areola; 40 to 45 is usual"

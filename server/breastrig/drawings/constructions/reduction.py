@@ -16,13 +16,14 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.clock import SIDES, FittedSkin, circle_around, on_clock
 from breastrig.drawings.constructions.new_fold import fold_line
+from breastrig.drawings.constructions.written_numbers import WrittenNumbers
 from breastrig.geometry.curves import resampled
 from breastrig.geometry.geodesic import MARGIN, length
 from breastrig.geometry.surface_points import SurfacePoints, joined
@@ -48,10 +49,9 @@ NIPPLE_OUTWARD = Field(
 NO_SHIFT = 1e-4  # m, a shift below it is none
 
 
-class Reduction(BaseModel):
+class Reduction(WrittenNumbers):
     """The pattern's dimensions."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
     side: Literal["both", "L", "R"] = Field("both", title="Side", description="the patient's side")
     areola_mm: float = Field(
         42.0, title="New areola", ge=30.0, le=55.0, description="diameter of the new areola; 40 to 45 is usual"

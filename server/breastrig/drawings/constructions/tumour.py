@@ -3,11 +3,12 @@
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, Field
 
 from breastrig.core.errors import BadDrawing
 from breastrig.core.units import BEYOND, distance_text
 from breastrig.drawings.clock import SIDES, FittedSkin, angle_of, circle_around, on_clock
+from breastrig.drawings.constructions.written_numbers import WrittenNumbers
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import DrawnShape
 
@@ -25,10 +26,9 @@ def _on_the_dial(hour: float) -> float:
     return hour
 
 
-class Tumour(BaseModel):
+class Tumour(WrittenNumbers):
     """Where the tumour is and how large."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
     side: Literal["L", "R"] = Field(title="Side", description="the patient's side")
     clock: Annotated[float, AfterValidator(_on_the_dial)] = Field(
         title="Hour",
@@ -61,10 +61,9 @@ class Tumour(BaseModel):
         return centre
 
 
-class PickedTumour(BaseModel):
+class PickedTumour(WrittenNumbers):
     """A tumour around a place that was picked on the scan."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
     x_mm: float = Field(
         title="x", allow_inf_nan=False, description="of the centre in the scan's frame, whatever its unit"
     )

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.clock import SIDES, FittedSkin, circle_around
 from breastrig.drawings.constructions.reduction import CUT, FOLD, MARK, NIPPLE_OUTWARD, WIDEST, Reduction, ends
+from breastrig.drawings.constructions.written_numbers import WrittenNumbers
 from breastrig.geometry.curves import resampled
 from breastrig.geometry.geodesic import length
 from breastrig.geometry.surface_points import SurfacePoints, joined
@@ -22,10 +23,9 @@ from breastrig.rig.model import DrawnShape
 LEAST = 0.01  # m that the limbs are long at least
 
 
-class Vertical(BaseModel):
+class Vertical(WrittenNumbers):
     """The pattern's dimensions."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
     side: Literal["both", "L", "R"] = Field("both", title="Side", description="the patient's side")
     areola_mm: float = Field(
         42.0, title="New areola", ge=30.0, le=55.0, description="diameter of the new areola; 40 to 45 is usual"
