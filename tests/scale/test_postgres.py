@@ -18,7 +18,7 @@ from breastrig.storage import schema
 from breastrig.storage.deletion import delete_rows, remove_files
 from breastrig.storage.location import Location
 from breastrig.storage.rows.events import append, events_after
-from breastrig.storage.rows.fits import claim_fit, fits_page, get_fit, next_queued, queue_position
+from breastrig.storage.rows.fits import claim_fit, fits_page, get_fit, next_queued, queue_positions
 from breastrig.storage.rows.scans import Picks, ScanRow, add_scan, get_landmarks, get_scan, put_landmarks
 from breastrig.storage.rows.shares import (
     ShareRow,
@@ -171,13 +171,13 @@ def test_the_queue_and_its_claims(storage: Storage) -> None:
     for fit in ("fit-z", "fit-a"):
         add_waiting_fit(storage, "scan-1", fit)
     assert (next_queued(storage, set()), next_queued(storage, {"fit-z"})) == ("fit-z", "fit-a")
-    assert (queue_position(storage, "fit-z"), queue_position(storage, "fit-a")) == (1, 2)
+    assert queue_positions(storage, ["fit-z", "fit-a"]) == {"fit-z": 1, "fit-a": 2}
     claims = [claim_fit(storage, "fit-z") for _ in range(2)]
     assert [claim and claim.attempt for claim in claims] == [1, 2]
     with pytest.raises(Conflict, match="Another worker"):
         append(storage, "fit-z", iterated(0), attempt=1)
     assert append(storage, "fit-z", iterated(0), attempt=2) == 1
-    assert [row.id for row in fits_page(storage, "scan-1", 10)[0]] == ["fit-a", "fit-z"]
+    assert [row.id for row in fits_page(storage, 10, scan_id="scan-1")[0]] == ["fit-a", "fit-z"]
 
 
 def test_deleting_a_scan_leaves_no_row(storage: Storage) -> None:

@@ -8,7 +8,7 @@ from breastrig.core.errors import TooMany
 from breastrig.service.events.follow import Queued
 from breastrig.service.service import Service
 from breastrig.storage.rows.events import StoredEvent
-from breastrig.storage.rows.fits import NewFit, Once, get_fit, queue_position
+from breastrig.storage.rows.fits import NewFit, Once, get_fit, queue_positions
 
 
 def ask(service: Service, scan_id: str, client: str | None = None, **more: object) -> str:
@@ -19,9 +19,9 @@ def test_places_in_the_queue_count_from_one_and_move_up(serving, scan_id: str) -
     with serving(fake_fit.patient, workers=1) as service:
         running, *waiting = [ask(service, scan_id) for _ in range(4)]
         until(lambda: get_fit(service.storage, running).state == "running", "the first to run")
-        assert [queue_position(service.storage, fit) for fit in (running, *waiting)] == [None, 1, 2, 3]
+        assert queue_positions(service.storage, [running, *waiting]) == dict(zip(waiting, (1, 2, 3), strict=True))
         service.cancel_fit(waiting[0])
-        assert [queue_position(service.storage, fit) for fit in waiting] == [None, 1, 2]
+        assert queue_positions(service.storage, waiting) == dict(zip(waiting[1:], (1, 2), strict=True))
 
 
 def test_two_stances_stand_in_the_queue_once(serving, scan_id: str) -> None:
@@ -31,7 +31,7 @@ def test_two_stances_stand_in_the_queue_once(serving, scan_id: str) -> None:
         leading = ask(service, scan_id, other=NewFit(scan=scan_id, landmarks_mm={}))
         partner = get_fit(service.storage, leading).partner
         last = ask(service, scan_id)
-        assert [queue_position(service.storage, fit) for fit in (leading, partner, last)] == [1, 1, 2]
+        assert queue_positions(service.storage, [leading, partner, last]) == {leading: 1, partner: 1, last: 2}
 
 
 def test_who_follows_a_waiting_fit_hears_its_place_each_time_it_changes(serving, scan_id: str) -> None:

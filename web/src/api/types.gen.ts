@@ -1064,6 +1064,13 @@ export type ScanOwner = {
   patient: string;
 };
 
+export type ScanPage = {
+  /** the newest first */
+  scans: Scan[];
+  /** address of the next page, null on the last */
+  next: string | null;
+};
+
 export type ScanUpload = {
   /** PLY, OBJ, STL, GLB, PCD, XYZ, USDZ, or a zip of one with its images */
   file: Blob;

@@ -1,6 +1,7 @@
 """Fits: ask for one, look at it, cancel it, fetch what it made."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -22,7 +23,7 @@ from breastrig.fitting.presets.preset_files import preset_names
 from breastrig.service.events.stored_iteration import stored_iteration
 from breastrig.storage.files import fit_place
 from breastrig.storage.rows.cuts import cuts_digest, get_cuts
-from breastrig.storage.rows.fits import FitRow, NewFit, Once, fits_page, get_fit, queue_position
+from breastrig.storage.rows.fits import FitRow, NewFit, Once, fits_page, get_fit, queue_positions
 from breastrig.storage.rows.scans import Picks, ScanRow, get_landmarks, get_scan
 
 FITS_TAG = {"name": "fits", "description": "Fit the model to a scan, follow it live, fetch the results."}
@@ -135,17 +136,30 @@ def _once(key: str | None, asked: wire.FitRequest) -> Once | None:
     return Once.of(key, asked.model_dump_json())
 
 
+@fits.get("")
+@fits.input(wire.PageQuery, location="query")
+@fits.output(wire.FitPage)
+@fits.doc(operation_id="listFits")
+def list_fits(query_data: wire.PageQuery) -> wire.FitPage:
+    """The fits of all scans, the newest first"""
+    return _page("/api/fits", query_data, None)
+
+
 @fits_of_scans.get("/<scan_id>/fits")
 @fits_of_scans.input(wire.PageQuery, location="query")
 @fits_of_scans.output(wire.FitPage)
-@fits_of_scans.doc(operation_id="listFits")
-def list_fits(scan_id: str, query_data: wire.PageQuery) -> wire.FitPage:
+@fits_of_scans.doc(operation_id="listFitsOfScan")
+def list_fits_of_scan(scan_id: str, query_data: wire.PageQuery) -> wire.FitPage:
     """The fits of a scan, the newest first"""
+    get_scan(app_context().service.storage, scan_id)
+    return _page(f"/api/scans/{scan_id}/fits", query_data, scan_id)
+
+
+def _page(address: str, query: wire.PageQuery, scan_id: str | None) -> wire.FitPage:
     storage = app_context().service.storage
-    get_scan(storage, scan_id)
-    rows, before = fits_page(storage, scan_id, query_data.limit, query_data.before)
-    more = next_page(f"/api/scans/{scan_id}/fits", before, query_data)
-    return wire.FitPage(fits=[fit_answer(row) for row in rows], next=more)
+    rows, before = fits_page(storage, query.limit, query.before, scan_id)
+    more = next_page(address, query, None if before is None else {"before": before})
+    return wire.FitPage(fits=_answers(rows), next=more)
 
 
 @fits.get("/<fit_id>")
@@ -321,11 +335,22 @@ def fit_links(fit_id: str) -> wire.FitLinks:
 
 def fit_answer(row: FitRow) -> wire.Fit:
     """The stored row as the API shows it."""
+    return _answers([row])[0]
+
+
+def _answers(rows: Sequence[FitRow]) -> list[wire.Fit]:
+    """The stored rows as the API shows them, by one query however many they are."""
+    waiting = [row.id for row in rows if row.state == "queued"]
+    positions = queue_positions(app_context().service.storage, waiting) if waiting else {}
+    return [_answer(row, positions.get(row.id)) for row in rows]
+
+
+def _answer(row: FitRow, queue_position: int | None) -> wire.Fit:
     values = {
         "id": row.id,
         "scan": row.scan,
         "state": row.state,
-        "queue_position": queue_position(app_context().service.storage, row.id) if row.state == "queued" else None,
+        "queue_position": queue_position,
         "created_at": row.created_at,
         "stance": row.stance,
         "asked_stance": row.asked_stance,

@@ -2,7 +2,6 @@
 
 import json
 from datetime import datetime, timedelta
-from urllib.parse import urlencode
 
 from apiflask import APIBlueprint
 from flask import Response
@@ -52,11 +51,8 @@ def list_patients(query_data: wire.PatientQuery) -> wire.PatientPage:
     asked = query_data
     last = None if asked.before is None else (asked.after, asked.before)
     rows, before = patients_page(app_context().service.storage, asked.limit, last, asked.search, asked.sort)
-    more = None
-    if before is not None:
-        further = {"search": asked.search, "sort": "" if asked.sort == "newest" else asked.sort, "after": before[0]}
-        more = next_page("/api/patients", before[1], asked)
-        more = f"{more}&{urlencode({key: value for key, value in further.items() if value})}".rstrip("&")
+    place = None if before is None else {"after": before[0], "before": before[1]}
+    more = next_page("/api/patients", asked, place)
     return wire.PatientPage(patients=_answers(rows), next=more)
 
 

@@ -1,5 +1,6 @@
 """Scans: upload, look at, delete; and the landmarks picked on them."""
 
+from collections.abc import Sequence
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -10,14 +11,24 @@ from breastrig.api.access.security import refuse
 from breastrig.api.answers import FORGET, GLB, PERSONAL, PNG, file_answer, file_of
 from breastrig.api.app_context import app_context
 from breastrig.api.landmark_check import check_landmarks, landmarks_of_file
+from breastrig.api.routes.paging import next_page
 from breastrig.api.wire import common as wire
 from breastrig.core.errors import NotFound
 from breastrig.scan.file_type import ENDINGS
 from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES
 from breastrig.storage.files import MESH, THUMBNAIL, OpenedFile, scan_place
 from breastrig.storage.rows.cuts import Cuts, cuts_digest, get_cuts, put_cuts
-from breastrig.storage.rows.patients import get_patient, patient_of_scan
-from breastrig.storage.rows.scans import Picks, ScanRow, get_landmarks, get_scan, picks_digest, put_landmarks
+from breastrig.storage.rows.patients import PatientRow, patients_of_scans
+from breastrig.storage.rows.scans import (
+    Picks,
+    ScanRow,
+    get_landmarks,
+    get_scan,
+    no_such_scan,
+    picks_digest,
+    put_landmarks,
+    scans_page,
+)
 from breastrig.storage.storage import Storage
 
 TAG = {"name": "scans", "description": "Upload a scan, pick landmarks on it, delete it with everything made of it."}
@@ -51,6 +62,19 @@ def upload_scan(files_data: wire.ScanUpload) -> tuple[wire.Scan, int, dict[str, 
     row = app_context().service.add_scan(files_data.file.stream, suffix, files_data.units, files_data.patient or None)
     answer = scan_answer(row)
     return answer, 201, {"Location": answer.links.self}
+
+
+@scans.get("")
+@scans.input(wire.ScanQuery, location="query")
+@scans.output(wire.ScanPage)
+@scans.doc(operation_id="listScans")
+def list_scans(query_data: wire.ScanQuery) -> wire.ScanPage:
+    """The scans of all patients, the newest first"""
+    moment, _, scan_id = (query_data.after or "").partition("~")
+    last = None if query_data.after is None else (moment, scan_id)
+    rows, more = scans_page(app_context().service.storage, query_data.limit, last)
+    place = None if more is None else {"after": "~".join(more)}
+    return wire.ScanPage(scans=_answers(rows), next=next_page("/api/scans", query_data, place))
 
 
 @scans.get("/<scan_id>")
@@ -259,10 +283,21 @@ def cuts_answer(cuts: Cuts) -> wire.Cuts:
 
 
 def scan_answer(row: ScanRow) -> wire.Scan:
-    """The stored row as the API shows it."""
-    place = f"/api/scans/{row.id}"
-    storage = app_context().service.storage
-    patient = patient_of_scan(storage, row.id)
+    """The stored row as the API shows it.  Raises NotFound when it was deleted meanwhile."""
+    answers = _answers([row])
+    if not answers:
+        raise no_such_scan()
+    return answers[0]
+
+
+def _answers(rows: Sequence[ScanRow]) -> list[wire.Scan]:
+    """The stored rows as the API shows them, by one query however many they are; without those just deleted."""
+    owners = patients_of_scans(app_context().service.storage, [row.id for row in rows])
+    return [_answer(row, owners[row.id]) for row in rows if row.id in owners]
+
+
+def _answer(row: ScanRow, owner: PatientRow) -> wire.Scan:
+    place, patient = f"/api/scans/{row.id}", owner.id
     links = wire.ScanLinks(
         self=place,
         mesh=f"{place}/mesh.glb",
@@ -276,7 +311,7 @@ def scan_answer(row: ScanRow) -> wire.Scan:
         plan=f"/api/patients/{patient}/plan",
     )
     shown = {name: fact for name, fact in row.facts.items() if name != "orientation"}  # that is for our own workers
-    facts = shown | cut_facts(row) | {"patient_code": get_patient(storage, patient).code}
+    facts = shown | cut_facts(row) | {"patient_code": owner.code}
     return wire.Scan(id=row.id, patient=patient, created_at=row.created_at, links=links, **facts)
 
 

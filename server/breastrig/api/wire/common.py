@@ -376,8 +376,22 @@ class FitPage(Wire):
     next: str | None = Field(description="address of the next page, null on the last")
 
 
-class PageQuery(Wire):
+class ScanPage(Wire):
+    scans: list[Scan] = Field(description="the newest first")
+    next: str | None = Field(description="address of the next page, null on the last")
+
+
+class Limited(Wire):
     limit: int = Field(50, ge=1, le=200, description="at most so many entries")
+
+
+class ScanQuery(Limited):
+    after: str | None = Field(
+        None, pattern=r"^[0-9TZ:.-]{1,32}~[\w-]{1,32}$", description="as the link to the next page says"
+    )
+
+
+class PageQuery(Limited):
     before: int | None = Field(None, ge=0, le=2**31, description="as the link to the next page says")
 
 

@@ -16,7 +16,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from breastrig.core.errors import NotFound
 from breastrig.storage.rows.events import StoredEvent, events_after, news_after
-from breastrig.storage.rows.fits import get_fit, queue_position
+from breastrig.storage.rows.fits import get_fit, queue_positions
 from breastrig.storage.storage import Storage
 
 LOOK_EVERY_S = 0.02  # an iteration takes about 20 ms: later would show two at once
@@ -76,8 +76,8 @@ class Feed:
         self.asked_again, self.read_at = False, time.monotonic()
         try:
             self.events += events_after(self._storage, self._fit_id, len(self.events))
-            waits = get_fit(self._storage, self._fit_id).state == "queued"
-            self.queue_position = queue_position(self._storage, self._fit_id) if waits else None
+            get_fit(self._storage, self._fit_id)
+            self.queue_position = queue_positions(self._storage, [self._fit_id]).get(self._fit_id)
         except NotFound:
             self.is_deleted = True
         except SQLAlchemyError:

@@ -189,23 +189,18 @@ def next_queued(storage: Storage, besides: set[str]) -> str | None:
         return connection.execute(query).scalar_one_or_none()
 
 
-def queue_position(storage: Storage, fit_id: str) -> int | None:
-    """1 for the next to run, 2 for the one after it; None when the fit does not wait.
+def queue_positions(storage: Storage, fit_ids: Sequence[str]) -> dict[str, int]:
+    """{fit: 1 for the next to run, 2 for the one after it}; those that do not wait are not in it.
 
-    Two stances fitted together stand in the queue once.
+    Two stances fitted together stand in the queue once, where the leading one stands.
     """
-    table = schema.fits
+    table, leader = schema.fits, schema.fits.alias("leader")
+    position = func.dense_rank().over(order_by=leader.c.place)
+    queue = select(table.c.id, position.label("position")).join(leader, leader.c.id == _leader())
+    waiting = queue.where(table.c.state == "queued").subquery()
     with storage.database.reading() as connection:
-        fit = connection.execute(
-            select(table.c.place, table.c.leads, table.c.partner).where(table.c.id == fit_id, table.c.state == "queued")
-        ).one_or_none()
-        if fit is None:
-            return None
-        place = fit.place
-        if not fit.leads:
-            place = connection.execute(select(table.c.place).where(table.c.id == fit.partner)).scalar_one()
-        before = select(func.count(_leader().distinct())).where(table.c.state == "queued", table.c.place < place)
-        return 1 + int(connection.execute(before).scalar_one())
+        rows = connection.execute(select(waiting).where(waiting.c.id.in_(fit_ids)))
+        return {row.id: int(row.position) for row in rows}
 
 
 def still_queued(storage: Storage, fit_ids: set[str]) -> set[str]:
@@ -240,10 +235,13 @@ def fits_of_scan(storage: Storage, scan_id: str) -> list[str]:
         return list(connection.execute(select(schema.fits.c.id).where(schema.fits.c.scan == scan_id)).scalars())
 
 
-def fits_page(storage: Storage, scan_id: str, limit: int, before: int | None = None) -> tuple[list[FitRow], int | None]:
-    """Fits of a scan, the newest first, and where the next page goes on (None: there is none)."""
+def fits_page(
+    storage: Storage, limit: int, before: int | None = None, scan_id: str | None = None
+) -> tuple[list[FitRow], int | None]:
+    """Fits, or those of a scan, the newest first, and where the next page goes on (None: there is none)."""
     table = schema.fits
-    rows, more = newest_first(storage, select(table).where(table.c.scan == scan_id), table.c.place, limit, before)
+    query = select(table) if scan_id is None else select(table).where(table.c.scan == scan_id)
+    rows, more = newest_first(storage, query, table.c.place, limit, before)
     return [_fit_row(row) for row in rows], more
 
 

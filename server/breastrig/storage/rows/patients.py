@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from sqlalchemy import ColumnElement, Connection, delete, exists, func, insert, select, update
+from sqlalchemy import ColumnElement, Connection, Row, delete, exists, func, insert, select, update
 
 from breastrig.core.errors import NotFound
 from breastrig.core.identity import random_code
@@ -105,7 +105,15 @@ def get_patient(storage: Storage, patient_id: str) -> PatientRow:
         row = connection.execute(select(table).where(table.c.id == patient_id)).one_or_none()
     if row is None:
         raise _no_patient()
-    return PatientRow(row.id, row.code, row.created_at, row.version)
+    return _patient_row(row)
+
+
+def patients_of_scans(storage: Storage, scan_ids: Sequence[str]) -> dict[str, PatientRow]:
+    """{scan: its patient}; scans that are gone are not in it."""
+    table, of = schema.patients, schema.scans_of_patients
+    query = select(of.c.scan, table).join(table, table.c.id == of.c.patient).where(of.c.scan.in_(scan_ids))
+    with storage.database.reading() as connection:
+        return {row.scan: _patient_row(row) for row in connection.execute(query)}
 
 
 def patients_page(
@@ -122,7 +130,11 @@ def patients_page(
     else:
         key = table.c.code_key if sort == "code" else _first_scan_at()
         rows, more = by_key(storage, query, key, table.c.position, limit, last)
-    return [PatientRow(row.id, row.code, row.created_at, row.version) for row in rows], more
+    return [_patient_row(row) for row in rows], more
+
+
+def _patient_row(row: Row[Any]) -> PatientRow:
+    return PatientRow(row.id, row.code, row.created_at, row.version)
 
 
 def _first_scan_at() -> ColumnElement[str]:

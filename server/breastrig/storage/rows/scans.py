@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from sqlalchemy import Row, delete, insert, select
+from sqlalchemy import Row, delete, insert, select, tuple_
 
 from breastrig.core.errors import NotFound
 from breastrig.storage import schema
@@ -57,8 +57,8 @@ def get_scan(storage: Storage, scan_id: str) -> ScanRow:
     with storage.database.reading() as connection:
         row = connection.execute(select(schema.scans).where(schema.scans.c.id == scan_id)).one_or_none()
     if row is None:
-        raise NotFound("There is no such scan; it may have been deleted.")
-    return ScanRow(row.id, row.created_at, row.file_type, row.sha256, json.loads(row.facts))
+        raise no_such_scan()
+    return _scan_row(row)
 
 
 def get_scans(storage: Storage, ids: Sequence[str]) -> list[ScanRow]:
@@ -66,7 +66,28 @@ def get_scans(storage: Storage, ids: Sequence[str]) -> list[ScanRow]:
     table = schema.scans
     with storage.database.reading() as connection:
         rows = connection.execute(select(table).where(table.c.id.in_(ids)).order_by(table.c.created_at, table.c.id))
-        return [ScanRow(row.id, row.created_at, row.file_type, row.sha256, json.loads(row.facts)) for row in rows]
+        return [_scan_row(row) for row in rows]
+
+
+def scans_page(
+    storage: Storage, limit: int, last: tuple[str, str] | None = None
+) -> tuple[list[ScanRow], tuple[str, str] | None]:
+    """Scans after the `last` one's time and id, the newest first, and where the next page goes on (None: nowhere)."""
+    table = schema.scans
+    query = select(table).order_by(table.c.created_at.desc(), table.c.id.desc()).limit(limit + 1)
+    if last is not None:
+        query = query.where(tuple_(table.c.created_at, table.c.id) < last)
+    with storage.database.reading() as connection:
+        rows = [_scan_row(row) for row in connection.execute(query)]
+    return rows[:limit], (rows[limit - 1].created_at, rows[limit - 1].id) if len(rows) > limit else None
+
+
+def no_such_scan() -> NotFound:
+    return NotFound("There is no such scan; it may have been deleted.")
+
+
+def _scan_row(row: Row[Any]) -> ScanRow:
+    return ScanRow(row.id, row.created_at, row.file_type, row.sha256, json.loads(row.facts))
 
 
 def scan_ids(storage: Storage) -> set[str]:
@@ -105,7 +126,7 @@ def put_landmarks(storage: Storage, scan_id: str, picks: Picks, seen: str | None
     values = {name: json.dumps(value) for name, value in asdict(picks).items()}
     with storage.database.writing() as connection:
         if connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == scan_id)).first() is None:
-            raise NotFound("There is no such scan; it may have been deleted.")
+            raise no_such_scan()
         if seen is not None:
             row = connection.execute(select(table).where(table.c.scan == scan_id)).one_or_none()
             if seen != picks_digest(_picks(row)):

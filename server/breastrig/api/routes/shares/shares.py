@@ -65,7 +65,7 @@ def list_shares(fit_id: str, query_data: wire.PageQuery) -> wire_shares.SharePag
     storage = app_context().service.storage
     get_fit(storage, fit_id)
     rows, before = shares_page(storage, fit_id, query_data.limit, query_data.before)
-    more = next_page(f"/api/fits/{fit_id}/shares", before, query_data)
+    more = next_page(f"/api/fits/{fit_id}/shares", query_data, None if before is None else {"before": before})
     return wire_shares.SharePage(shares=[share_answer(row) for row in rows], next=more)
 
 
