@@ -279,11 +279,16 @@ def test_landmarks_are_proposed_and_not_stored_as_picked(client: FlaskClient, sc
     assert client.get(place).json["landmarks"] == {}
 
 
-def test_proposals_that_take_long_are_asked_for_again(client_for, config: Config, scan_id: str) -> None:
+def test_proposals_that_take_long_are_asked_for_again(
+    client_for, service: Service, config: Config, scan_id: str
+) -> None:
+    held = service.storage.folders.scan(scan_id) / "held"
+    held.touch()
     hasty = client_for(replace(config, proposal_wait_s=0.0))
     place = f"/api/scans/{scan_id}/landmarks/proposed"
     answer = hasty.get(place)
     assert (answer.status_code, answer.data, answer.headers["Retry-After"]) == (202, b"", "1")
+    held.unlink()
     until(lambda: hasty.get(place).status_code == 200, "the proposals")
 
 

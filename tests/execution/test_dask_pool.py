@@ -130,11 +130,13 @@ def test_what_a_killed_worker_had_is_done_by_the_other_once(two_workers: Cluster
     pool = DaskPool(two_workers.address, memory_bytes=4 * GIB)
     ends: list[int] = []
     file = tmp_path / "signed"
-    futures = [pool.schedule(in_worker.sign_in_and_rest, (str(file), 0.3, n), 60.0) for n in range(5)]
+    end = tmp_path / "end"
+    futures = [pool.schedule(in_worker.sign_in_and_wait_for, (str(file), str(end), n), 60.0) for n in range(5)]
     for future in futures:
         future.add_done_callback(lambda done: ends.append(done.result()))
     until(lambda: len(signed(file)) >= 2, "both workers to be at work")
     two_workers.workers[0].kill()
+    end.touch()
     assert [future.result(timeout=60) for future in futures] == list(range(5))
     until(lambda: sorted(ends) == list(range(5)), "each end to be told, once")
     assert len(signed(file)) > 5  # what was lost had been begun

@@ -40,22 +40,25 @@ def asking(client: str | None) -> Iterator[None]:
 def test_a_client_with_one_task_does_not_wait_for_all_of_anothers(readers: FairProcesses, tmp_path: Path) -> None:
     file = str(tmp_path / "order")
     with asking("busy"):
-        tasks = [readers.schedule(in_worker.rest, (0.5,), 30.0)]
+        tasks = [readers.schedule(in_worker.wait_for, (str(tmp_path / "all asked"),), 30.0)]
         tasks += [readers.schedule(in_worker.note, (file, f"busy {number}"), 30.0) for number in range(2)]
     with asking("other"):
         tasks.append(readers.schedule(in_worker.note, (file, "other"), 30.0))
+    (tmp_path / "all asked").touch()
     assert not wait(tasks, timeout=30).not_done
     order = (tmp_path / "order").read_text().split()
     assert order.index("other") < order.index("1")
 
 
-def test_a_client_has_so_many_and_the_program_itself_any_number(readers: FairProcesses) -> None:
+def test_a_client_has_so_many_and_the_program_itself_any_number(readers: FairProcesses, tmp_path: Path) -> None:
+    end = tmp_path / "end"
     with asking("busy"):
-        tasks = [readers.schedule(in_worker.rest, (0.2,), 30.0) for _ in range(3)]
+        tasks = [readers.schedule(in_worker.wait_for, (str(end),), 30.0) for _ in range(3)]
         with pytest.raises(TooMany, match=r"3 of your scans and reports .* ask again in 2 s"):
             readers.schedule(in_worker.rest, (0.0,), 30.0)
     with asking(None):
         tasks += [readers.schedule(in_worker.rest, (0.0,), 30.0) for _ in range(5)]
+    end.touch()
     assert not wait(tasks, timeout=30).not_done
     with asking("busy"):
         assert readers.result(in_worker.describe, (), 30.0)["threads"] == [1]

@@ -14,7 +14,7 @@ from pathlib import Path
 import httpx
 import pytest
 from helpers.fault_table import Outcome, outcome, wait_for_ends
-from helpers.on_disk import overwrite
+from helpers.on_disk import of_patients, overwrite
 from helpers.real_server import server, starting
 from helpers.small_disk import fill, small_disk, stuck
 from helpers.waiting import until
@@ -121,7 +121,7 @@ def test_a_full_disk_hinders_no_deletion(tmp_path: Path, model: Path, torso: byt
         done = folder.purged("--all")
         assert (done.returncode, done.stderr) == (0, "")
         assert done.stdout.startswith("1 scan deleted")
-        assert not list(folder.data.glob("*/*"))
+        assert not of_patients(folder.data)
     assert "Traceback" not in folder.log.read_text()
 
 
@@ -191,7 +191,7 @@ def test_starts_with_a_clock_that_is_40_days_ahead_lose_no_scan(folder: Folder, 
         until(lambda: "they are deleted from" in folder.log.read_text(), "the announcement")
     with folder.served(FAKE_DAYS_AHEAD="41.1") as client:  # so it is really as late
         until(lambda: client.get(f"/api/scans/{scan}").status_code == 404, "the deletion")
-    assert not list(folder.data.glob("*/*"))
+    assert not of_patients(folder.data)
 
 
 def test_files_that_cannot_be_removed_are_named_until_they_are_gone(folder: Folder, torso: bytes, note: Note) -> None:

@@ -129,9 +129,9 @@ def surface(refined: bool) -> np.ndarray:
 
 
 def patient(job: FitJob) -> Iterator[Event]:
-    """Iterates every 20 ms for ten seconds."""
+    """Iterates every 20 ms for longer than anybody waits."""
     yield started(job)
-    for iteration in range(500):
+    for iteration in range(5000):
         yield iterated(iteration)
         (job.out / "partial").write_text(str(iteration))
         time.sleep(0.02)

@@ -10,10 +10,14 @@ from breastrig.workflow.further_jobs import ProposeJob
 
 
 def at_the_nipple(job: ProposeJob) -> dict[str, Any]:
-    """One proposal, less sure of a scan with cuts, and a line in a file beside the scan each time that it was made."""
+    """One proposal, less sure of a scan with cuts, and a line in a file beside the scan each time that it was made.
+
+    Not made while there is a file `held` beside the scan.
+    """
     with job.scan.with_name("proposed").open("a") as count:
         count.write("once\n")
-    time.sleep(0.1)
+    while job.scan.with_name("held").exists():
+        time.sleep(0.005)
     confidence = 0.25 if job.cuts else 0.5
     found = {"point": [70.0, 350.0, 120.0], "confidence": confidence, "on_scan": True, "error_mm": 16.0}
     return {"nipple_L": found | {"reason": "areola seen"}}

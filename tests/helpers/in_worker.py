@@ -35,6 +35,11 @@ def rest(seconds: float) -> None:
     time.sleep(seconds)
 
 
+def wait_for(file: str) -> None:
+    while not os.path.exists(file):
+        time.sleep(0.005)
+
+
 def refuse(sentence: str) -> None:
     raise BadScan(sentence)
 
@@ -63,6 +68,12 @@ def sign_in_and_rest(file: str, seconds: float, answer: int) -> int:
     with open(file, "a") as signed:
         signed.write(f"{os.getpid()}\n")
     time.sleep(seconds)
+    return answer
+
+
+def sign_in_and_wait_for(file: str, end: str, answer: int) -> int:
+    sign_in_and_rest(file, 0.0, answer)
+    wait_for(end)
     return answer
 
 

@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from breastrig.storage.files import MODELS
+
 READ = "import pathlib, sys; [sys.stdout.buffer.write(pathlib.Path(name).read_bytes()) for name in sys.argv[1:]]"
 
 
@@ -15,6 +17,11 @@ def bytes_below(root: Path, pattern: str = "**/*") -> bytes:
     """All files below `root` that fit the pattern, one after the other."""
     names = [str(path) for path in sorted(root.glob(pattern)) if path.is_file()]
     return subprocess.run([sys.executable, "-c", READ, *names], capture_output=True, check=True).stdout
+
+
+def of_patients(data: Path) -> list[Path]:
+    """What stands in the places of a data folder, but for the models, which are nobody's data."""
+    return [path for path in data.glob("*/*") if path.parent.name != MODELS]
 
 
 def overwrite(file: Path, first: int, last: int) -> None:

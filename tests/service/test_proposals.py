@@ -1,10 +1,12 @@
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
 import pytest
 from helpers import fake_fit, fake_proposals
-from helpers.waiting import until
+from helpers.waiting import PATIENCE_S, until
 
 from breastrig.core.errors import BreastRigError, FitFailed, NotFound
 from breastrig.execution.limits import UploadLimits
@@ -28,12 +30,21 @@ def times_made(storage: Storage, scan_id: str) -> int:
     return len((storage.folders.scan(scan_id) / "proposed").read_text().splitlines())
 
 
+@contextmanager
+def held(storage: Storage, scan_id: str) -> Iterator[None]:
+    """Searches on the scan do not end before this does."""
+    file = storage.folders.scan(scan_id) / "held"
+    file.touch()
+    yield
+    file.unlink()
+
+
 def test_whoever_asks_gets_one_computation_which_outlives_the_server(serving, storage: Storage, scan_id: str) -> None:
     scan = get_scan(storage, scan_id)
     with serving(fake_fit.quick) as service:
         answers: list[object] = []
         threads = [
-            threading.Thread(target=lambda: answers.append(service.proposed_landmarks(scan, "a" * 64, 20.0)))
+            threading.Thread(target=lambda: answers.append(service.proposed_landmarks(scan, "a" * 64, PATIENCE_S)))
             for _ in range(5)
         ]
         for thread in threads:
@@ -41,7 +52,7 @@ def test_whoever_asks_gets_one_computation_which_outlives_the_server(serving, st
         for thread in threads:
             thread.join()
         assert answers == [FOUND] * 5
-        assert service.proposed_landmarks(scan, "a" * 64, 20.0) == FOUND
+        assert service.proposed_landmarks(scan, "a" * 64, PATIENCE_S) == FOUND
         until(lambda: get_proposals(storage, scan_id, "a" * 64) is not None, "the row")
     with serving(fake_fit.quick, proposer=fake_proposals.failing) as service:
         assert service.proposed_landmarks(scan, "a" * 64, 0.0) == FOUND
@@ -52,7 +63,7 @@ def test_another_model_proposes_anew(serving, storage: Storage, scan_id: str) ->
     scan = get_scan(storage, scan_id)
     with serving(fake_fit.quick) as service:
         for made, model in enumerate(("a" * 64, "b" * 64), start=1):
-            assert service.proposed_landmarks(scan, model, 20.0) == FOUND
+            assert service.proposed_landmarks(scan, model, PATIENCE_S) == FOUND
             until(lambda model=model: get_proposals(storage, scan_id, model) is not None, "the row")
             assert times_made(storage, scan_id) == made
         assert get_proposals(storage, scan_id, "a" * 64) is None
@@ -61,36 +72,38 @@ def test_another_model_proposes_anew(serving, storage: Storage, scan_id: str) ->
 def test_another_model_does_not_get_what_is_being_found_for_the_first(serving, storage: Storage, scan_id: str) -> None:
     scan = get_scan(storage, scan_id)
     with serving(fake_fit.quick) as service:
-        assert service.proposed_landmarks(scan, "a" * 64, 0.0) is None
-        assert service.proposed_landmarks(scan, "b" * 64, 20.0) == FOUND
+        with held(storage, scan_id):
+            assert service.proposed_landmarks(scan, "a" * 64, 0.0) is None
+        assert service.proposed_landmarks(scan, "b" * 64, PATIENCE_S) == FOUND
         until(lambda: times_made(storage, scan_id) == 2, "the other model's search")
 
 
 def test_who_does_not_wait_finds_them_later(serving, storage: Storage, scan_id: str) -> None:
     scan = get_scan(storage, scan_id)
     with serving(fake_fit.quick) as service:
-        assert service.proposed_landmarks(scan, "a" * 64, 0.0) is None
+        with held(storage, scan_id):
+            assert service.proposed_landmarks(scan, "a" * 64, 0.0) is None
         until(lambda: service.proposed_landmarks(scan, "a" * 64, 0.0) == FOUND, "the proposals")
     assert times_made(storage, scan_id) == 1
 
 
 @pytest.mark.parametrize(
-    ("proposer", "sentence"),
+    ("proposer", "sentence", "wall_s"),
     [
-        (fake_proposals.failing, "The model found no skin near it; place three landmarks."),
-        (fake_proposals.broken, "Finding landmarks on this scan broke"),
-        (fake_proposals.dying, "Finding landmarks on this scan broke"),
-        (fake_proposals.hanging, "Finding landmarks took longer than 0.3 s"),
+        (fake_proposals.failing, "The model found no skin near it; place three landmarks.", PATIENCE_S),
+        (fake_proposals.broken, "Finding landmarks on this scan broke", PATIENCE_S),
+        (fake_proposals.dying, "Finding landmarks on this scan broke", PATIENCE_S),
+        (fake_proposals.hanging, "Finding landmarks took longer than 0.3 s", 0.3),
     ],
 )
 def test_a_failure_is_a_sentence_and_is_not_kept(
-    serving, storage: Storage, scan_id: str, proposer, sentence: str
+    serving, storage: Storage, scan_id: str, proposer, sentence: str, wall_s: float
 ) -> None:
     scan = get_scan(storage, scan_id)
-    with serving(fake_fit.quick, proposer=proposer, uploads=replace(UploadLimits(), wall_s=0.3)) as service:
+    with serving(fake_fit.quick, proposer=proposer, uploads=replace(UploadLimits(), wall_s=wall_s)) as service:
         for _ in range(2):
             with pytest.raises(FitFailed, match=sentence):
-                service.proposed_landmarks(scan, "a" * 64, 20.0)
+                service.proposed_landmarks(scan, "a" * 64, PATIENCE_S)
         assert service._proposals._running == {}
     assert get_proposals(storage, scan_id, "a" * 64) is None
 
@@ -102,7 +115,7 @@ def test_deleting_the_scan_ends_the_search_and_removes_what_was_found(serving, s
 
         def ask() -> None:
             try:
-                service.proposed_landmarks(scan, "a" * 64, 20.0)
+                service.proposed_landmarks(scan, "a" * 64, PATIENCE_S)
             except BreastRigError as error:
                 raised.append(error)
 
@@ -110,7 +123,7 @@ def test_deleting_the_scan_ends_the_search_and_removes_what_was_found(serving, s
         thread.start()
         until(lambda: (scan_id, "a" * 64) in service._proposals._running, "the search")
         service.delete_scan(scan_id)
-        thread.join(timeout=10)
+        thread.join(timeout=PATIENCE_S)
         assert [type(error) for error in raised] == [NotFound]
         assert get_proposals(storage, scan_id, "a" * 64) is None
 
@@ -132,7 +145,8 @@ def test_who_asks_while_a_search_is_being_stored_begins_no_second_one(
             return found
 
         monkeypatch.setattr(Proposals, "_stored", stored_just_after_the_lookup)
-        assert service.proposed_landmarks(scan, "a" * 64, 0.0) is None
-        assert service.proposed_landmarks(scan, "a" * 64, 20.0) == FOUND
-        assert service.proposed_landmarks(scan, "a" * 64, 20.0) == FOUND
+        with held(storage, scan_id):
+            assert service.proposed_landmarks(scan, "a" * 64, 0.0) is None
+        assert service.proposed_landmarks(scan, "a" * 64, PATIENCE_S) == FOUND
+        assert service.proposed_landmarks(scan, "a" * 64, PATIENCE_S) == FOUND
     assert times_made(storage, scan_id) == 1

@@ -107,7 +107,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     await pattern.locator("[data-parameter=depth_mm]").press("Tab");
     await pattern.getByLabel("Notes").fill("wants it smaller");
     await pattern.getByLabel("Notes").press("Tab");
-    await expect(page.locator(`[data-layer=reference] [data-line="wise_L"]`)).toHaveCount(1, { timeout: 20_000 });
+    await expect(page.locator(`[data-layer=reference] [data-line="wise_L"]`)).toHaveCount(1);
     await expect(page.getByText("To see the drawing on the standing and on the supine body, add the other scan.")).toBeVisible();
   });
 
@@ -128,7 +128,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
 
   await test.step("carried: the lines on the supine scan are those of the API", async () => {
     await page.keyboard.press("4");
-    await expect(page.getByText(/Nine of ten true places lie within \d+ mm of the line \(\d+ mm where/)).toBeVisible({ timeout: 30_000 });
+    await expect(page.getByText(/Nine of ten true places lie within \d+ mm of the line \(\d+ mm where/)).toBeVisible();
     const shown = await samePlaces(page, base, standing, supine);
     expect(shown.map(({ item, name }) => [item, name])).toEqual(expect.arrayContaining([[expect.any(String), "Line 1"], [expect.any(String), "tumour_L"], [expect.any(String), "wise_L"]]));
     expect((await state(page)).drawing, "nothing is made anew on the second body").toBe("");
@@ -224,7 +224,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     const box = (await page.locator("main.stage canvas.view").boundingBox())!;
     await page.mouse.click(box.x + box.width * 0.5, box.y + box.height * 0.45);
     expect((await state(page)).drawn.lines.present).toHaveLength(2);
-    await expect.poll(async () => (await state(page)).stances.other!.drawn.onScan!.carried.shapes.filter(({ kind }) => kind === "line").length, { timeout: 30_000 }).toBe(2);
+    await expect.poll(async () => (await state(page)).stances.other!.drawn.onScan!.carried.shapes.filter(({ kind }) => kind === "line").length).toBe(2);
     await page.keyboard.press("Escape");
     await expect(page.locator(".drawing-saved")).toHaveText("Saved");
   });
@@ -244,7 +244,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     const plan = (await (await page.request.get(`${base}/api/fits/${supine}/plan.json`)).json()) as PlanOnScan;
     expect(plan.shapes.find(({ name }) => name === "tumour_L")).toMatchObject({ carried: true, depth_mm: 20 });
     expect(plan.notes.map(({ text }) => text)).toEqual(["wants it smaller"]);
-    await expect.poll(async () => (await state(page)).stances.other!.drawn.onScan?.carried.shapes.filter(({ kind }) => kind === "line").length, { timeout: 30_000 }).toBe(2);
+    await expect.poll(async () => (await state(page)).stances.other!.drawn.onScan?.carried.shapes.filter(({ kind }) => kind === "line").length).toBe(2);
   });
 
   expect((await hook.picture(page)).isLost).toBe(false);

@@ -305,7 +305,7 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   const wanted = "reduction:areola_mm=44.5,opening_deg=95.5+tumour:side=L,clock=10,distance_mm=40,radius_mm=15";
   expect((await page.evaluate(() => window.__breastrig!.state())).drawing).toBe(wanted);
   const names = ["wise_L", "wise_R", "areola_L", "tumour_L"];
-  for (const name of names) await expect(page.locator(`[data-layer=reference] [data-line="${name}"]`)).toHaveCount(1, { timeout: 20_000 });
+  for (const name of names) await expect(page.locator(`[data-layer=reference] [data-line="${name}"]`)).toHaveCount(1);
   expect((await hook.fit(page))!.id, "the fit stays").toBe(first);
   const file = (await (await page.request.get(`${base}/api/fits/${first}/plan.json`)).json()) as { shapes: { name: string; points: Vector[] }[] };
   expect(file.shapes.map(({ name }) => name)).toEqual(expect.arrayContaining(names));
@@ -325,7 +325,7 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   await hook.ready(page);
   await untilFitted(page);
   expect((await page.evaluate(() => window.__breastrig!.state())).drawing).toBe(wanted);
-  await expect(page.locator(`[data-layer=reference] [data-line="wise_L"]`)).toHaveCount(1, { timeout: 20_000 });
+  await expect(page.locator(`[data-layer=reference] [data-line="wise_L"]`)).toHaveCount(1);
   expect(troubles).toEqual([]);
 });
 

@@ -1,7 +1,7 @@
 // What the browser tests share: the page with its record of errors, and the example patient's files.
 import { readFileSync } from "node:fs";
 import { join, resolve } from "node:path";
-import { expect, type Locator, type Page, test as plain } from "@playwright/test";
+import { type CDPSession, expect, type Locator, type Page, test as plain } from "@playwright/test";
 import type { LandmarkFile, Vector } from "../src/api/types";
 import { mmFrom } from "../src/ui/units";
 
@@ -35,8 +35,6 @@ export const test = plain.extend<{ base: string; troubles: string[] }>({
 
 /** Waits until it is so, and looks ten times a second: looking at every frame makes the browser draw frames for nothing else. */
 export const until = <Given>(page: Page, isSo: (given: Given) => unknown, given?: Given) => page.waitForFunction(isSo as () => unknown, given, { polling: 100 });
-
-const PRESS_MS = 3000; // no click comes later
 
 export const hook = {
   ready: (page: Page) => until(page, () => window.__breastrig?.isReady()),
@@ -76,14 +74,25 @@ export async function untilFitted(page: Page): Promise<void> {
 
 export const distance = (a: Vector, b: Vector): number => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 
-/**
- * Taps, and waits for the click that the browser makes of it a moment later.
- *
- * A tap is two messages, of which the second waits until the page has answered the first: on a busy machine it may last so
- * long that it is a press, of which no click is made.  Then, as a person would, it taps once more.
- */
+type Finger = readonly { x: number; y: number }[];
+export type FingerEvent = readonly ["touchStart" | "touchMove" | "touchEnd", Finger];
+
+/** Sends what fingers do as one burst: awaited one by one, a tap would last as long as a busy page takes to answer. */
+export async function touch(session: CDPSession, ...events: FingerEvent[]): Promise<void> {
+  const points = (fingers: Finger) => fingers.map(({ x, y }, id) => ({ x, y, id }));
+  await Promise.all(events.map(([type, fingers]) => session.send("Input.dispatchTouchEvent", { type, touchPoints: points(fingers) })));
+}
+
+export const tapAt = (session: CDPSession, place: { x: number; y: number }): Promise<void> => touch(session, ["touchStart", [place]], ["touchEnd", []]);
+
+/** Taps, and waits for the click that the browser makes of it a moment later. */
 export async function tap(place: Locator): Promise<void> {
-  const click = place.evaluate((element) => new Promise<boolean>((clicked) => element.addEventListener("click", () => clicked(true), { once: true })));
-  do await place.tap();
-  while (!(await Promise.race([click, place.page().waitForTimeout(PRESS_MS).then(() => false)])));
+  await place.scrollIntoViewIfNeeded(); // once it is visible and holds still
+  await expect(place).toBeEnabled();
+  const click = place.evaluate((element) => new Promise<void>((clicked) => element.addEventListener("click", () => clicked(), { once: true })));
+  const { x, y, width, height } = (await place.boundingBox())!;
+  const session = await place.page().context().newCDPSession(place.page());
+  await tapAt(session, { x: x + width / 2, y: y + height / 2 });
+  await click;
+  await session.detach();
 }

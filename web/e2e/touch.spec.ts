@@ -1,16 +1,10 @@
 // A tablet: one finger turns, a tap places, a finger held still aims above its tip, two fingers zoom; nothing lies over
 // anything else, lying or upright.
-import { type CDPSession, expect, type Page } from "@playwright/test";
+import { expect, type Page } from "@playwright/test";
 import { overlaps, smallTargets } from "./audit";
-import { distance, hook, tap, test, trueLandmarks, until, untilFitted, untilStill } from "./page";
+import { distance, type FingerEvent, hook, tap, tapAt, test, touch, trueLandmarks, until, untilFitted, untilStill } from "./page";
 
 test.use({ hasTouch: true, viewport: { width: 1024, height: 768 } });
-
-type Fingers = readonly { x: number; y: number }[];
-
-async function touch(session: CDPSession, kind: "touchStart" | "touchMove" | "touchEnd", fingers: Fingers): Promise<void> {
-  await session.send("Input.dispatchTouchEvent", { type: kind, touchPoints: fingers.map(({ x, y }, id) => ({ x, y, id })) });
-}
 
 const ABOVE = 56; // pixels: as fingers.ts
 
@@ -36,7 +30,7 @@ test("fingers turn, place, aim and zoom; both ways of holding a tablet have room
     await tap(page.locator(".landmarks [data-landmark=umbilicus] .landmark-name"));
     await untilStill(page); // the eye comes near
     const { x, y } = await hook.project(page, truth.umbilicus!);
-    await page.touchscreen.tap(x, y);
+    await tapAt(session, { x, y });
     expect(distance((await hook.pick(page, "umbilicus"))!, truth.umbilicus!)).toBeLessThan(4);
   });
 
@@ -45,13 +39,13 @@ test("fingers turn, place, aim and zoom; both ways of holding a tablet have room
     await untilStill(page);
     const goal = await hook.project(page, truth.mid_sternum!);
     const finger = { x: goal.x - 20, y: goal.y + ABOVE + 12 };
-    await touch(session, "touchStart", [finger]);
+    await touch(session, ["touchStart", [finger]]);
     await expect(page.locator(".crosshair")).toBeVisible();
     await expect(page.locator(".loupe")).toBeVisible();
     const before = await hook.picture(page);
-    await touch(session, "touchMove", [{ x: goal.x, y: goal.y + ABOVE }]);
+    await touch(session, ["touchMove", [{ x: goal.x, y: goal.y + ABOVE }]]);
     expect((await hook.picture(page)).checksum, "aiming does not turn the body").toBe(before.checksum);
-    await touch(session, "touchEnd", []);
+    await touch(session, ["touchEnd", []]);
     expect(distance((await hook.pick(page, "mid_sternum"))!, truth.mid_sternum!)).toBeLessThan(3);
     await expect(page.locator(".crosshair")).toBeHidden();
     expect(await hook.pickCount(page)).toBe(2);
@@ -65,17 +59,16 @@ test("fingers turn, place, aim and zoom; both ways of holding a tablet have room
     await page.keyboard.press("f");
     await untilStill(page);
     const front = await apart();
-    await touch(session, "touchStart", [middle]);
-    for (const step of [10, 40, 80, 120]) await touch(session, "touchMove", [{ x: middle.x + step, y: middle.y }]);
-    await touch(session, "touchEnd", []);
+    const along = [10, 40, 80, 120].map((step): FingerEvent => ["touchMove", [{ x: middle.x + step, y: middle.y }]]);
+    await touch(session, ["touchStart", [middle]], ...along, ["touchEnd", []]);
     await untilStill(page);
     expect(await apart(), "turned away").toBeLessThan(0.95 * front);
     await page.keyboard.press("f");
     await untilStill(page);
-    const pair = (half: number): Fingers => [{ x: middle.x - half, y: middle.y }, { x: middle.x + half, y: middle.y }];
-    await touch(session, "touchStart", pair(40));
-    for (const half of [50, 65, 80]) await touch(session, "touchMove", pair(half));
-    await touch(session, "touchEnd", []);
+    const pair = (half: number) => [{ x: middle.x - half, y: middle.y }, { x: middle.x + half, y: middle.y }];
+    await touch(session, ["touchStart", pair(40)]);
+    for (const half of [50, 65, 80]) await touch(session, ["touchMove", pair(half)]);
+    await touch(session, ["touchEnd", []]);
     await untilStill(page);
     expect(await apart(), "twice as far apart, about twice as near").toBeGreaterThan(1.3 * front);
     expect(await hook.pickCount(page)).toBe(2);

@@ -10,9 +10,11 @@ const HOLD_MS = 350; // longer than a tap, shorter than the browser's own menu
 const STILL = 8; // pixels
 const ABOVE = 56; // pixels from the finger's middle to the cross: clear of a fingertip
 
-export function listenToFingers(canvas: HTMLElement, viewer: Viewer, cross: Crosshair, store: Store<LandmarksSlice>, landmarks: LandmarkActions): { isAimed(event: PointerEvent): boolean } {
+export function listenToFingers(canvas: HTMLElement, viewer: Viewer, cross: Crosshair, store: Store<LandmarksSlice>, landmarks: LandmarkActions): { isAimed: (event: PointerEvent) => boolean } {
   const aimed = new WeakSet<PointerEvent>(); // their lifting is no click
-  let finger: { id: number; x: number; y: number; timer: ReturnType<typeof setTimeout>; isAiming: boolean } | null = null;
+  let finger: { id: number; x: number; y: number; since: number; timer: ReturnType<typeof setTimeout>; isAiming: boolean } | null = null;
+  /** By the events' own clock: on a busy page the timer may run before the finger's earlier move or lifting arrives. */
+  const hasAimed = (event: PointerEvent): boolean => finger !== null && finger.isAiming && event.timeStamp - finger.since >= HOLD_MS;
 
   const end = (): void => {
     if (!finger) return;
@@ -34,11 +36,11 @@ export function listenToFingers(canvas: HTMLElement, viewer: Viewer, cross: Cros
       viewer.mayTurn = false;
       cross.show(finger.x, finger.y - ABOVE);
     };
-    finger = { id: event.pointerId, x: event.clientX, y: event.clientY, timer: setTimeout(aim, HOLD_MS), isAiming: false };
+    finger = { id: event.pointerId, x: event.clientX, y: event.clientY, since: event.timeStamp, timer: setTimeout(aim, HOLD_MS), isAiming: false };
   });
   canvas.addEventListener("pointermove", (event) => {
     if (event.pointerId !== finger?.id) return;
-    if (finger.isAiming) cross.show(event.clientX, event.clientY - ABOVE);
+    if (hasAimed(event)) cross.show(event.clientX, event.clientY - ABOVE);
     else if (Math.hypot(event.clientX - finger.x, event.clientY - finger.y) > STILL) end();
   });
   // Before the click is looked for: lifting the finger places under the cross and not under the finger.
@@ -46,10 +48,10 @@ export function listenToFingers(canvas: HTMLElement, viewer: Viewer, cross: Cros
     "pointerup",
     (event) => {
       if (event.pointerId !== finger?.id) return;
-      const { isAiming } = finger;
+      const isAimed = hasAimed(event);
       const { hit } = cross;
       end();
-      if (!isAiming) return;
+      if (!isAimed) return;
       aimed.add(event);
       if (hit) landmarks.place(hit.point);
     },
