@@ -17,6 +17,8 @@ from breastrig.service.service import Service
 LINE = {"kind": "line", "name": "incision", "closed": False, "color": "#b83280", "points": [[70.0, 350.0, 120.0]]}
 TUMOUR = {"kind": "tumour", "side": "L", "clock": 10.0, "distance_mm": 45.0, "radius_mm": 12.0, "depth_mm": 20.0}
 
+LESION = {"kind": "lesion", "name": "MRI 1", "center": [70.0, 350.0, 100.0], "radius_mm": 6.0}
+
 
 @pytest.fixture
 def add(client: FlaskClient, torso: bytes) -> Iterator[Any]:
@@ -114,6 +116,8 @@ def test_who_has_not_seen_the_plan_does_not_replace_it(client: FlaskClient, add:
         (TUMOUR | {"id": "no spaces"}, "id"),
         (LINE | {"id": "a", "points": [[70.0, 350.0, 9000.0]]}, "outside of the scan"),
         (LINE | {"id": "a", "points": []}, "points"),
+        (LESION | {"id": "m", "center": [0.07, 0.35, 9000.0]}, "outside of the scan"),
+        (LESION | {"id": "m", "radius_mm": 0.0}, "radius_mm"),
         ({"id": "n", "kind": "note", "text": ""}, "text"),
         ({"id": "n", "kind": "note", "text": "x" * 2001}, "text"),
         ({"id": "p", "kind": "pattern", "name": "tattoo", "parameters": {}}, "tattoo"),

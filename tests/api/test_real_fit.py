@@ -220,7 +220,7 @@ def test_a_pattern_follows_a_hand_and_its_parameters_give_the_same_lines_in_the_
 ) -> None:
     service, client = real
     scan = client.post("/api/examples/standing").json
-    fitted(service, client, scan, client.get(scan["links"]["landmarks"]).json["landmarks"])
+    result = fitted(service, client, scan, client.get(scan["links"]["landmarks"]).json["landmarks"])
     (fit,) = client.get(f"/api/scans/{scan['id']}/fits").json["fits"]
     place = f"/api/fits/{fit['id']}/pattern"
     first = client.post(place, json={"name": "vertical", "parameters": {"side": "L"}})
@@ -235,8 +235,16 @@ def test_a_pattern_follows_a_hand_and_its_parameters_give_the_same_lines_in_the_
     moved = {shape["name"] for shape in dragged["shapes"] if shape["points"] != lines[shape["name"]]}
     assert moved == {"vertical_L"}
     item = {"kind": "pattern", "id": "p", "scan": scan["id"], "name": "vertical", "parameters": dragged["parameters"]}
-    assert client.put(scan["links"]["plan"], json={"items": [item]}, headers={"If-Match": '"0"'}).status_code == 200
+    nipple, shoulder = (1e3 * np.array(result["landmarks"][name]) for name in ("nipple_L", "acromion_L"))  # from metres
+    lesion = {"kind": "lesion", "id": "m", "scan": scan["id"], "name": "MRI 1", "radius_mm": 6.0}
+    items = [item, lesion | {"center": (0.7 * nipple + 0.3 * shoulder).tolist()}]
+    assert client.put(scan["links"]["plan"], json={"items": items}, headers={"If-Match": '"0"'}).status_code == 200
     planned = client.get(f"/api/fits/{fit['id']}/plan.json").json
+    assert planned["missing"] == []
+    (found,) = planned["lesions"]
+    assert (found["id"], found["error_mm"], found["carried"]) == ("m", 0.0, False)
+    assert np.allclose(1e3 * np.array(found["center"]), items[1]["center"], atol=1e-2)
+    assert planned["shapes"].pop()["item"] == "m"
     for shape, same in zip(dragged["shapes"], planned["shapes"], strict=True):
         assert (shape["name"], shape["points"]) == (same["name"], same["points"])
         assert shape["error_mm"] == same["error_mm"]

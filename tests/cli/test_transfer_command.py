@@ -16,6 +16,7 @@ from breastrig.cli.main import main
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.drawing_file import parsed_drawing
 from breastrig.drawings.superimposition import gaps
+from breastrig.geometry.normals import vertex_normals
 from breastrig.workflow import report
 from breastrig.workflow.folder.fit_folder import FitFolder, read_fit_folder
 
@@ -196,6 +197,37 @@ def test_report_and_export_show_the_plan_instead_of_the_fits_own_drawing(
     assert "wise_R" in content
     assert main(["export", standing, "--plan", str(plan), "-o", str(tmp_path / "alone")]) == 0
     assert "tumour_L" in (tmp_path / "alone" / "drawing.obj").read_text()
+
+
+def test_a_lesion_is_carried_through_the_body(fits: Path, tmp_path: Path) -> None:
+    """20 mm under the nipple it lies 20 mm under the nipple there, in the target's unit, and comes back."""
+    folders = {name: read_fit_folder(fits / name) for name in ("standing", "supine")}
+
+    def inside(name: str) -> np.ndarray:
+        fit = folders[name]
+        place = fit.rig.landmark_points(("nipple_L",))
+        nipple = place.positions(fit.vertices, fit.rig.faces)[0]
+        outwards = place.directions(vertex_normals(fit.vertices, fit.rig.faces), fit.rig.faces)[0]
+        return nipple - 0.02 * outwards
+
+    def carried(start: str, goal: str, center: np.ndarray) -> dict:
+        item = {"kind": "lesion", "id": "a", "name": "seen in MRI", "center": center.tolist(), "radius_mm": 6}
+        file = tmp_path / "plan.json"
+        file.write_text(json.dumps({"schema": "breastrig/plan@1", "items": [item]}))
+        there = transfer(fits, start, goal, tmp_path / f"{goal}.json", "--drawing", str(file))
+        assert [shape["item"] for shape in there["shapes"]] == ["a"]
+        (lesion,) = there["lesions"]
+        return lesion
+
+    lesion = carried("standing", "supine", 1e3 * inside("standing"))
+    assert (lesion["id"], lesion["name"], lesion["radius_mm"], lesion["carried"]) == ("a", "seen in MRI", 6.0, True)
+    there = folders["supine"].metres_per_unit * np.array(lesion["center"])
+    assert np.linalg.norm(there - inside("supine")) < 0.01
+    assert 3.0 < lesion["error_mm"] < 20.0
+    assert 12.0 < lesion["depth_mm"] < 25.0
+    back = carried("supine", "standing", 1e3 * there)
+    here = folders["standing"].metres_per_unit * np.array(back["center"])
+    assert np.linalg.norm(here - inside("standing")) < 2e-3  # one spline is not quite the inverse of the other
 
 
 @pytest.mark.parametrize(

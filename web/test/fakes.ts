@@ -69,7 +69,7 @@ export function fakePlans() {
       all(link).push({ ...all(link)[0]!, version: version + 1, whole: true, items: JSON.parse(JSON.stringify(items)) as PlanItem[] });
       return all(link).at(-1)!;
     }),
-    planOnFit: vi.fn(async (link: string): Promise<PlanOnScan> => ({ schema: "breastrig/drawing@1", name: "plan", unit: "mm", notice: "", shapes: [], notes: [], missing: [], doubts: [], version: 1, whole: true, fit: link, carried_from: [] })),
+    planOnFit: vi.fn(async (link: string): Promise<PlanOnScan> => ({ schema: "breastrig/drawing@1", name: "plan", unit: "mm", notice: "", shapes: [], lesions: [], notes: [], missing: [], doubts: [], version: 1, whole: true, fit: link, carried_from: [] })),
     moveScan: vi.fn(async (_scan: string, patient: string) => ({ id: patient }) as Patient),
   };
 }

@@ -68,6 +68,15 @@ class PlanTumour(_Item):
     depth_mm: float | None = Field(None, ge=0.0, le=DEEPEST, description="below the skin; null where it is not known")
 
 
+class PlanLesion(_Item):
+    """A ball inside the body, mm: what an image showed."""
+
+    kind: Literal["lesion"] = "lesion"
+    name: Title
+    center: Point = Field(description="in the frame of the scan that it was seen with, inside the body")
+    radius_mm: float = Field(ge=0.5, le=80.0, description="without margin")
+
+
 class PlanNote(_Item):
     """A sentence, of the whole or of one place, mm."""
 
@@ -76,7 +85,7 @@ class PlanNote(_Item):
     point: Point | None = None
 
 
-PlanItem = Annotated[PlanLine | PlanPattern | PlanTumour | PlanNote, Field(discriminator="kind")]
+PlanItem = Annotated[PlanLine | PlanPattern | PlanTumour | PlanLesion | PlanNote, Field(discriminator="kind")]
 
 
 class ScanOfPlan(Part):

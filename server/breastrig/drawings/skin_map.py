@@ -25,7 +25,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from breastrig.core.arrays import Array, Integers
+from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import BadDrawing
 from breastrig.correspondence.match import Correspondences, MatchRules, match
 from breastrig.correspondence.target import ScanTarget
@@ -88,7 +88,8 @@ class SkinMap:
         self._settings = own = settings or skin_map_settings(rig)
         on_scan = MatchRules("rays", own.on_scan_distance, own.on_scan_angle)
         seen = match(a.target, a.vertices, _normals(rig, a.vertices), on_scan)
-        on_a = _near_the_breasts(rig, a.vertices, seen, own.reach)
+        near = within_reach(rig, a.vertices, seen.points)
+        on_a = Correspondences(seen.vertices[near], seen.points[near], seen.normals[near], seen.distances[near])
         on_b = match(b.target, b.vertices, _normals(rig, b.vertices), on_scan)
         if min(len(on_a.vertices), len(on_b.vertices)) < MIN_SEEN:
             raise BadDrawing("A fitted model does not lie on its scan; fit it again before carrying points.")
@@ -198,15 +199,18 @@ def _normals(rig: Rig, vertices: Array) -> Array:
     return vertex_normals(vertices, rig.faces)
 
 
-def _near_the_breasts(rig: Rig, vertices: Array, found: Correspondences, reach: float) -> Correspondences:
-    """Matches within `reach` (m) of the line between the breasts; all for a rig without breasts."""
+def within_reach(rig: Rig, vertices: Array, points: Array) -> Booleans:
+    """(M,) whether (M, 3) m points are so near to the breasts that skin is followed there; all for a rig without.
+
+    `vertices` (V, 3) m are the fitted model's, in the points' frame.
+    """
     if not {"breast_L", "breast_R"} <= rig.regions.keys():
-        return found
+        return np.ones(len(points), dtype=np.bool_)
     left, right = (vertices[rig.regions[name]].mean(axis=0) for name in ("breast_L", "breast_R"))
     across = right - left
-    share = np.clip((found.points - left) @ across / (across @ across), 0.0, 1.0)
-    near = np.linalg.norm(found.points - left - share[:, None] * across, axis=1) < reach
-    return Correspondences(found.vertices[near], found.points[near], found.normals[near], found.distances[near])
+    share = np.clip((points - left) @ across / (across @ across), 0.0, 1.0)
+    gaps = np.linalg.norm(points - left - share[:, None] * across, axis=1)
+    return np.asarray(gaps < skin_map_settings(rig).reach)
 
 
 def _gaps(points: Array, others: Array) -> Array:

@@ -134,7 +134,7 @@ def _in_words(job: ReportJob, plan: PlanLines | None, fit: FitFolder) -> tuple[P
         return ()
     document = job.plan or {"schema": PLAN_SCHEMA, "unit": "mm", "items": list(job.items)}
     missing = {each["item"]: str(each["reason"]) for each in plan[0].get("missing", ())}
-    return planned_items(checked_plan(document).items, plan[0]["shapes"], missing, fit)
+    return planned_items(checked_plan(document).items, plan[0], missing, fit)
 
 
 def stance_of(folder: Path, fit: FitFolder, plan: PlanLines | None = None) -> Stance:

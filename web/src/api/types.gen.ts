@@ -780,7 +780,21 @@ export type Plan = {
   unit?: "mm";
   /** that the items name */
   scans?: ScanOfPlan[];
-  items: (PlanLine | PlanPattern | PlanTumour | PlanNote)[];
+  items: (PlanLine | PlanPattern | PlanTumour | PlanLesion | PlanNote)[];
+};
+
+/** A ball inside the body, mm: what an image showed. */
+export type PlanLesion = {
+  /** stays the same through all changes; unique in the plan */
+  id: string;
+  /** of the scan that it was made on; empty: the one that is at hand */
+  scan?: string;
+  kind?: "lesion";
+  name: string;
+  /** in the frame of the scan that it was seen with, inside the body */
+  center: [number, number, number];
+  /** without margin */
+  radius_mm: number;
 };
 
 /** A line that was drawn on the scan's skin, mm. */
@@ -823,6 +837,7 @@ export type PlanOnScan = {
   unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   notice: string;
   shapes: PlannedShape[];
+  lesions: PlannedLesion[];
   notes: PlannedNote[];
   /** items that cannot be shown here, and why */
   missing: MissingItem[];
@@ -870,6 +885,22 @@ export type PlanTumour = {
   depth_mm?: number | null;
 };
 
+/** A ball inside the body, in the scan's frame. */
+export type PlannedLesion = {
+  /** of the plan's item */
+  id: string;
+  name: string;
+  /** in the drawing's unit */
+  center: [unknown, unknown, unknown];
+  radius_mm: number;
+  /** radius that holds the true centre with 90 %; null where not known */
+  error_mm: number | null;
+  /** of the centre below the fitted skin */
+  depth_mm: number;
+  /** whether it was given on another scan */
+  carried: boolean;
+};
+
 export type PlannedNote = {
   item: string;
   text: string;
@@ -891,7 +922,7 @@ export type PlannedShape = {
   error_mm?: (number | null)[] | null;
   /** id of the plan's item */
   item: string;
-  kind: "line" | "pattern" | "tumour" | "note";
+  kind: "line" | "pattern" | "tumour" | "lesion" | "note";
   /** whether it was made on another scan */
   carried: boolean;
   /** of a tumour, below the skin */
@@ -1238,7 +1269,7 @@ export type StoredPlan = {
   /** whether somebody has written the plan; false: fits' own drawings still count */
   whole: boolean;
   scans: ScanOfPlan[];
-  items: (PlanLine | PlanPattern | PlanTumour | PlanNote)[];
+  items: (PlanLine | PlanPattern | PlanTumour | PlanLesion | PlanNote)[];
 };
 
 export type SurfaceDistances = {

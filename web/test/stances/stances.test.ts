@@ -124,7 +124,7 @@ test("the file has the command line's columns and quotes what needs it", () => {
 
 const shape = (part: Partial<PlannedShape>): PlannedShape => ({ name: "Line 1", closed: false, color: INK, points: [[0, 0, 0]], bridged: [false], item: "a", kind: "line", carried: true, ...part });
 const CARRIED: PlanOnScan = {
-  schema: "breastrig/drawing@1", name: "plan", unit: "mm", notice: "", notes: [], missing: [], version: 1, whole: true, fit: "f2", carried_from: [{ scan: "standing", fit: "f1" }],
+  schema: "breastrig/drawing@1", name: "plan", unit: "mm", notice: "", notes: [], lesions: [], missing: [], version: 1, whole: true, fit: "f2", carried_from: [{ scan: "standing", fit: "f1" }],
   shapes: [
     shape({ points: [[0, 0, 0], [1, 0, 0], [2, 0, 0]], bridged: [false, false, true], error_mm: [4, null, 9] }),
     shape({ name: "tumour_L", item: "t", kind: "tumour", error_mm: [5] }),

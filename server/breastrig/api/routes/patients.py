@@ -15,7 +15,7 @@ from breastrig.api.routes.paging import next_page
 from breastrig.api.wire import patients as wire
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.patterns import drawing_with
-from breastrig.drawings.plan_schema import Plan, PlanLine, PlanNote, asked_of
+from breastrig.drawings.plan_schema import Plan, PlanLesion, PlanLine, PlanNote, asked_of
 from breastrig.storage.rows.fits import FitRow, newest_fits
 from breastrig.storage.rows.patients import (
     PatientRow,
@@ -178,6 +178,8 @@ def _check(plan: Plan, patient_id: str) -> None:
             check_near_scan(item.name, item.points, scan)
         elif isinstance(item, PlanNote):
             check_near_scan(item.text[:40], [] if item.point is None else [item.point], scan)
+        elif isinstance(item, PlanLesion):
+            check_near_scan(item.name, [item.center], scan)
         else:
             drawing_with(context.model.rig, *asked_of(item))
 

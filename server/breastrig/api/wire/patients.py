@@ -96,9 +96,21 @@ class PlannedShape(DrawnShape):
     color: Colour
     bridged: list[bool] = Field(description="true where the scan has no skin to lie on")
     item: str = Field(description="id of the plan's item")
-    kind: Literal["line", "pattern", "tumour", "note"]
+    kind: Literal["line", "pattern", "tumour", "lesion", "note"]
     carried: bool = Field(description="whether it was made on another scan")
     depth_mm: float | None = Field(None, description="of a tumour, below the skin")
+
+
+class PlannedLesion(Wire):
+    """A ball inside the body, in the scan's frame."""
+
+    id: str = Field(description="of the plan's item")
+    name: str
+    center: tuple[float, float, float] = Field(description="in the drawing's unit")
+    radius_mm: float
+    error_mm: float | None = Field(description="radius that holds the true centre with 90 %; null where not known")
+    depth_mm: float = Field(description="of the centre below the fitted skin")
+    carried: bool = Field(description="whether it was given on another scan")
 
 
 class PlannedNote(Wire):
@@ -125,6 +137,7 @@ class PlanOnScan(Wire):
     unit: LineUnit = Field(description="of the scan")
     notice: str
     shapes: list[PlannedShape]
+    lesions: list[PlannedLesion]
     notes: list[PlannedNote]
     missing: list[MissingItem] = Field(description="items that cannot be shown here, and why")
     doubts: list[str] = Field(

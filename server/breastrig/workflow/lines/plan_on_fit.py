@@ -8,7 +8,7 @@ from typing import Any
 
 from breastrig.core.errors import BadInput
 from breastrig.drawings.drawing_file import shape_document
-from breastrig.drawings.plan_on_scan import PlannedLine, PlannedScan, PlanOnScan, plan_on_scan
+from breastrig.drawings.plan_on_scan import PlannedLesion, PlannedLine, PlannedScan, PlanOnScan, plan_on_scan
 from breastrig.drawings.plan_schema import Plan, PlanItem, PlanNote, PlanTumour, checked_plan
 from breastrig.drawings.transfer import fitted_scan
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -74,6 +74,7 @@ def plan_document(plan: Plan, fit: FitFolder, found: PlanOnScan, others: Sequenc
     """
     return empty_plan_document(fit.unit) | {
         "shapes": [_shape(each, fit.metres_per_unit) for each in found.lines],
+        "lesions": [_lesion(each, fit) for each in found.lesions],
         "notes": [
             {"item": item.id, "text": item.text, "at": item.id if item.point is not None else None}
             for item in plan.items
@@ -81,6 +82,18 @@ def plan_document(plan: Plan, fit: FitFolder, found: PlanOnScan, others: Sequenc
         ],
         "missing": [{"item": each.item.id, "reason": each.reason} for each in found.missing],
         "doubts": [doubt for other in others if (doubt := body_doubt(other, fit)) is not None],
+    }
+
+
+def _lesion(each: PlannedLesion, fit: FitFolder) -> dict[str, Any]:
+    return {
+        "id": each.item.id,
+        "name": each.item.name,
+        "center": [round(float(value), 6) for value in each.center / fit.metres_per_unit],
+        "radius_mm": each.item.radius_mm,
+        "error_mm": None if each.error is None else round(1e3 * each.error, 2),
+        "depth_mm": round(1e3 * each.depth, 2),
+        "carried": each.is_carried,
     }
 
 

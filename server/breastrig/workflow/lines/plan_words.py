@@ -6,7 +6,7 @@ from typing import Any
 
 from breastrig.drawings.pattern_parameters import Parameter, parameters_of
 from breastrig.drawings.patterns import LABELS, PATTERNS, drawing_with
-from breastrig.drawings.plan_schema import PlanItem, PlanLine, PlanNote, PlanPattern, PlanTumour, asked_of
+from breastrig.drawings.plan_schema import PlanItem, PlanLesion, PlanLine, PlanNote, PlanPattern, PlanTumour, asked_of
 from breastrig.report.document import PlannedItem
 from breastrig.report.pages.names import spoken
 from breastrig.workflow.folder.fit_folder import FitFolder
@@ -17,12 +17,20 @@ PARAMETER = re.compile(r" \([a-z]+(?:_[a-z]+)+\)")  # which a sentence names for
 
 
 def planned_items(
-    items: Sequence[PlanItem], shown: Sequence[Mapping[str, Any]], missing: Mapping[str, str], fit: FitFolder
+    items: Sequence[PlanItem], shown: Mapping[str, Any], missing: Mapping[str, str], fit: FitFolder
 ) -> tuple[PlannedItem, ...]:
-    """All items, each with its numbers; `shown` are the shapes on this fit's scan, `missing` why others are not."""
-    here = {shape["item"] for shape in shown if not shape["carried"]}
+    """All items, each with its numbers; `shown` is the plan on this fit's scan, `missing` why others are not there."""
+    here = {shape["item"] for shape in shown["shapes"] if not shape["carried"]}
+    lesions = {lesion["id"]: lesion for lesion in shown["lesions"]}
     return tuple(
-        PlannedItem(item.id, _name(item, fit), _values(item, fit if item.id in here else None), _text(item, missing))
+        PlannedItem(
+            item.id,
+            _name(item, fit),
+            _lesion_values(item, lesions.get(item.id))
+            if isinstance(item, PlanLesion)
+            else _values(item, fit if item.id in here else None),
+            _text(item, missing),
+        )
         for item in items
     )
 
@@ -30,6 +38,8 @@ def planned_items(
 def _name(item: PlanItem, fit: FitFolder) -> str:
     if isinstance(item, PlanLine):
         return item.label or spoken(item.name)
+    if isinstance(item, PlanLesion):
+        return f"Lesion, {item.name}"
     if isinstance(item, PlanNote):
         return "Note"
     if isinstance(item, PlanTumour):
@@ -56,6 +66,15 @@ def _values(item: PlanItem, fit: FitFolder | None) -> tuple[tuple[str, str], ...
     given = [(each.label, _value(each, item.parameters.get(each.name, each.default))) for each in parameters]
     known = tuple((label, value) for label, value in given if value)
     return known if fit is None or len(known) == len(given) else (*known, *_as_drawn(item, fit))
+
+
+def _lesion_values(item: PlanLesion, here: Mapping[str, Any] | None) -> tuple[tuple[str, str], ...]:
+    values = [("Radius", f"{item.radius_mm:g} mm")]
+    if here is not None:
+        error = here["error_mm"]
+        values.append(("Below the skin", f"{here['depth_mm']:.0f} mm"))
+        values.append(("May be off by", "not known" if error is None else f"{error:.0f} mm"))
+    return tuple(values)
 
 
 def _value(parameter: Parameter, value: float | str | None) -> str:

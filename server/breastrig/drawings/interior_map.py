@@ -1,0 +1,42 @@
+"""Maps points inside the body in one stance to the same tissue in another stance of the same patient.
+
+The skin is followed by the skin map as far as that reaches, beyond it by the two fitted models; what lies inside
+follows by the interpolant of least bending energy in space, the thin-plate spline with the kernel |x - y| (Duchon
+1977; Bookstein 1989).  The fitted back and flanks hold it on the far side, where no chest wall is seen.
+
+Evidence: docs/decisions/0015.
+"""
+
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import RBFInterpolator
+
+from breastrig.core.arrays import Array
+from breastrig.drawings.line_error import carried_errors
+from breastrig.drawings.skin_map import FittedScan, SkinMap, within_reach
+from breastrig.rig.model import Rig
+
+
+class InteriorMap:
+    """The way of tissue from scan A to scan B, both FittedScans of one patient; points in m, in their scans' frames."""
+
+    def __init__(self, rig: Rig, a: FittedScan, b: FittedScan) -> None:
+        """Raises BadDrawing when a model does not lie on its scan."""
+        self._rig, self._a, self._b = rig, a, b
+
+    @cached_property
+    def _spline(self) -> RBFInterpolator:
+        rig, a, b = self._rig, self._a, self._b
+        first, second = (b, a) if a.stance == "supine" and b.stance != "supine" else (a, b)
+        followed = within_reach(rig, first.vertices, first.vertices)
+        skin = SkinMap(rig, first, second).moved(first.vertices)
+        there = np.where(followed[:, None], skin, second.vertices)
+        here, there = (first.vertices, there) if first is a else (there, first.vertices)
+        _, apart = np.unique(np.round(here, 5), axis=0, return_index=True)  # two equal places make it singular
+        return RBFInterpolator(here[apart], there[apart], kernel="linear", degree=1)
+
+    def moved(self, points: Array) -> tuple[Array, Array | None]:
+        """(M, 3) m on B of (M, 3) m on A; (M,) m the radii that hold the true places with 90 %, None if unknown."""
+        there = self._spline(points)
+        return there, carried_errors(self._rig, self._a, self._b, points, there)

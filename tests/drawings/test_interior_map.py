@@ -1,0 +1,98 @@
+"""Tissue carried between stances where its way is known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.surfaces import sphere
+
+from breastrig.core.arrays import Array
+from breastrig.correspondence.target import ScanTarget
+from breastrig.drawings.interior_map import InteriorMap
+from breastrig.drawings.plan_on_scan import LESION_COLOR, PlannedScan, plan_on_scan
+from breastrig.drawings.plan_schema import PlanLesion
+from breastrig.drawings.skin_map import FittedScan
+from breastrig.geometry.rotations import exp_so3
+from breastrig.rig.model import Rig
+
+TURN, SHIFT = exp_so3(np.array([0.7, -0.4, 1.3])), np.array([0.3, -0.2, 0.5])
+INSIDE = np.array([[0.0, 0.0, 0.0], [0.03, 0.01, 0.02], [-0.02, 0.05, -0.04]])
+
+
+def moved(points: Array) -> Array:
+    return np.asarray(points @ TURN.T + SHIFT)
+
+
+def pressed(points: Array) -> Array:
+    """Flatter by a tenth and wider by as much as keeps the volume."""
+    return np.asarray(points * np.array([0.9**-0.5, 0.9**-0.5, 0.9]))
+
+
+@pytest.fixture(scope="module")
+def ball(toy_rig: Rig) -> Rig:
+    vertices, faces = sphere(subdivisions=3)
+    return replace(toy_rig, template=vertices, faces=faces, regions={})
+
+
+def fitted(rig: Rig, vertices: Array, stance: str = "standing", radius: float | None = None) -> FittedScan:
+    radii = None if radius is None else np.full(len(vertices), radius)
+    return FittedScan(ScanTarget(vertices, rig.faces), vertices, {}, stance, radii)
+
+
+@pytest.mark.parametrize("stances", [("standing", "supine"), ("supine", "standing"), ("standing", "standing")])
+def test_what_is_inside_moves_with_a_rigid_body(ball: Rig, stances: tuple[str, str]) -> None:
+    a, b = fitted(ball, ball.template, stances[0]), fitted(ball, moved(ball.template), stances[1])
+    there, _ = InteriorMap(ball, a, b).moved(INSIDE)
+    np.testing.assert_allclose(there, moved(INSIDE), atol=1e-6)
+
+
+def test_what_is_inside_follows_a_body_that_is_pressed_flat_and_comes_back(ball: Rig) -> None:
+    a, b = fitted(ball, ball.template), fitted(ball, pressed(ball.template), "supine")
+    there, _ = InteriorMap(ball, a, b).moved(INSIDE)
+    assert (
+        np.linalg.norm(there - pressed(INSIDE), axis=1).max()
+        < 0.25 * np.linalg.norm(INSIDE - pressed(INSIDE), axis=1).max()
+    )
+    back, _ = InteriorMap(ball, b, a).moved(there)
+    np.testing.assert_allclose(back, INSIDE, atol=2e-4)
+
+
+def test_the_radius_grows_with_what_either_fit_leaves_open(ball: Rig) -> None:
+    calibrated = replace(ball, known={"skin_map.toml": "error_skin = 0.003\nerror_share = 0.5\n"})
+
+    def radius(first: float | None, second: float | None) -> Array | None:
+        a, b = (fitted(ball, ball.template, radius=each) for each in (first, second))
+        return InteriorMap(calibrated, a, b).moved(INSIDE)[1]
+
+    for first, second in ((0.004, 0.004), (0.008, 0.004), (0.004, 0.008)):
+        expected = np.sqrt(0.003**2 + (0.5 * first) ** 2 + (0.5 * second) ** 2)
+        np.testing.assert_allclose(radius(first, second), [expected] * 3)
+    assert radius(None, 0.004) is None
+
+
+def lesion(name: str, center: list[float], scan: str = "") -> PlanLesion:
+    return PlanLesion(id=name, scan=scan, name=name, center=center, radius_mm=8.0)
+
+
+def test_a_plan_carries_its_lesions_and_draws_each_on_the_skin_next_to_it(ball: Rig) -> None:
+    a, b = fitted(ball, ball.template), fitted(ball, moved(ball.template))
+    near, far = lesion("near", [0.0, 80.0, 0.0]), lesion("far", [300.0, 0.0, 0.0])
+    own = lesion("own", [float(1e3 * value) for value in moved(np.array([[0.0, 0.0, 0.07]]))[0]])
+    here, other = PlannedScan("supine", b, [own]), PlannedScan("standing", a, [near, far])
+    found = plan_on_scan(ball, here, [other])
+    places = {each.item.id: each for each in found.lesions}
+    assert places.keys() == {"own", "near"}
+    np.testing.assert_allclose(places["near"].center, moved(np.array([[0.0, 0.08, 0.0]]))[0], atol=1e-5)
+    assert (places["near"].is_carried, places["own"].is_carried) == (True, False)
+    assert (places["near"].error, places["own"].error) == (None, 0.0)
+    assert places["near"].depth == pytest.approx(0.02, abs=5e-4)
+    (missing,) = found.missing
+    assert (missing.item.id, missing.reason) == (
+        "far",
+        "far comes to lie 200 mm outside the skin; check its frame and unit.",
+    )
+    for line in found.lines:
+        assert (line.line.closed, line.line.color, line.part) == (True, LESION_COLOR, "projection")
+        (nearest,) = b.target.search.query(places[line.item.id].center[None]).points
+        gaps = np.linalg.norm(line.line.points - nearest, axis=1)
+        np.testing.assert_allclose(gaps, 0.008, atol=2e-4)
