@@ -19,8 +19,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Integers
-from breastrig.drawings.skin_map import FittedScan, SkinMap, spread_out
 from breastrig.drawings.skin_maps.lying_motion import SCHEMA, LyingMotion
+from breastrig.drawings.skin_maps.skin_map import FittedScan, SkinMap, spread_out
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig

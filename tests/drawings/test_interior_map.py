@@ -8,10 +8,10 @@ from helpers.surfaces import sphere
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.drawings.interior_map import InteriorMap
 from breastrig.drawings.plan_on_scan import LESION_COLOR, PlannedScan, plan_on_scan
 from breastrig.drawings.plan_schema import PlanLesion
-from breastrig.drawings.skin_map import FittedScan
+from breastrig.drawings.skin_maps.interior_map import InteriorMap
+from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig
 
@@ -42,32 +42,19 @@ def fitted(rig: Rig, vertices: Array, stance: str = "standing", radius: float | 
 @pytest.mark.parametrize("stances", [("standing", "supine"), ("supine", "standing"), ("standing", "standing")])
 def test_what_is_inside_moves_with_a_rigid_body(ball: Rig, stances: tuple[str, str]) -> None:
     a, b = fitted(ball, ball.template, stances[0]), fitted(ball, moved(ball.template), stances[1])
-    there, _ = InteriorMap(ball, a, b).moved(INSIDE)
+    there = InteriorMap(ball, a, b).moved(INSIDE)
     np.testing.assert_allclose(there, moved(INSIDE), atol=1e-6)
 
 
 def test_what_is_inside_follows_a_body_that_is_pressed_flat_and_comes_back(ball: Rig) -> None:
     a, b = fitted(ball, ball.template), fitted(ball, pressed(ball.template), "supine")
-    there, _ = InteriorMap(ball, a, b).moved(INSIDE)
+    there = InteriorMap(ball, a, b).moved(INSIDE)
     assert (
         np.linalg.norm(there - pressed(INSIDE), axis=1).max()
         < 0.25 * np.linalg.norm(INSIDE - pressed(INSIDE), axis=1).max()
     )
-    back, _ = InteriorMap(ball, b, a).moved(there)
+    back = InteriorMap(ball, b, a).moved(there)
     np.testing.assert_allclose(back, INSIDE, atol=2e-4)
-
-
-def test_the_radius_grows_with_what_either_fit_leaves_open(ball: Rig) -> None:
-    calibrated = replace(ball, known={"skin_map.toml": "error_skin = 0.003\nerror_share = 0.5\n"})
-
-    def radius(first: float | None, second: float | None) -> Array | None:
-        a, b = (fitted(ball, ball.template, radius=each) for each in (first, second))
-        return InteriorMap(calibrated, a, b).moved(INSIDE)[1]
-
-    for first, second in ((0.004, 0.004), (0.008, 0.004), (0.004, 0.008)):
-        expected = np.sqrt(0.003**2 + (0.5 * first) ** 2 + (0.5 * second) ** 2)
-        np.testing.assert_allclose(radius(first, second), [expected] * 3)
-    assert radius(None, 0.004) is None
 
 
 def lesion(name: str, center: list[float], scan: str = "") -> PlanLesion:
@@ -96,3 +83,12 @@ def test_a_plan_carries_its_lesions_and_draws_each_on_the_skin_next_to_it(ball: 
         (nearest,) = b.target.search.query(places[line.item.id].center[None]).points
         gaps = np.linalg.norm(line.line.points - nearest, axis=1)
         np.testing.assert_allclose(gaps, 0.008, atol=2e-4)
+
+
+def test_the_radius_grows_with_what_either_fit_leaves_open(ball: Rig) -> None:
+    calibrated = replace(ball, known={"skin_map.toml": "error_skin = 0.003\nerror_share = 0.5\n"})
+    for first, second in ((0.004, 0.004), (0.008, 0.004), (0.004, 0.008)):
+        a, b = (fitted(ball, ball.template, radius=each) for each in (first, second))
+        planned = PlannedScan("standing", a, [lesion("near", [0.0, 80.0, 0.0])])
+        (found,) = plan_on_scan(calibrated, PlannedScan("supine", b, []), [planned]).lesions
+        assert found.error == pytest.approx(np.sqrt(0.003**2 + (0.5 * first) ** 2 + (0.5 * second) ** 2))

@@ -7,8 +7,8 @@ import pytest
 
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.line_error import carried_errors, radii_at, with_errors
-from breastrig.drawings.skin_map import FittedScan
 from breastrig.drawings.skin_maps.settings import skin_map_settings
+from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig

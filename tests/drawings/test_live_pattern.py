@@ -13,7 +13,7 @@ from breastrig.drawings.handles.live_pattern import Drag, HandleOnScan, LivePatt
 from breastrig.drawings.line_error import with_errors
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.drawings.project_drawing import on_scan
-from breastrig.drawings.skin_map import FittedScan
+from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.drawings.transfer import fitted_scan
 from breastrig.geometry import geodesic
 from breastrig.geometry.polyline import Polyline

@@ -8,8 +8,8 @@ from helpers.subdivide import subdivided
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.drawings.skin_map import FittedScan, SkinMap, carried
 from breastrig.drawings.skin_maps.lying_motion import BEYOND, LyingMotion, lying_motion
+from breastrig.drawings.skin_maps.skin_map import FittedScan, SkinMap, carried
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig

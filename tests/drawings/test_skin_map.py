@@ -9,7 +9,7 @@ from helpers.subdivide import subdivided
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.correspondence.target import ScanTarget
-from breastrig.drawings.skin_map import FittedScan, SkinMap, carried, spread_out
+from breastrig.drawings.skin_maps.skin_map import FittedScan, SkinMap, carried, spread_out
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig

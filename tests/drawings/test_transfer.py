@@ -11,7 +11,7 @@ from helpers.surfaces import plane, sphere
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadDrawing
 from breastrig.correspondence.target import ScanTarget
-from breastrig.drawings.skin_map import FittedScan
+from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.drawings.transfer import transferred
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.polyline import Polyline

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from studies.conftest import write_case
 
-from breastrig.drawings.skin_map import FittedScan
+from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.fitting.recipe import load_recipe
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters

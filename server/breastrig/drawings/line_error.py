@@ -12,8 +12,8 @@ from dataclasses import replace
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.drawings.skin_map import FittedScan
 from breastrig.drawings.skin_maps.settings import skin_map_settings
+from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.polyline import Polyline, parts
 from breastrig.rig.model import Rig

@@ -13,12 +13,12 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.clock import FittedSkin
-from breastrig.drawings.interior_map import InteriorMap
-from breastrig.drawings.line_error import with_errors
+from breastrig.drawings.line_error import carried_errors, with_errors
 from breastrig.drawings.patterns import drawing_with
 from breastrig.drawings.plan_schema import PlanItem, PlanLesion, PlanLine, PlanNote, asked_of
 from breastrig.drawings.project_drawing import on_scan
-from breastrig.drawings.skin_map import FittedScan
+from breastrig.drawings.skin_maps.interior_map import InteriorMap
+from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.drawings.transfer import transferred
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.polyline import Polyline
@@ -110,7 +110,9 @@ def _carried_lesions(rig: Rig, other: PlannedScan, here: FittedScan) -> list[Pla
     items = _lesions_of(other)
     if not items:
         return []
-    centers, errors = InteriorMap(rig, other.scan, here).moved(np.array([_center(item) for item in items]))
+    there = np.array([_center(item) for item in items])
+    centers = InteriorMap(rig, other.scan, here).moved(there)
+    errors = carried_errors(rig, other.scan, here, there, centers)
     return [
         _lesion(rig, here, item, center, None if errors is None else float(errors[place]), is_carried=True)
         for place, (item, center) in enumerate(zip(items, centers, strict=True))

@@ -18,7 +18,7 @@ from breastrig.core.arrays import Array, Booleans
 from breastrig.core.errors import BadDrawing
 from breastrig.core.units import distance_text
 from breastrig.correspondence.match import MatchRules, match
-from breastrig.drawings.skin_map import FittedScan
+from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.geodesic import Geodesics
 from breastrig.geometry.normals import vertex_normals

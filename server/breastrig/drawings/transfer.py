@@ -19,7 +19,7 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.line_error import carried_errors
 from breastrig.drawings.prepare_polyline import prepared
 from breastrig.drawings.project_drawing import LineNearSkin, smoothed_on_skin
-from breastrig.drawings.skin_map import FittedScan, SkinMap
+from breastrig.drawings.skin_maps.skin_map import FittedScan, SkinMap
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.polyline import Polyline, parts

@@ -11,7 +11,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.drawings.project_drawing import on_scan
-from breastrig.drawings.skin_map import FittedScan
+from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.drawings.transfer import transferred
 from breastrig.fitting.recipe import Recipe
 from breastrig.geometry.polyline import Polyline

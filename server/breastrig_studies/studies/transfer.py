@@ -25,7 +25,7 @@ from scipy.spatial.transform import Rotation
 from breastrig.core.arrays import Array, Booleans
 from breastrig.drawings.line_error import carried_errors
 from breastrig.drawings.project_drawing import on_scan
-from breastrig.drawings.skin_map import FittedScan
+from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.drawings.transfer import points_carried
 from breastrig.fitting.picks.checked_fit import without
 from breastrig.fitting.posterior import Posterior

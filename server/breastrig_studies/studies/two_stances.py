@@ -7,7 +7,7 @@ on scan B.  Ways:
 
 * `separate`, `together`, `alike`: from scan A to the nearest point of the fitted model, the same point of the model
   on B, along the normal to scan B; the two fits made apart, with one body, or with bodies held alike;
-* `smooth_separate`, `smooth_together`, `smooth_alike`: the program's transfer (drawings/skin_map.py) between
+* `smooth_separate`, `smooth_together`, `smooth_alike`: the program's transfer (drawings/skin_maps/skin_map.py) between
   these fits;
 * `rigid`, `spline`: a rigid motion and a thin-plate spline through the landmarks, then to the nearest skin of B.
 
@@ -26,7 +26,7 @@ from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import FitFailed
 from breastrig.correspondence.match import match
 from breastrig.drawings.project_drawing import ON_SKIN
-from breastrig.drawings.skin_map import FittedScan, carried
+from breastrig.drawings.skin_maps.skin_map import FittedScan, carried
 from breastrig.fitting.fit import FitTask
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.two_stances import ALIKE, ONE_BODY, Coupling, fit_pair_iterates

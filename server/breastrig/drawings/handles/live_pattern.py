@@ -30,7 +30,7 @@ from breastrig.drawings.line_error import radii_at
 from breastrig.drawings.pattern_parameters import UNITS, Parameter, parameters_of
 from breastrig.drawings.patterns import Pattern, pattern_of
 from breastrig.drawings.project_drawing import shapes_on_scan
-from breastrig.drawings.skin_map import FittedScan
+from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.polyline import Polyline

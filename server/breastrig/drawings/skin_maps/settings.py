@@ -20,7 +20,7 @@ Count = Annotated[int, Field(ge=1)]
 
 
 class SkinMapSettings(BaseModel):
-    """Of drawings/skin_map.py; lengths in m, angles in rad."""
+    """Of drawings/skin_maps/skin_map.py; lengths in m, angles in rad."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 

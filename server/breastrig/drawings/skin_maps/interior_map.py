@@ -13,8 +13,7 @@ import numpy as np
 from scipy.interpolate import RBFInterpolator
 
 from breastrig.core.arrays import Array
-from breastrig.drawings.line_error import carried_errors
-from breastrig.drawings.skin_map import FittedScan, SkinMap, within_reach
+from breastrig.drawings.skin_maps.skin_map import FittedScan, SkinMap, within_reach
 from breastrig.rig.model import Rig
 
 
@@ -36,7 +35,6 @@ class InteriorMap:
         _, apart = np.unique(np.round(here, 5), axis=0, return_index=True)  # two equal places make it singular
         return RBFInterpolator(here[apart], there[apart], kernel="linear", degree=1)
 
-    def moved(self, points: Array) -> tuple[Array, Array | None]:
-        """(M, 3) m on B of (M, 3) m on A; (M,) m the radii that hold the true places with 90 %, None if unknown."""
-        there = self._spline(points)
-        return there, carried_errors(self._rig, self._a, self._b, points, there)
+    def moved(self, points: Array) -> Array:
+        """(M, 3) m: where (M, 3) m points inside A's body are in B's."""
+        return np.asarray(self._spline(points))
