@@ -6,7 +6,7 @@
 Of the choosing half's bodies only, fitted without landmarks.  The given patients and our virtual cohort count alike,
 however many each has, and each body counts as she is and mirrored.  How high the whole back of a lying body is off says
 how she lies and how deep her trunk is, which no two of these bodies share; the mean over her back is taken away.  Of
-what is left, the back's form, only that is kept on which both ways of computing how a body lies down agree: learnt of
+what is left, the back's form, only that is kept on which both ways of computing how a body lies down agree: from
 the cohort alone it takes the given patient of the choosing half 0.6 mm farther from her skin.
 """
 
@@ -61,15 +61,15 @@ def about_the_back(rig: Rig, hidden: Booleans, heights: Array) -> Array:
 
 
 def agreed_form(rig: Rig, bodies: Bodies) -> HiddenSkin:
-    """What is learnt of lying bodies: as far as each source has it, without how high a whole back is."""
+    """What is estimated on lying bodies: as far as each source has it, without how high a whole back is."""
     ways = [
-        learnt(rig, {source: [(hidden, about_the_back(rig, hidden, heights)) for hidden, heights in given]})
+        estimated(rig, {source: [(hidden, about_the_back(rig, hidden, heights)) for hidden, heights in given]})
         for source, given in bodies.items()
     ]
     return replace(ways[0], heights=agreed([way.heights for way in ways]))
 
 
-def learnt(rig: Rig, bodies: Bodies) -> HiddenSkin:
+def estimated(rig: Rig, bodies: Bodies) -> HiddenSkin:
     """The mean of the sources."""
     means, shares = [], []
     for given in bodies.values():
@@ -108,7 +108,7 @@ def main(folder: Path, into: Path = FOLDER) -> None:
             found = hidden_heights(scene, rig, scene.fitted(rig, recipe, {}).vertices)
             bodies[case.stance].setdefault("ours" if told["source"].startswith(OURS) else "given", []).append(found)
     for stance, given in bodies.items():
-        skin = agreed_form(rig, given) if stance == "supine" else learnt(rig, given)
+        skin = agreed_form(rig, given) if stance == "supine" else estimated(rig, given)
         document = {
             "schema": SCHEMA,
             "bodies": {source: len(of_source) for source, of_source in given.items()},

@@ -5,7 +5,7 @@
 
 Of the choosing half only.  Two ways of computing how a body lies down are in it, that of the given patients and that of
 our virtual cohort.  They begin with the mean of both; then what the skin map still gets wrong is added, as far as both
-ways agree on it, so that nothing is learnt that one way of computing alone says.  Each body counts as she is and
+ways agree on it, so that nothing is estimated that one way of computing alone says.  Each body counts as she is and
 mirrored.
 """
 
@@ -112,7 +112,7 @@ def spaced(points: Array, apart: float) -> Integers:
     return order[: 1 + farther.index(False) if False in farther else len(order)]
 
 
-def learnt(rig: Rig, ways: Mapping[str, Sequence[Pair]]) -> LyingMotion:
+def estimated(rig: Rig, ways: Mapping[str, Sequence[Pair]]) -> LyingMotion:
     """From pairs by way of lying down."""
     known = np.unique(np.concatenate([pair.vertices for given in ways.values() for pair in given]))
     skin = np.abs(rig.template[known]) * [1.0, 0.0, 0.0] + rig.template[known] * [0.0, 1.0, 1.0]
@@ -129,7 +129,7 @@ def main(folder: Path, file: Path = FILE) -> None:
     """Fits the folder's pairs and writes the file."""
     rig = read_rig(default_rig_path())
     ways = pairs(rig, folder)
-    motion = learnt(rig, ways)
+    motion = estimated(rig, ways)
     document = {
         "schema": SCHEMA,
         "pairs": {way: len(given) for way, given in ways.items()},

@@ -23,7 +23,7 @@ from breastrig.fitting.orientation import start_from_scan
 from breastrig.fitting.picks.checked_fit import checked_iterates
 from breastrig.fitting.prepare_scan import PreparedScan, prepared
 from breastrig.fitting.recipe import load_recipe
-from breastrig.fitting.starts.lies_or_stands import Sign, StanceSigns, seen_signs, stance_signs
+from breastrig.fitting.starts.supine_or_standing import Sign, StanceSigns, measured_signs, stance_signs
 from breastrig.fitting.task import FitTask
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
@@ -51,7 +51,7 @@ STANDING_AWAY = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class Shown:
+class ScanSigns:
     """One scan, and what it shows of the stance."""
 
     kind: str  # of COUNTS
@@ -94,15 +94,15 @@ def scans_without_table(case: Case) -> Iterator[tuple[str, Scene, PreparedScan]]
         yield "half", scene, prepared(Surface(*compact(skin.vertices, skin.faces[kept]), ()), "auto")
 
 
-def shown(folder: Path, arms: str, rig: Rig) -> list[Shown]:
+def signs_of_scans(folder: Path, arms: str, rig: Rig) -> list[ScanSigns]:
     """All scans of a folder that are placed; kept beside it, so that they are fitted once."""
     file = folder.parent / f"signs_{folder.name}.json"
     if not file.is_file():
         file.write_text(json.dumps([asdict(each) for each in _measured(folder, arms, rig)]), "utf-8")
-    return [Shown(**each) for each in json.loads(file.read_text("utf-8"))]
+    return [ScanSigns(**each) for each in json.loads(file.read_text("utf-8"))]
 
 
-def _measured(folder: Path, arms: str, rig: Rig) -> Iterator[Shown]:
+def _measured(folder: Path, arms: str, rig: Rig) -> Iterator[ScanSigns]:
     recipe = load_recipe("default")
     for case in read_cohort(folder):
         told = json.loads((folder / case.patient / "patient.json").read_text("utf-8"))
@@ -111,11 +111,11 @@ def _measured(folder: Path, arms: str, rig: Rig) -> Iterator[Shown]:
             task = FitTask(rig, ready.target, start, recipe, {})
             standing, supine = ((*checked_iterates(replace(task, stance=each)),)[-1] for each in STANCES)
             if scene.landmark_errors(rig, pose(rig, standing.parameters)).mean() < ASTRAY:
-                signs = seen_signs(task, standing, supine)
-                yield Shown(f"{arms} {part}".strip(), told["half"], told["source"], case.stance == "supine", signs)
+                signs = measured_signs(task, standing, supine)
+                yield ScanSigns(f"{arms} {part}".strip(), told["half"], told["source"], case.stance == "supine", signs)
 
 
-def weights_of(scans: Sequence[Shown]) -> Array:
+def weights_of(scans: Sequence[ScanSigns]) -> Array:
     """(N,) what each counts; the sources' shares are nearer to each other than their numbers."""
     counts = np.array([COUNTS[s.kind] * (1.0 if s.lies or "arms" not in s.kind else STANDING_AWAY) for s in scans])
     sources = np.array([s.source for s in scans])
@@ -124,7 +124,7 @@ def weights_of(scans: Sequence[Shown]) -> Array:
     return np.asarray(counts * len(counts) / counts.sum())
 
 
-def learnt(scans: Sequence[Shown], kept: StanceSigns) -> StanceSigns:
+def estimated(scans: Sequence[ScanSigns], kept: StanceSigns) -> StanceSigns:
     """Logistic regression with a ridge over the standardised signs; Newton's method."""
     names, weights = list(kept.signs), weights_of(scans)
     values = np.array([[s.signs.get(name, np.nan) for name in names] for s in scans])
@@ -153,14 +153,14 @@ def learnt(scans: Sequence[Shown], kept: StanceSigns) -> StanceSigns:
     return kept.model_copy(update={"signs": signs})
 
 
-def answered(scan: Shown, signs: StanceSigns) -> float:
+def answered(scan: ScanSigns, signs: StanceSigns) -> float:
     """The log odds that she lies as fitting/stance.py takes them: where the arms hang she stands, surely or not."""
     if scan.signs["arms"] >= load_recipe("default").stance_rule.arms_hanging:
         return signs.log_odds(scan.signs)
     return min(signs.log_odds({name: value for name, value in scan.signs.items() if name != "energy_less"}), -1e-9)
 
 
-def table(scans: Sequence[Shown], odds: Array, unsure: float) -> Iterator[str]:
+def table(scans: Sequence[ScanSigns], odds: Array, unsure: float) -> Iterator[str]:
     """A line for each kind and stance."""
     lie: Booleans = np.array([s.lies for s in scans])
     for kind in COUNTS:
@@ -181,12 +181,12 @@ def say(lines: Iterable[str]) -> None:
 def main(folder: Path, cohort: Path) -> None:
     """Makes what is missing, and prints."""
     rig, kept = read_rig(default_rig_path()), stance_signs()
-    scans = shown(folder, "", rig) + shown(write_arms(folder, read_sources(cohort)), "arms", rig)
+    scans = signs_of_scans(folder, "", rig) + signs_of_scans(write_arms(folder, read_sources(cohort)), "arms", rig)
     choosing = [s for s in scans if s.half == "choose"]
-    for name, sign in learnt(choosing, kept).signs.items():
+    for name, sign in estimated(choosing, kept).signs.items():
         say([f"{name}: between {sign.between:.4g}, weight {sign.weight:.4g}"])
     by_others = {
-        source: learnt([s for s in choosing if s.source != source], kept) for source in {s.source for s in choosing}
+        source: estimated([s for s in choosing if s.source != source], kept) for source in {s.source for s in choosing}
     }
     say(["choosing half, each source by the others"])
     say(table(choosing, np.array([answered(s, by_others[s.source]) for s in choosing]), kept.unsure))

@@ -45,7 +45,7 @@ class Body:
     heights: Array  # (V,) m of the true skin above what is expected
 
 
-def learnt(rig: Rig, women: Mapping[str, Sequence[Body]]) -> dict[str, Any]:
+def estimated(rig: Rig, women: Mapping[str, Sequence[Body]]) -> dict[str, Any]:
     """The document."""
     products, squares, total = np.zeros(len(rig.template)), np.zeros(len(rig.template)), 0.0
     for bodies in women.values():
@@ -87,7 +87,7 @@ def main(folder: Path, into: Path = FOLDER) -> None:
         excess = max(float(above[rig.regions["belly"]].mean()) - ORDINARY, 0.0)
         hidden, heights = hidden_heights(scene, rig, vertices)
         women.setdefault(told["source"], []).append(Body(excess, hidden, heights - expected))
-    (into / "trunk_depth.json").write_text(json.dumps(learnt(rig, women)) + "\n", "utf-8")
+    (into / "trunk_depth.json").write_text(json.dumps(estimated(rig, women)) + "\n", "utf-8")
 
 
 if __name__ == "__main__":

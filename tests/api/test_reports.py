@@ -21,7 +21,7 @@ from breastrig.service.reports import TWO_PATIENTS
 from breastrig.service.service import Service
 from breastrig.storage.rows.fits import get_fit
 from breastrig.storage.storage import Storage, utc_now
-from breastrig.workflow.further_jobs import ReportJob
+from breastrig.workflow.jobs import ReportJob
 from breastrig.workflow.report import report_files, reported
 
 Real = tuple[Service, FlaskClient, dict[str, str], dict[str, str]]

@@ -22,7 +22,7 @@ from helpers.waiting import ask_for_fit, until
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.api.web_server import Server, ServerLimits
-from breastrig.execution.asking_client import asking_client
+from breastrig.execution.client_key import client_key
 from breastrig.service.service import Service
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
@@ -254,9 +254,9 @@ def test_one_client_cannot_take_all_readers(
     monkeypatch.setattr(readers, "_most", 1)
     file = UPLOAD.replace(b"no scan", torso)
     with serve() as served, ExitStack() as stack:
-        before = asking_client.set("127.0.0.2")
+        before = client_key.set("127.0.0.2")
         slow = readers.schedule(in_worker.rest, (60.0,), 90.0)
-        asking_client.reset(before)
+        client_key.reset(before)
         greedy, other = (stack.enter_context(connected(served.port, f"127.0.0.{last}")) for last in (2, 3))
         for connection in (greedy, other):
             connection.sendall(upload_head(len(file)) + file)

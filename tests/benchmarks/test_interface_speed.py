@@ -11,7 +11,7 @@ from helpers.example_fit import EXAMPLE
 import breastrig
 from breastrig.workflow.jobs import FitJob
 from breastrig.workflow.run_fit import fit_steps
-from breastrig.workflow.scan_fit import Clock, fit_plan, made_ready, scan_of_job
+from breastrig.workflow.scan_fit import Clock, fit_plan, prepare_fit, scan_of_job
 
 ROUNDS = 9
 
@@ -37,7 +37,7 @@ def test_fit_from_a_program(
     inner = scan_of_job(job)
 
     def bare() -> Any:
-        *_, outcome = fit_steps(made_ready(fit_plan(job, model, {}), *inner), Clock())
+        *_, outcome = fit_steps(prepare_fit(fit_plan(job, model, {}), *inner), Clock())
         return outcome
 
     yardstick = in_turn(bare)

@@ -13,7 +13,7 @@ from breastrig.drawings.skin_maps.skin_map import FittedScan, SkinMap, carried
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
-from breastrig_studies.lying_motion import Pair, agreed, learnt
+from breastrig_studies.lying_motion import Pair, agreed, estimated
 
 TURN, SHIFT = exp_so3(np.array([1.2, -0.4, 0.3])), np.array([0.4, -0.2, 1.0])
 
@@ -84,7 +84,7 @@ def test_what_all_bodies_do_is_learnt_and_mirrored(torso: Rig) -> None:
     vertices = np.asarray(torso.regions["breast_L"])
     a, b = fitted_scan(torso, torso.template, "standing"), fitted_scan(torso, lying @ TURN.T + SHIFT, "supine")
     pair = Pair(a, b, a.vertices[vertices], b.vertices[vertices], vertices)
-    found = learnt(torso, {"ours": [pair], "given": [pair]}).at(torso.template)
+    found = estimated(torso, {"ours": [pair], "given": [pair]}).at(torso.template)
     np.testing.assert_allclose(found[torso.mirror_vertices] * [-1.0, 1.0, 1.0], found, atol=0.3e-3)
     for side in ("breast_L", "breast_R"):
         skin = torso.regions[side]

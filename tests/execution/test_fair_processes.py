@@ -11,7 +11,7 @@ from helpers import in_worker
 from helpers.waiting import until
 
 from breastrig.core.errors import BadScan, TooMany
-from breastrig.execution.asking_client import asking_client
+from breastrig.execution.client_key import client_key
 from breastrig.execution.fair_processes import FairProcesses
 from breastrig.execution.kept_processes import KeptProcesses
 from breastrig.execution.processes import Processes
@@ -30,11 +30,11 @@ def readers() -> Iterator[FairProcesses]:
 
 @contextmanager
 def asking(client: str | None) -> Iterator[None]:
-    before = asking_client.set(client)
+    before = client_key.set(client)
     try:
         yield
     finally:
-        asking_client.reset(before)
+        client_key.reset(before)
 
 
 def test_a_client_with_one_task_does_not_wait_for_all_of_anothers(readers: FairProcesses, tmp_path: Path) -> None:

@@ -7,12 +7,12 @@ import pytest
 
 from breastrig.core.assets import asset_folder
 from breastrig.fitting.fit import fit_iterates
+from breastrig.fitting.observed.landmarks import colour_observations, with_observations
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.propose import Proposal, confidence_of, expected_error
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.scan_orientation import scan_orientation
-from breastrig.fitting.seen.landmarks import seen_landmarks, with_seen
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.relief.limits import relief
@@ -108,12 +108,14 @@ def test_areolae_where_the_form_has_them_confirm_how_the_body_lies() -> None:
     scan = read_scan(STANDING / "scan.ply", "ply", "auto")
     orientation, task, begun = scan_orientation(rig, prepared(clean(scan), "auto"), load_recipe("default"))
     *_, last = begun or fit_iterates(task)
-    shown = seen_landmarks(task, last.parameters, orientation.margin, scan)
+    shown = colour_observations(task, last.parameters, orientation.margin, scan)
     assert set(shown) == {"nipple_L", "nipple_R"}
     unclear = 0.0
     form = radii(Posterior(task, last.parameters), unclear)
-    coloured = radii(Posterior(with_seen(task, shown, last.parameters), last.parameters), unclear)
-    one = radii(Posterior(with_seen(task, {"nipple_L": shown["nipple_L"]}, last.parameters), last.parameters), unclear)
+    coloured = radii(Posterior(with_observations(task, shown, last.parameters), last.parameters), unclear)
+    one = radii(
+        Posterior(with_observations(task, {"nipple_L": shown["nipple_L"]}, last.parameters), last.parameters), unclear
+    )
     assert form is not None
     assert coloured is not None
     assert one is not None

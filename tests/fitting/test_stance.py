@@ -14,8 +14,8 @@ from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.scan_orientation import scan_orientation
 from breastrig.fitting.stance import FoundStance, found_stance
-from breastrig.fitting.starts import lies_or_stands
-from breastrig.fitting.starts.lies_or_stands import stance_signs
+from breastrig.fitting.starts import supine_or_standing
+from breastrig.fitting.starts.supine_or_standing import stance_signs
 from breastrig.geometry.normals import face_normals
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.parameters import rest_parameters
@@ -77,7 +77,7 @@ def test_who_lies_with_the_arms_along_her_sides_is_not_said_to_stand_without_a_d
 
 def test_where_the_signs_say_little_it_is_said_and_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     never_sure = stance_signs().model_copy(update={"unsure": 100.0})
-    monkeypatch.setattr(lies_or_stands, "stance_signs", lambda: never_sure)
+    monkeypatch.setattr(supine_or_standing, "stance_signs", lambda: never_sure)
     for stance, asked in (("supine", "stands"), ("standing", "lies")):
         answer, _ = found(scan_without_table(EXAMPLE / stance))
         assert answer.stance == stance

@@ -11,7 +11,7 @@ from helpers.toy_rig import toy_rig
 from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.verdicts.fit_signals import FitSignals
 from breastrig.fitting.verdicts.reasons import GivenLandmarks
-from breastrig.fitting.verdicts.repeated import told_by_a_person
+from breastrig.fitting.verdicts.repeated import picked_names
 from breastrig.fitting.verdicts.verdict import Verdict, shows_a_part, verdict, verdict_limits
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
@@ -250,7 +250,7 @@ def test_picks_where_they_were_proposed_tell_nothing() -> None:
         "umbilicus": np.array([0.003, -0.15, 0.0]),
         "nipple_L": np.array([0.1, 0.0, 0.0]),
     }
-    assert told_by_a_person(picks, proposed) == {"umbilicus", "nipple_L"}
+    assert picked_names(picks, proposed) == {"umbilicus", "nipple_L"}
 
 
 def test_repeated_proposals_do_not_place_a_part() -> None:

@@ -39,7 +39,7 @@ def equal(first: Any, second: Any, tolerance: float = 0.0) -> bool:
         return all(
             equal(getattr(first, field.name), getattr(second, field.name), tolerance)
             for field in fields(first)
-            if field.name not in ("sha256", "known")  # what is learnt of a rig is bound to its own file
+            if field.name not in ("sha256", "known")  # what is estimated for a rig is bound to its own file
         )
     return bool(first == second)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from breastrig.rendering.picture import Picture, Scene
 from breastrig.workflow import report
-from breastrig.workflow.further_jobs import ReportJob
+from breastrig.workflow.jobs import ReportJob
 from breastrig.workflow.report import report_pdf_of
 from helpers.remembered_measures import measured_once
 

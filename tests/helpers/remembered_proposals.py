@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.core.assets import asset_folder
-from breastrig.workflow.further_jobs import ProposeJob
+from breastrig.workflow.jobs import ProposeJob
 from helpers.remembered_uploads import FOLDER
 
 

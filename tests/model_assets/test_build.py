@@ -130,7 +130,7 @@ def test_two_builds_give_the_same_bytes(model_assets: Path, tmp_path: Path) -> N
         reference = tmp_path / "first"
         build.build(reference)
     build.build(tmp_path / "again")
-    learnt = reference / "torso.known"  # of fits to bodies, not of the recipe; bound to the rig by its hash
-    files = [p for p in reference.rglob("*") if p.is_file() and learnt not in p.parents]
+    estimated = reference / "torso.known"  # of fits to bodies, not of the recipe; bound to the rig by its hash
+    files = [p for p in reference.rglob("*") if p.is_file() and estimated not in p.parents]
     names = sorted(p.relative_to(reference).as_posix() for p in files)
     assert [n for n in names if (reference / n).read_bytes() != (tmp_path / "again" / n).read_bytes()] == []

@@ -8,7 +8,7 @@ import pytest
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
 from breastrig.relief.limits import relief
-from breastrig.relief.observe import Expected, SeenHollow, lies_on_smooth_skin, seen_hollows
+from breastrig.relief.observe import Expected, ReliefObservation, is_on_smooth_skin, relief_observations
 
 SPACING, HALF = 0.005, 0.15  # m, of the scan's vertices, and half its side
 FRONT = np.array([0.0, 0.0, 1.0])
@@ -45,10 +45,10 @@ def skin(heights: Heights, noise: float = 0.001, seed: int = 3) -> ScanTarget:
     return ScanTarget(np.column_stack([x, y, z]), faces)
 
 
-def seen(target: ScanTarget, name: str, heights: Heights) -> SeenHollow | None:
+def seen(target: ScanTarget, name: str, heights: Heights) -> ReliefObservation | None:
     """What is seen of a landmark that the form expects in the middle."""
     place = np.array([0.0, 0.0, float(heights(np.zeros(1), np.zeros(1))[0])])
-    return seen_hollows(target, {name: Expected(place, FRONT)}, np.eye(3)).get(name)
+    return relief_observations(target, {name: Expected(place, FRONT)}, np.eye(3)).get(name)
 
 
 @pytest.mark.parametrize("at", [(0.0, 0.03), (0.005, -0.04), (-0.004, 0.0)])
@@ -134,21 +134,21 @@ def test_what_is_seen_moves_and_turns_with_the_scan() -> None:
     turn *= np.sign(np.linalg.det(turn))
     shift = np.array([3.0, -1.0, 0.5])
     moved = ScanTarget(target.vertices @ turn.T + shift, target.faces)
-    here = seen_hollows(target, {NAVEL: Expected(np.zeros(3), FRONT)}, np.eye(3))[NAVEL]
-    there = seen_hollows(moved, {NAVEL: Expected(shift, turn @ FRONT)}, turn)[NAVEL]
+    here = relief_observations(target, {NAVEL: Expected(np.zeros(3), FRONT)}, np.eye(3))[NAVEL]
+    there = relief_observations(moved, {NAVEL: Expected(shift, turn @ FRONT)}, turn)[NAVEL]
     np.testing.assert_allclose(there.place, turn @ here.place + shift, atol=1e-5)
     np.testing.assert_allclose(there.covariance, turn @ here.covariance @ turn.T, atol=1e-7)
 
 
 def test_a_landmark_without_a_hollow_is_not_looked_for() -> None:
     target = skin(lambda x, y: belly(x, y) + dent(x, y, (0.0, 0.0)))
-    assert seen_hollows(target, {"nipple_L": Expected(np.zeros(3), FRONT)}, np.eye(3)) == {}
-    assert {"umbilicus", "suprasternal_notch", "inframammary_fold"} == set(relief().hollows)
+    assert relief_observations(target, {"nipple_L": Expected(np.zeros(3), FRONT)}, np.eye(3)) == {}
+    assert {"umbilicus", "suprasternal_notch", "inframammary_fold"} == set(relief().concavities)
 
 
 def test_next_to_no_skin_shows_nothing() -> None:
     few = ScanTarget(np.random.default_rng(0).normal(size=(30, 3)), np.arange(30).reshape(10, 3))
-    assert seen_hollows(few, {NAVEL: Expected(np.zeros(3), FRONT)}, np.eye(3)) == {}
+    assert relief_observations(few, {NAVEL: Expected(np.zeros(3), FRONT)}, np.eye(3)) == {}
 
 
 @pytest.mark.parametrize("seed", [1, 2])
@@ -158,9 +158,9 @@ def test_skin_beside_a_dent_is_smooth_and_skin_in_it_is_not(seed: int) -> None:
 
     def smooth(name: str, x: float, y: float) -> bool:
         place = np.array([x, y, float(belly(np.array(x), np.array(y)))])
-        hollow = relief().hollow(name)
-        assert hollow is not None
-        return lies_on_smooth_skin(target, hollow, Expected(place, FRONT), np.eye(3))
+        concavity = relief().concavity(name)
+        assert concavity is not None
+        return is_on_smooth_skin(target, concavity, Expected(place, FRONT), np.eye(3))
 
     assert smooth(NAVEL, 0.005, 0.0)
     assert smooth(NAVEL, 0.045, -0.04)

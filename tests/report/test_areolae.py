@@ -10,7 +10,7 @@ from helpers.painted_body import PaintedBody, painted_body
 
 import breastrig
 from breastrig.core.errors import BadInput
-from breastrig.report.areolae import SeenAreola, areolae_document, areolae_of
+from breastrig.report.areolae import ObservedAreola, areolae_document, areolae_of
 from breastrig_studies.virtual.painted.files import scan_zip
 
 
@@ -20,7 +20,7 @@ def disc(radius: float) -> np.ndarray:
 
 
 def test_result_json_keeps_areolae_in_the_scans_unit_and_says_what_was_not_seen() -> None:
-    found = {"L": SeenAreola(0.036, 0.002, disc(0.018)), "R": None}
+    found = {"L": ObservedAreola(0.036, 0.002, disc(0.018)), "R": None}
     document = areolae_document(found, 1e-3)
     assert document["R"] is None
     assert document["L"]["diameter_mm"] == 36.0
@@ -43,7 +43,7 @@ DAMAGES: list[Callable[[dict[str, Any]], object]] = [
 
 @pytest.mark.parametrize("damage", DAMAGES)
 def test_damaged_areolae_are_refused_with_a_sentence(damage: Callable[[dict[str, Any]], object]) -> None:
-    entry = areolae_document({"L": SeenAreola(0.036, 0.002, disc(0.018))}, 1.0)["L"]
+    entry = areolae_document({"L": ObservedAreola(0.036, 0.002, disc(0.018))}, 1.0)["L"]
     damage(entry)
     with pytest.raises(BadInput, match=r"areolae in result\.json are damaged"):
         areolae_of({"areolae": {"L": entry}}, 1.0)

@@ -23,10 +23,10 @@ from breastrig_studies.studies.reference_fit import reference_fit
 from breastrig_studies.studies.sensitivity import TERMS, scaled_compliance, with_shapes
 from breastrig_studies.studies.transfer import ALL
 from breastrig_studies.studies.trust.certainty import GIVEN, NOT_GIVEN, certainty
-from breastrig_studies.studies.trust.reliability import LEVELS, held_at_levels
+from breastrig_studies.studies.trust.reliability import LEVELS, covered_at_levels
 from breastrig_studies.studies.trust.verdicts import verdicts
 from breastrig_studies.studies.unseen import CUTS, cut_fit, unseen, whole_fit
-from breastrig_studies.tables.certainty import CARRIED, held, levels_held, reliability_table
+from breastrig_studies.tables.certainty import CARRIED, covered, levels_covered, reliability_table
 from breastrig_studies.tables.measures import measures_table, ptosis_table
 from breastrig_studies.tables.verdicts import verdicts_table
 
@@ -171,7 +171,7 @@ def test_certainty_counts_every_landmark_and_every_vertex_of_the_regions(cohort:
 
 def test_radii_of_a_scatter_in_two_directions_hold_what_they_say(rng: np.random.Generator) -> None:
     errors = np.linalg.norm(rng.normal(size=(200_000, 2)), axis=1)
-    *counts, total = held_at_levels(errors, np.full(len(errors), np.sqrt(2.0 * np.log(10.0))))
+    *counts, total = covered_at_levels(errors, np.full(len(errors), np.sqrt(2.0 * np.log(10.0))))
     np.testing.assert_allclose(np.array(counts) / total, LEVELS, atol=0.005)
 
 
@@ -185,9 +185,9 @@ def test_the_reliability_of_places_and_carried_lines_adds_up_over_cases() -> Non
     row = {"picks": "true", "line": ALL, "region": ALL, "levels": [1, 2, 3, 4, 4]}
     carried = record("transfer", {"rows": [row, row | {"region": "chest"}, row | {"picks": "5 mm off"}]})
     found = [fit, fit, carried]
-    assert levels_held(found, GIVEN, "exact") == [10, 16, 18, 20, 20]
-    assert levels_held(found, CARRIED, "exact") == [1, 2, 3, 4, 4]
-    assert levels_held(found, NOT_GIVEN, "exact") == [0, 0, 0, 0, 0]
+    assert levels_covered(found, GIVEN, "exact") == [10, 16, 18, 20, 20]
+    assert levels_covered(found, CARRIED, "exact") == [1, 2, 3, 4, 4]
+    assert levels_covered(found, NOT_GIVEN, "exact") == [0, 0, 0, 0, 0]
     table = reliability_table(found)
     said = [(row.cells[0], row.cells[1], *row.cells[2:]) for row in table.rows]
     assert said == [
@@ -201,9 +201,9 @@ def test_the_reliability_of_places_and_carried_lines_adds_up_over_cases() -> Non
 def test_held_adds_up_over_cases_and_places() -> None:
     record = SimpleNamespace(failed=None, answer={"exact": {"landmarks": {"a": [3, 4], "b": [1, 1]}}})
     broken = SimpleNamespace(failed="no torso", answer={})
-    assert held([record, broken, record], "exact", "landmarks") == (8, 10)
-    assert held([record], "exact", "landmarks", "a") == (3, 4)
-    assert held([record], "half", "skin") == (0, 0)
+    assert covered([record, broken, record], "exact", "landmarks") == (8, 10)
+    assert covered([record], "exact", "landmarks", "a") == (3, 4)
+    assert covered([record], "half", "skin") == (0, 0)
 
 
 def test_measures_are_compared_with_those_of_the_true_surface(cohort: Path, rig: Rig) -> None:

@@ -42,7 +42,7 @@ def test_the_first_fit_computes_nothing_that_the_second_one_finds(tmp_path: Path
     for cache in caches.values():
         if cache is not read_rig:
             cache.cache_clear()
-    default_model.make_ready(read_rig(model))
+    default_model.precompute(read_rig(model))
     rounds = [_computed(caches)]
     for _ in range(2):
         for job in jobs:

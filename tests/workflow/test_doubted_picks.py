@@ -10,7 +10,7 @@ from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.workflow.events import Done, Started
 from breastrig.workflow.jobs import FitJob
 from breastrig.workflow.run_fit import run_fit
-from breastrig.workflow.scan_fit import fit_plan, made_ready, read_model, scan_of_job
+from breastrig.workflow.scan_fit import fit_plan, prepare_fit, read_model, scan_of_job
 
 EXAMPLE = asset_folder("example") / "standing"
 OTHER_SIDE = {"_L": "_R", "_R": "_L"}
@@ -74,7 +74,7 @@ def test_sides_that_a_person_is_certain_of_are_not_called_exchanged(picks, tmp_p
 def test_a_certain_pick_of_the_middle_is_followed_when_all_sides_are_exchanged(picks, tmp_path: Path) -> None:
     exchanged = exchanged_sides(picks)
     job = FitJob(scan=EXAMPLE / "scan.ply", out=tmp_path, landmarks_mm=exchanged, certain=("umbilicus",))
-    ready = made_ready(fit_plan(job, read_model(job), job.landmarks_mm), *scan_of_job(job))
+    ready = prepare_fit(fit_plan(job, read_model(job), job.landmarks_mm), *scan_of_job(job))
     [doubt] = ready.started.landmarks_not_followed
     assert doubt.names == [name for name in exchanged if name != "umbilicus"]
     assert list(ready.task.landmarks) == ["umbilicus"]

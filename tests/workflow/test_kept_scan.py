@@ -13,8 +13,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.core.stances import AUTO
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
-from breastrig.workflow.further_jobs import ProposeJob
-from breastrig.workflow.jobs import FitJob, UploadJob
+from breastrig.workflow.jobs import FitJob, ProposeJob, UploadJob
 from breastrig.workflow.kept import kept_scan
 from breastrig.workflow.kept.kept_scan import keeping, prepared_scan
 from breastrig.workflow.propose_on_scan import propose_on_file

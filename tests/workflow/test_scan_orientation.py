@@ -31,8 +31,7 @@ from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
 from breastrig.workflow import scan_fit
 from breastrig.workflow.events import Event
-from breastrig.workflow.further_jobs import ProposeJob
-from breastrig.workflow.jobs import FitJob, UploadJob
+from breastrig.workflow.jobs import FitJob, ProposeJob, UploadJob
 from breastrig.workflow.kept import kept_scan
 from breastrig.workflow.propose_on_scan import propose_on_file
 from breastrig.workflow.read_upload import read_upload
@@ -74,7 +73,7 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
     for module in (stance_module, run_fit_module):
         monkeypatch.setattr(module, "checked_iterates", fitted)
     for module in (propose, scan_fit):
-        monkeypatch.setattr(module, "opened_iterates", fitted)
+        monkeypatch.setattr(module, "iterates_with_second_start", fitted)
     for module in (prepare_scan, background):
         monkeypatch.setattr(module, "propose_frame", fronts)
     for module in (orientation_module, scan_orientation):

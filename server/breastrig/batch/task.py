@@ -15,8 +15,7 @@ from breastrig.scan.landmarks.landmark_files import (
 )
 from breastrig.scan.read import read_scan
 from breastrig.workflow.events import Event
-from breastrig.workflow.further_jobs import ReportJob
-from breastrig.workflow.jobs import FitJob
+from breastrig.workflow.jobs import FitJob, ReportJob
 from breastrig.workflow.report import measures_csv_of
 from breastrig.workflow.run_fit import run_fit
 

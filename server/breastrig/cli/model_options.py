@@ -12,7 +12,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     for name, what in (
         ("info", "bones, shapes, landmarks and drawings of a rig"),
         ("check", "every rule that a rig must keep, one line each"),
-        ("bind", "says that NAME.known beside the rig, what was learnt of it, is of the rig as it is now"),
+        ("bind", "says that NAME.known beside the rig, what was estimated for it, is of the rig as it is now"),
     ):
         action = actions.add_parser(name, help=what)
         action.add_argument("--model", type=Path, metavar="GLB", help="another rig than the package's torso")

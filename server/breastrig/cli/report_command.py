@@ -12,7 +12,7 @@ from breastrig.core.output_record import OutputSet
 from breastrig.core.staged_output import all_or_nothing
 from breastrig.report.document import SCHEMA
 from breastrig.workflow.folder.patient import patient_of
-from breastrig.workflow.further_jobs import ReportJob
+from breastrig.workflow.jobs import ReportJob
 from breastrig.workflow.lines.transfer import drawing_document
 from breastrig.workflow.report import MEASURES_TABLE, REPORT_RECORD, write_report
 

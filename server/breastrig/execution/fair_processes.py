@@ -20,7 +20,7 @@ from typing import Any
 
 from breastrig.core.errors import TooMany
 from breastrig.core.round_robin import RoundRobin
-from breastrig.execution.asking_client import asking_client
+from breastrig.execution.client_key import client_key
 from breastrig.execution.executor import Executor
 from breastrig.execution.warm_first import ForKey
 
@@ -85,7 +85,7 @@ class FairProcesses:
 
         Raises TooMany when the client that asks has as many tasks here as one may have.
         """
-        client = asking_client.get()
+        client = client_key.get()
         lane = self._uploads if isinstance(function, ForKey) and function.begins else self._others
         task = _Task(lane, self, client or "", lambda: self._processes.schedule(function, args, timeout))
         with self._changed:

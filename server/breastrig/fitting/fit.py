@@ -158,7 +158,7 @@ class _Iteration(Generic[P]):
 
 
 @dataclass(frozen=True, eq=False)
-class Begun(Generic[P]):
+class InitialPoint(Generic[P]):
     """Where stages begin: at the start, or where earlier ones ended."""
 
     point: P
@@ -173,16 +173,16 @@ def _matched(problem: Problem[P], number: int, stage: Stage, progress: float, po
 
 
 def iterates(
-    problem: Problem[P], stages: Sequence[Stage] | None = None, begun: Begun[P] | None = None
+    problem: Problem[P], stages: Sequence[Stage] | None = None, initial: InitialPoint[P] | None = None
 ) -> Iterator[tuple[FitIterate, ...]]:
     """One iterate for each scan: first the start as iteration 0, then one a step; the last status says why it stopped.
 
-    Of `stages` only, where they are given, going on from what has `begun`.  The energy in each is that of all scans
+    Of `stages` only, where they are given, from `initial`.  The energy in each is that of all scans
     together.
     """
     recipe = problem.recipe
     stillness = [_Stillness(recipe.stop) for _ in problem.scans]
-    first = Begun(problem.start()) if begun is None else begun
+    first = InitialPoint(problem.start()) if initial is None else initial
     point, energy, number = first.point, first.energy, first.number
     done = recipe.stages[-1]
     for stage in recipe.stages if stages is None else stages:

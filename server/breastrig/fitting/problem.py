@@ -24,9 +24,9 @@ from breastrig.energies.scale_prior import ScalePrior
 from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
 from breastrig.energies.table_contact import TableContact
-from breastrig.fitting.body.hollows import hollow_terms, look_for_hollows
 from breastrig.fitting.body.mirrored_landmarks import MirroredLandmark, mirrored_landmarks, mirrored_terms
 from breastrig.fitting.observation_weights import observation_weights
+from breastrig.fitting.observed.relief import observe_relief, relief_terms
 from breastrig.fitting.recipe import Body, Hanging, Range, Scales, Shapes, Stage
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.geometry.surface_points import SurfacePoints
@@ -116,12 +116,12 @@ class ScanProblem:
             return [*self.priors, data, *picks]
         if self.relief is None:
             self._look(state, [*self.priors, data], picks)
-        hollows = hollow_terms(self.task.rig, self.relief or {}, stage)
-        return [*self.priors, data, *picks, *hollows, *mirrored_terms(self.task.rig, self._mirrored)]
+        relief = relief_terms(self.task.rig, self.relief or {}, stage)
+        return [*self.priors, data, *picks, *relief, *mirrored_terms(self.task.rig, self._mirrored)]
 
     def _look(self, state: BodyState, others: Terms, picks: list[Landmarks]) -> None:
         """What else is known of landmarks: looked for once, where the first stage that asks for it begins."""
-        self.relief = look_for_hollows(self.task, state)
+        self.relief = observe_relief(self.task, state)
         for term in picks if self._partners else []:
             self._mirrored = mirrored_landmarks(self.task, state, term, self.system(others, state), self.scaling)
 
@@ -169,7 +169,9 @@ class ScanProblem:
     def _landmark_distance(self, vertices: Array) -> float | None:
         """m, mean over the picked landmarks; None without picks of a person."""
         return (
-            None if self._picks is None or self.task.seen else float(self._picks.gaps(self.task.rig, vertices).mean())
+            None
+            if self._picks is None or self.task.from_colour
+            else float(self._picks.gaps(self.task.rig, vertices).mean())
         )
 
 

@@ -14,15 +14,15 @@ from breastrig.core.arrays import Array
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.fitting.body.expected_shifts import expected_shifts
 from breastrig.fitting.fit import FitTask
+from breastrig.fitting.observed.landmarks import areola_of, colour_observations, with_observations
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.scan_orientation import ScanOrientation, orientation_task, scan_orientation
-from breastrig.fitting.seen.landmarks import areola_of, seen_landmarks, with_seen
-from breastrig.fitting.starts.two_openings import opened_iterates
+from breastrig.fitting.starts.second_start import iterates_with_second_start
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.geometry.normals import vertex_normals
-from breastrig.report.areolae import SeenAreola
+from breastrig.report.areolae import ObservedAreola
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
@@ -48,7 +48,7 @@ class Proposal:
     on_scan: bool  # on skin that the scan shows
     error: float | None = None  # m, radius that holds the true place with 90 %; None: nobody knows it for this model
     reason: str | None = None  # what shows it beside the form of the body, in a few words
-    areola: SeenAreola | None = None  # around a nipple that colour shows
+    areola: ObservedAreola | None = None  # around a nipple that colour shows
 
 
 def confidence_of(error: float) -> float:
@@ -65,7 +65,7 @@ def propose_landmarks(
 ) -> dict[str, Proposal]:
     """All landmarks of the rig on a scan; `orientation` when it is known already.
 
-    `coloured` is the scan as it was read, of which only the colours are looked at (seen/landmarks.py).
+    `coloured` is the scan as it was read, of which only the colours are looked at (observed/landmarks.py).
     """
     if orientation is None:
         orientation, _, _ = scan_orientation(rig, scan, recipe)
@@ -74,9 +74,9 @@ def propose_landmarks(
         ended, fitted = _fitted(task)
     else:
         ended, fitted = replace(task, hanging=orientation.hanging), orientation.fitted
-    shown = {} if coloured is None else seen_landmarks(ended, fitted, orientation.margin, coloured)
+    shown = {} if coloured is None else colour_observations(ended, fitted, orientation.margin, coloured)
     if shown:
-        ended, fitted = _fitted(with_seen(task, shown, fitted))
+        ended, fitted = _fitted(with_observations(task, shown, fitted))
     vertices = pose(rig, fitted)
     points = rig.landmark_points()
     places, normals = (points.positions(of, rig.faces) for of in (vertices, vertex_normals(vertices, rig.faces)))
@@ -96,13 +96,13 @@ def propose_landmarks(
             sure = round(confidence_of(each.error), 2)
             proposals[name] = Proposal(each.place, sure, True, HOLDS_90 * each.error, each.reason, areola_of(each))
             continue
-        hollow = posterior.relief.get(name)
+        observation = posterior.relief.get(name)
         place, on_scan = places[k], bool(seen[k])
-        if hollow is not None and hollow.all_round:
-            place, on_scan = hollow.place, _is_near(scan, hollow.place)
+        if observation is not None and observation.all_round:
+            place, on_scan = observation.place, _is_near(scan, observation.place)
         radius = None if known is None else known.landmarks[name]
         confidence = confidence_of(UNKNOWN if radius is None else radius / HOLDS_90)
-        reason = None if hollow is None else hollow.reason
+        reason = None if observation is None else observation.reason
         proposals[name] = Proposal(place, round(confidence, 2), on_scan, radius, reason)
     return proposals
 
@@ -114,5 +114,5 @@ def _is_near(scan: PreparedScan, place: Array) -> bool:
 
 def _fitted(task: FitTask) -> tuple[FitTask, RigParameters]:
     """The task with what its fit saw of the skin's hollows, and where it ends."""
-    *_, last = opened_iterates(task)
+    *_, last = iterates_with_second_start(task)
     return replace(task, relief=last.relief, hanging=last.hanging), last.parameters

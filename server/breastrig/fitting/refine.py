@@ -123,7 +123,7 @@ class _Systems:
         return result
 
 
-def make_ready(vertices: Array, faces: Integers) -> None:
+def precompute_layers(vertices: Array, faces: Integers) -> None:
     """Finds what all layers over these (F, 3) triangles share, whatever the (V, 3) places of their vertices."""
     _Systems(*stiffness_and_area(vertices, faces))
 

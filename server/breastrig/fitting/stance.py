@@ -2,13 +2,13 @@
 
 A table says it all (scan/orient.py), unless it may be a wall (starts/wall_behind.py): then the arms decide.  Without
 one the model is fitted as if she stood and, unless the arms hang, as if she lay; what the fits show is weighed together
-(starts/lies_or_stands.py).  Where it says little the answer says so, and asks.
+(starts/supine_or_standing.py).  Where it says little the answer says so, and asks.
 """
 
 from dataclasses import dataclass, replace
 
 from breastrig.fitting.picks.checked_fit import checked_iterates
-from breastrig.fitting.starts.lies_or_stands import arm_angles, likely_stance, seen_signs
+from breastrig.fitting.starts.supine_or_standing import arm_angles, likely_stance, measured_signs
 from breastrig.fitting.starts.wall_behind import TABLE, WALL, may_be_wall
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.scan.orient import Frame
@@ -45,10 +45,10 @@ def found_stance(task: FitTask, frame: Frame) -> FoundStance:
         away = len(arms) and arms.mean() > rule.arms_between
         return FoundStance("supine", TABLE) if away else FoundStance("standing", WALL, standing)
     if not len(arms) or arms.mean() < rule.arms_hanging:
-        likely = likely_stance(seen_signs(task, standing[-1]))
-        return FoundStance("standing", ARMS_HANG if likely.sure and not likely.lies else ARMS_HANG_BUT, standing)
+        likely = likely_stance(measured_signs(task, standing[-1]))
+        return FoundStance("standing", ARMS_HANG if likely.sure and not likely.supine else ARMS_HANG_BUT, standing)
     supine = tuple(checked_iterates(replace(task, stance="supine")))
-    likely = likely_stance(seen_signs(task, standing[-1], supine[-1]))
-    if likely.lies:
+    likely = likely_stance(measured_signs(task, standing[-1], supine[-1]))
+    if likely.supine:
         return FoundStance("supine", LIES if likely.sure else MAY_LIE, supine)
     return FoundStance("standing", STANDS if likely.sure else MAY_STAND, standing)

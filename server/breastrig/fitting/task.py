@@ -10,7 +10,7 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.recipe import Recipe
 from breastrig.least_squares.newton import Status
-from breastrig.relief.observe import SeenHollow
+from breastrig.relief.observe import ReliefObservation
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 
@@ -28,8 +28,10 @@ class FitIterate:
     landmark_distance: float | None  # m, mean over the picked landmarks
     elapsed_s: float
     status: Status  # RUNNING on all but the last
-    not_followed: tuple[Doubt, ...] = ()  # picks that were let go
-    relief: Mapping[str, SeenHollow] | None = None  # landmarks that the skin's form shows; None: not looked at yet
+    not_followed: tuple[Doubt, ...] = ()  # rejected picks
+    relief: Mapping[str, ReliefObservation] | None = (
+        None  # landmarks that the skin's form shows; None: not looked at yet
+    )
     hanging: tuple[str, ...] = ()  # shapes by which breasts were seen to hang
 
     @property
@@ -50,7 +52,9 @@ class FitTask:
     stance: str = "standing"  # standing | supine
     landmark_errors: Mapping[str, float] = field(default_factory=dict)  # m, expected beyond a click's; absent: none
     certain: frozenset[str] = frozenset()  # picks that are followed whatever all else says
-    seen: frozenset[str] = frozenset()  # landmarks that colour shows and no person has picked
-    relief: Mapping[str, SeenHollow] | None = None  # what the skin's form shows, where a fit has looked; None: it will
+    from_colour: frozenset[str] = frozenset()  # landmarks observed in the scan's colours, not picked
+    relief: Mapping[str, ReliefObservation] | None = (
+        None  # what the skin's form shows, where a fit has looked; None: it will
+    )
     hanging: tuple[str, ...] = ()  # shapes by which breasts were seen to hang (body/hanging_start.py)
     locked: tuple[str, ...] = ()  # blocks of the unknowns that stay where they start, see rig/blocks.py

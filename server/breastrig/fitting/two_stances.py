@@ -22,7 +22,7 @@ from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import BadSettings
 from breastrig.fitting.problem import ScanProblem, Terms
 from breastrig.fitting.recipe import Recipe, Stage
-from breastrig.fitting.starts.two_openings import opened_together
+from breastrig.fitting.starts.second_start import joint_iterates_with_second_start
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.least_squares.newton import Status, System, Value
 from breastrig.least_squares.quadratic_program import Bounds
@@ -260,5 +260,7 @@ def fit_pair_iterates(first: FitTask, second: FitTask, coupling: Coupling = ALIK
         raise BadSettings("Two stances are fitted together with one model; give the same model for both.")
     if first.recipe != second.recipe:
         raise BadSettings("Two stances are fitted together with one preset; give the same preset for both.")
-    for one, other in opened_together((first, second), lambda tasks: _TwoScans(tasks[0], tasks[1], coupling)):
+    for one, other in joint_iterates_with_second_start(
+        (first, second), lambda tasks: _TwoScans(tasks[0], tasks[1], coupling)
+    ):
         yield PairIterate(one.iteration, one, other, one.status)

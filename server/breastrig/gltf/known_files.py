@@ -1,4 +1,4 @@
-"""NAME.known/ beside NAME.glb: what has been learnt of a rig, bound to it by its hash; rig/known.py lists the files.
+"""NAME.known/ beside NAME.glb: what was estimated for a rig, bound to it by hash; rig/known.py lists the files.
 
 rig.json there says of which rig: {"schema": "breastrig/known@1", "rig_sha256": ...}.  A rig that was changed since is
 another rig, of which nothing is known until somebody has looked and binds the folder anew (`breastrig model bind`).
@@ -34,7 +34,7 @@ def known_paths(glb: Path) -> tuple[Path, ...]:
 
 
 def read_known(glb: Path, sha256: str) -> dict[str, str]:
-    """Name -> text of what was learnt of the rig with this hash; nothing where there is none, or it is another's."""
+    """Name -> text of what was estimated for the rig with this hash; empty if there is nothing, or it is another's."""
     texts = {path.name: _text(path) for path in known_paths(glb)}
     binding = texts.pop(BINDING, None)
     return texts if binding is not None and _bound(binding) == sha256 else {}

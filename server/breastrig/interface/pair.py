@@ -21,7 +21,7 @@ from breastrig.interface.scan import ScanLike, ScanSource
 from breastrig.workflow.folder.fit_file_names import RESULT, fit_set
 from breastrig.workflow.folder.fit_files import json_bytes, write_files
 from breastrig.workflow.jobs import FIRST
-from breastrig.workflow.run_pair import PAIR_SCHEMA, PairOutcome, both_ready, pair_document, pair_steps
+from breastrig.workflow.run_pair import PAIR_SCHEMA, PairOutcome, pair_document, pair_steps, prepare_pair
 from breastrig.workflow.scan_fit import Clock
 
 PAIR = "pair.json"
@@ -97,7 +97,7 @@ def pair_iterates(
     with one_thread():
         rig = loaded(model)
         plans = given[0].plan(settings[0], rig), given[1].plan(settings[1], rig)
-        ready = both_ready(plans, [each.scan.read() for each in given])
+        ready = prepare_pair(plans, [each.scan.read() for each in given])
     inputs = (*given[0].files, *given[1].files, *settings[0].files, *files_of(model))
 
     def steps() -> Generator[tuple[Iterate, Iterate], None, FitPair]:

@@ -28,7 +28,7 @@ from breastrig.workflow.fit_outcome import FitOutcome
 from breastrig.workflow.fit_recorder import RecordedIterate
 from breastrig.workflow.jobs import FIRST, EarlierFit, FitSettings
 from breastrig.workflow.run_fit import fit_steps
-from breastrig.workflow.scan_fit import Clock, FitPlan, ReadyScan, fit_plan, made_ready
+from breastrig.workflow.scan_fit import Clock, FitPlan, ReadyScan, fit_plan, prepare_fit
 
 Step = TypeVar("Step")
 Result = TypeVar("Result")
@@ -130,7 +130,7 @@ def iterates(
     given = GivenScan(ScanSource(scan, units), landmarks, certain)
     with one_thread():
         plan = given.plan(settings, loaded(model))
-        ready = made_ready(plan, *given.scan.read())
+        ready = prepare_fit(plan, *given.scan.read())
     inputs = (*given.files, *settings.files, *files_of(model))
 
     def steps() -> Generator[Iterate, None, Fit]:

@@ -14,7 +14,7 @@ from breastrig.interface.one_thread import one_thread
 from breastrig.rig.model import Rig
 from breastrig.workflow.folder.fit_file_names import FIT_FILES, RESULT, UNCERTAINTY
 from breastrig.workflow.folder.fit_files import write_files
-from breastrig.workflow.further_jobs import TransferJob
+from breastrig.workflow.jobs import TransferJob
 from breastrig.workflow.lines.transfer import drawing_document, transfer_with
 
 READ = ("scan.ply", "fitted.ply", UNCERTAINTY, RESULT)  # what a transfer reads of a fit

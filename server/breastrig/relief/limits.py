@@ -1,4 +1,4 @@
-"""Numbers by which hollows are told from the skin around them; each has its reason beside it in features.toml."""
+"""Numbers by which concavities are told from the skin around them; each has its reason beside it in features.toml."""
 
 import tomllib
 from functools import lru_cache
@@ -16,14 +16,14 @@ class _Part(BaseModel):
 
 
 class Smooth(_Part):
-    """Skin on which nothing of a hollow is seen."""
+    """Skin on which nothing of a concavity is seen."""
 
     around: Positive  # m, of a place
     below: Positive  # logarithm of a chance, as `weight` and `most` make it
 
 
-class Hollow(_Part):
-    """One kind of hollow that a landmark lies in."""
+class Concavity(_Part):
+    """One kind of concavity that a landmark lies in."""
 
     view: Literal["skin", "front"]  # along the skin's own normal around, or from the body's front
     around: Positive  # m, of whose skin the normal is the mean
@@ -90,11 +90,11 @@ class Relief(_Part):
     shoulder: Shoulder
     lying_shoulder: LyingShoulder
     mid_sternum: MidSternum
-    hollows: dict[str, Hollow]  # by the landmark's name without its side
+    concavities: dict[str, Concavity]  # by the landmark's name without its side
 
-    def hollow(self, landmark: str) -> Hollow | None:
+    def concavity(self, landmark: str) -> Concavity | None:
         """That of the landmark; None where it lies in none."""
-        return self.hollows.get(landmark.removesuffix("_L").removesuffix("_R"))
+        return self.concavities.get(landmark.removesuffix("_L").removesuffix("_R"))
 
 
 @lru_cache(maxsize=1)

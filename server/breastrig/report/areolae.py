@@ -19,7 +19,7 @@ RIM_DIGITS = 6  # of m, as landmarks have
 
 
 @dataclass(frozen=True, eq=False)
-class SeenAreola:
+class ObservedAreola:
     """One areola, in the scan's frame."""
 
     diameter: float  # m, of the circle of its area, along the skin
@@ -38,7 +38,7 @@ class _Entry(BaseModel):
 _ENTRIES: TypeAdapter[dict[str, _Entry | None]] = TypeAdapter(dict[str, _Entry | None])
 
 
-def areolae_document(found: Mapping[str, SeenAreola | None], metres_per_unit: float) -> dict[str, Any]:
+def areolae_document(found: Mapping[str, ObservedAreola | None], metres_per_unit: float) -> dict[str, Any]:
     """Side -> what result.json says, its border in the scan's unit."""
     return {
         side: None
@@ -52,7 +52,7 @@ def areolae_document(found: Mapping[str, SeenAreola | None], metres_per_unit: fl
     }
 
 
-def areolae_of(result: Mapping[str, Any], metres_per_unit: float) -> dict[str, SeenAreola | None]:
+def areolae_of(result: Mapping[str, Any], metres_per_unit: float) -> dict[str, ObservedAreola | None]:
     """What a result.json says, empty where it says nothing; BadInput where it is damaged."""
     try:
         entries = _ENTRIES.validate_python(result.get(AREOLAE, {}))
@@ -61,6 +61,6 @@ def areolae_of(result: Mapping[str, Any], metres_per_unit: float) -> dict[str, S
     return {
         side: None
         if each is None
-        else SeenAreola(1e-3 * each.diameter_mm, 1e-3 * each.within_mm, metres_per_unit * np.array(each.rim))
+        else ObservedAreola(1e-3 * each.diameter_mm, 1e-3 * each.within_mm, metres_per_unit * np.array(each.rim))
         for side, each in entries.items()
     }

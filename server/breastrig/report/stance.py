@@ -14,7 +14,7 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.surface_points import SurfacePoints
-from breastrig.report.areolae import SeenAreola
+from breastrig.report.areolae import ObservedAreola
 from breastrig.report.distances import signed_distances
 from breastrig.rig.model import DrawnShape, Rig
 
@@ -32,7 +32,7 @@ class Stance:
     seen: dict[str, Array] = field(default_factory=dict)  # (3,) m, landmarks that the scan's colours show
     lines: tuple[Polyline, ...] = ()  # on the scan
     landmark_radii: Mapping[str, float] = field(default_factory=dict)  # m; 90 % of true places are within
-    areolae: Mapping[str, SeenAreola | None] = field(default_factory=dict)  # by side; None: not seen
+    areolae: Mapping[str, ObservedAreola | None] = field(default_factory=dict)  # by side; None: not seen
     radii: Array | None = None  # (V,) m, likewise of the vertices; None: not known
 
     @cached_property

@@ -130,7 +130,7 @@ class Rig:
     regions: dict[str, Integers]  # named vertex sets, for instance breast_L
     sha256: str  # of the .glb and its side file
     lengths: tuple[Length, ...] = ()
-    known: Mapping[str, str] = field(default_factory=dict)  # what has been learnt of it, see known.py
+    known: Mapping[str, str] = field(default_factory=dict)  # what has been estimated for it, see known.py
 
     def __post_init__(self) -> None:
         for name in ("template", "uv", "blendshapes", "skin_weights"):

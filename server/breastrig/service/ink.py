@@ -15,7 +15,7 @@ from breastrig.service.scan_search import ScanSearch, Task
 from breastrig.storage.rows.cuts import get_cuts
 from breastrig.storage.rows.ink import drop_ink, get_ink, put_ink
 from breastrig.storage.rows.scans import ScanRow
-from breastrig.workflow.further_jobs import InkJob
+from breastrig.workflow.jobs import InkJob
 from breastrig.workflow.tasks import find_ink_on_file
 
 

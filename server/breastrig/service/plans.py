@@ -23,7 +23,7 @@ from breastrig.storage.rows.fits import FitRow, get_fit, newest_done
 from breastrig.storage.rows.patients import PlanRow, get_plan, patient_of_scan, scans_of_patient
 from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
-from breastrig.workflow.further_jobs import PlanJob, PlannedFit
+from breastrig.workflow.jobs import PlanJob, PlannedFit
 from breastrig.workflow.lines.empty_plan import empty_plan_document
 from breastrig.workflow.tasks import plan_on_fit
 

@@ -13,7 +13,7 @@ from breastrig.storage.rows.cuts import cuts_digest, get_cuts
 from breastrig.storage.rows.proposals import get_proposals, put_proposals
 from breastrig.storage.rows.scans import Picks, ScanRow, get_landmarks
 from breastrig.storage.storage import Storage
-from breastrig.workflow.further_jobs import ProposeJob
+from breastrig.workflow.jobs import ProposeJob
 
 SAME_PLACE = 0.05  # mm; no click meets a proposal so closely
 

@@ -24,7 +24,7 @@ from breastrig.storage.rows.fits import FitRow, get_fit
 from breastrig.storage.rows.patients import PatientRow, get_patient, get_plan, patient_of_scan
 from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
-from breastrig.workflow.further_jobs import ReportJob
+from breastrig.workflow.jobs import ReportJob
 from breastrig.workflow.tasks import measures_json_of, report_pdf_of
 
 MAKERS: dict[str, Callable[[ReportJob], bytes]] = {"report.pdf": report_pdf_of, "measures.json": measures_json_of}

@@ -52,8 +52,7 @@ from breastrig.storage.rows.fits import FitRow, NewFit, Once, add_fits, fits_of_
 from breastrig.storage.rows.patients import get_patient, scans_of_patient
 from breastrig.storage.rows.scans import Picks, Points, ScanRow
 from breastrig.storage.storage import Storage, Unremoved, utc_now
-from breastrig.workflow.further_jobs import TransferJob
-from breastrig.workflow.jobs import UploadJob
+from breastrig.workflow.jobs import TransferJob, UploadJob
 from breastrig.workflow.tasks import propose_on_file, read_upload, run_fit, run_pair, transfer
 
 CHUNK = 2**20

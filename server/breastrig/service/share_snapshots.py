@@ -26,7 +26,7 @@ from breastrig.storage.rows.fits import FitRow, get_fit
 from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.rows.shares import ShareRow, add_share, end_snapshots, get_share, replace_snapshot, revoke_share
 from breastrig.storage.storage import Storage, utc_now
-from breastrig.workflow.further_jobs import SnapshotJob
+from breastrig.workflow.jobs import SnapshotJob
 from breastrig.workflow.tasks import write_snapshot
 
 WALL_S = 90.0  # the example takes three seconds, most of them for the report; a slow machine with huge scans many

@@ -18,7 +18,7 @@ from breastrig.fitting.body.trunk_depth import trunk_depth
 from breastrig.fitting.observation_weights import observation_weights
 from breastrig.fitting.problem import body_terms
 from breastrig.fitting.recipe import load_recipe
-from breastrig.fitting.refine import make_ready as make_layers_ready
+from breastrig.fitting.refine import precompute_layers
 from breastrig.fitting.uncertainty.calibration import calibration
 from breastrig.fitting.verdicts.verdict import verdict_limits
 from breastrig.gltf.lines.ribbon import ribbons
@@ -33,7 +33,7 @@ from breastrig.rig.vertex_groups import vertex_groups
 from breastrig.workflow.folder.fit_files import library_versions
 
 
-def make_ready(rig: Rig) -> None:
+def precompute(rig: Rig) -> None:
     """Computes what fits of this model share."""
     recipe, state = load_recipe("default"), BodyState(rig, rest_parameters(rig))
     _ = state.posed.rows(np.zeros(1, dtype=np.int64), np.ones((1, 3))), state.chordal_deviation, vertex_groups(rig)
@@ -47,11 +47,11 @@ def make_ready(rig: Rig) -> None:
         if stance != AUTO:
             hidden_skin(rig, stance)
             body_terms(rig, recipe.shapes, recipe.scales, recipe.body, stance)
-    make_layers_ready(rig.template, rig.faces)
+    precompute_layers(rig.template, rig.faces)
     skinned_document(rig, {})
     for drawing in rig.drawings[:1]:  # what a fit draws when it is not asked
         ribbons(rig, drawing)
 
 
 with suppress(BadModel):  # whoever needs it is told
-    make_ready(read_rig(default_rig_path()))
+    precompute(read_rig(default_rig_path()))

@@ -11,7 +11,7 @@ from breastrig.core.errors import BadScan
 from breastrig.drawings.drawing_file import shape_document
 from breastrig.drawings.drawing_schema import SCHEMA
 from breastrig.scan.read import read_scan
-from breastrig.workflow.further_jobs import InkJob
+from breastrig.workflow.jobs import InkJob
 
 if TYPE_CHECKING:
     from breastrig.colour.ink.find_ink import InkLine

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.doubt import Doubt
-from breastrig.fitting.seen.landmarks import SeenLandmark
+from breastrig.fitting.observed.landmarks import ObservedLandmark
 from breastrig.fitting.uncertainty.radii import Radii
 from breastrig.fitting.verdicts.verdict import Verdict
 from breastrig.geometry.polyline import Polyline
 from breastrig.least_squares.newton import Status
-from breastrig.report.areolae import SeenAreola
+from breastrig.report.areolae import ObservedAreola
 from breastrig.report.distances import SurfaceDistances
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
@@ -48,7 +48,7 @@ class FitOutcome:
     timing_s: dict[str, float]
     distances: SurfaceDistances
     landmarks: dict[str, Array]  # picked, m
-    seen: Mapping[str, SeenLandmark]  # by name, where colours show it and no one has picked any; their radii are theirs
+    seen: Mapping[str, ObservedLandmark]  # by name, from colours, with radii of their own
     doubts: tuple[Doubt, ...]  # picks that are asked about
     drawing: ModelDrawing | None
     drawing_missing: tuple[str, ...]  # of each pattern that does not fit on this patient why, a sentence or two
@@ -57,7 +57,7 @@ class FitOutcome:
     agreed: tuple[str, ...]  # landmarks that were proposed and only agreed to
     notes: tuple[str, ...]
     verdict: Verdict
-    areolae: Mapping[str, SeenAreola | None]  # by side, None where none is seen; empty for a scan without texture
+    areolae: Mapping[str, ObservedAreola | None]  # by side, None where none is seen; empty for a scan without texture
     covariance: Array  # (P, P) of a step from the parameters (fitting/posterior.py)
     table_triangles: int  # of the scan, cut away as table
     cut_away: float = 0.0  # m², of the scan's floors and walls

@@ -12,18 +12,18 @@ from breastrig.drawings.line_error import with_errors
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.fitting.body.trunk_depth import skin_behind
 from breastrig.fitting.fit import FitIterate
+from breastrig.fitting.observed.areolae import observed_areolae
+from breastrig.fitting.observed.landmarks import followed
 from breastrig.fitting.orientation import MIN_LANDMARKS
 from breastrig.fitting.picks.checked_fit import without
 from breastrig.fitting.picks.mistakes import explained
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.refine import refined
-from breastrig.fitting.seen.areolae import seen_areolae
-from breastrig.fitting.seen.landmarks import followed
 from breastrig.fitting.uncertainty.radii import radii
 from breastrig.fitting.verdicts.fit_signals import fit_signals
 from breastrig.fitting.verdicts.reasons import GivenLandmarks
-from breastrig.fitting.verdicts.repeated import told_by_a_person
+from breastrig.fitting.verdicts.repeated import picked_names
 from breastrig.fitting.verdicts.verdict import shows_a_part, verdict, verdict_limits
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.least_squares.newton import Status
@@ -64,9 +64,9 @@ class FitRecorder:
             proposed = propose_on_scan(ready.task.rig, ready.scan, ready.orientation)
         except BreastRigError:
             return False
-        picks = {name: place for name, place in ready.task.landmarks.items() if name not in ready.task.seen}
+        picks = {name: place for name, place in ready.task.landmarks.items() if name not in ready.task.from_colour}
         places = {name: each.point for name, each in proposed.items()}
-        return len(told_by_a_person(picks, places)) < MIN_LANDMARKS
+        return len(picked_names(picks, places)) < MIN_LANDMARKS
 
     def finish(self, solve_s: float, clock: Clock) -> FitOutcome:
         """Measures the last iterate; FitFailed when this is no torso.
@@ -75,10 +75,10 @@ class FitRecorder:
         """
         ready, last = self.ready, self._recorded[-1].iterate
         task, rig, target = ready.task, ready.task.rig, ready.task.target
-        let_go = (*ready.exchanged, *last.not_followed)
-        fitted = replace(without(task, let_go), relief=last.relief, hanging=last.hanging)
+        rejected = (*ready.exchanged, *last.not_followed)
+        fitted = replace(without(task, rejected), relief=last.relief, hanging=last.hanging)
         posterior = Posterior(fitted, last.parameters)
-        doubtful = let_go if task.seen else (*let_go, *unusual(posterior))  # nobody can be asked about those
+        doubtful = rejected if task.from_colour else (*rejected, *unusual(posterior))  # nobody can be asked about those
         vertices = posterior.state.vertices
         compared = Comparison(target, vertices, rig.faces)
         signals = fit_signals(rig, last.parameters, compared, ready.clearness)
@@ -90,7 +90,7 @@ class FitRecorder:
         found_verdict = verdict(signals, last.status, limits, given, doubtful, lines_off)
         if not found_verdict.is_torso:
             raise FitFailed(" ".join(explained(task, (found_verdict.refusal(rig.name, given),))))
-        if found_verdict.level == "unusable" and not any(doubt.exchanged for doubt in let_go):
+        if found_verdict.level == "unusable" and not any(doubt.exchanged for doubt in rejected):
             found_verdict = replace(found_verdict, reasons=explained(task, found_verdict.reasons))
         timing = ready.timing_s | {"solve": solve_s}
         alone = ModelAlone(vertices, compared.distances)
@@ -100,7 +100,7 @@ class FitRecorder:
             vertices = refined(target, vertices, rig.faces, behind).vertices
             timing["refine"] = clock.lap()
             compared = Comparison(target, vertices, rig.faces)
-        seen = followed(task, ready.shown, {name for doubt in let_go for name in doubt.names})
+        seen = followed(task, ready.shown, {name for doubt in rejected for name in doubt.names})
         if known is not None and seen:
             known = replace(known, landmarks=known.landmarks | {name: each.radius for name, each in seen.items()})
         doubts = tuple(doubt for doubt in doubtful if not task.certain.issuperset(doubt.names))
@@ -111,7 +111,7 @@ class FitRecorder:
         drawing, missing = ready.drawing.where_it_fits(rig, vertices, places) if ready.drawing else (None, ())
         lines = on_scan(rig, vertices, drawing, target) if drawing else ()
         lines = with_errors(rig, compared.search, None if known is None else known.vertices, lines)
-        areolae = seen_areolae(rig, vertices, ready.landmarks, ready.scan, ready.shown)
+        areolae = observed_areolae(rig, vertices, ready.landmarks, ready.scan, ready.shown)
         timing["total"] = clock.total()
         return FitOutcome(
             scan=ready.scan,

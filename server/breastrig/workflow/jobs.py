@@ -1,13 +1,11 @@
-"""What a fit and the reading of an upload are asked, as plain values that travel between processes.
-
-They stand apart from the numerics that carry them out: who only hands a job on loads none of them.
-"""
+"""Parameters of each task, as plain values that are sent between processes; loads none of the numerics."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from breastrig.core.identity import UNNAMED, Identity
 from breastrig.core.stances import AUTO
 
 DEFAULT = "default"  # the preset
@@ -62,3 +60,116 @@ class UploadJob:
     thumbnail: Path  # where a small picture is written
     triangles: int  # at most
     model: Path | None = None  # that the service fits with; None: the torso of the package
+
+
+@dataclass(frozen=True)
+class ProposeJob:
+    """A scan to be searched for landmarks."""
+
+    scan: Path
+    file_type: str
+    units: str
+    model: Path | None = None  # None: the torso of the package
+    orientation: dict[str, Any] | None = None  # what the upload has found, see fitting/scan_orientation.py
+    cuts: tuple[dict[str, Any], ...] = ()  # by hand, see scan/hand_cuts.py
+
+
+@dataclass(frozen=True)
+class InkJob:
+    """A scan to be searched for ink."""
+
+    scan: Path
+    file_type: str
+    units: str
+
+
+@dataclass(frozen=True)
+class SnapshotJob:
+    """What a share link is to show of a fit, as it stands now."""
+
+    fit: Path  # folder of a fit
+    plan: dict[str, Any]  # on its scan, as `service/plans.py` gives it
+    items: tuple[dict[str, Any], ...]  # of the plan itself
+    identity: Identity  # on the pages of the report; without the patient's code
+    out: Path  # folder for the files
+    scan: Path | None = None  # as it is stored, where its colours are shown
+    file_type: str = ""  # of that file
+    shows_scan: bool = False  # else the model alone
+    has_notes: bool = False  # of the plan
+    cuts: tuple[dict[str, Any], ...] = ()  # by hand, see scan/hand_cuts.py
+    model: Path | None = None  # None: the torso of the package
+
+
+@dataclass(frozen=True)
+class TransferJob:
+    """A drawing on the scan of one fit, wanted on that of another."""
+
+    from_fit: Path  # folder of a fit
+    to_fit: Path
+    drawing: (
+        dict[str, Any] | None
+    )  # a document breastrig/drawing@1 or breastrig/plan@1; None: the drawing that the first fit left
+    other_patient: bool = False  # the scans are of two patients: the model decides which skin is which
+    model: Path | None = None  # None: the torso of the package
+
+
+@dataclass(frozen=True)
+class PlannedFit:
+    """The fit of a scan that a plan names."""
+
+    folder: Path
+    scan: str = ""  # as the plan's items name it; empty: found by the plan's table of scans, or by the stance
+
+
+@dataclass(frozen=True)
+class PlanJob:
+    """A plan to be laid on a scan."""
+
+    plan: dict[str, Any]  # a document breastrig/plan@1, or breastrig/drawing@1
+    fit: PlannedFit
+    others: tuple[PlannedFit, ...] = ()  # of the same patient's other scans, where items were made
+    model: Path | None = None  # None: the torso of the package
+
+
+PlanLines = tuple[dict[str, Any], bool]  # a document breastrig/drawing@1 on the fit's scan
+
+
+@dataclass(frozen=True)
+class ReportJob:
+    """A report of one fit or of two."""
+
+    fit: Path  # folder of a fit
+    other: Path | None = None  # of the same patient in another stance
+    model: Path | None = None  # None: the torso of the package
+    plans: tuple[PlanLines | None, ...] = ()  # of each fit: its lines, and whether they are all that is wanted
+    plan: dict[str, Any] | None = None  # or the plan itself (breastrig/plan@1 or drawing@1), to be laid on each scan
+    items: tuple[dict[str, Any], ...] = ()  # of the plan of which `plans` are the lines
+    identity: Identity = UNNAMED
+    doubts: tuple[str, ...] = ()  # whether both fits are of one patient
+    cuts: tuple[tuple[dict[str, Any], ...], ...] = ()  # of each fit's scan, made by hand: what is not shown any more
+
+
+@dataclass(frozen=True)
+class LiveQuestion:
+    """A pattern that follows a hand; places are mm in the scan's frame."""
+
+    name: str
+    parameters: Mapping[str, float | str]
+    side: str | None = None  # L, R: that one alone
+    handle: str | None = None  # which is dragged
+    to_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class LengthsQuestion:
+    """How long the tape is along the skin, from each place to the next; mm in the scan's frame."""
+
+    places_mm: tuple[tuple[float, float, float], ...]
+
+
+@dataclass(frozen=True)
+class FollowJob:
+    """The fit to go on from when landmarks are moved: its own job with `earlier`, and the picks that it left out."""
+
+    fit: FitJob
+    not_followed: tuple[str, ...]

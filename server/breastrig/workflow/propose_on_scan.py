@@ -16,7 +16,7 @@ from breastrig.rig.model import Rig
 from breastrig.scan.coloured_scan import coloured_scan
 from breastrig.scan.hand_cuts import without_hand_cuts
 from breastrig.scan.scan import Scan
-from breastrig.workflow.further_jobs import ProposeJob
+from breastrig.workflow.jobs import ProposeJob
 from breastrig.workflow.kept.kept_scan import prepared_scan
 
 

@@ -23,7 +23,7 @@ from breastrig.report.table import contradictions, csv_bytes, flat_rows
 from breastrig.rig.model import Rig
 from breastrig.workflow.folder.fit_files import json_bytes
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of, still_visible
-from breastrig.workflow.further_jobs import PlanLines, ReportJob
+from breastrig.workflow.jobs import PlanLines, ReportJob
 from breastrig.workflow.lines.plan_on_fit import plan_document, plan_on_folders
 from breastrig.workflow.lines.plan_words import planned_items
 from breastrig.workflow.one_body import body_doubt

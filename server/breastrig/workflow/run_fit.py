@@ -16,7 +16,7 @@ from breastrig.workflow.scan_fit import (
     Clock,
     ReadyScan,
     fit_plan,
-    made_ready,
+    prepare_fit,
     read_model,
     scan_of_job,
 )
@@ -27,7 +27,7 @@ def fit_steps(ready: ReadyScan, clock: Clock) -> Iterator[RecordedIterate | FitO
     recorder = FitRecorder(ready)
     clock.lap()
     solve = ready.timing_s["solve"]
-    iterates = iter(ready.begun) if ready.begun else checked_iterates(ready.task)
+    iterates = iter(ready.known_iterates) if ready.known_iterates else checked_iterates(ready.task)
     while True:
         iterate = next(iterates, None)
         solve += clock.lap()
@@ -47,7 +47,7 @@ def run_fit(job: FitJob) -> Generator[Event, None, None]:
     """
     clock = Clock()
     plan = fit_plan(job, read_model(job), job.landmarks_mm)
-    ready = made_ready(plan, *scan_of_job(job))
+    ready = prepare_fit(plan, *scan_of_job(job))
     yield ready.started
     for step in fit_steps(ready, clock):
         if isinstance(step, FitOutcome):

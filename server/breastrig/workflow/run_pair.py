@@ -26,7 +26,7 @@ from breastrig.workflow.scan_fit import (
     FitPlan,
     ReadyScan,
     fit_plan,
-    made_ready,
+    prepare_fit,
     read_model,
     scan_of_job,
 )
@@ -42,12 +42,12 @@ class PairOutcome:
     second: FitOutcome
 
 
-def both_ready(plans: tuple[FitPlan, FitPlan], scans: Sequence[tuple[Scan, float]]) -> tuple[ReadyScan, ReadyScan]:
+def prepare_pair(plans: tuple[FitPlan, FitPlan], scans: Sequence[tuple[Scan, float]]) -> tuple[ReadyScan, ReadyScan]:
     """Two scans, each with the seconds that reading it took, made ready; BadScan when they are one and the same."""
     (scan, read_s), (other, other_read_s) = scans
     if scan.sha256 == other.sha256:
         raise BadScan("Both scans are the same file; give a scan of the same patient in another stance.")
-    return made_ready(plans[0], scan, read_s), made_ready(plans[1], other, other_read_s)
+    return prepare_fit(plans[0], scan, read_s), prepare_fit(plans[1], other, other_read_s)
 
 
 def pair_steps(
@@ -57,7 +57,7 @@ def pair_steps(
     recorders = FitRecorder(ready[0]), FitRecorder(ready[1])
     clock.lap()
     solve = sum(each.timing_s["solve"] for each in ready)
-    (task, let_go), (other_task, other_let_go) = (agreeing_picks(each.task, each.begun) for each in ready)
+    (task, rejected), (other_task, other_rejected) = (agreeing_picks(each.task, each.known_iterates) for each in ready)
     iterates = fit_pair_iterates(task, other_task, coupling)
     while True:
         iterate = next(iterates, None)
@@ -65,8 +65,8 @@ def pair_steps(
         if iterate is None:
             break
         yield (
-            recorders[0].record(replace(iterate.first, not_followed=let_go)),
-            recorders[1].record(replace(iterate.second, not_followed=other_let_go)),
+            recorders[0].record(replace(iterate.first, not_followed=rejected)),
+            recorders[1].record(replace(iterate.second, not_followed=other_rejected)),
         )
         clock.lap()
     yield PairOutcome(recorders[0].finish(solve, clock), recorders[1].finish(solve, clock))
@@ -85,7 +85,7 @@ def run_pair(
     clock = Clock()
     rig = read_model(first)
     plans = fit_plan(first, rig, first.landmarks_mm), fit_plan(second, rig, second.landmarks_mm)
-    ready = both_ready(plans, [scan_of_job(job) for job in (first, second)])
+    ready = prepare_pair(plans, [scan_of_job(job) for job in (first, second)])
     for which, each in enumerate(ready):
         yield which, each.started
     for step in pair_steps(ready, coupling, clock):

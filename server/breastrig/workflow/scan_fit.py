@@ -19,12 +19,12 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.patterns import AskedDrawing, asked_drawing
 from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.fit import FitIterate, FitTask
+from breastrig.fitting.observed.landmarks import colour_observations, with_observations
 from breastrig.fitting.picks.mistakes import sides_exchanged
 from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.scan_orientation import ScanOrientation, orientation_from
-from breastrig.fitting.seen.landmarks import seen_landmarks, with_seen
-from breastrig.fitting.starts.two_openings import opened_iterates
+from breastrig.fitting.starts.second_start import iterates_with_second_start
 from breastrig.fitting.verdicts.reasons import GivenLandmarks
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.blocks import block
@@ -126,7 +126,7 @@ class ReadyScan:
     task: FitTask
     clearness: float | None  # of the start, where the scan alone placed it
     shown: "Mapping[str, Observation] | None"  # what colours show of the landmarks; None: not looked at
-    begun: tuple[FitIterate, ...]  # all iterates of the task's fit, where they were needed to find the stance
+    known_iterates: tuple[FitIterate, ...]  # all iterates of the task's fit, where they were needed to find the stance
     timing_s: dict[str, float]  # solve is what the stance took
 
     @property
@@ -134,7 +134,7 @@ class ReadyScan:
         """How many landmarks a person has given, before any of them was doubted."""
         picked = len(self.landmarks.keys() - self.agreed)
         left = len(self.task.rig.landmark_names) - picked
-        followed = len(self.task.landmarks.keys() - self.task.seen)
+        followed = len(self.task.landmarks.keys() - self.task.from_colour)
         return GivenLandmarks(picked, left, followed, agreed=len(self.agreed))
 
     @property
@@ -208,7 +208,7 @@ def scan_of_job(job: FitJob) -> tuple[Scan, float]:
     return without_hand_cuts(coloured_scan(job.scan, job.file_type, job.units), job.cuts), clock.lap()
 
 
-def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
+def prepare_fit(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
     """Cleans and indexes a scan that took `read_s` to read, and finds the start; a BadInput says what is wrong."""
     settings, rig, landmarks = plan.settings, plan.rig, plan.landmarks
     clock = Clock()
@@ -241,10 +241,10 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
         task, stance = with_stance(task, settings.stance, ready, orientation)
         known = orientation is not None and settings.preset == DEFAULT and orientation.stance == task.stance
         fitted = orientation.fitted if orientation is not None and known else None
-        task, begun, shown = _with_colour(task, stance.iterates, fitted, clearness, scan)
+        task, known_iterates, shown = _with_colour(task, stance.iterates, fitted, clearness, scan)
     else:
         task, stance = with_earlier_start(task, settings.stance, earlier)
-        clearness, begun, shown = None, (), None
+        clearness, known_iterates, shown = None, (), None
         timing["align"] = clock.lap()
     timing["solve"] = clock.lap()
     return ReadyScan(
@@ -262,14 +262,14 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
         task=task,
         clearness=clearness,
         shown=shown,
-        begun=begun,
+        known_iterates=known_iterates,
         timing_s=timing,
     )
 
 
 def _with_colour(
     task: FitTask,
-    begun: tuple[FitIterate, ...],
+    known_iterates: tuple[FitIterate, ...],
     fitted: RigParameters | None,
     clearness: float | None,
     scan: Scan,
@@ -280,12 +280,16 @@ def _with_colour(
     Only where no person has picked any: who has, has seen the proposals, which are made with the colours.
     """
     if task.landmarks or not scan.shows_colour:
-        return task, begun, None
+        return task, known_iterates, None
     if fitted is None:
-        last = (begun or tuple(opened_iterates(task)))[-1]
+        last = (known_iterates or tuple(iterates_with_second_start(task)))[-1]
         fitted = last.parameters if last.is_finite else None
-    shown = {} if fitted is None else seen_landmarks(task, fitted, clearness, scan)
-    return (task, begun, shown) if fitted is None or not shown else (with_seen(task, shown, fitted), (), shown)
+    shown = {} if fitted is None else colour_observations(task, fitted, clearness, scan)
+    return (
+        (task, known_iterates, shown)
+        if fitted is None or not shown
+        else (with_observations(task, shown, fitted), (), shown)
+    )
 
 
 def _unchecked(plan: FitPlan) -> tuple[str, ...]:

@@ -31,7 +31,7 @@ from breastrig.scan.read import read_scan
 from breastrig.workflow.folder.fit_file_names import RESULT
 from breastrig.workflow.folder.fit_files import json_bytes
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of, still_visible
-from breastrig.workflow.further_jobs import ReportJob, SnapshotJob
+from breastrig.workflow.jobs import ReportJob, SnapshotJob
 from breastrig.workflow.report import report_pdf_of
 
 OF_THE_MODEL = (  # of result.json: what is known without a look at her skin, or only as means

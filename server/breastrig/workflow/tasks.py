@@ -1,6 +1,6 @@
 """The functions of this room that a service has executed in other processes, without the numerics that they import.
 
-What each is given stands in jobs.py and further_jobs.py.
+Their parameters are in jobs.py.
 """
 
 from breastrig.core.late_function import LateFunction

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from breastrig_studies.page.section import Section, capital
 from breastrig_studies.studies.result_cache import Record
 from breastrig_studies.tables.accuracy import FAMILIES, of
-from breastrig_studies.tables.certainty import KINDS, held
+from breastrig_studies.tables.certainty import KINDS, covered
 
 
 def certainty_section(records: Sequence[Record]) -> Section:
@@ -16,7 +16,7 @@ def certainty_section(records: Sequence[Record]) -> Section:
             continue
         parts = []
         for kind, words in KINDS.items():
-            shares = [held(found, kind, part) for part in ("landmarks", "skin")]
+            shares = [covered(found, kind, part) for part in ("landmarks", "skin")]
             if all(total for _, total in shares):
                 marks, skin = (100 * good / total for good, total in shares)
                 parts.append(f"{words}: {marks:.0f} % of landmarks, {skin:.0f} % of the skin")

@@ -265,7 +265,7 @@ def two_stances_figure(table: Table) -> Chart:
 
 
 def reliability_figure(table: Table) -> Chart:
-    """What is said against what is held, for each group of places; see tables/certainty.py."""
+    """What is said against what is covered, for each group of places; see tables/certainty.py."""
     said = [100.0 * level for level in LEVELS]
     panels = []
     for group in dict.fromkeys(str(row.cells[0]) for row in table.rows):
@@ -274,7 +274,7 @@ def reliability_figure(table: Table) -> Chart:
             for row in table.rows:
                 if row.cells[:2] == (group, words):
                     curves.append(Curve(words, said, [_number(cell) for cell in row.cells[3:]], index, index))
-        panels.append(CurvePanel(group, "held, %", "said, %", curves))
+        panels.append(CurvePanel(group, "covered, %", "said, %", curves))
     return CurveChart((panels,), sizes=(1.8, 2.3))
 
 

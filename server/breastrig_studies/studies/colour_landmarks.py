@@ -12,11 +12,11 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.units import METRES_PER_UNIT
+from breastrig.fitting.observed.areolae import SIDES
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.propose import Proposal, propose_landmarks
 from breastrig.fitting.recipe import Recipe
-from breastrig.fitting.seen.areolae import SIDES
-from breastrig.report.areolae import SeenAreola
+from breastrig.report.areolae import ObservedAreola
 from breastrig.rig.model import Rig
 from breastrig.scan.clean import clean
 from breastrig.scan.read import read_scan
@@ -68,7 +68,7 @@ def exchanged(found: Mapping[str, Proposal], true: Mapping[str, Array]) -> bool:
     return any(bool(beside < at) for at, beside in zip(own, other, strict=True))
 
 
-def _areolae(case: Case, found: Mapping[str, SeenAreola | None]) -> dict[str, dict[str, float | None]]:
+def _areolae(case: Case, found: Mapping[str, ObservedAreola | None]) -> dict[str, dict[str, float | None]]:
     """Side -> {true_mm, found_mm, within_mm}; those whose true border skin.json has."""
     file = case.folder / "skin.json"
     if not file.is_file():

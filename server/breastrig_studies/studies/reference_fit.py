@@ -39,7 +39,7 @@ def reference_fit(scene: Scene, rig: Rig, recipe: Recipe) -> ReferenceFit | None
     close = {"data_sigma": (SIGMA, SIGMA), "max_distance": (REACH, REACH)}
     stages = (*recipe.stages[:-1], recipe.stages[-1].model_copy(update=close))
     start = scene.start(rig, scene.landmarks)
-    known = recipe.model_copy(update={"stages": stages, "body": None})  # what is learnt from it must not be in it
+    known = recipe.model_copy(update={"stages": stages, "body": None})  # what is estimated from it must not be in it
     *_, last = checked_iterates(FitTask(rig, target, start, known, scene.landmarks, scene.case.stance))
     vertices = refined(target, pose(rig, last.parameters), rig.faces).vertices
     return ReferenceFit(last.parameters, vertices)

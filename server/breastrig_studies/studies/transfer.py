@@ -37,7 +37,7 @@ from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig_studies.cohort import Case
 from breastrig_studies.studies.case import Scene, read_scene
-from breastrig_studies.studies.trust.reliability import held_at_levels
+from breastrig_studies.studies.trust.reliability import covered_at_levels
 from breastrig_studies.studies.two_stances import on_the_chest, seen
 
 PICKS = ("true", "5 mm off", "one 30 mm off")
@@ -97,7 +97,7 @@ def _rows(rig: Rig, recipe: Recipe, scenes: tuple[Scene, Scene]) -> Iterator[dic
                 if part.any():
                     what: dict[str, Any] = {"line": line, "region": region, "points": int(part.sum())}
                     if said is not None:
-                        what["levels"] = held_at_levels(1e-3 * gaps["skin"][part], said[part])
+                        what["levels"] = covered_at_levels(1e-3 * gaps["skin"][part], said[part])
                     yield about | what | {way: _summary(gap[part]) for way, gap in gaps.items()}
 
 
@@ -111,8 +111,8 @@ def fitted(rig: Rig, recipe: Recipe, scene: Scene, picks: Picks) -> FittedScan:
     doubted = {name for doubt in fit.doubts for name in doubt.names}
     trusted = {name: place for name, place in picks.items() if name not in doubted}
     task = FitTask(rig, scene.target, fit.parameters, recipe, picks, scene.case.stance)
-    let_go = tuple(doubt for doubt in fit.doubts if not doubt.followed)
-    known = radii(Posterior(without(task, let_go), fit.parameters))
+    rejected = tuple(doubt for doubt in fit.doubts if not doubt.followed)
+    known = radii(Posterior(without(task, rejected), fit.parameters))
     return FittedScan(scene.target, fit.vertices, trusted, scene.case.stance, None if known is None else known.vertices)
 
 

@@ -16,8 +16,8 @@ TRANSFER_PICKS = {"exact": "true", "clicked": "5 mm off"}  # kind -> as the tran
 PARTS = {"landmarks": "landmark", "skin": "skin"}
 
 
-def held(records: Sequence[Record], kind: str, part: str, place: str | None = None) -> tuple[int, int]:
-    """How many true places the radii held, of how many; of all kinds of places when none is named."""
+def covered(records: Sequence[Record], kind: str, part: str, place: str | None = None) -> tuple[int, int]:
+    """How many true places the radii covered, of how many; of all kinds of places when none is named."""
     counts = [
         count
         for record in records
@@ -29,8 +29,8 @@ def held(records: Sequence[Record], kind: str, part: str, place: str | None = No
 
 
 def certainty_table(records: Sequence[Record]) -> Table:
-    """One row a kind of place, percent held for each kind of picks; all families together, then each place."""
-    columns = tuple(Column(kind, f"{words}: held %", 0) for kind, words in KINDS.items())
+    """One row a kind of place, percent covered for each kind of picks; all families together, then each place."""
+    columns = tuple(Column(kind, f"{words}: covered %", 0) for kind, words in KINDS.items())
     caption = "Share of true places within their 90 % radius; n counts places over all fits."
     who = (Column("part", "of", key=True), Column("place", "place", key=True), Column("n", "n", 0))
     table = Table("certainty", caption, (*who, *columns))
@@ -44,7 +44,7 @@ def certainty_table(records: Sequence[Record]) -> Table:
             for name in trial[part]
         }
         for place in (None, *kinds):
-            counts = [held(found, kind, part, place) for kind in KINDS]
+            counts = [covered(found, kind, part, place) for kind in KINDS]
             total = sum(count[1] for count in counts)
             if total:
                 cells: list[Cell] = [100.0 * good / n if n else None for good, n in counts]
@@ -52,8 +52,8 @@ def certainty_table(records: Sequence[Record]) -> Table:
     return table
 
 
-def levels_held(records: Sequence[Record], group: str, kind: str) -> list[int]:
-    """How many true places of the group the radius of each of LEVELS held, and of how many, over all cases.
+def levels_covered(records: Sequence[Record], group: str, kind: str) -> list[int]:
+    """How many true places of the group the radius of each of LEVELS covered, and of how many, over all cases.
 
     `kind` is one of KINDS; carried lines are looked for in the transfers, where they were made with such picks.
     """
@@ -75,14 +75,14 @@ def levels_held(records: Sequence[Record], group: str, kind: str) -> list[int]:
 
 
 def reliability_table(records: Sequence[Record]) -> Table:
-    """One row a group of places and kind of picks: percent held by the radius of each level."""
+    """One row a group of places and kind of picks: percent covered by the radius of each level."""
     caption = "Share of true places within the radius of each level; a sure program holds what it says."
     who = (Column("group", "of", key=True), Column("kind", "picks", key=True), Column("n", "n", 0))
     columns = tuple(Column(f"held_{100 * level:.0f}", f"{100 * level:.0f} %", 0) for level in LEVELS)
     table = Table("reliability", caption, (*who, *columns))
     for group in GROUPS:
         for kind, words in KINDS.items():
-            *good, total = levels_held(records, group, kind)
+            *good, total = levels_covered(records, group, kind)
             if total:
                 cells: list[Cell] = [100.0 * each / total for each in good]
                 table.rows.append(Row((group, words, total, *cells)))

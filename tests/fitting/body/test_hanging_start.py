@@ -21,7 +21,7 @@ from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.problem import body_terms
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.scan_orientation import orientation_from, scan_orientation
-from breastrig.fitting.starts.two_openings import opened_iterates
+from breastrig.fitting.starts.second_start import iterates_with_second_start
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.two_stances import ALIKE, ONE_BODY, Coupling, PairIterate, fit_pair_iterates
 from breastrig.fitting.uncertainty.radii import radii
@@ -70,7 +70,7 @@ def fitted(rig: Rig, numbers: Numbers, recipe: Recipe) -> tuple[list[FitIterate]
     """All iterates of a fit without landmarks, and m from its nipples to the true ones."""
     target, places = woman(numbers)
     start = start_from_scan(rig, target, FRONT).parameters
-    iterates = list(opened_iterates(FitTask(rig, target, start, recipe, {})))
+    iterates = list(iterates_with_second_start(FitTask(rig, target, start, recipe, {})))
     found = rig.landmark_points(NIPPLES).positions(pose(rig, iterates[-1].parameters), rig.faces)
     return iterates, float(np.linalg.norm(found - [places[name] for name in NIPPLES], axis=1).mean())
 
@@ -163,7 +163,7 @@ def test_the_furrow_below_a_breast_that_hangs_is_not_taken_for_its_fold(
     target, places = woman(numbers)
     given = {name: place for name, place in places.items() if name not in FOLDS}
     task = FitTask(rig, target, start_from_landmarks(rig, given), load_recipe("default"), given)
-    *_, last = opened_iterates(task)
+    *_, last = iterates_with_second_start(task)
     assert set(last.relief or {}) == seen
     posed = BodyState(rig, last.parameters)
     assert bool(hanging_shifts(posed, task, FOLDS).any()) == (not seen)

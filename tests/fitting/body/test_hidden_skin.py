@@ -12,7 +12,7 @@ from breastrig.fitting.refine import refined
 from breastrig.geometry.normals import vertex_normals
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
-from breastrig_studies.hidden_skin import about_the_back, agreed_form, learnt
+from breastrig_studies.hidden_skin import about_the_back, agreed_form, estimated
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +86,7 @@ def test_heights_do_not_go_over_from_an_arm_to_the_trunk_beside_it() -> None:
 def test_sources_count_alike_however_many_bodies_each_has(torso: Rig) -> None:
     everywhere = np.ones(len(torso.template), dtype=np.bool_)
     low, high = np.full(len(torso.template), 0.001), np.full(len(torso.template), 0.003)
-    skin = learnt(torso, {"ours": [(everywhere, low)] * 3, "given": [(everywhere, high)]})
+    skin = estimated(torso, {"ours": [(everywhere, low)] * 3, "given": [(everywhere, high)]})
     np.testing.assert_allclose(skin.heights, 0.002, atol=1e-9)
 
 
@@ -96,7 +96,7 @@ def test_how_high_a_whole_back_lies_is_not_learnt_but_its_form_is(torso: Rig) ->
     form = np.where(hidden, 0.1 * (torso.template[:, 1] - torso.template[hidden, 1].mean()), 0.0)
     for high in (-0.02, 0.0, 0.02):
         np.testing.assert_allclose(about_the_back(torso, hidden, np.where(hidden, form + high, 0.0)), form, atol=1e-12)
-    alone = learnt(torso, {"ours": [(hidden, form)]})
+    alone = estimated(torso, {"ours": [(hidden, form)]})
     both = agreed_form(torso, {"ours": [(hidden, form + 0.02)], "given": [(hidden, form - 0.02)]})
     np.testing.assert_allclose(both.heights, alone.heights, atol=1e-12)
     assert np.abs(both.heights).max() > 0.01
@@ -109,5 +109,5 @@ def test_of_lying_bodies_only_that_is_learnt_on_which_the_sources_agree(torso: R
     against = agreed_form(torso, {"ours": [(hidden, 0.02 * form)], "given": [(hidden, -0.05 * form)]})
     assert not against.heights.any()
     alike = agreed_form(torso, {"ours": [(hidden, 0.02 * form)], "given": [(hidden, 0.05 * form)]})
-    weaker = learnt(torso, {"ours": [(hidden, 0.02 * form)]})
+    weaker = estimated(torso, {"ours": [(hidden, 0.02 * form)]})
     np.testing.assert_allclose(alike.heights, weaker.heights, atol=1e-12)

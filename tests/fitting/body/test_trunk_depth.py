@@ -13,7 +13,7 @@ from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.plane import Plane
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
-from breastrig_studies.trunk_depth import Body, learnt
+from breastrig_studies.trunk_depth import Body, estimated
 
 FORWARD = np.array([0.0, 0.0, 1.0])
 
@@ -101,18 +101,18 @@ def test_the_slope_is_learnt_of_deep_trunks_and_every_woman_counts_alike(torso: 
     everywhere = np.ones(len(torso.template), dtype=np.bool_)
     deep, deeper = (Body(10.0, everywhere, np.full(len(torso.template), height)) for height in (2.0, 4.0))
     ordinary = Body(0.0, everywhere, np.full(len(torso.template), -0.03))
-    document = learnt(torso, {"one": [deep] * 3, "other": [deeper], "third": [ordinary]})
+    document = estimated(torso, {"one": [deep] * 3, "other": [deeper], "third": [ordinary]})
     np.testing.assert_allclose(document["slopes"], 0.3, atol=1e-4)  # so deep that nothing is damped
     assert document["bodies"] == {"one": 3, "other": 1, "third": 1}
 
 
 def test_what_some_of_the_scans_show_is_learnt_in_part(torso: Rig) -> None:
     everywhere, height = np.ones(len(torso.template), dtype=np.bool_), np.full(len(torso.template), 5.0)
-    document = learnt(torso, {"one": [Body(10.0, everywhere, height)], "other": [Body(10.0, ~everywhere, height)]})
+    document = estimated(torso, {"one": [Body(10.0, everywhere, height)], "other": [Body(10.0, ~everywhere, height)]})
     np.testing.assert_allclose(document["slopes"], 0.25, atol=1e-4)
 
 
 def test_one_woman_who_is_hardly_deep_tells_little(torso: Rig) -> None:
     everywhere = np.ones(len(torso.template), dtype=np.bool_)
-    document = learnt(torso, {"one": [Body(0.001, everywhere, np.full(len(torso.template), 0.008))]})
+    document = estimated(torso, {"one": [Body(0.001, everywhere, np.full(len(torso.template), 0.008))]})
     assert np.abs(document["slopes"]).max() < 0.05

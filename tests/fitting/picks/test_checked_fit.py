@@ -140,11 +140,11 @@ def test_a_fit_of_two_stances_takes_the_same_picks(torso: Rig) -> None:
     _, true, _ = patient(torso, 5)
     wrong = true | {"nipple_L": true["nipple_R"], "nipple_R": true["nipple_L"]}
     task = task_of(torso, 5, wrong, true)
-    kept, let_go = agreeing_picks(task)
-    assert [doubt.names for doubt in let_go] == [("nipple_L", "nipple_R")]
+    kept, rejected = agreeing_picks(task)
+    assert [doubt.names for doubt in rejected] == [("nipple_L", "nipple_R")]
     assert set(kept.landmarks) == set(true) - {"nipple_L", "nipple_R"}
     begun = tuple(checked_iterates(task))
-    assert agreeing_picks(task, begun)[1] == let_go, "nothing is fitted again"
+    assert agreeing_picks(task, begun)[1] == rejected, "nothing is fitted again"
 
 
 def test_without_picks_nothing_is_asked(torso: Rig) -> None:

@@ -19,7 +19,7 @@ from breastrig.api.errors import SENTENCES, problem, too_large
 from breastrig.api.errors import Refused as Refused
 from breastrig.api.errors import refuse as refuse
 from breastrig.api.trusted_proxy import client_of
-from breastrig.execution.asking_client import asking_client
+from breastrig.execution.client_key import client_key
 from breastrig.storage.storage import Storage
 
 POLICY = "; ".join(
@@ -54,7 +54,7 @@ def register_security(app: APIFlask, config: Config, storage: Storage, rates: Ra
 
     @app.before_request
     def guard() -> Response | None:
-        asking_client.set(client_of(request.remote_addr))
+        client_key.set(client_of(request.remote_addr))
         refused = _wrong_host(config) or _foreign_origin() or _wrong_token(config, storage, rates)
         if refused is None:
             _refuse_long_names()

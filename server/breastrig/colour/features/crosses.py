@@ -20,7 +20,7 @@ from breastrig.scan.scan import Scan
 
 
 @dataclass(frozen=True, eq=False)
-class CrossSeen:
+class CrossObservation:
     """A landmark that a cross marks."""
 
     place: Array  # (3,) m, in the scan's frame
@@ -34,7 +34,7 @@ def marked_by_crosses(
     left: Array,
     limits: CrossLimits,
     image: NDArray[np.uint8] | None = None,
-) -> dict[str, CrossSeen]:
+) -> dict[str, CrossObservation]:
     """Those of the `expected` places (3,) m, on the midline, that a cross marks.
 
     `spreads` (m) say how far off they are as a rule, `left` (3,) is the body's unit direction, `image`
@@ -52,7 +52,7 @@ def marked_by_crosses(
         near = [cross for cross in crosses if abs((cross - place) @ left) < limits.aside]
         near = [cross for cross in near if np.linalg.norm(cross - place) < limits.farthest * spreads[name]]
         if near and np.ptp(near, axis=0).max() < limits.one_place:
-            found[name] = CrossSeen(np.mean(near, axis=0), limits.error**2 / 2.0 * np.eye(3))
+            found[name] = CrossObservation(np.mean(near, axis=0), limits.error**2 / 2.0 * np.eye(3))
     return found
 
 

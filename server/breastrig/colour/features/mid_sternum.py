@@ -5,7 +5,7 @@ Nothing on the skin shows it, and of the form it is as unsure as of the notch; t
 
 import numpy as np
 
-from breastrig.colour.features.crosses import CrossSeen
+from breastrig.colour.features.crosses import CrossObservation
 from breastrig.colour.features.patch import ColouredSkin
 from breastrig.core.arrays import Array
 
@@ -15,8 +15,8 @@ LEAST_SEEN = 0.9  # share of the profile that the scan must show
 
 
 def between_crosses(
-    skin: ColouredSkin, notch: CrossSeen, xiphoid: CrossSeen, front: Array, error: float
-) -> CrossSeen | None:
+    skin: ColouredSkin, notch: CrossObservation, xiphoid: CrossObservation, front: Array, error: float
+) -> CrossObservation | None:
     """The middle of the profile from cross to cross, seen along `front` (3,); None where too little skin is seen.
 
     `error` (m) is how far off it is, root mean square, from exact ends; that of the crosses adds to it.
@@ -34,4 +34,4 @@ def between_crosses(
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(profile, axis=0), axis=1))])
     middle = np.array([np.interp(0.5 * along[-1], along, profile[:, axis]) for axis in range(3)])
     covariance = 0.25 * (notch.covariance + xiphoid.covariance) + error**2 / 2.0 * np.eye(3)
-    return CrossSeen(middle, covariance)
+    return CrossObservation(middle, covariance)

@@ -21,7 +21,7 @@ HALF = 0.085  # m, half the side of the picture
 
 
 @dataclass(frozen=True, eq=False)
-class NavelSeen:
+class NavelObservation:
     """Where it is."""
 
     place: Array  # (3,) m, on the skin, in the scan's frame
@@ -30,7 +30,7 @@ class NavelSeen:
 
 def find_navel(
     skin: ColouredSkin, expected: Array, outwards: Array, up: Array, spread: float, limits: NavelLimits
-) -> NavelSeen | None:
+) -> NavelObservation | None:
     """Near the `expected` place (3,) m, which is `spread` m off as a rule; None where none can be told."""
     patch = skin.patch(expected, skin.normal(expected, outwards, 0.03), up, HALF, PIXEL)
     level, known = level_colour(patch)
@@ -57,7 +57,7 @@ def find_navel(
     off = np.stack([right - mean[0], high - mean[1]], axis=-1)
     flat = np.einsum("rc,rci,rcj->ij", share, off, off)
     axes = patch.axes[:2]
-    return NavelSeen(place, axes.T @ flat @ axes + limits.floor**2 * (axes.T @ axes))
+    return NavelObservation(place, axes.T @ flat @ axes + limits.floor**2 * (axes.T @ axes))
 
 
 def _standing_out(value: Array, known: Booleans, inside: Booleans, radius: float, pixel: float) -> Array:

@@ -22,7 +22,7 @@ PIXEL = 0.001  # m
 
 
 @dataclass(frozen=True, eq=False)
-class NippleSeen:
+class NippleObservation:
     """A nipple with the areola that it was found in."""
 
     place: Array  # (3,) m, on the skin, in the scan's frame
@@ -32,7 +32,7 @@ class NippleSeen:
 
 def find_nipple(
     skin: ColouredSkin, expected: Array, outwards: Array, up: Array, spread: float, limits: AreolaLimits
-) -> NippleSeen | None:
+) -> NippleObservation | None:
     """Near the `expected` place (3,) m, which is `spread` m off as a rule; None where no areola can be seen.
 
     `outwards` and `up` (3,) are unit directions of the body there.
@@ -64,7 +64,7 @@ def is_areola(areola: Areola, limits: AreolaLimits) -> bool:
     )
 
 
-def _within(skin: ColouredSkin, areola: Areola, up: Array, limits: AreolaLimits) -> NippleSeen:
+def _within(skin: ColouredSkin, areola: Areola, up: Array, limits: AreolaLimits) -> NippleObservation:
     patch = skin.patch(areola.centre, areola.normal, up, areola.radius + 0.010, PIXEL)
     level, known = level_colour(patch)
     right, high = patch.offsets()
@@ -86,13 +86,13 @@ def _within(skin: ColouredSkin, areola: Areola, up: Array, limits: AreolaLimits)
     flat = np.einsum("rc,rci,rcj->ij", chance, off, off)
     axes = patch.axes[:2]
     covariance = limits.error_scale**2 * (axes.T @ flat @ axes) + areola.covariance + limits.floor**2 * np.eye(3)
-    return NippleSeen(place, covariance, areola)
+    return NippleObservation(place, covariance, areola)
 
 
-def _at_the_middle(areola: Areola, limits: AreolaLimits) -> NippleSeen:
+def _at_the_middle(areola: Areola, limits: AreolaLimits) -> NippleObservation:
     flat = np.eye(3) - np.outer(areola.normal, areola.normal)
     error = limits.off_centre**2 * flat + limits.floor**2 * np.eye(3)
-    return NippleSeen(areola.centre, areola.covariance + error, areola)
+    return NippleObservation(areola.centre, areola.covariance + error, areola)
 
 
 def _standing_out(value: Array, known: Booleans, inside: Booleans, radius: float, pixel: float) -> Array:

@@ -16,7 +16,7 @@ from breastrig.colour.features.crosses import marked_by_crosses
 from breastrig.colour.features.limits import Features, features
 from breastrig.colour.features.mid_sternum import between_crosses
 from breastrig.colour.features.navel import find_navel
-from breastrig.colour.features.nipple import NippleSeen, find_nipple
+from breastrig.colour.features.nipple import NippleObservation, find_nipple
 from breastrig.colour.features.patch import ColouredSkin
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BreastRigError
@@ -97,7 +97,7 @@ def observed_landmarks(
 
 def _nipples(
     skin: ColouredSkin, expected: Mapping[str, Expectation], left: Array, up: Array, limits: Features
-) -> dict[str, NippleSeen]:
+) -> dict[str, NippleObservation]:
     rules, seen = limits.areola, {}
     for name in NIPPLES.values():
         if name not in expected:

@@ -4,7 +4,7 @@ import numpy as np
 
 from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.picks.leave_one_out import LeaveOneOut
-from breastrig.fitting.picks.second_look import from_expected, from_hollow, going_on_without, on_smooth_skin
+from breastrig.fitting.picks.refit_without import from_expected, from_observation, on_smooth_skin, refit_without
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.task import FitTask
@@ -22,13 +22,13 @@ def unusual(posterior: Posterior) -> tuple[Doubt, ...]:
     task = posterior.task
     found: dict[str, float] = {}  # name -> m
     for name in on_smooth_skin(posterior):
-        without = going_on_without(posterior, (name,))
-        seen = from_hollow(without, name, task.landmarks[name], _click(task, name))
+        without = refit_without(posterior, (name,))
+        seen = from_observation(without, name, task.landmarks[name], _click(task, name))
         if seen is not None and seen[1] > _limit(task.recipe, name):
             found[name], posterior = seen[0], without
     cleared: set[str] = set()
     while (suspect := _most_suspicious(posterior, {*found, *cleared})) is not None:
-        without = going_on_without(posterior, (suspect,))
+        without = refit_without(posterior, (suspect,))
         gap, deviation = from_expected(without, suspect, task.landmarks[suspect], _click(task, suspect))
         if deviation > _limit(task.recipe, suspect):
             found[suspect], posterior = gap, without

@@ -53,11 +53,12 @@ def radii(posterior: Posterior, margin: float | None = None, *, expected: bool =
     if known is None:
         return None
     names = tuple(rig.landmark_names)
-    lost = 0.0 if margin is None or task.seen >= BOTH else known.without_picks.lost(margin)
-    if task.landmarks and task.seen.issuperset(task.landmarks):  # by colour alone: the form places all others
+    lost = 0.0 if margin is None or task.from_colour >= BOTH else known.without_picks.lost(margin)
+    if task.landmarks and task.from_colour.issuperset(task.landmarks):  # by colour alone: the form places all others
         stretch = known.without_picks.stretch
         misfits = [
-            known.landmark(name).shown if name in task.seen else known.without_picks.landmark(name) for name in names
+            known.landmark(name).shown if name in task.from_colour else known.without_picks.landmark(name)
+            for name in names
         ]
     elif task.landmarks:
         stretch, misfits = known.stretch, [_of(known.landmark(name), name in task.landmarks) for name in names]
@@ -66,10 +67,12 @@ def radii(posterior: Posterior, margin: float | None = None, *, expected: bool =
     spread = stretch**2 * posterior.landmark_variances(names) + np.array(misfits) ** 2
     scatter, seen = _scatter(posterior, known), seen_vertices(posterior)
     at_landmarks = HOLDS_90 * scatter * np.sqrt(spread + lost**2)
-    for k, name in enumerate(names):  # a hollow of the skin says all that is known of its own place, however picks are
-        hollow = posterior.relief.get(name)
-        if hollow is not None and hollow.all_round and (expected or hollow.slack == 1.0):  # else the model is beside it
-            at_landmarks[k] = HOLDS_90 * np.hypot(hollow.error, lost)
+    for k, name in enumerate(names):  # a relief observation is all that is known of its landmark
+        observation = posterior.relief.get(name)
+        if (
+            observation is not None and observation.all_round and (expected or observation.slack == 1.0)
+        ):  # else the model is beside it
+            at_landmarks[k] = HOLDS_90 * np.hypot(observation.error, lost)
     at_landmarks = np.hypot(at_landmarks, [_of_hanging(posterior, known, name) for name in names])
     if not expected:
         at_landmarks += MOVED * np.linalg.norm(hanging_shifts(posterior.state, task, names), axis=1)
@@ -114,7 +117,7 @@ def _scatter(posterior: Posterior, known: Calibration) -> float:
 
     The square of the picks' root mean square deviation (leave_one_out.py), in units of what is usual.
     """
-    if posterior.picks is None or len(posterior.task.landmarks) < FEW or posterior.task.seen:
+    if posterior.picks is None or len(posterior.task.landmarks) < FEW or posterior.task.from_colour:
         return 1.0
     deviations = np.array(list(LeaveOneOut(posterior).deviations().values()))
     scatter = np.sqrt(np.mean(np.minimum(deviations, OUTLYING) ** 2) / 3.0)

@@ -14,7 +14,7 @@ from breastrig.core.arrays import Array
 REPEATED = 0.002  # m; at least three true picks of each of 92 parts lie farther from proposals, 3 mm: of all but 3
 
 
-def told_by_a_person(picks: Mapping[str, Array], proposed: Mapping[str, Array]) -> frozenset[str]:
+def picked_names(picks: Mapping[str, Array], proposed: Mapping[str, Array]) -> frozenset[str]:
     """Names of the picks ((3,) m each) that are not where they were proposed."""
     return frozenset(
         name

@@ -14,7 +14,7 @@ from breastrig.service.moving.deleted_fits import drop_if_deleted
 from breastrig.storage.files import fit_place
 from breastrig.storage.rows.fits import get_fit
 from breastrig.storage.storage import Storage
-from breastrig.workflow.further_jobs import LengthsQuestion, LiveQuestion
+from breastrig.workflow.jobs import LengthsQuestion, LiveQuestion
 from breastrig.workflow.tasks import live_pattern, read_and_live_pattern
 
 WALL_S = 30.0  # an answer takes a tenth of a second, the first one; huge scans on a slow machine take many

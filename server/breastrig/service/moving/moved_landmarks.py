@@ -18,7 +18,7 @@ from breastrig.storage.rows.events import events_of_kind
 from breastrig.storage.rows.fits import FitRow, get_fit
 from breastrig.storage.rows.scans import Points, get_scan
 from breastrig.storage.storage import Storage
-from breastrig.workflow.further_jobs import FollowJob
+from breastrig.workflow.jobs import FollowJob
 from breastrig.workflow.tasks import follow_landmarks, moved_landmarks
 
 WALL_S = 30.0  # an answer takes a twentieth of a second, the first one; huge scans on a slow machine take many

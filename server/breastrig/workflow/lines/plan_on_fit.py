@@ -14,7 +14,7 @@ from breastrig.drawings.transfer import fitted_scan
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of
-from breastrig.workflow.further_jobs import PlanJob
+from breastrig.workflow.jobs import PlanJob
 from breastrig.workflow.lines.empty_plan import empty_plan_document
 from breastrig.workflow.one_body import body_doubt
 

@@ -18,7 +18,7 @@ from breastrig.drawings.transfer import TransferredLine, fitted_scan, transferre
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of
-from breastrig.workflow.further_jobs import TransferJob
+from breastrig.workflow.jobs import TransferJob
 from breastrig.workflow.lines.plan_on_fit import plan_document, plan_on_folders
 
 

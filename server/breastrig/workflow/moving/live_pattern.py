@@ -17,7 +17,7 @@ from breastrig.drawings.transfer import fitted_scan
 from breastrig.geometry.geodesic import length
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.workflow.folder.fit_folder import fit_folder_of
-from breastrig.workflow.further_jobs import LengthsQuestion, LiveQuestion
+from breastrig.workflow.jobs import LengthsQuestion, LiveQuestion
 
 
 @dataclass(frozen=True)

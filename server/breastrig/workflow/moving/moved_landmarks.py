@@ -17,8 +17,8 @@ from breastrig.core.errors import FitFailed
 from breastrig.fitting.picks.moved_landmarks import FittedScan
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.rig.model import Rig
-from breastrig.workflow.further_jobs import FollowJob
-from breastrig.workflow.scan_fit import checked_landmarks, fit_plan, made_ready, read_model, scan_of_job
+from breastrig.workflow.jobs import FollowJob
+from breastrig.workflow.scan_fit import checked_landmarks, fit_plan, prepare_fit, read_model, scan_of_job
 
 LOST = "The model lost the scan at these landmarks; put the moved one back, or fit anew."
 
@@ -43,7 +43,7 @@ def follow_landmarks(fit: str, job: FollowJob, landmarks_mm: dict[str, list[floa
     """The same after reading the fit's scan.  Raises BadInput with a sentence."""
     rig = read_model(job.fit)
     plan = fit_plan(job.fit, rig, job.fit.landmarks_mm)
-    task = made_ready(plan, *scan_of_job(job.fit)).task
+    task = prepare_fit(plan, *scan_of_job(job.fit)).task
     left_out = plan.proposed | {name: plan.landmarks[name] for name in job.not_followed if name in plan.landmarks}
     _prepared.clear()
     _prepared[fit] = _Prepared(rig, FittedScan(task), left_out)

@@ -21,12 +21,12 @@ from breastrig.rig.skinning import pose
 from breastrig_studies.studies.case import Scene
 from breastrig_studies.studies.landmarks import CLICK_ERROR, FIRST_HALF
 from breastrig_studies.studies.reference_fit import ReferenceFit, reference_fit
-from breastrig_studies.studies.trust.reliability import add_up, held_at_levels
+from breastrig_studies.studies.trust.reliability import add_up, covered_at_levels
 
 SHOWN = 0.01  # m; a landmark farther from the scan cannot be picked
 SEED = 17
 GIVEN, NOT_GIVEN, SEEN, NOT_SEEN = "landmarks given", "landmarks not given", "skin seen", "skin not seen"
-Counts = dict[str, list[int]]  # kind of place -> [held, all]
+Counts = dict[str, list[int]]  # kind of place -> [covered, all]
 
 
 def certainty(scene: Scene, rig: Rig, recipe: Recipe) -> dict[str, Any]:
@@ -66,16 +66,16 @@ def _judged(
     errors = scene.landmark_errors(rig, vertices)
     for name, error in zip(scene.landmarks, errors.tolist(), strict=True):
         kind = f"{name.removesuffix('_L').removesuffix('_R')}, {'given' if name in picks else 'not given'}"
-        held_by = np.array([known.landmarks[name]])
-        _count(counts["landmarks"], kind, np.array([error]), held_by)
+        radius = np.array([known.landmarks[name]])
+        _count(counts["landmarks"], kind, np.array([error]), radius)
         group = GIVEN if name in picks else NOT_GIVEN
-        add_up(counts["levels"], group, held_at_levels(np.array([error]), held_by))
+        add_up(counts["levels"], group, covered_at_levels(np.array([error]), radius))
     if true is not None:
         gaps = np.linalg.norm(vertices - true.vertices, axis=1)
         _skin(counts["skin"], rig, posterior, known, gaps)
         seen = seen_vertices(posterior)
         for group, part in ((SEEN, seen), (NOT_SEEN, ~seen)):
-            add_up(counts["levels"], group, held_at_levels(gaps[part], known.vertices[part]))
+            add_up(counts["levels"], group, covered_at_levels(gaps[part], known.vertices[part]))
     return counts
 
 
@@ -88,9 +88,9 @@ def _skin(counts: Counts, rig: Rig, posterior: Posterior, known: Radii, errors: 
                 _count(counts, kind, errors[part], known.vertices[part])
 
 
-def _count(counts: Counts, kind: str, errors: Array, held_by: Array) -> None:
-    held, total = counts.get(kind, [0, 0])
-    counts[kind] = [held + int((errors <= held_by).sum()), total + len(errors)]
+def _count(counts: Counts, kind: str, errors: Array, radius: Array) -> None:
+    covered, total = counts.get(kind, [0, 0])
+    counts[kind] = [covered + int((errors <= radius).sum()), total + len(errors)]
 
 
 def _added(trials: list[dict[str, Any]]) -> dict[str, Any]:

@@ -12,7 +12,7 @@ LEVELS = (0.5, 0.8, 0.9, 0.95)
 SHARES = tuple(float(np.sqrt(np.log(1.0 - level) / np.log(0.1))) for level in LEVELS)  # of the radius of 90 %
 
 
-def held_at_levels(errors: Array, radii: Array) -> list[int]:
+def covered_at_levels(errors: Array, radii: Array) -> list[int]:
     """How many of the (M,) m errors each level's radius holds ((M,) m radii of 90 %), and M."""
     return [*(int((errors <= share * radii).sum()) for share in SHARES), len(errors)]
 

@@ -21,7 +21,7 @@ from breastrig.fitting.task import FitTask
 from breastrig.fitting.uncertainty.radii import radii
 from breastrig.fitting.verdicts.fit_signals import fit_signals
 from breastrig.fitting.verdicts.reasons import GivenLandmarks
-from breastrig.fitting.verdicts.repeated import told_by_a_person
+from breastrig.fitting.verdicts.repeated import picked_names
 from breastrig.fitting.verdicts.verdict import verdict, verdict_limits
 from breastrig.report.distances import Comparison
 from breastrig.rig.model import Rig
@@ -71,7 +71,7 @@ def _judged(
     doubts: tuple[Doubt, ...] = (*last.not_followed, *unusual(posterior))
     vertices = posterior.state.vertices
     signals = fit_signals(rig, last.parameters, Comparison(scene.target, vertices, rig.faces), clearness)
-    repeated = len(told_by_a_person(picks, proposed)) < MIN_LANDMARKS
+    repeated = len(picked_names(picks, proposed)) < MIN_LANDMARKS
     left = len(rig.landmark_names) - len(picks)
     given = GivenLandmarks(picked=len(picks), left=left, followed=len(picks), repeated=repeated)
     known = radii(posterior, clearness)

@@ -17,18 +17,18 @@ from breastrig.fitting.picks.moved_landmarks import settled
 from breastrig.fitting.posterior import Posterior
 from breastrig.geometry.unit_vectors import unit_vectors
 from breastrig.relief.limits import relief
-from breastrig.relief.observe import Expected, lies_on_smooth_skin
+from breastrig.relief.observe import Expected, is_on_smooth_skin
 
-LETTING_GO = 2  # iterations; of 398 picks 50 mm off 393 are named, 388 after one, 393 after three
-GOING_ON = 1  # with what the skin shows from there; the same after two and three
+ITERATIONS_WITHOUT = 2  # iterations; of 398 picks 50 mm off 393 are named, 388 after one, 393 after three
+ITERATIONS_OBSERVED = 1  # with what the skin shows from there; the same after two and three
 
 
-def going_on_without(posterior: Posterior, names: Collection[str]) -> Posterior:
+def refit_without(posterior: Posterior, names: Collection[str]) -> Posterior:
     """Where the fit ends when these picks are let go; itself where it breaks down."""
     task, x = posterior.task, posterior.state.x
     kept = {name: place for name, place in task.landmarks.items() if name not in names}
     task = replace(task, landmarks=kept, certain=task.certain & frozenset(kept))
-    for iterations, known in ((LETTING_GO, task.relief or {}), (GOING_ON, None)):
+    for iterations, known in ((ITERATIONS_WITHOUT, task.relief or {}), (ITERATIONS_OBSERVED, None)):
         going_on = replace(task, start=x, recipe=settled(task.recipe, iterations), relief=known)
         *_, last = fit_iterates(going_on)
         if not last.is_finite:
@@ -49,10 +49,10 @@ def from_expected(without: Posterior, name: str, pick: Array, click: float) -> t
     return _measured(pick - expected(without, name).place - shift, covariance)
 
 
-def from_hollow(without: Posterior, name: str, pick: Array, click: float) -> tuple[float, float] | None:
-    """As from_expected, from the landmark's hollow that the skin shows to that fit; None where it shows none."""
-    hollow = without.relief.get(name)
-    return None if hollow is None else _measured(pick - hollow.place, hollow.covariance + click**2 * np.eye(3))
+def from_observation(without: Posterior, name: str, pick: Array, click: float) -> tuple[float, float] | None:
+    """As from_expected, from the landmark's concavity that the skin shows to that fit; None where it shows none."""
+    concavity = without.relief.get(name)
+    return None if concavity is None else _measured(pick - concavity.place, concavity.covariance + click**2 * np.eye(3))
 
 
 def _measured(gap: Array, covariance: Array) -> tuple[float, float]:
@@ -60,15 +60,19 @@ def _measured(gap: Array, covariance: Array) -> tuple[float, float]:
 
 
 def on_smooth_skin(posterior: Posterior) -> tuple[str, ...]:
-    """Picks that should lie in a hollow and lie where the scan shows none; certain ones are not among them."""
+    """Picks that should lie in a concavity and lie where the scan shows none; certain ones are not among them."""
     task, rules = posterior.task, relief()
     open_to_doubt = [name for name in task.landmarks if name not in task.certain]
-    known = {name: hollow for name in open_to_doubt if (hollow := rules.hollow(name)) is not None and hollow.smooth}
+    known = {
+        name: concavity
+        for name in open_to_doubt
+        if (concavity := rules.concavity(name)) is not None and concavity.smooth
+    }
     if not known:
         return ()
     axes = body_axes(task.rig, posterior.state.vertices)
     picked = {name: replace(expected(posterior, name), place=task.landmarks[name]) for name in known}
-    return tuple(name for name, at in picked.items() if lies_on_smooth_skin(task.target, known[name], at, axes))
+    return tuple(name for name, at in picked.items() if is_on_smooth_skin(task.target, known[name], at, axes))
 
 
 def expected(posterior: Posterior, name: str) -> Expected:

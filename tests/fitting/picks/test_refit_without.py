@@ -11,7 +11,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.fitting.fit import FitTask
 from breastrig.fitting.orientation import start_from_landmarks
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
-from breastrig.fitting.picks.second_look import from_expected, from_hollow, going_on_without, on_smooth_skin
+from breastrig.fitting.picks.refit_without import from_expected, from_observation, on_smooth_skin, refit_without
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import prepared
@@ -65,7 +65,7 @@ def test_a_navel_beside_its_dent_is_named_and_told_how_far_off_it_is(stance: str
     pick = beside(task, angle, 0.05)
     posterior = fitted(task, pick)
     assert on_smooth_skin(posterior) == (NAVEL,)
-    seen = from_hollow(going_on_without(posterior, (NAVEL,)), NAVEL, pick, CLICK)
+    seen = from_observation(refit_without(posterior, (NAVEL,)), NAVEL, pick, CLICK)
     assert seen is not None
     gap, deviation = seen
     away = float(np.linalg.norm(pick - task.landmarks[NAVEL]))
@@ -84,7 +84,7 @@ def test_a_fit_that_goes_on_without_a_pick_ends_where_one_ends_that_never_had_it
     task = example("standing")
     pick = beside(task, 0.0, 0.05)
     followed = fitted(task, pick)
-    without = going_on_without(followed, (NAVEL,))
+    without = refit_without(followed, (NAVEL,))
     assert NAVEL not in without.task.landmarks
     never = replace(task, landmarks=without.task.landmarks)
     *_, last = checked_iterates(never)

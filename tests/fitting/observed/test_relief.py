@@ -10,8 +10,8 @@ import trimesh
 from breastrig.core.arrays import Array
 from breastrig.core.assets import asset_folder
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.body.hollows import energy_without_hollows, hollow_terms
 from breastrig.fitting.fit import fit_iterates
+from breastrig.fitting.observed.relief import energy_without_relief, relief_terms
 from breastrig.fitting.orientation import start_from_landmarks
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.picks.leave_one_out import LeaveOneOut
@@ -24,7 +24,7 @@ from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import value
 from breastrig.relief.limits import relief as relief_limits
-from breastrig.relief.observe import SeenHollow
+from breastrig.relief.observe import ReliefObservation
 from breastrig.rig.skinning import pose
 from breastrig.rig.state import BodyState
 from breastrig.scan.clean import clean, compact
@@ -105,7 +105,7 @@ def test_shoulders_of_who_lies_are_seen_by_how_high_the_arms_lie() -> None:
         assert around_model.landmarks[name] > around_place.landmarks[name]
     picked = replace(lying, landmarks={name: true[name] for name in ("nipple_L", "nipple_R", "xiphoid")})
     assert not SHOULDERS & set(end(picked).relief or {})  # picks say more of them
-    notch = replace(lying, landmarks={"suprasternal_notch": true["suprasternal_notch"]}, seen=frozenset())
+    notch = replace(lying, landmarks={"suprasternal_notch": true["suprasternal_notch"]}, from_colour=frozenset())
     assert not SHOULDERS & set(end(notch).relief or {})
     far = replace(lying, target=without_arms(lying))
     assert not TIPS & set(end(far).relief or {})
@@ -150,7 +150,7 @@ def test_the_radius_of_a_landmark_in_a_hollow_is_that_of_what_is_seen(task: FitT
     assert known is not None
     assert smooth is not None
     assert last.relief is not None
-    navel: SeenHollow = last.relief["umbilicus"]
+    navel: ReliefObservation = last.relief["umbilicus"]
     assert known.landmarks["umbilicus"] == pytest.approx(HOLDS_90 * navel.error, rel=1e-9)
     assert known.landmarks["umbilicus"] < 0.6 * smooth.landmarks["umbilicus"]
     fold = known.landmarks["inframammary_fold_L"]  # where along the fold, nobody has seen
@@ -167,12 +167,12 @@ def test_what_was_seen_once_is_not_looked_for_again(task: FitTask) -> None:
 def test_two_fits_are_compared_by_energies_without_their_hollows(task: FitTask) -> None:
     last = end(task)
     state = BodyState(task.rig, last.parameters)
-    (term,) = hollow_terms(task.rig, last.relief or {}, task.recipe.stages[-1])
+    (term,) = relief_terms(task.rig, last.relief or {}, task.recipe.stages[-1])
     pull = term.residual(state)
-    assert last.energy - energy_without_hollows(task, last) == pytest.approx(value([term], [], state).energy, rel=1e-9)
+    assert last.energy - energy_without_relief(task, last) == pytest.approx(value([term], [], state).energy, rel=1e-9)
     assert pull @ pull > 0.0
     smooth = end(replace(task, relief={}))
-    assert energy_without_hollows(task, smooth) == smooth.energy
+    assert energy_without_relief(task, smooth) == smooth.energy
 
 
 def test_where_a_breast_was_taken_off_her_fold_is_hardly_ever_seen(task: FitTask) -> None:

@@ -18,7 +18,7 @@ from breastrig.fitting.task import FitTask
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.unit_vectors import unit_vectors
-from breastrig.report.areolae import SeenAreola
+from breastrig.report.areolae import ObservedAreola
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.similarity import umeyama
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class SeenLandmark:
+class ObservedLandmark:
     """Where colour shows a landmark; the model, whose shapes need not reach it, may end beside."""
 
     place: Array  # (3,) m, on the skin, in the scan's frame
@@ -41,7 +41,9 @@ class SeenLandmark:
 UNKNOWN = 0.02  # m, error of the form with models of which nobody knows how far bodies are from them
 
 
-def seen_landmarks(task: FitTask, fitted: RigParameters, margin: float | None, scan: Scan) -> dict[str, "Observation"]:
+def colour_observations(
+    task: FitTask, fitted: RigParameters, margin: float | None, scan: Scan
+) -> dict[str, "Observation"]:
     """What the colours of the scan show of the rig's landmarks; nothing for a scan without colours, or of a single one.
 
     `fitted` is where the fit of the `task` without landmarks ended, `margin` how clear its start was (Start.margin).
@@ -77,27 +79,24 @@ def expectations(
     return umeyama(points.positions(rig.template, rig.faces), places).rotation, expected
 
 
-def areola_of(observation: "Observation") -> SeenAreola | None:
+def areola_of(observation: "Observation") -> ObservedAreola | None:
     """The areola that a nipple was found in, as measures have it."""
     areola = observation.areola
-    return None if areola is None else SeenAreola(2.0 * areola.radius, areola.diameter_half, areola.rim)
+    return None if areola is None else ObservedAreola(2.0 * areola.radius, areola.diameter_half, areola.rim)
 
 
 def followed(
-    task: FitTask, shown: "Mapping[str, Observation] | None", let_go: Collection[str]
-) -> dict[str, SeenLandmark]:
-    """By name what a finished fit of the task knows by colour better than by its model.
-
-    All that was `shown` and among the task's observations, but for what the fit `let_go` of as all else contradicts it.
-    """
+    task: FitTask, shown: "Mapping[str, Observation] | None", rejected: Collection[str]
+) -> dict[str, ObservedLandmark]:
+    """Name -> the colour observations that the finished fit followed: those `shown` less those it `rejected`."""
     return {
-        name: SeenLandmark(each.place, HOLDS_90 * each.error, each.reason)
+        name: ObservedLandmark(each.place, HOLDS_90 * each.error, each.reason)
         for name, each in (shown or {}).items()
-        if name in task.seen and name not in let_go
+        if name in task.from_colour and name not in rejected
     }
 
 
-def with_seen(task: FitTask, seen: Mapping[str, "Observation"], fitted: RigParameters) -> FitTask:
+def with_observations(task: FitTask, seen: Mapping[str, "Observation"], fitted: RigParameters) -> FitTask:
     """The task that goes on from where it `fitted` without landmarks, with what colour shows among its observations."""
     if not seen:
         return task
@@ -111,5 +110,5 @@ def with_seen(task: FitTask, seen: Mapping[str, "Observation"], fitted: RigParam
         recipe=task.recipe.continued,
         landmarks={name: each.place for name, each in seen.items()},
         landmark_errors=errors,
-        seen=frozenset(seen),
+        from_colour=frozenset(seen),
     )

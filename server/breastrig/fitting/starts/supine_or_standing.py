@@ -17,7 +17,7 @@ from pydantic import BaseModel, ConfigDict
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.body.hanging import body_axes
-from breastrig.fitting.body.hollows import energy_without_hollows
+from breastrig.fitting.observed.relief import energy_without_relief
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
@@ -30,7 +30,7 @@ SHOWN = 0.015  # m from the scan
 class Sign(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
     between: float  # its value that says nothing
-    weight: float  # of the log odds that she lies, for one unit more
+    weight: float  # of the log odds of a supine body, for one unit more
     most: float | None = None  # farther from `between` it counts no more
 
 
@@ -49,10 +49,10 @@ class StanceSigns(BaseModel):
 
 
 @dataclass(frozen=True)
-class Likely:
+class LikelyStance:
     """Which stance the signs speak for, and whether they do so clearly."""
 
-    lies: bool
+    supine: bool
     sure: bool
 
 
@@ -91,18 +91,18 @@ def breast_signs(rig: Rig, vertices: Array, target: ScanTarget) -> dict[str, flo
     return seen
 
 
-def seen_signs(task: FitTask, standing: FitIterate, supine: FitIterate | None = None) -> dict[str, float]:
+def measured_signs(task: FitTask, standing: FitIterate, supine: FitIterate | None = None) -> dict[str, float]:
     """What the ends of a task's fits in both stances show, by the signs' names; of one fit no energy."""
     seen = breast_signs(task.rig, pose(task.rig, standing.parameters), task.target)
     arms = arm_angles(task.rig, standing.parameters)
     if len(arms):
         seen["arms"] = float(arms.mean())
     if supine is not None:
-        seen["energy_less"] = energy_without_hollows(task, standing) - energy_without_hollows(task, supine)
+        seen["energy_less"] = energy_without_relief(task, standing) - energy_without_relief(task, supine)
     return seen
 
 
-def likely_stance(seen: Mapping[str, float]) -> Likely:
+def likely_stance(seen: Mapping[str, float]) -> LikelyStance:
     signs = stance_signs()
     odds = signs.log_odds(seen)
-    return Likely(odds > 0.0, abs(odds) > signs.unsure)
+    return LikelyStance(odds > 0.0, abs(odds) > signs.unsure)

@@ -5,4 +5,4 @@ Set at the beginning of each request, in the thread that answers it.  None is th
 
 from contextvars import ContextVar
 
-asking_client: ContextVar[str | None] = ContextVar("asking_client", default=None)
+client_key: ContextVar[str | None] = ContextVar("client_key", default=None)

@@ -1,11 +1,7 @@
-"""Landmarks that a scan's form shows beside its surface: the model slides along smooth skin, hollows hold it.
+"""Observations of landmarks from the relief of the skin (relief/observe.py), made once a fit, each with a covariance.
 
-A fit that has found the form looks once for the hollows near its landmarks (relief/observe.py), and goes on with what
-it has seen as observations of these landmarks, each with its own covariance.  They are no picks: nobody is asked about
-them, and a pick, or what colour shows of the same landmark, is more exact and takes their place.
-
-A breast that hangs covers its fold.  The furrow that the scan shows below it is where breast and belly meet in the
-camera's view, up to 50 mm under the fold, and tells nothing of it (hanging.py says where the fold is expected then).
+Picks and colour observations of the same landmark replace them.  The fold under a hanging breast is not observed: the
+furrow in the camera's view is up to 50 mm below it (body/hanging.py).
 """
 
 from collections.abc import Mapping
@@ -24,7 +20,7 @@ from breastrig.least_squares.newton import value
 from breastrig.least_squares.problem import ResidualTerm
 from breastrig.relief.limits import relief as relief_limits
 from breastrig.relief.lying_shoulder import lying_tip
-from breastrig.relief.observe import NOT_SHOWN, Expected, SeenHollow, seen_hollows
+from breastrig.relief.observe import NOT_SHOWN, Expected, ReliefObservation, relief_observations
 from breastrig.relief.shoulder import shoulder_tip
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
@@ -35,7 +31,7 @@ TIPS = {"acromion_L": (np.ones(3), "upper_arm_L"), "acromion_R": (OUTWARDS_ON_TH
 ARM = 0.9  # share of a vertex that moves with the upper arm; with half of it the shoulder itself is in front
 
 
-def look_for_hollows(task: FitTask, state: BodyState) -> dict[str, SeenHollow]:
+def observe_relief(task: FitTask, state: BodyState) -> dict[str, ReliefObservation]:
     """What the scan shows of the landmarks that nobody picked, expected where the model has them now."""
     rig = task.rig
     points = rig.landmark_points()
@@ -51,15 +47,15 @@ def look_for_hollows(task: FitTask, state: BodyState) -> dict[str, SeenHollow]:
         if name not in task.landmarks and not covered[k]
     }
     tips = _tips if task.stance == STANDING else _lying_tips
-    return seen_hollows(task.target, expected, axes) | tips(task, state, expected, axes)
+    return relief_observations(task.target, expected, axes) | tips(task, state, expected, axes)
 
 
 def _lying_tips(
     task: FitTask, state: BodyState, expected: Mapping[str, Expected], axes: Array
-) -> dict[str, SeenHollow]:
-    """Those of who lies, likewise, and how far out the middles of the collar bones are, which lie half way to them."""
+) -> dict[str, ReliefObservation]:
+    """The tips of the shoulders of a supine body, and the middles of the collar bones half way to them."""
     rules, seen, rig = relief_limits().lying_shoulder, {}, task.rig
-    if not task.seen.issuperset(task.landmarks) or NOTCH not in expected:
+    if not task.from_colour.issuperset(task.landmarks) or NOTCH not in expected:
         return {}
     skin = ClosestPointSearch(state.vertices, rig.faces)
     for name in expected.keys() & TIPS.keys():
@@ -83,13 +79,15 @@ def _lying_tips(
         for each, (place, errors) in places.items():
             near = skin.query((own @ place)[None]).points[0]
             covariance = (own * np.array(errors) ** 2) @ own.T
-            seen[each] = SeenHollow(near, covariance, rules.reason, each == name, rules.slack)
+            seen[each] = ReliefObservation(near, covariance, rules.reason, each == name, rules.slack)
     return seen
 
 
-def _tips(task: FitTask, state: BodyState, expected: Mapping[str, Expected], axes: Array) -> dict[str, SeenHollow]:
+def _tips(
+    task: FitTask, state: BodyState, expected: Mapping[str, Expected], axes: Array
+) -> dict[str, ReliefObservation]:
     """The tips of the shoulders of who stands, where no person has picked anything: picks say more of all of them."""
-    if not task.seen.issuperset(task.landmarks):
+    if not task.from_colour.issuperset(task.landmarks):
         return {}
     rules, seen = relief_limits().shoulder, {}
     for name, each in expected.items():
@@ -103,7 +101,7 @@ def _tips(task: FitTask, state: BodyState, expected: Mapping[str, Expected], axe
         if _shown(task, places[1:], rules.shown):
             hangs = hangs_by(state, task.recipe, name) > 0.0
             errors = np.array(rules.errors) * (rules.where_hanging if hangs else 1.0)
-            seen[name] = SeenHollow(places[0], (own * errors**2) @ own.T, rules.reason, all_round=True)
+            seen[name] = ReliefObservation(places[0], (own * errors**2) @ own.T, rules.reason, all_round=True)
     return seen
 
 
@@ -112,8 +110,8 @@ def _shown(task: FitTask, places: Array, near: float) -> bool:
     return bool(np.isfinite(task.target.vertex_tree.query(places, distance_upper_bound=near)[0]).all())
 
 
-def hollow_terms(rig: Rig, relief: Mapping[str, SeenHollow], stage: Stage) -> list[ResidualTerm[BodyState]]:
-    """How hollows that were seen pull in a stage that asks for them; none where none was."""
+def relief_terms(rig: Rig, relief: Mapping[str, ReliefObservation], stage: Stage) -> list[ResidualTerm[BodyState]]:
+    """Their residual term, in stages with a weight `relief`; none without observations."""
     if stage.relief is None or not relief:
         return []
     places, covariances = zip(*((each.place, each.slack**2 * each.covariance) for each in relief.values()), strict=True)
@@ -121,7 +119,7 @@ def hollow_terms(rig: Rig, relief: Mapping[str, SeenHollow], stage: Stage) -> li
     return [LandmarkObservations(rig, points, np.array(places), stage.relief**2 * np.array(covariances))]
 
 
-def energy_without_hollows(task: FitTask, last: FitIterate) -> float:
-    """Of a fit's last iterate: two fits that have not seen the same hollows are compared by this."""
-    terms = hollow_terms(task.rig, last.relief or {}, task.recipe.stages[-1])
+def energy_without_relief(task: FitTask, last: FitIterate) -> float:
+    """Of a fit's last iterate: comparable between fits with different relief observations."""
+    terms = relief_terms(task.rig, last.relief or {}, task.recipe.stages[-1])
     return last.energy - value(terms, [], BodyState(task.rig, last.parameters)).energy

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from breastrig.core.arrays import Array
-from breastrig.fitting.seen.landmarks import areola_of, expectations
-from breastrig.report.areolae import SeenAreola
+from breastrig.fitting.observed.landmarks import areola_of, expectations
+from breastrig.report.areolae import ObservedAreola
 from breastrig.rig.model import Rig
 from breastrig.scan.scan import Scan
 
@@ -19,13 +19,13 @@ KNOWN = 0.006  # m, root mean square error of a fitted or picked nipple
 SIDES = {"nipple_L": "L", "nipple_R": "R"}
 
 
-def seen_areolae(
+def observed_areolae(
     rig: Rig,
     vertices: Array,
     picked: Mapping[str, Array],
     scan: Scan,
     observed: "Mapping[str, Observation] | None" = None,
-) -> dict[str, SeenAreola | None]:
+) -> dict[str, ObservedAreola | None]:
     """Side -> the areola there, None where none is seen; empty for a scan without a texture.
 
     `vertices` (V, 3) m is the fitted model; landmarks count as `picked`.  `observed` is what was seen before the fit.
@@ -38,7 +38,7 @@ def seen_areolae(
     if observed is None:
         body, expected = expectations(rig, vertices, dict.fromkeys(sides, KNOWN), picked)
         observed = observed_landmarks(scan, expected, body[:, 0], body[:, 1])
-    found: dict[str, SeenAreola | None] = {}
+    found: dict[str, ObservedAreola | None] = {}
     for name, side in sides.items():
         found[side] = areola_of(observed[name]) if name in observed else None
     return found

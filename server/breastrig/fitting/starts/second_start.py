@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import TypeVar
 
 from breastrig.fitting.body.hanging_start import SIDES, hanging_shapes, hanging_start, opening_of, unexplained_overhang
-from breastrig.fitting.fit import Begun, OneScan, Problem, iterates
+from breastrig.fitting.fit import InitialPoint, OneScan, Problem, iterates
 from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.recipe import Stage
 from breastrig.fitting.task import FitIterate, FitTask
@@ -21,30 +21,30 @@ Iterates = tuple[FitIterate, ...]  # of each scan
 Tasks = tuple[FitTask, ...]
 
 
-def opened_iterates(task: FitTask) -> Iterator[FitIterate]:
+def iterates_with_second_start(task: FitTask) -> Iterator[FitIterate]:
     """As fit_iterates; where a second opening is gone through, its iterates follow those of the first."""
-    for (iterate,) in opened_together((task,), lambda tasks: OneScan(ScanProblem(tasks[0]))):
+    for (iterate,) in joint_iterates_with_second_start((task,), lambda tasks: OneScan(ScanProblem(tasks[0]))):
         yield iterate
 
 
-def opened_together(tasks: Tasks, problem_of: Callable[[Tasks], Problem[P]]) -> Iterator[Iterates]:
+def joint_iterates_with_second_start(tasks: Tasks, problem_of: Callable[[Tasks], Problem[P]]) -> Iterator[Iterates]:
     """The same of scans that are fitted together; `problem_of` makes one problem of their tasks."""
     problem, recipe = problem_of(tasks), tasks[0].recipe
     opening = opening_of(recipe)
-    begun = yield from _opened(problem, opening or recipe.stages)
-    if not opening or begun[0].status is Status.NOT_FINITE:
-        yield begun
+    first = yield from _opened(problem, opening or recipe.stages)
+    if not opening or first[0].status is Status.NOT_FINITE:
+        yield first
         return
-    begun = yield from _hanging(tasks, problem_of, opening, begun)
+    first = yield from _hanging(tasks, problem_of, opening, first)
     rest = recipe.stages[len(opening) :]
     if not rest:
-        yield begun
+        yield first
         return
     before = 0.0
-    if any(each.hanging != task.hanging for each, task in zip(begun, tasks, strict=True)):
-        problem = problem_of(_expecting(tasks, [each.hanging for each in begun]))  # whose clock begins now
-        before = begun[0].elapsed_s
-    at = Begun(problem.at([each.parameters for each in begun]), begun[0].energy, begun[0].iteration)
+    if any(each.hanging != task.hanging for each, task in zip(first, tasks, strict=True)):
+        problem = problem_of(_expecting(tasks, [each.hanging for each in first]))  # whose clock begins now
+        before = first[0].elapsed_s
+    at = InitialPoint(problem.at([each.parameters for each in first]), first[0].energy, first[0].iteration)
     for iterate in iterates(problem, rest, at):
         yield _later(iterate, 0, before)
 
@@ -58,27 +58,27 @@ def _opened(problem: Problem[P], opening: Sequence[Stage]) -> Generator[Iterates
 
 
 def _hanging(
-    tasks: Tasks, problem_of: Callable[[Tasks], Problem[P]], opening: Sequence[Stage], begun: Iterates
+    tasks: Tasks, problem_of: Callable[[Tasks], Problem[P]], opening: Sequence[Stage], first: Iterates
 ) -> Generator[Iterates, None, Iterates]:
-    """Returns where to go on: what has `begun`, or another opening, whose iterates it yields, if that shows more."""
+    """Returns where to go on: what has `first`, or another opening, whose iterates it yields, if that shows more."""
     settings = tasks[0].recipe.hanging
     assert settings is not None
-    unexplained = [_unexplained(task, each) for task, each in zip(tasks, begun, strict=True)]
+    unexplained = [_unexplained(task, each) for task, each in zip(tasks, first, strict=True)]
     most = {side: max(shares.get(side, 0.0) for shares in unexplained) for side in SIDES}
     starts = [hanging_start(task.rig, task.start, settings, most) for task in tasks]
     if all(start is task.start for start, task in zip(starts, tasks, strict=True)):
-        return begun
+        return first
     again = _expecting(tasks, [hanging_shapes(t.rig, x, t.recipe) for t, x in zip(tasks, starts, strict=True)])
     again = tuple(replace(task, start=start) for task, start in zip(again, starts, strict=True))
     for iterate in iterates(problem_of(again), opening):
-        last = _later(iterate, begun[0].iteration, begun[0].elapsed_s)
+        last = _later(iterate, first[0].iteration, first[0].elapsed_s)
         if last[0].status is Status.RUNNING:
             yield last
     if all(each.is_finite for each in last):
         left = [_unexplained(task, each) for task, each in zip(tasks, last, strict=True)]
         if _all(left) < _all(unexplained):
             return last
-    return tuple(replace(each, iteration=last[0].iteration) for each in begun)
+    return tuple(replace(each, iteration=last[0].iteration) for each in first)
 
 
 def _unexplained(task: FitTask, iterate: FitIterate) -> dict[str, float]:

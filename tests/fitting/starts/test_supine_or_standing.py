@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.starts.lies_or_stands import breast_signs, likely_stance, stance_signs
+from breastrig.fitting.starts.supine_or_standing import breast_signs, likely_stance, stance_signs
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.scan.clean import compact
