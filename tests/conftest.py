@@ -88,7 +88,7 @@ LONGEST = (
     "fitting/test_orientation.py",
     "workflow/test_kept_scan.py",
     "studies/test_colour_landmarks.py",
-    "fitting/observed/test_relief.py",
+    "fitting/body/test_relief.py",
 )
 
 

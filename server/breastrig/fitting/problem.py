@@ -25,8 +25,8 @@ from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
 from breastrig.energies.table_contact import TableContact
 from breastrig.fitting.body.mirrored_landmarks import MirroredLandmark, mirrored_landmarks, mirrored_terms
+from breastrig.fitting.body.relief import observe_relief, relief_terms
 from breastrig.fitting.observation_weights import observation_weights
-from breastrig.fitting.observed.relief import observe_relief, relief_terms
 from breastrig.fitting.recipe import Body, Hanging, Range, Scales, Shapes, Stage
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.geometry.surface_points import SurfacePoints

@@ -17,7 +17,7 @@ from pydantic import BaseModel, ConfigDict
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.body.hanging import body_axes
-from breastrig.fitting.observed.relief import energy_without_relief
+from breastrig.fitting.body.relief import energy_without_relief
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters

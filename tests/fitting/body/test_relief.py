@@ -10,8 +10,8 @@ import trimesh
 from breastrig.core.arrays import Array
 from breastrig.core.assets import asset_folder
 from breastrig.correspondence.target import ScanTarget
+from breastrig.fitting.body.relief import energy_without_relief, relief_terms
 from breastrig.fitting.fit import fit_iterates
-from breastrig.fitting.observed.relief import energy_without_relief, relief_terms
 from breastrig.fitting.orientation import start_from_landmarks
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.picks.leave_one_out import LeaveOneOut
