@@ -30,7 +30,7 @@ NEEDED = {
     "breastrig/fitting/presets/paper.toml",
     "breastrig/api/openapi.json",
     "breastrig/storage/migrations/env.py",
-    "breastrig/storage/migrations/versions/r0001_adopt.py",
+    "breastrig/storage/migrations/versions/r0001_baseline.py",
     "breastrig/py.typed",
 }
 

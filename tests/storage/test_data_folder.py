@@ -7,7 +7,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from helpers.first_version import FIRST_VERSION
 
 from breastrig.cli.main import main
 from breastrig.core.errors import BadSettings
@@ -15,8 +14,6 @@ from breastrig.execution.limits import FitLimits
 from breastrig.service.service import Service
 from breastrig.storage import data_folder
 from breastrig.storage.data_folder import Ownership, installation_id, ownership_of
-from breastrig.storage.location import Location
-from breastrig.storage.rows.scans import scan_ids
 from breastrig.storage.storage import Storage
 
 State = dict[str, tuple[int, int, bytes | str | None]]
@@ -159,7 +156,7 @@ def test_an_empty_or_missing_folder_becomes_ours_and_the_marker_comes_first(
 def test_a_marker_whose_writing_was_interrupted_is_written_again(tmp_path: Path) -> None:
     (tmp_path / ".breastrig-installation.part").write_text("abc")
     start(tmp_path)
-    assert ownership_of(tmp_path, sqlite=True) is Ownership.OURS
+    assert ownership_of(tmp_path) is Ownership.OURS
     assert not (tmp_path / ".breastrig-installation.part").exists()
 
 
@@ -169,7 +166,7 @@ def test_of_servers_that_start_at_once_on_a_new_folder_one_gives_it_its_id(tmp_p
 
     def start_one(mine: str) -> None:
         barrier.wait()
-        data_folder.claim(root, lambda: mine, True)
+        data_folder.claim(root, lambda: mine)
         seen.append(installation_id(root))
 
     threads = [threading.Thread(target=start_one, args=(mine,)) for mine in ids]
@@ -195,67 +192,8 @@ def test_a_folder_that_becomes_ours_while_it_is_looked_at_is_not_taken_for_forei
         return found
 
     monkeypatch.setattr(data_folder, "installation_id", others_marker)
-    data_folder.claim(tmp_path, lambda: "2" * 22, True)
+    data_folder.claim(tmp_path, lambda: "2" * 22)
     assert installation_id(tmp_path) == "1" * 22
-
-
-@pytest.mark.parametrize("logged", [False, True])
-def test_a_data_folder_of_the_first_version_is_opened_and_marked(logged: bool, tmp_path: Path) -> None:
-    """Also when a server that was killed has left its tables in the log alone."""
-    rows = sqlite3.connect(tmp_path / "breastrig.sqlite3")
-    if logged:
-        rows.execute("PRAGMA journal_mode = WAL")
-        rows.execute("PRAGMA wal_autocheckpoint = 0")
-    rows.executescript(FIRST_VERSION)
-    (tmp_path / "scans" / "scan-1").mkdir(parents=True)
-    (tmp_path / "scans" / "scan-1" / "scan.ply").write_bytes(b"skin")
-    if logged:
-        kept = {name: (tmp_path / name).read_bytes() for name in ("breastrig.sqlite3", "breastrig.sqlite3-wal")}
-    rows.close()
-    if logged:
-        for name, content in kept.items():
-            (tmp_path / name).write_bytes(content)
-    before = state(tmp_path)
-    assert ownership_of(tmp_path, sqlite=True) is Ownership.OLDER
-    assert state(tmp_path) == before
-    start(tmp_path)
-    assert ownership_of(tmp_path, sqlite=True) is Ownership.OURS
-    storage = Storage(tmp_path)
-    assert scan_ids(storage) == {"scan-1"}
-    storage.close()
-    assert (tmp_path / "scans" / "scan-1" / "scan.ply").read_bytes() == b"skin"
-
-
-def test_a_data_folder_that_was_made_with_the_marker_in_the_store_alone_is_opened(tmp_path: Path) -> None:
-    """As versions did that marked the files and not the data folder."""
-    location = Location(tmp_path / "data", files=f"file://{tmp_path}/store")
-    storage = Storage(location)
-    storage.prepare()
-    storage.close()
-    mark = (tmp_path / "store" / "installation").read_text()
-    (tmp_path / "data" / "installation").unlink()
-    storage = Storage(location)
-    storage.prepare()
-    storage.close()
-    assert installation_id(tmp_path / "data") == mark
-
-
-def test_the_empty_folders_of_a_server_that_kept_all_elsewhere_are_taken_over(tmp_path: Path) -> None:
-    """As versions made them that had rows in PostgreSQL and files in a store: nothing in them can be missed."""
-    for place in ("scans", "fits/abc", "rubbish"):
-        (tmp_path / place).mkdir(parents=True)
-    (tmp_path / "lock").touch()
-    assert ownership_of(tmp_path, sqlite=False) is Ownership.NEW
-    (tmp_path / "fits" / "abc" / "result.json").write_text("{}")
-    assert ownership_of(tmp_path, sqlite=False) is Ownership.FOREIGN
-
-
-def test_a_database_beside_is_no_reason_to_take_a_folder_for_rows_that_are_elsewhere(tmp_path: Path) -> None:
-    rows = sqlite3.connect(tmp_path / "breastrig.sqlite3")
-    rows.executescript(FIRST_VERSION)
-    rows.close()
-    assert ownership_of(tmp_path, sqlite=True) is Ownership.OLDER
-    assert ownership_of(tmp_path, sqlite=False) is Ownership.FOREIGN
 
 
 def named_file(tmp_path: Path) -> Path:

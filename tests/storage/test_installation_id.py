@@ -59,14 +59,6 @@ def test_a_data_folder_whose_database_was_lost_is_not_emptied(tmp_path: Path) ->
     assert (tmp_path / "scans" / "a").is_dir()
 
 
-def test_a_data_folder_of_an_older_version_is_marked_as_its_databases_own(tmp_path: Path) -> None:
-    prepared(Location(tmp_path))
-    (tmp_path / "installation").unlink()
-    (tmp_path / "scans" / "a").mkdir()
-    prepared(Location(tmp_path))
-    assert (tmp_path / "installation").is_file()
-
-
 def test_a_place_that_is_gone_is_noticed(tmp_path: Path, store: str) -> None:
     for location in (Location(tmp_path / "one"), Location(tmp_path / "two", files=store)):
         storage = Storage(location)

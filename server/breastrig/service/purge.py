@@ -23,7 +23,7 @@ def purge(storage: Storage, older_than_days: float | None) -> Purged:
     Raises BadSettings when there is no such data folder or a server holds it.
     """
     rows_here = storage.location.database is None
-    if rows_here and ownership_of(storage.root, sqlite=True) in (Ownership.NEW, Ownership.FOREIGN):
+    if rows_here and ownership_of(storage.root) is not Ownership.OURS:
         raise BadSettings(f"There is no BreastRig data folder at {storage.root}; name it with --data.")
     with storage.exclusive():
         storage.prepare()

@@ -86,7 +86,7 @@ class Storage:
 
         Raises BadSettings when another server holds them, and when the data folder is another program's.
         """
-        refuse_foreign(self.root, self._sqlite)
+        refuse_foreign(self.root)
         with self.database.exclusive():
             self._claim()
             try:
@@ -107,7 +107,7 @@ class Storage:
 
     def _claim(self) -> None:
         """Makes a new data folder ours: with the id of the rows, if they are elsewhere."""
-        claim(self.root, self._id_of_rows, self._sqlite)
+        claim(self.root, self._id_of_rows)
 
     def _id_of_rows(self) -> str:
         """A new one for those that are to be in the data folder, where nothing comes before the marker."""

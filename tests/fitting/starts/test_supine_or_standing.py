@@ -38,8 +38,8 @@ def test_what_says_nothing_is_unsure_and_what_all_signs_say_is_sure() -> None:
     assert not likely_stance({}).sure
     lying = {"nipples_in_front": 0.05, "nipples_apart": 1.3, "arms": 1.2}
     standing = {"nipples_in_front": 0.25, "nipples_apart": 1.0, "arms": 0.55}
-    assert (likely_stance(lying).lies, likely_stance(lying).sure) == (True, True)
-    assert (likely_stance(standing).lies, likely_stance(standing).sure) == (False, True)
+    assert (likely_stance(lying).supine, likely_stance(lying).sure) == (True, True)
+    assert (likely_stance(standing).supine, likely_stance(standing).sure) == (False, True)
 
 
 def test_energies_that_are_far_apart_count_no_more_than_those_at_the_limit() -> None:
