@@ -65,7 +65,9 @@ def test_a_deletion_that_leaves_files_says_so_and_is_made_up_for(
     with monkeypatch.context() as patch:
         patch.setattr(os, "unlink", refuse)
         for _ in range(2):
-            sentence = problem(client.delete(f"/api/scans/{scan}"), 500)
+            answer = client.delete(f"/api/scans/{scan}")
+            assert answer.headers["Clear-Site-Data"] == '"cache"'
+            sentence = problem(answer, 500)
             assert "1 of the folders with its files could not be removed" in sentence
         for place in (f"/api/scans/{scan}", f"/api/fits/{fit}", f"/api/fits/{fit}/fitted.glb"):
             assert client.get(place).status_code == 404

@@ -13,14 +13,13 @@ import hashlib
 from functools import lru_cache
 from typing import Any
 
-from flask import Response, request, send_file
+from flask import Response, after_this_request, request, send_file
 from werkzeug.wsgi import wrap_file
 
 from breastrig.storage.files import OpenedFile
 
 FOR_EVER = "public, max-age=31536000, immutable"
 PERSONAL = "no-store"
-FORGET = {"Clear-Site-Data": '"cache"'}  # with a deletion: whatever the browser has kept all the same
 CHECK_AGAIN = "no-cache"
 
 GLB = "model/gltf-binary"
@@ -38,6 +37,15 @@ def file_of(media_type: str, description: str) -> Any:
     """A file as an answer of the API's description; APIFlask's own types know no such thing."""
     content = {media_type: {"schema": {"type": "string", "format": "binary"}}}
     return {"content": content, "description": description}
+
+
+def browser_forgets() -> None:
+    """In a view that deletes: its answer, an error too, has the browser drop whatever it has kept all the same."""
+
+    @after_this_request
+    def forget(response: Response) -> Response:
+        response.headers["Clear-Site-Data"] = '"cache"'
+        return response
 
 
 def file_answer(file: OpenedFile, media_type: str, caching: str, *, download_as: str | None = None) -> Response:

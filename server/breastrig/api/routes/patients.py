@@ -7,7 +7,7 @@ from apiflask import APIBlueprint
 from flask import Response
 
 from breastrig.api.access.security import refuse
-from breastrig.api.answers import FORGET, JSON, PERSONAL, bytes_answer
+from breastrig.api.answers import JSON, PERSONAL, browser_forgets, bytes_answer
 from breastrig.api.app_context import app_context
 from breastrig.api.drawing_check import check_near_scan
 from breastrig.api.routes.fits import FITS_TAG
@@ -80,13 +80,14 @@ def change_patient(patient_id: str, json_data: wire.PatientChange) -> wire.Patie
 @patients.delete("/<patient_id>")
 @patients.output({}, status_code=204)
 @patients.doc(operation_id="deletePatient", responses={500: "Deleted, but files are left; they are tried again"})
-def remove_patient(patient_id: str) -> tuple[str, int, dict[str, str]]:
+def remove_patient(patient_id: str) -> tuple[str, int]:
     """Delete a patient: her plan, her scans, and everything made of them
 
     Deleting who is not there is no error.  204 says that all files are gone.
     """
+    browser_forgets()
     app_context().service.delete_patient(patient_id)
-    return "", 204, FORGET
+    return "", 204
 
 
 @owners.put("/<scan_id>/patient")

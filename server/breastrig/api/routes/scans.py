@@ -8,7 +8,7 @@ from apiflask import APIBlueprint
 from flask import Response
 
 from breastrig.api.access.security import refuse
-from breastrig.api.answers import FORGET, GLB, PERSONAL, PNG, file_answer, file_of
+from breastrig.api.answers import GLB, PERSONAL, PNG, browser_forgets, file_answer, file_of
 from breastrig.api.app_context import app_context
 from breastrig.api.landmark_check import check_landmarks, landmarks_of_file
 from breastrig.api.routes.paging import next_page
@@ -88,13 +88,14 @@ def show_scan(scan_id: str) -> wire.Scan:
 @scans.delete("/<scan_id>")
 @scans.output({}, status_code=204)
 @scans.doc(operation_id="deleteScan", responses={500: "Deleted, but files are left; they are tried again"})
-def remove_scan(scan_id: str) -> tuple[str, int, dict[str, str]]:
+def remove_scan(scan_id: str) -> tuple[str, int]:
     """Delete a scan with its landmarks, fits, files and what was planned on it
 
     Running fits are stopped.  Deleting what is not there is no error.  204 says that all files are gone.
     """
+    browser_forgets()
     app_context().service.delete_scan(scan_id)
-    return "", 204, FORGET
+    return "", 204
 
 
 @scans.get("/<scan_id>/mesh.glb")
