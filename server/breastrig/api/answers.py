@@ -10,6 +10,7 @@ and the size of a compressed answer can reveal its content.
 
 import gzip
 import hashlib
+import io
 from functools import lru_cache
 from typing import Any
 
@@ -28,15 +29,21 @@ JSON = "application/json"
 BINARY = "application/octet-stream"
 PDF = "application/pdf"
 PNG = "image/png"
+ZIP = "application/zip"
 
 PUBLIC_FILES = 64  # the page has about thirty files, the model three
 ONE_PACKET = 1000  # bytes; an answer with fewer is sent in one packet anyway
 
 
 def file_of(media_type: str, description: str) -> Any:
-    """A file as an answer of the API's description; APIFlask's own types know no such thing."""
-    content = {media_type: {"schema": {"type": "string", "format": "binary"}}}
-    return {"content": content, "description": description}
+    """A file as an answer of the API's description; APIFlask's own types know no such thing.
+
+    Generators of clients keep the body of a media type that they know: every one knows plain bytes and JSON.
+    """
+    is_json = media_type.endswith("+json")
+    schema = {"type": "object"} if is_json else {"type": "string", "format": "binary"}
+    known = (media_type,) if is_json else dict.fromkeys((media_type, BINARY))
+    return {"content": {one: {"schema": schema} for one in known}, "description": description}
 
 
 def browser_forgets() -> None:
@@ -48,15 +55,22 @@ def browser_forgets() -> None:
         return response
 
 
-def file_answer(file: OpenedFile, media_type: str, caching: str, *, download_as: str | None = None) -> Response:
+def in_memory(content: bytes) -> OpenedFile:
+    """Content that was made for an answer, as a file."""
+    return OpenedFile(None, len(content), _etag(content), lambda: io.BytesIO(content))
+
+
+def _etag(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()[:32]
+
+
+def file_answer(file: OpenedFile, media_type: str, caching: str) -> Response:
     """The file; 304 when the browser has it, 206 for a range."""
     if file.path is not None:
         response = send_file(file.path, media_type, conditional=True, etag=file.etag)
     else:
         response = _stored_answer(file, media_type)
     response.headers["Cache-Control"] = caching
-    if download_as is not None:
-        response.headers["Content-Disposition"] = f"attachment; filename={download_as}"
     return response
 
 
@@ -78,7 +92,7 @@ def _stored_answer(file: OpenedFile, media_type: str) -> Response:
 def bytes_answer(content: bytes, media_type: str, caching: str) -> Response:
     """The same for content that was made in memory."""
     response = Response(content, mimetype=media_type)
-    response.set_etag(hashlib.sha256(content).hexdigest()[:32])
+    response.set_etag(_etag(content))
     response.headers["Cache-Control"] = caching
     response.make_conditional(request, accept_ranges=True, complete_length=len(content))
     return response

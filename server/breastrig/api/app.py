@@ -24,6 +24,7 @@ from breastrig.api.routes.page import PageFile, page
 from breastrig.api.routes.patients import owners, patients, plans_of_fits
 from breastrig.api.routes.patterns import patterns
 from breastrig.api.routes.reports import reports
+from breastrig.api.routes.results import results
 from breastrig.api.routes.scans import scans
 from breastrig.api.routes.shares.shared import share_page, shared
 from breastrig.api.routes.shares.shares import shares
@@ -86,6 +87,7 @@ def _bare_app() -> APIFlask:
         fits,
         fits_of_scans,
         events,
+        results,
         reports,
         transfers,
         models,

@@ -1,18 +1,21 @@
 """What the views of one app share: its settings, service, model and counters, found from the request at hand."""
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from functools import lru_cache
 
-from flask import current_app
+from flask import Response, current_app
 
 from breastrig.api.access.rate_limits import RateLimits
-from breastrig.api.big_answers import BigAnswers
+from breastrig.api.big_answers import BigAnswers, big_answer
 from breastrig.api.config import Config
 from breastrig.api.metrics import Metrics
 from breastrig.api.passcode_delays import PasscodeDelays
 from breastrig.api.served_model import ServedModel, serve_model
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.service import Service
+from breastrig.storage.files import OpenedFile
+from breastrig.storage.rows.scans import are_kept
 
 KEY = "breastrig"
 
@@ -34,6 +37,13 @@ class AppContext:
         if sha256 == self.model.rig.sha256:
             return self.model
         return _read_once(self.service.models, sha256)
+
+    def patients_file(
+        self, scans: Collection[str], file: OpenedFile, media_type: str, download_as: str | None = None
+    ) -> Response:
+        """A file of these scans, or of fits of them, to their owner for as long as all of them are there."""
+        storage = self.service.storage
+        return big_answer(self.big_answers, file, media_type, lambda: are_kept(storage, scans), download_as=download_as)
 
 
 @lru_cache(maxsize=2)

@@ -1,10 +1,11 @@
-"""Large files to visitors: read from the disk as they are sent, and only so many at once.
+"""A patient's files: large ones are read as they are sent, and only for as long as the reader may see them.
+
+Once the scan is deleted, a visit over or its link revoked, nobody gets any more.  The file then ends early, which the
+connection shows as an answer that was cut off.
 
 Whoever has a link may ask for the scan as often and read it as slowly as they like.  An answer here holds an open file
-and no memory; how many are under way is bounded in all, for each share and for each client, and who comes then is
-asked to come again.  A reader that takes nothing holds its place only until another one needs it; and once the visit is
-over, the link revoked or the scan deleted, nobody gets any more.  The file then ends early, which the connection shows
-as an answer that was cut off.
+and no memory; how many go to visitors is bounded in all, for each share and for each client, and who comes then is
+asked to come again.  A visitor who takes nothing keeps the place only until another one needs it.
 """
 
 import threading
@@ -18,7 +19,7 @@ from flask import Response, request
 from werkzeug.wsgi import wrap_file
 
 from breastrig.api.access.security import refuse
-from breastrig.api.answers import file_answer
+from breastrig.api.answers import PERSONAL, file_answer
 from breastrig.api.share_limits import BIG_ANSWERS, BIG_ANSWERS_EACH, BIG_BYTES, BIG_RETRY_S, STALLED_S, STILL_OPEN_S
 from breastrig.api.trusted_proxy import client_of
 from breastrig.core.errors import NotFound
@@ -42,7 +43,7 @@ class Place:
 
 @dataclass(eq=False)
 class BigAnswers:
-    """The places of all answers under way.  May be called from any thread; `clock` gives seconds."""
+    """The places of visitors' answers under way.  May be called from any thread; `clock` gives seconds."""
 
     clock: Callable[[], float] = time.monotonic
     _lock: threading.Lock = field(default_factory=threading.Lock)
@@ -57,10 +58,14 @@ class BigAnswers:
                     return None
                 stalled.is_cut = True
                 self._places.discard(stalled)
-            now = self.clock()
-            place = Place(share_id, client, now, is_open, now)
+            place = self.uncounted(is_open, share_id, client)
             self._places.add(place)
             return place
+
+    def uncounted(self, is_open: Callable[[], bool], share_id: str = "", client: str = "") -> Place:
+        """The owner's, who is refused none."""
+        now = self.clock()
+        return Place(share_id, client, now, is_open, now)
 
     def _full(self, share_id: str, client: str) -> Iterator[list[Place]]:
         """The groups that have no place left for such an answer."""
@@ -130,15 +135,31 @@ class _Part:
 
 
 def big_answer(
-    answers: BigAnswers, share_id: str, file: OpenedFile, media_type: str, caching: str, is_open: Callable[[], bool]
+    answers: BigAnswers,
+    file: OpenedFile,
+    media_type: str,
+    is_open: Callable[[], bool],
+    *,
+    share_id: str | None = None,
+    download_as: str | None = None,
 ) -> Response:
-    """As `file_answer`, within the bounds when the file is large, and only as long as it `is_open` to the reader.
+    """As `file_answer`; a large file only as long as it `is_open` to the reader, to a share's visitors within bounds.
 
     Raises 503 beyond the bounds, NotFound when it is gone.
     """
+    response = _checked(answers, file, media_type, is_open, share_id)
+    response.headers["Cache-Control"] = PERSONAL
+    if download_as is not None:
+        response.headers["Content-Disposition"] = f"attachment; filename={download_as}"
+    return response
+
+
+def _checked(
+    answers: BigAnswers, file: OpenedFile, media_type: str, is_open: Callable[[], bool], share_id: str | None
+) -> Response:
     if file.size < BIG_BYTES:
-        return file_answer(file, media_type, caching)
-    response = Response(b"", mimetype=media_type, headers={"Cache-Control": caching})
+        return file_answer(file, media_type, PERSONAL)
+    response = Response(b"", mimetype=media_type)
     response.set_etag(file.etag)
     response.content_length = file.size
     response.make_conditional(request, accept_ranges=True, complete_length=file.size)
@@ -147,11 +168,12 @@ def big_answer(
     start, length = 0, file.size
     if response.status_code == 206:
         start, length = response.content_range.start or 0, response.content_length or 0
-    place = answers.take(share_id, client_of(request.remote_addr), is_open)
+    client = client_of(request.remote_addr)
+    place = answers.uncounted(is_open) if share_id is None else answers.take(share_id, client, is_open)
     if place is None:
         raise refuse(503, BUSY, {"Retry-After": str(BIG_RETRY_S)})
     with _given_back_on_error(answers, place):
-        part = _Part(_opened(file), start, length, place, answers)
+        part = _Part(opened(file), start, length, place, answers)
         response.response = wrap_file(request.environ, part, CHUNK_BYTES)  # type: ignore[arg-type]
         response.direct_passthrough = True
     return response
@@ -166,7 +188,8 @@ def _given_back_on_error(answers: BigAnswers, place: Place) -> Iterator[None]:
         raise
 
 
-def _opened(file: OpenedFile) -> IO[bytes]:
+def opened(file: OpenedFile) -> IO[bytes]:
+    """Raises NotFound when it was deleted meanwhile."""
     try:
         return file.open()
     except FileNotFoundError as error:

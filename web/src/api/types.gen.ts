@@ -236,6 +236,7 @@ export type FitLinks = {
   self: string;
   events: string;
   result: string;
+  result_zip: string;
   fitted_glb: string;
   fitted_ply: string;
   drawing: string;

@@ -9,19 +9,16 @@ from apiflask import APIBlueprint
 from flask import Response, request
 
 from breastrig.api.access.security import refuse
-from breastrig.api.answers import BINARY, GLB, GLTF, JSON, PERSONAL, bytes_answer, file_answer, file_of
+from breastrig.api.answers import GLTF, PERSONAL, bytes_answer, file_of
 from breastrig.api.app_context import app_context
 from breastrig.api.landmark_check import check_landmarks
 from breastrig.api.routes.paging import next_page
 from breastrig.api.trusted_proxy import client_of
 from breastrig.api.wire import common as wire
-from breastrig.api.wire import files as wire_files
-from breastrig.core.errors import BadScan, BadSettings, Conflict, NotFound, unknown_name
-from breastrig.drawings.drawing_schema import DrawingFile
+from breastrig.core.errors import BadScan, BadSettings, Conflict, unknown_name
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.fitting.presets.preset_files import preset_names
 from breastrig.service.events.stored_iteration import stored_iteration
-from breastrig.storage.files import fit_place
 from breastrig.storage.rows.cuts import cuts_digest, get_cuts
 from breastrig.storage.rows.fits import FitRow, NewFit, Once, fits_page, get_fit, queue_positions
 from breastrig.storage.rows.scans import Picks, ScanRow, get_landmarks, get_scan
@@ -30,15 +27,6 @@ FITS_TAG = {"name": "fits", "description": "Fit the model to a scan, follow it l
 
 fits = APIBlueprint("fits", __name__, url_prefix="/api/fits", tag=FITS_TAG)
 fits_of_scans = APIBlueprint("fits_of_scans", __name__, url_prefix="/api/scans", tag=FITS_TAG)
-
-MEDIA_TYPES = {
-    "result.json": JSON,
-    "fitted.glb": GLB,
-    "fitted.ply": BINARY,
-    "drawing.json": JSON,
-    "distances.bin": BINARY,
-    "uncertainty.bin": BINARY,
-}
 
 
 @fits.post("")
@@ -218,107 +206,13 @@ def show_iteration(fit_id: str, iteration: int) -> Response:
     return bytes_answer(content, GLTF, PERSONAL)
 
 
-@fits.get("/<fit_id>/result.json")
-@fits.output(wire_files.ResultFile, description="Numbers and parameters")
-@fits.doc(operation_id="getResult", responses={409: "Not done"})
-def show_result(fit_id: str) -> Response:
-    """result.json, as the command line writes it"""
-    return _result_file(fit_id, "result.json")
-
-
-@fits.get("/<fit_id>/fitted.glb")
-@fits.doc(operation_id="getFittedGlb", responses={200: file_of(GLB, "The posed rig"), 409: "Not done"})
-def show_fitted_glb(fit_id: str) -> Response:
-    """The posed rig with the plan or the fit's own drawing, and replay, glTF"""
-    planned = (
-        app_context().service.plans.fitted_glb(fit_id)
-        if get_fit(app_context().service.storage, fit_id).state == "done"
-        else None
-    )
-    if planned is None:
-        return _result_file(fit_id, "fitted.glb")
-    response = bytes_answer(planned, GLB, PERSONAL)
-    name = app_context().service.reports.file_name("fitted.glb", fit_id)
-    response.headers["Content-Disposition"] = f"attachment; filename={name}"
-    return response
-
-
-@fits.get("/<fit_id>/fitted.ply")
-@fits.doc(operation_id="getFittedPly", responses={200: file_of(BINARY, "The posed surface"), 409: "Not done"})
-def show_fitted_ply(fit_id: str) -> Response:
-    """The posed model in the scan's frame and unit, PLY"""
-    return _result_file(fit_id, "fitted.ply")
-
-
-@fits.get("/<fit_id>/drawing.json")
-@fits.output(DrawingFile, description="Polylines on the scan")
-@fits.doc(operation_id="getDrawing", responses={409: "Not done"})
-def show_drawing(fit_id: str) -> Response:
-    """The drawing on the scan's surface, in the scan's frame and unit"""
-    return _result_file(fit_id, "drawing.json")
-
-
-@fits.get("/<fit_id>/distances.bin")
-@fits.doc(
-    operation_id="getDistances",
-    responses={
-        200: file_of(
-            BINARY,
-            "float32, little-endian, one number for each vertex of the model in its order: signed distance to the "
-            "scan in millimetres, above zero where the model lies outside the skin, nan where no pair was accepted",
-        ),
-        404: "A fit of an older version has none",
-        409: "Not done",
-    },
-)
-def show_distances(fit_id: str) -> Response:
-    """The distance of each model vertex to the scan, mm, to colour the model by
-
-    The absolute values are those that `surface_distance_mm` of result.json summarises.
-    """
-    return _result_file(fit_id, "distances.bin")
-
-
-@fits.get("/<fit_id>/uncertainty.bin")
-@fits.doc(
-    operation_id="getUncertainty",
-    responses={
-        200: file_of(
-            BINARY,
-            "float32, little-endian, one number for each vertex of the model in its order: the radius in millimetres "
-            "that holds its true place with 90 %, nan where nothing is known",
-        ),
-        404: "A fit of an older version has none",
-        409: "Not done",
-    },
-)
-def show_uncertainty(fit_id: str) -> Response:
-    """How far off each model vertex may be, mm"""
-    return _result_file(fit_id, "uncertainty.bin")
-
-
-def _result_file(fit_id: str, name: str) -> Response:
-    storage = app_context().service.storage
-    fit = get_fit(storage, fit_id)
-    if fit.state != "done":
-        raise Conflict(
-            f"This fit has no results: it is {fit.state}."
-            if fit.ended
-            else f"This fit is still {fit.state}; its results come when it is done."
-        )
-    file = storage.files.find(fit_place(fit_id), name)
-    if file is None:
-        raise NotFound(f"This fit has no {name}.")
-    download_as = app_context().service.reports.file_name(name, fit_id)
-    return file_answer(file, MEDIA_TYPES[name], PERSONAL, download_as=download_as)
-
-
 def fit_links(fit_id: str) -> wire.FitLinks:
     place = f"/api/fits/{fit_id}"
     return wire.FitLinks(
         self=place,
         events=f"{place}/events",
         result=f"{place}/result.json",
+        result_zip=f"{place}/result.zip",
         fitted_glb=f"{place}/fitted.glb",
         fitted_ply=f"{place}/fitted.ply",
         drawing=f"{place}/drawing.json",

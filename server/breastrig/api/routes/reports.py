@@ -4,7 +4,7 @@ from apiflask import APIBlueprint
 from flask import Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from breastrig.api.answers import JSON, PDF, PERSONAL, bytes_answer, file_of
+from breastrig.api.answers import JSON, PDF, PERSONAL, bytes_answer, file_of, in_memory
 from breastrig.api.app_context import app_context
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.wire import files as wire_files
@@ -37,9 +37,9 @@ def show_report(fit_id: str, query_data: ReportQuery) -> Response:
     """
     _check_done(fit_id, query_data.with_)
     made, ids = app_context().service.reports, [one for one in (fit_id, query_data.with_) if one is not None]
-    response = bytes_answer(made.pdf(fit_id, query_data.with_), PDF, PERSONAL)
-    response.headers["Content-Disposition"] = f"attachment; filename={made.file_name('report.pdf', *ids)}"
-    return response
+    content = in_memory(made.pdf(fit_id, query_data.with_))
+    scans = [get_fit(app_context().service.storage, one).scan for one in ids]
+    return app_context().patients_file(scans, content, PDF, made.file_name("report.pdf", *ids))
 
 
 @reports.get("/<fit_id>/measures.json")

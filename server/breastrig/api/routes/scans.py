@@ -8,7 +8,7 @@ from apiflask import APIBlueprint
 from flask import Response
 
 from breastrig.api.access.security import refuse
-from breastrig.api.answers import GLB, PERSONAL, PNG, browser_forgets, file_answer, file_of
+from breastrig.api.answers import GLB, PNG, browser_forgets, file_of
 from breastrig.api.app_context import app_context
 from breastrig.api.landmark_check import check_landmarks, landmarks_of_file
 from breastrig.api.routes.paging import next_page
@@ -16,7 +16,7 @@ from breastrig.api.wire import common as wire
 from breastrig.core.errors import NotFound
 from breastrig.scan.file_type import ENDINGS
 from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES
-from breastrig.storage.files import MESH, THUMBNAIL, OpenedFile, scan_place
+from breastrig.storage.files import MESH, THUMBNAIL, scan_place
 from breastrig.storage.rows.cuts import Cuts, cuts_digest, get_cuts, put_cuts
 from breastrig.storage.rows.patients import PatientRow, patients_of_scans
 from breastrig.storage.rows.scans import (
@@ -29,7 +29,6 @@ from breastrig.storage.rows.scans import (
     put_landmarks,
     scans_page,
 )
-from breastrig.storage.storage import Storage
 
 TAG = {"name": "scans", "description": "Upload a scan, pick landmarks on it, delete it with everything made of it."}
 
@@ -102,9 +101,7 @@ def remove_scan(scan_id: str) -> tuple[str, int]:
 @scans.doc(operation_id="getScanMesh", responses={200: file_of(GLB, "The mesh, metres")})
 def show_mesh(scan_id: str) -> Response:
     """The scan for display: glTF, metres, the scan's own axes"""
-    storage = app_context().service.storage
-    get_scan(storage, scan_id)
-    return file_answer(mesh_file(storage, scan_id), GLB, PERSONAL)
+    return _file(scan_id, MESH, GLB, "This scan has no mesh; it may have been deleted.")
 
 
 @scans.get("/<scan_id>/thumbnail.png")
@@ -114,20 +111,16 @@ def show_thumbnail(scan_id: str) -> Response:
 
     Without its colours; 404 for scans of an older version, which have none.
     """
+    return _file(scan_id, THUMBNAIL, PNG, "This scan has no small picture.")
+
+
+def _file(scan_id: str, name: str, media_type: str, missing: str) -> Response:
     storage = app_context().service.storage
     get_scan(storage, scan_id)
-    file = storage.files.find(scan_place(scan_id), THUMBNAIL)
+    file = storage.files.find(scan_place(scan_id), name)
     if file is None:
-        raise NotFound("This scan has no small picture.")
-    return file_answer(file, PNG, PERSONAL)
-
-
-def mesh_file(storage: Storage, scan_id: str) -> OpenedFile:
-    """The scan for display.  Raises NotFound when it was deleted meanwhile."""
-    file = storage.files.find(scan_place(scan_id), MESH)
-    if file is None:
-        raise NotFound("This scan has no mesh; it may have been deleted.")
-    return file
+        raise NotFound(missing)
+    return app_context().patients_file([scan_id], file, media_type)
 
 
 @scans.get("/<scan_id>/landmarks")

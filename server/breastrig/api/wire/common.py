@@ -293,6 +293,7 @@ class FitLinks(Wire):
     self: str
     events: str
     result: str
+    result_zip: str
     fitted_glb: str
     fitted_ply: str
     drawing: str

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -59,6 +59,13 @@ def get_scan(storage: Storage, scan_id: str) -> ScanRow:
     if row is None:
         raise no_such_scan()
     return _scan_row(row)
+
+
+def are_kept(storage: Storage, ids: Collection[str]) -> bool:
+    """Whether none of the scans has been deleted."""
+    with storage.database.reading() as connection:
+        found = connection.execute(select(schema.scans.c.id).where(schema.scans.c.id.in_(ids))).scalars()
+        return set(found) == set(ids)
 
 
 def get_scans(storage: Storage, ids: Sequence[str]) -> list[ScanRow]:

@@ -214,9 +214,14 @@ def _file(share_id: str, name: str, download_as: str | None = None) -> Response:
     file = _found(visit.share, name)
     if file is None:
         raise NotFound(f"This result has no {name}.")
-    response = big_answer(app_context().big_answers, share_id, file, MEDIA_TYPES[name], NO_STORE, visit.is_open)
-    response.headers["Content-Disposition"] = f"attachment; filename={download_as or name}"
-    return response
+    return big_answer(
+        app_context().big_answers,
+        file,
+        MEDIA_TYPES[name],
+        visit.is_open,
+        share_id=share_id,
+        download_as=download_as or name,
+    )
 
 
 def _found(share: ShareRow, name: str) -> OpenedFile | None:
