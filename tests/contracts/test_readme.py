@@ -4,11 +4,13 @@ import re
 import shutil
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import pytest
 
 from breastrig.cli.main import main
+from breastrig.workflow.folder.fit_file_names import FIT_FILES
 
 
 def python_block(document: Path) -> str:
@@ -59,8 +61,9 @@ def test_the_python_client_does_a_whole_fit(repository: Path, tmp_path: Path) ->
             server.terminate()
     assert run.returncode == 0, run.stderr
     assert "iterated" in run.stdout
-    for name in ("result.json", "fitted.glb", "drawing.json", "report.pdf"):
-        assert (tmp_path / name).stat().st_size > 1000, name
+    assert (tmp_path / "report.pdf").stat().st_size > 1000
+    with zipfile.ZipFile(tmp_path / "result.zip") as packed:
+        assert packed.namelist() == [*FIT_FILES, "plan.json"]
     assert scans == []  # it deletes what it has uploaded
     assert "'mean'" in run.stdout.splitlines()[-1]
 
