@@ -22,6 +22,7 @@ export function fitLinks(id: string) {
     self: `/api/fits/${id}`,
     events: at("events"),
     result: at("result.json"),
+    result_zip: at("result.zip"),
     fitted_glb: at("fitted.glb"),
     report: at("report.pdf"),
     fitted_ply: at("fitted.ply"),
