@@ -260,3 +260,13 @@ def test_repeated_proposals_do_not_place_a_part() -> None:
     assert verdict(part, Status.CONVERGED, LIMITS, ALL).level == "good"
     assert verdict(part, Status.CONVERGED, LIMITS, replace(ALL, repeated=True)).level == "check"
     assert verdict(RIGHT, Status.CONVERGED, LIMITS, replace(ALL, repeated=True)).level == "good"
+
+
+def test_no_fit_is_good_in_a_stance_that_the_limits_were_not_chosen_on() -> None:
+    def level(stance: str) -> Verdict:
+        return verdict(RIGHT, Status.CONVERGED, LIMITS, ALL, stance=stance)
+
+    assert level("standing") == level("supine") == Verdict("good", ())
+    assert level("prone") == Verdict(
+        "check", ("How far off a fit of a prone body may be has not been measured; look at it closely.",)
+    )

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 from pydantic import Field, FiniteFloat, ValidationError, model_validator
 
 from breastrig.core.errors import BadDrawing
+from breastrig.core.stances import Stance
 from breastrig.drawings.drawing_schema import DrawnShape, GivenDrawing, Part, Point, Title
 
 PLAN_SCHEMA: Literal["breastrig/plan@1"] = "breastrig/plan@1"
@@ -92,7 +93,7 @@ class ScanOfPlan(Part):
     """One of the scans that items name."""
 
     id: ScanId
-    stance: Literal["standing", "supine"] | None = None
+    stance: Stance | None = None
     sha256: str | None = Field(None, max_length=64, description="of the scan that was fitted, as result.json has it")
 
 

@@ -46,7 +46,7 @@ class PreparedScan:
 
 
 def prepared(surface: Surface, stance: str, frame: Frame | None = None) -> PreparedScan:
-    """The scan of a patient in this stance (auto | standing | supine); `frame` when it is known already.
+    """The scan of a patient in this stance (auto | standing | supine | prone); `frame` when it is known already.
 
     A large plane close behind the body says that she lies on a table, unless somebody has said that she stands: then it
     is a wall, and is cut away as all others are.

@@ -31,7 +31,7 @@ class ScanOrientation:
     frame: Frame  # as seen on the scan, before the model was tried
     start: Similarity  # of the model's rest pose in the scan's frame (m)
     margin: float  # see fitting/orientation.py: how clear the start is
-    stance: str  # standing | supine
+    stance: str  # standing | supine | prone
     stance_reason: str
     fitted: RigParameters | None = None  # where the fit without landmarks ended; None: the stance took none
     hanging: tuple[str, ...] = ()  # shapes by which breasts were seen to hang in that fit

@@ -49,7 +49,7 @@ class FitTask:
     start: RigParameters
     recipe: Recipe
     landmarks: dict[str, Array]  # name -> (3,) m, in the scan's frame
-    stance: str = "standing"  # standing | supine
+    stance: str = "standing"  # standing | supine | prone
     landmark_errors: Mapping[str, float] = field(default_factory=dict)  # m, expected beyond a click's; absent: none
     certain: frozenset[str] = frozenset()  # picks that are followed whatever all else says
     from_colour: frozenset[str] = frozenset()  # landmarks observed in the scan's colours, not picked

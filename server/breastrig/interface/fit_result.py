@@ -89,7 +89,7 @@ class Fit:
     not_followed: dict[str, str]  # given landmarks that all else contradicts, each with a sentence
     unusual: dict[str, str]  # given landmarks that were followed and should be looked at, each with a sentence
     parameters: Parameters  # pose, shape and the layer over them: `model.pose(parameters)` is `vertices`
-    stance: str  # standing | supine
+    stance: str  # standing | supine | prone
     verdict: Verdict  # level (good | uncalibrated | check | unusable) and reasons
     converged: bool
     stop_reason: str

@@ -166,7 +166,7 @@ def fit(
             (JSON, CSV, .pp, .mrk.json, .fcsv); None: the scan alone decides.
         certain: Names of landmarks that are always followed, besides those that the file names so.
         units: Of a path: auto, m, dm, cm, mm, in, ft.
-        stance: auto, standing or supine.
+        stance: auto, standing, supine or prone (of an MRI).
         preset: default, paper, the path of a TOML file, or a dict of what differs from the default or from
             "base", another preset: {"scales": {"sigma": 0.1}, "stages": {"settle": {"iterations": 5}}}
             (`breastrig presets show default` has the names).

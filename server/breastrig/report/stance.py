@@ -27,7 +27,7 @@ class Stance:
     vertices: Array  # (V, 3) m, the fitted model
     scan_vertices: Array  # (S, 3) m, cleaned
     scan_faces: Integers  # (G, 3)
-    name: str  # standing | supine
+    name: str  # standing | supine | prone
     picked: dict[str, Array] = field(default_factory=dict)  # (3,) m, landmarks that were picked and not doubted
     seen: dict[str, Array] = field(default_factory=dict)  # (3,) m, landmarks that the scan's colours show
     lines: tuple[Polyline, ...] = ()  # on the scan

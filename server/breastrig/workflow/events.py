@@ -8,6 +8,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from breastrig.core.stances import Stance
+
 
 class EventPart(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -36,7 +38,7 @@ class DoubtedPick(EventPart):
 
 class Started(Event):
     kind: Literal["started"] = "started"
-    stance: Literal["standing", "supine"]
+    stance: Stance
     stance_reason: str
     preset: str
     model_sha256: str

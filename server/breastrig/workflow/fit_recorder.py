@@ -87,7 +87,7 @@ class FitRecorder:
             given = replace(given, repeated=self._only_repeats())
         known = radii(posterior, ready.clearness)
         lines_off = None if known is None else known.lines
-        found_verdict = verdict(signals, last.status, limits, given, doubtful, lines_off)
+        found_verdict = verdict(signals, last.status, limits, given, doubtful, lines_off, task.stance)
         if not found_verdict.is_torso:
             raise FitFailed(" ".join(explained(task, (found_verdict.refusal(rig.name, given),))))
         if found_verdict.level == "unusable" and not any(doubt.exchanged for doubt in rejected):

@@ -7,13 +7,13 @@ read its scan already.  Everything that can be wrong with the request itself is 
 import time
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadLandmarks, BadSettings, unknown_name
-from breastrig.core.stances import AUTO, STANCES
+from breastrig.core.stances import AUTO, STANCES, Stance
 from breastrig.core.units import BEYOND, distance_text
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.patterns import AskedDrawing, asked_drawing
@@ -140,7 +140,7 @@ class ReadyScan:
     @property
     def started(self) -> Started:
         return Started(
-            stance="supine" if self.task.stance == "supine" else "standing",
+            stance=cast(Stance, self.task.stance),
             stance_reason=self.stance_reason,
             preset=self.task.recipe.name,
             model_sha256=self.task.rig.sha256,

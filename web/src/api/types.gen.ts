@@ -200,9 +200,9 @@ export type Fit = {
   /** ISO 8601, UTC */
   created_at: string;
   /** as asked for; once started, as decided */
-  stance: "auto" | "standing" | "supine";
+  stance: "auto" | "standing" | "supine" | "prone";
   /** as asked for */
-  asked_stance: "auto" | "standing" | "supine";
+  asked_stance: "auto" | "standing" | "supine" | "prone";
   preset: string;
   drawing: string | null;
   refine: boolean;
@@ -267,7 +267,7 @@ export type FitPartner = {
 export type FitRequest = {
   /** id of the scan */
   scan: string;
-  stance?: "auto" | "standing" | "supine";
+  stance?: "auto" | "standing" | "supine" | "prone";
   preset?: string;
   /** drawings of the model and patterns with parameters, joined by +; null for none: the plan of the patient is drawn on every fit without being asked for (plan.json) */
   drawing?: string | null;
@@ -503,7 +503,7 @@ export type MeasuredLines = {
 /** One fit of the report: its name there, and parts of its result.json. */
 export type MeasuredStance = {
   name: string;
-  stance: "standing" | "supine";
+  stance: "standing" | "supine" | "prone";
   preset: string;
   verdict?: Verdict | null;
   scan: ResultScan;
@@ -626,7 +626,7 @@ export type NodePose = {
 export type OtherStance = {
   /** id of the second scan, of the same patient */
   scan: string;
-  stance?: "auto" | "standing" | "supine";
+  stance?: "auto" | "standing" | "supine" | "prone";
   /** millimetres, the second scan's own frame; by default those stored with it */
   landmarks?: Record<string, [number, number, number]> | null;
   /** names of landmarks that are followed whatever all else says; by default those stored with the scan, or none where the request brings landmarks of its own */
@@ -684,7 +684,7 @@ export type PatientPage = {
 export type PatientScan = {
   id: string;
   /** as fitted, else as the service proposes */
-  stance: "standing" | "supine";
+  stance: "standing" | "supine" | "prone";
   /** ISO 8601, UTC */
   created_at: string;
   /** ISO 8601, UTC: kept until then; null: until it is deleted by hand */
@@ -975,7 +975,7 @@ export type ResultFile = {
   schema: "breastrig/result@1";
   scan: ResultScan;
   model: ModelSummary;
-  stance: "standing" | "supine";
+  stance: "standing" | "supine" | "prone";
   stance_reason: string;
   preset: string;
   /** whether surface, drawing and distances are those of the free-form layer */
@@ -1086,7 +1086,7 @@ export type ScanLinks = {
 /** One of the scans that items name. */
 export type ScanOfPlan = {
   id: string;
-  stance?: "standing" | "supine" | null;
+  stance?: "standing" | "supine" | "prone" | null;
   /** of the scan that was fitted, as result.json has it */
   sha256?: string | null;
 };
@@ -1243,13 +1243,13 @@ export type SharedResult = {
 };
 
 export type Stance = {
-  proposed: "standing" | "supine";
+  proposed: "standing" | "supine" | "prone";
   reason: string;
 };
 
 export type Started = {
   kind?: "started";
-  stance: "standing" | "supine";
+  stance: "standing" | "supine" | "prone";
   stance_reason: string;
   preset: string;
   model_sha256: string;

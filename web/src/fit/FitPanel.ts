@@ -37,7 +37,7 @@ export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<
     update(state: Shown): void {
       const { fit, meta } = state;
       const busy = isFitting(state);
-      const stances = (["auto", "standing", "supine"] as const).map((value) => ({ value, label: scanText.scan.stances[value] }));
+      const stances = (["auto", "standing", "supine", "prone"] as const).map((value) => ({ value, label: scanText.scan.stances[value] }));
       stance.set(stances, state.stance);
       preset.set((meta?.presets ?? []).map((name) => ({ value: name, label: text.fit.presets[name] ?? name })), state.preset);
       for (const each of [stance, preset]) each.enable(!busy);

@@ -62,7 +62,7 @@ export const scan = {
   fromPoints: "made from points",
   cutAway: "Cut away",
   cutAwayHint: "A floor, a wall, or what is beside the body, such as another person's hand: fits and measures do not see it. The button for table and loose pieces shows it.",
-  stances: { auto: "Decide from the scan", standing: "Standing", supine: "Supine" },
+  stances: { auto: "Decide from the scan", standing: "Standing", supine: "Supine", prone: "Prone, as in an MRI" },
   facingFrom: { landmarks: "Upright by its landmarks.", fit: "Upright by the fitted model's spine.", person: "Turned by you." },
   why: "How this was found out",
   check: "Is it right? The ruler beside the body is 30 cm long; the body should stand upright and face you, with L on your right.",

@@ -53,8 +53,8 @@ export function workspaceOf({ scan, picks, certain, drawn, proposals, skipped, s
   return { scan, picks, certain, drawn: { ...handsOff(drawn), corner: null }, proposals, skipped, saving, stance, drawing, fit: resting };
 }
 
-/** standing or supine: as fitted, as asked for, or as the service proposes. */
-export function stanceOf(workspace: Pick<Workspace, "fit" | "stance" | "scan">): "standing" | "supine" {
+/** standing, supine or prone: as fitted, as asked for, or as the service proposes. */
+export function stanceOf(workspace: Pick<Workspace, "fit" | "stance" | "scan">): "standing" | "supine" | "prone" {
   const asked = workspace.stance === "auto" ? null : workspace.stance;
   return workspace.fit?.result?.stance ?? asked ?? workspace.scan?.info.stance.proposed ?? "standing";
 }

@@ -10,12 +10,13 @@ from typing import Annotated, Literal
 from apiflask.fields import UploadFile
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
+from breastrig.core.stances import Stance as OneStance
 from breastrig.drawings.drawing_schema import SCHEMA, SHAPES, DrawnShape, SurfacePoint
 from breastrig.workflow.events import FitEvent, NodePose
 
 Units = Literal["auto", "m", "dm", "cm", "mm", "in", "ft"]
-StanceWish = Literal["auto", "standing", "supine"]
-StanceName = Literal["standing", "supine"]
+StanceWish = Literal["auto", "standing", "supine", "prone"]
+StanceName = OneStance
 FitState = Literal["queued", "running", "done", "failed", "cancelled"]
 VerdictLevel = Literal["good", "uncalibrated", "check", "unusable"]
 Point = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]

@@ -49,7 +49,7 @@ class FittedScan:
     target: ScanTarget
     vertices: Array  # (V, 3) of the model
     landmarks: dict[str, Array]  # picked and not doubted, (3,)
-    stance: str  # standing | supine
+    stance: str  # standing | supine | prone
     radii: Array | None = None  # (V,) m, each holds the vertex's true place with 90 %; None: not known
     seen: dict[str, Array] = field(default_factory=dict)  # (3,) landmarks that the scan's colours show
     _searches: dict[Rig, ClosestPointSearch] = field(default_factory=dict, init=False, repr=False)

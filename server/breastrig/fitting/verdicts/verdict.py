@@ -14,6 +14,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
+from breastrig.core.stances import STANDING
 from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.verdicts.fit_signals import HANGS, FitSignals
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, Reason, of_agreed, of_doubts, sentences
@@ -29,6 +30,7 @@ NO_SKIN = Reason("The model found no skin that faces as it does", ("check the sc
 NOT_CONVERGED = "The fit did not converge"
 FAR_LINES, WITH_MARGIN = "Lines on the breasts may be {:.0f} mm off", "plan with that margin"
 UNKNOWN_LINES = "Where lines on the breasts lie is not known"
+OTHER_STANCE = "How far off a fit of a {} body may be has not been measured"
 LOOK_CLOSELY = "look at it closely"
 ADVICE = {
     "compare": "compare model and scan",
@@ -67,6 +69,7 @@ class LineLimits(_Part):
 class VerdictLimits(_Part):
     """Of one model."""
 
+    stances: tuple[str, ...]  # of the bodies that they were chosen on
     lines: LineLimits
     unusable_at: Annotated[int, Field(ge=1)]
     refused_at: Annotated[int, Field(ge=2)]
@@ -103,6 +106,7 @@ def verdict(
     given: GivenLandmarks,
     doubts: Sequence[Doubt] = (),
     line_error: float | None = None,
+    stance: str = STANDING,
 ) -> Verdict:
     """`status` is why the fit stopped, `doubts` are asked about; `line_error` (m) says what the fit is good for.
 
@@ -128,9 +132,10 @@ def verdict(
         lines = (Reason(UNKNOWN_LINES, (given.advice,)), *of_agreed(given)) if unknown else ()
         return Verdict("unusable", sentences((*lines, *found, *broken, *asked)))
     lines = (Reason(FAR_LINES.format(1e3 * (line_error or 0.0)), (given.advice, WITH_MARGIN)),) if far else ()
-    if not (lines or found or stopped or asked):
+    unlike = () if stance in limits.stances else (Reason(OTHER_STANCE.format(stance), (LOOK_CLOSELY,)),)
+    if not (lines or found or stopped or asked or unlike):
         return Verdict("good", ())
-    return Verdict("check", sentences((*lines, *of_agreed(given), *found, *stopped, *asked)))
+    return Verdict("check", sentences((*lines, *of_agreed(given), *found, *stopped, *asked, *unlike)))
 
 
 def _strengths(signals: FitSignals, limits: VerdictLimits, given: GivenLandmarks) -> dict[str, float]:

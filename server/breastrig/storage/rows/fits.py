@@ -43,7 +43,7 @@ class FitRow(NewFit):
     """What was asked for, and how far it has come; `stance` is the decided one once the fit has started."""
 
     id: str
-    asked_stance: str  # auto, standing, supine
+    asked_stance: str  # auto, standing, supine, prone
     partner: str | None  # the fit of the other stance, made by the same job
     leads: bool  # of two partners the one that waits in the queue for both
     created_at: str

@@ -17,6 +17,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadInput, BadScan
 from breastrig.core.private_files import is_ordinary, read_ordinary
+from breastrig.core.stances import Stance
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.geometry.rotations import rotation_from_quaternion
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -41,7 +42,7 @@ class FitFolder:
     vertices: Array  # (V, 3) m, the fitted model, refined or not
     landmarks: dict[str, Array]  # picked and not doubted, (3,) m
     seen: dict[str, Array]  # which the scan's colours show, (3,) m; none where any was picked
-    stance: str  # standing | supine
+    stance: str  # standing | supine | prone
     metres_per_unit: float
     parameters: RigParameters
     radii: Array | None = None  # (V,) m, each holds the vertex's true place with 90 %; None: an older fit
@@ -87,7 +88,7 @@ class _Result(_Part):
     schema_: Literal["breastrig/result@1"] = Field(alias="schema")
     scan: _Scan
     model: _Model
-    stance: Literal["standing", "supine"]
+    stance: Stance
     landmarks: dict[str, list[FiniteFloat]]
     landmarks_picked: dict[str, list[FiniteFloat]]
     landmarks_seen: dict[str, str] = {}

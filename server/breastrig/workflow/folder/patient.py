@@ -4,13 +4,14 @@ import json
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from breastrig.core.errors import BadInput
 from breastrig.core.identity import CODE_CHARACTERS, random_code
 from breastrig.core.private_files import read_ordinary, write_private
+from breastrig.core.stances import Stance
 from breastrig.workflow.folder.fit_file_names import RESULT
 from breastrig.workflow.folder.fit_files import json_bytes
 from breastrig.workflow.folder.fit_folder import RESULT_BYTES
@@ -29,7 +30,7 @@ class _Patient(_Part):
 
 
 class _Result(_Part):
-    stance: Literal["standing", "supine"]
+    stance: Stance
     patient: _Patient = _Patient()
 
 
