@@ -7,6 +7,9 @@ import { withPlacingView } from "../src/app/placingView";
 import { initialSession, type Session } from "../src/app/session";
 import { createStore } from "../src/store/store";
 
+/** A fitted surface of one triangle. */
+const TRIANGLE = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+
 export const NAMES = ["suprasternal_notch", "nipple_L", "nipple_R", "umbilicus"];
 
 export function scanInfo(id: string): Scan {
@@ -96,7 +99,7 @@ export function page(answers: Partial<Client> = {}) {
     moved: vi.fn(async () => ({ nodes: [] })),
     fit: async (id: string) => ({ id, links: fitLinks(id), stance: "standing", asked_stance: "auto", preset: "default", drawing: "lumpectomy", refine: true, cuts: "" }),
     drawing: async () => ({ schema: "breastrig/drawing@1", unit: "mm", shapes: [] }),
-    bytes: async () => new ArrayBuffer(8),
+    bytes: async () => new TextEncoder().encode(TRIANGLE.padEnd(200)).buffer, // as numbers, 50 distances
     cancel: vi.fn(async () => ({})),
     deleteScan: vi.fn(async () => undefined),
     ...answers,

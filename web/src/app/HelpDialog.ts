@@ -6,7 +6,7 @@ import type { Panel } from "../ui/Panel";
 import { close as closeText, noticeLong } from "../ui/text";
 import type { Actions } from "./actions";
 import type { Session } from "./session";
-import * as text from "./text";
+import { help as text } from "./helpText";
 
 const table = (rows: readonly (readonly string[])[]): HTMLElement =>
   el("dl", { class: "keys" }, ...rows.map(([key = "", what = ""]) => el("div", {}, el("dt", {}, el("kbd", {}, key)), el("dd", {}, what))));
@@ -18,8 +18,8 @@ export function createHelpDialog(actions: Actions): Panel<Shown> {
   const element = el(
     "dialog",
     { class: "help key-help", "aria-labelledby": "help-title", onclose: close },
-    el("div", { class: "dialog-head" }, el("h2", { id: "help-title" }, text.help.title), iconButton("close", closeText, close)),
-    el("div", { class: "key-lists" }, table(text.help.keys), table(text.help.mouse)),
+    el("div", { class: "dialog-head" }, el("h2", { id: "help-title" }, text.title), iconButton("close", closeText, close)),
+    el("div", { class: "key-lists" }, table(text.keys), table(text.mouse)),
     el("p", { class: "muted small" }, noticeLong),
   );
   // Escape goes through the state like any other way out; the browser's own closing is known only later.

@@ -1,5 +1,4 @@
 // Puts the panels in their places.
-import { createCanvasBar } from "../drawing/pen/CanvasBar";
 import { createDrawingPanel } from "../drawing/DrawingPanel";
 import { createPlanSummary } from "../drawing/PlanSummary";
 import { createColourBar } from "../fit/distances/ColourBar";
@@ -37,7 +36,6 @@ import type { Stage } from "../viewer/Viewer";
 import type { Actions } from "./actions";
 import { addressOfPatient } from "./address";
 import { createDeleteDialog, createDeletionNotice } from "./DeleteDialog";
-import { createHelpDialog } from "./HelpDialog";
 import { createLeaveDialog } from "./LeaveDialog";
 import { createNextButton } from "./NextButton";
 import type { Session } from "./session";
@@ -81,7 +79,11 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const refit = problem(() => dismiss("fit")); // of a fit that was asked for from another step
   const graphics = el("p", { class: "no-graphics", role: "alert", hidden: true });
   const host = el("main", { class: "stage" }, canvas, overlay, swipe.element, colourBar.element, viewBar.element, empty.element, page.element, model.element, distances.element, refit.element, graphics);
-  const canvasBar = createCanvasBar(actions.drawing, actions.view.from, () => dismiss("drawing"));
+  const canvasBar = later(
+    only("problems", "drawn", "isCanvasFull", "hasPen", "fingersDraw"),
+    ({ isCanvasFull }: Pick<Session, "problems" | "drawn" | "isCanvasFull" | "hasPen" | "fingersDraw">) => isCanvasFull,
+    async () => (await import("../drawing/pen/CanvasBar")).createCanvasBar(actions.drawing, actions.view.from, () => dismiss("drawing")),
+  );
   const mirror = createMirrorLegend();
   host.append(canvasBar.element, mirror.element);
   const veil = el("div", { class: "drop-veil", hidden: true }, el("p", {}, emptyText.drop));
@@ -104,7 +106,11 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const summary = createPlanSummary();
   const aside = el("aside", { class: "aside" }, guide.element, numbers.element, summary.element);
   const timeline = createTimeline(actions.player);
-  const help = createHelpDialog(actions);
+  const help = later(
+    only("isHelpOpen"),
+    ({ isHelpOpen }: Pick<Session, "isHelpOpen">) => isHelpOpen,
+    async () => (await import("./HelpDialog")).createHelpDialog(actions),
+  );
   const share = later(
     only("problems", "share"),
     (state: Pick<Session, "problems" | "share">) => state.share.isOpen,

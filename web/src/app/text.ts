@@ -3,7 +3,6 @@ import type { Step, Theme } from "../store/page";
 import { plural } from "../ui/plural";
 
 export * from "./exportText";
-export * from "./helpText";
 export * from "./questionText";
 
 export const page = {

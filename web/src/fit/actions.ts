@@ -13,6 +13,7 @@ import type { PageSlice, Step } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import { formatMm } from "../ui/units";
+import { readPly } from "../viewer/ply";
 import type { ViewSlice } from "../viewer/state";
 import { readDistances } from "./distances/distances";
 import type { Follower } from "./playback/follower";
@@ -163,7 +164,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
     const fit = store.get().fit;
     if (!fit) return;
     try {
-      const [surface, distances] = await Promise.all([client.bytes(fit.links.fitted_ply), client.bytes(fit.links.distances)]);
+      const [surface, distances] = await Promise.all([client.bytes(fit.links.fitted_ply).then(readPly), client.bytes(fit.links.distances)]);
       if (store.get().fit?.id === fit.id) change({ surface, distances: readDistances(distances) });
     } catch (error) {
       store.set((state) => withProblem(state, "distances", messageOf(error)));

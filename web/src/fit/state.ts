@@ -4,6 +4,7 @@ import type { Picks } from "../landmarks/picks";
 import { cropsOf } from "../scan/crop";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
+import type { Triangles } from "../viewer/ply";
 import type { ViewSlice } from "../viewer/state";
 import type { ViewBarShown } from "../viewer/ViewBar";
 import type { HandPose } from "./hand_pose/handPose";
@@ -26,7 +27,7 @@ export interface FitState {
   readonly result: Result | null;
   readonly drawing: DrawingFile | null; // on the scan's surface
   readonly drawingName: string | null; // that a program asked this fit to draw; the page asks for none and shows the plan
-  readonly surface: ArrayBuffer | null; // fitted.ply
+  readonly surface: Triangles | null; // of fitted.ply, in the scan's unit
   readonly distances: Float32Array | null; // mm, of each vertex of the surface; NaN where there is no scan
   readonly reason: string | null;
   readonly isConnected: boolean;

@@ -2,12 +2,12 @@
 // that decide what is seen.
 import type { BufferGeometry } from "three";
 import { MeshBVH } from "three-mesh-bvh";
-import { PLYLoader } from "three/addons/loaders/PLYLoader.js";
 import type { Client } from "../api/client";
 import type { Fit, Frame, Vector } from "../api/types";
 import { isUnit, metresFromMm, mmFrom, unknownUnit } from "../ui/units";
 import { firstMesh, readGltf } from "../viewer/gltf";
 import { tidyFrame } from "../viewer/frame";
+import { geometryOf, readPly } from "../viewer/ply";
 import type { Bodies } from "./Picture";
 import { type Landmark, ORDER, type PlannedLine } from "./state";
 
@@ -29,7 +29,7 @@ function withTree(geometry: BufferGeometry): BufferGeometry {
 
 export async function openFit(client: Asked, id: string): Promise<Opened> {
   const fit = await client.fit(id);
-  const [scan, result, ply, meta] = await Promise.all([client.scan(fit.scan), client.result(fit.links.result), client.bytes(fit.links.fitted_ply), client.meta()]);
+  const [scan, result, ply, meta] = await Promise.all([client.scan(fit.scan), client.result(fit.links.result), client.bytes(fit.links.fitted_ply).then(readPly), client.meta()]);
   const { scene } = await readGltf(await client.mesh(scan));
   scene.updateMatrixWorld(true);
   const mesh = firstMesh(scene);
@@ -37,8 +37,7 @@ export async function openFit(client: Asked, id: string): Promise<Opened> {
   const { unit } = result.scan;
   if (!isUnit(unit)) throw new Error(unknownUnit(unit));
   const perUnit = mmFrom(1, unit);
-  const model = new PLYLoader().parse(ply);
-  model.scale(metresFromMm(perUnit), metresFromMm(perUnit), metresFromMm(perUnit));
+  const model = geometryOf(ply, metresFromMm(perUnit));
   const labels = new Map(meta.landmarks.map(({ name, label }) => [name, label]));
   const rank = (name: string): number => (ORDER.includes(name) ? ORDER.indexOf(name) : ORDER.length);
   const landmarks = Object.entries(result.landmarks)

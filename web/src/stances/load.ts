@@ -13,6 +13,7 @@ import type { ScanState } from "../scan/state";
 import { uploaded } from "../scan/text";
 import { startHistory } from "../store/history";
 import { tidyFrame } from "../viewer/frame";
+import { readPly } from "../viewer/ply";
 import type { Workspace } from "./state";
 
 /** A fit with its events so far; its files too when it is done. */
@@ -26,7 +27,7 @@ export async function loadFit(client: Client, id: string, picks: Picks | null, c
     ? await Promise.all([
         client.result(fit.links.result),
         fit.drawing === null ? null : client.drawing(fit.links.drawing),
-        client.bytes(fit.links.fitted_ply),
+        client.bytes(fit.links.fitted_ply).then(readPly),
         client.bytes(fit.links.distances).then(readDistances, () => null), // a fit of an older version has none
       ])
     : [null, null, null, null];

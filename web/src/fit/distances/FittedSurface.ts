@@ -2,7 +2,6 @@
 // only form in which a refined fit exists.  It takes the posed rig's place when the fit is at rest.
 import { BufferAttribute, type BufferGeometry, type Color, DataTexture, DoubleSide, FloatType, FrontSide, LinearFilter, Mesh, MeshLambertMaterial, RGBAFormat, type Vector3 } from "three";
 import { acceleratedRaycast, MeshBVH } from "three-mesh-bvh";
-import { PLYLoader } from "three/addons/loaders/PLYLoader.js";
 import type { Frame } from "../../api/types";
 import type { ScanSlice } from "../../scan/state";
 import { isUnit, metresFromMm, mmFrom } from "../../ui/units";
@@ -11,6 +10,7 @@ import type { Surface } from "../../viewer/picking";
 import { lidMaterial, tintLid, withLids } from "../../viewer/openings";
 import { bringNearer, depthMaterial, MODEL_SHARE, ORDER, pushAway } from "../../viewer/overlaid";
 import { isBeside, type ViewSlice } from "../../viewer/state";
+import { geometryOf, type Triangles } from "../../viewer/ply";
 import { nearestNormal } from "../../viewer/lines/surfacePoints";
 import { type Part, type Viewer, viewFromScan } from "../../viewer/Viewer";
 import { colourOf, SCALE_MM } from "./distances";
@@ -22,7 +22,7 @@ const STEPS = 501; // of the lookup; 0.02 mm each
 
 export class FittedSurface implements Part<State>, Surface {
   mesh: Mesh<BufferGeometry, MeshLambertMaterial[]> | null = null;
-  private read: ArrayBuffer | null = null;
+  private read: Triangles | null = null;
   private coloured: Float32Array | null = null;
   private readonly plain = new MeshLambertMaterial({ transparent: true });
   private readonly map = distanceMaterial();
@@ -54,9 +54,9 @@ export class FittedSurface implements Part<State>, Surface {
   }
 
   update(state: State): void {
-    const bytes = state.fit?.surface ?? null;
-    if (bytes !== this.read) {
-      this.load(bytes, state.fit?.result?.scan.unit);
+    const triangles = state.fit?.surface ?? null;
+    if (triangles !== this.read) {
+      this.load(triangles, state.fit?.result?.scan.unit);
       if (this.mesh && state.scan?.mesh === null) this.standAlone(this.mesh.geometry, state.scan.frame);
     }
     if (!this.mesh) return;
@@ -78,8 +78,8 @@ export class FittedSurface implements Part<State>, Surface {
     this.viewer.invalidate();
   }
 
-  private load(bytes: ArrayBuffer | null, unit: string | undefined): void {
-    this.read = bytes;
+  private load(triangles: Triangles | null, unit: string | undefined): void {
+    this.read = triangles;
     this.coloured = null;
     if (this.mesh) {
       this.viewer.inHalf(this.mesh, null);
@@ -87,12 +87,10 @@ export class FittedSurface implements Part<State>, Surface {
       this.mesh.geometry.dispose();
       this.mesh = null;
     }
-    if (!bytes) return;
+    if (!triangles) return;
     try {
       if (!isUnit(unit)) throw new Error(`the surface has the unknown unit ${unit}`);
-      const geometry = new PLYLoader().parse(bytes);
-      const perUnit = metresFromMm(mmFrom(1, unit));
-      geometry.scale(perUnit, perUnit, perUnit);
+      const geometry = geometryOf(triangles, metresFromMm(mmFrom(1, unit)));
       geometry.computeVertexNormals();
       geometry.boundsTree = new MeshBVH(geometry, { indirect: true });
       this.lids = withLids(geometry);

@@ -7,6 +7,7 @@ import { readDistances } from "../../fit/distances/distances";
 import { frameOfRig } from "../../fit/upright";
 import { frameFromPicks, picksOf } from "../../landmarks/picks";
 import { tidyFrame } from "../../viewer/frame";
+import { readPly } from "../../viewer/ply";
 import { initialVisitor, type VisitorState } from "./state";
 
 export interface Visit {
@@ -54,7 +55,7 @@ export async function readShared(shared: SharedResult): Promise<VisitorState> {
   const { links } = shared;
   const [result, surface, mesh, distances, plan] = await Promise.all([
     askJson<Result>(links.result),
-    bytes(links.fitted_ply),
+    bytes(links.fitted_ply).then(readPly),
     links.mesh === null ? null : bytes(links.mesh),
     links.distances === null ? null : bytes(links.distances),
     askJson<PlanOnScan>(links.plan),
