@@ -25,12 +25,6 @@ test("the plan at true scale and through a projector", async ({ page, base, trou
   await page.keyboard.press("3");
   await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).first().click();
   await untilFitted(page);
-  await page.keyboard.press("4");
-  await page.locator(".pattern summary").click();
-  await page.locator(".pattern select").first().selectOption("lumpectomy");
-  const planned = `${base}/api/fits/${(await hook.fit(page))!.id}/plan.json`;
-  await expect.poll(async () => ((await (await page.request.get(planned)).json()) as { shapes: unknown[] }).shapes.length).toBeGreaterThan(0);
-  await page.keyboard.press("3");
   const frame = await page.evaluate(() => window.__breastrig!.state().scan!.info.frame);
   await page.getByRole("button", { name: "Export" }).click();
   const opening = context.waitForEvent("page");
@@ -40,6 +34,20 @@ test("the plan at true scale and through a projector", async ({ page, base, trou
   await expect(screen.getByText("Experimental. Not for guiding an operation.").first()).toBeVisible();
   const done = screen.getByRole("button", { name: "The bar is as wide as the card" });
   await expect(done).toBeVisible();
+
+  await test.step("without a plan it says what to do, without its tools too, and shows the plan once there is one", async () => {
+    const said = screen.getByText("Nothing is planned on this scan yet: draw on it in the other tab, and it appears here.");
+    await expect(said).toBeVisible();
+    await screen.keyboard.press("h");
+    await expect(screen.locator(".projector-tools")).toBeHidden();
+    await expect(said).toBeVisible();
+    await page.keyboard.press("4");
+    await page.locator(".pattern summary").click();
+    await page.locator(".pattern select").first().selectOption("lumpectomy");
+    await expect(screen.getByText("press H for the tools"), "the screen is not measured").toBeVisible();
+    await screen.keyboard.press("h");
+    await expect(screen.locator(".projector-empty")).toHaveText("");
+  });
 
   await test.step("true scale", async () => {
     expect(await drawn(screen), "nothing before the screen is measured").toBe(0);

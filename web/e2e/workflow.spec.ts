@@ -21,7 +21,7 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
     const { colours, isLost } = await hook.picture(page);
     expect(isLost).toBe(false);
     expect(colours, "a lit body has many shades").toBeGreaterThan(100);
-    await expect(page.locator(".facts")).toContainText(/\d\d wide, \d\d high, 2\d deep/); // the body's axes: in the file's it is 26
+    await expect(page.locator(".facts")).toContainText(/\d\d.cm wide, \d\d high, 2\d deep/); // the body's axes: in the file's it is 26
   });
 
   await test.step("clicks on the canvas place landmarks where they are", async () => {

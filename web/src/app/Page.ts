@@ -106,11 +106,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const summary = createPlanSummary();
   const aside = el("aside", { class: "aside" }, guide.element, numbers.element, summary.element);
   const timeline = createTimeline(actions.player);
-  const help = later(
-    only("isHelpOpen"),
-    ({ isHelpOpen }: Pick<Session, "isHelpOpen">) => isHelpOpen,
-    async () => (await import("./HelpDialog")).createHelpDialog(actions),
-  );
+  const help = later(only("isHelpOpen"), ({ isHelpOpen }: Pick<Session, "isHelpOpen">) => isHelpOpen, async () => (await import("./HelpDialog")).createHelpDialog(actions));
   const share = later(
     only("problems", "share"),
     (state: Pick<Session, "problems" | "share">) => state.share.isOpen,

@@ -55,7 +55,6 @@ export function createTools(actions: ToolActions): Panel<ProjectorState> {
   };
   const outline = check(words.outline, actions.outline);
   const colours = check(words.colours, actions.colours);
-  const none = el("p", { class: "muted" }, words.noPlan);
   const wrong = problem(actions.dismiss);
   const aside = iconButton("exchange", words.aside, () => element.classList.toggle("is-right"));
   const hide = button(words.hide, actions.hide, "outlined");
@@ -69,7 +68,6 @@ export function createTools(actions: ToolActions): Panel<ProjectorState> {
     el("p", { class: "projector-warning" }, words.experimental),
     wrong.element,
     modes.element,
-    none,
     measuring,
     atScale,
     byPoints,
@@ -84,7 +82,6 @@ export function createTools(actions: ToolActions): Panel<ProjectorState> {
       show(element, !state.areToolsHidden);
       modes.set(state.mode);
       const isScale = state.mode === "scale";
-      show(none, state.lines?.length === 0);
       show(measuring, isScale && state.pixelsPerMm === null);
       show(atScale, isScale && state.pixelsPerMm !== null);
       show(byPoints, !isScale);

@@ -30,7 +30,7 @@ const cross = el("div", { class: "projector-cross", hidden: true }, el("div", {}
 const mark = el("p", { class: "projector-mark" }, `${words.experimental} ${notice}`);
 const hint = el("p", { class: "projector-hint" }, words.hidden);
 const ruler = el("div", { class: "projector-ruler", hidden: true }, el("span", {}, words.scale.ruler(RULER_MM)));
-const waiting = el("p", { class: "projector-waiting" }, words.opening);
+const empty = el("p", { class: "projector-empty", role: "status" }); // why the screen is black
 const picture = new Picture(canvas);
 const fail = (error: unknown): void => store.set({ problem: messageOf(error) });
 
@@ -58,7 +58,7 @@ const tools = createTools({
 
 document.title = `${words.title} · ${program}`;
 document.body.className = "is-projector";
-document.body.append(canvas, cross, ruler, mark, hint, waiting, tools.element);
+document.body.append(canvas, cross, ruler, mark, hint, empty, tools.element);
 follow(store, tools);
 store.subscribe((state) => {
   show(hint, state.areToolsHidden);
@@ -71,10 +71,7 @@ followZoom();
 void begin();
 
 async function begin(): Promise<void> {
-  if (id === null) {
-    setText(waiting, words.noFit);
-    return;
-  }
+  if (id === null) return;
   try {
     opened = await openFit(client, id);
     const { landmarks } = opened;
@@ -85,10 +82,8 @@ async function begin(): Promise<void> {
       ({ clicks }) => sessionStorage.setItem(clicksHere(id), JSON.stringify(clicks)),
     );
     await readPlan();
-    show(waiting, false);
     setInterval(() => void readIfChanged(), LOOK_MS);
   } catch (error) {
-    show(waiting, false);
     fail(error);
   }
 }
@@ -129,8 +124,18 @@ function cameraOf(state: ProjectorState): { camera: Camera | null; direction: un
   return { camera: parallelCamera(opened.frame, state.side, state.pixelsPerMm, middleOf(state), at), direction: state.side };
 }
 
+/** Why nothing is drawn, and what to do; empty where lines are seen, or the tools say it. */
+function whyEmpty({ lines, problem, areToolsHidden }: ProjectorState, hasCamera: boolean): string {
+  if (id === null) return words.noFit;
+  if (problem !== null) return areToolsHidden ? problem : "";
+  if (lines === null) return words.opening;
+  if (lines.length === 0) return words.noPlan;
+  return areToolsHidden && !hasCamera ? words.notSet : "";
+}
+
 function draw(state: ProjectorState): void {
   const { camera, direction } = cameraOf(state);
+  setText(empty, whyEmpty(state, camera !== null));
   picture.draw(opened?.bodies ?? null, { lines: state.lines ?? [], camera, hasOutline: state.hasOutline, hasColours: state.hasColours }, direction);
   show(ruler, state.mode === "scale" && state.pixelsPerMm !== null && !state.areToolsHidden);
   ruler.style.width = `${RULER_MM * (state.pixelsPerMm ?? 0)}px`;

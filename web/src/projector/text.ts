@@ -9,6 +9,7 @@ export const projector = {
   opening: "Opening the plan …",
   noFit: "No fitted scan is named in this address: open it from the export menu of a fit that is done.",
   noPlan: "Nothing is planned on this scan yet: draw on it in the other tab, and it appears here.",
+  notSet: "Nothing can be shown before this screen is measured, or the projector's places are set: press H for the tools.",
   modes: { scale: "True scale", projector: "Projector" },
   mode: "How the lines are shown",
   full: "Fill the screen",

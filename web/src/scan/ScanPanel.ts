@@ -68,7 +68,7 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
       fill(facts, [info.id, size], () => [
         row(text.scan.triangles, formatCount(info.triangles)),
         row(text.scan.unit, text.units[info.unit].toLowerCase()),
-        size && row(text.scan.size, text.scan.sizeValue(size.map(formatCm)), "cm"),
+        size && row(text.scan.size, text.scan.sizeValue(size.map(formatCm))),
         info.reconstructed_from_points ? row(text.scan.surface, text.scan.fromPoints) : null,
         info.cut_away_cm2 ? row(text.scan.cutAway, formatCount(info.cut_away_cm2), "cm²", text.scan.cutAwayHint) : null,
         row(text.scan.stance, text.scan.stances[info.stance.proposed].toLowerCase(), "", info.stance.reason),

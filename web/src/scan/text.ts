@@ -55,7 +55,7 @@ export const scan = {
   before: "A 3D scan of the torso, standing or lying down.",
   triangles: "Triangles",
   size: "Size",
-  sizeValue: ([wide, high, deep]: readonly string[]) => `${wide} wide, ${high} high, ${deep} deep`,
+  sizeValue: ([wide, high, deep]: readonly string[]) => `${wide}\u00a0cm wide, ${high} high, ${deep} deep`,
   unit: "Unit",
   stance: "Stance",
   surface: "Surface",
