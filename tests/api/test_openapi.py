@@ -50,4 +50,6 @@ def test_the_docs_page_lists_every_operation_and_loads_nothing_from_elsewhere(cl
     assert "<script" not in html
     assert "//" not in re.sub(r"<!--.*?-->", "", html)
     assert 'style="' not in html
+    assert "application/octet-stream" in html
+    assert ", application/octet-stream" not in html  # of a file with a type of its own
     assert client.get("/api/docs/style.css").mimetype == "text/css"

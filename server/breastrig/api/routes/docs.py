@@ -4,7 +4,7 @@ from typing import Any
 
 from flask import Blueprint, Response, current_app, render_template
 
-from breastrig.api.answers import CHECK_AGAIN, JSON, bytes_answer
+from breastrig.api.answers import BINARY, CHECK_AGAIN, JSON, bytes_answer
 from breastrig.api.openapi import openapi_bytes
 
 docs = Blueprint("docs", __name__, url_prefix="/api", template_folder="templates")
@@ -50,10 +50,12 @@ def _groups(document: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def _models(part: dict[str, Any]) -> list[tuple[str, str]]:
-    """(media type, model's name or media type) of a body or an answer."""
+    """(media type, model's name or media type) of a body or an answer; of a file its own type alone."""
+    content = part.get("content", {})
     return [
-        (media_type, content.get("schema", {}).get("$ref", media_type).rsplit("schemas/", 1)[-1])
-        for media_type, content in part.get("content", {}).items()
+        (media_type, declared.get("schema", {}).get("$ref", media_type).rsplit("schemas/", 1)[-1])
+        for media_type, declared in content.items()
+        if media_type != BINARY or len(content) == 1
     ]
 
 

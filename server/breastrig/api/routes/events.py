@@ -72,7 +72,7 @@ def follow_fit(fit_id: str, query_data: wire.EventQuery) -> Response:
 @events.output(wire.EventPage)
 @events.doc(operation_id="pollFit")
 def poll_fit(fit_id: str, query_data: wire.EventPageQuery) -> Response:
-    """The same events for those who ask again and again
+    """Follow a fit by polling: the same events as a list
 
     The list is complete when `state` has ended and `next` is null.
     """
