@@ -71,7 +71,7 @@ LONGEST = (
     "storage/test_data_folder.py",
     "fitting/test_observation_weights.py",
     "cli/test_interruption.py",
-    "execution/test_processes.py",
+    "execution/test_pool.py",
     "colour/test_find_ink.py",
     "fitting/test_propose.py",
     "studies/virtual/test_warped_bodies.py",

@@ -22,7 +22,7 @@ from helpers.waiting import ask_for_fit, until
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.api.web_server import Server, ServerLimits
-from breastrig.execution.client_key import client_key
+from breastrig.execution.pool import client_key
 from breastrig.service.service import Service
 
 TOKEN = "a-token-of-more-than-sixteen-characters"

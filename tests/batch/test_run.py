@@ -17,14 +17,14 @@ from breastrig.batch.run import DIED, Batch, BatchStopped, exclusive, run_batch
 from breastrig.batch.table import Outcome, write_table
 from breastrig.batch.task import FitOfBytes, fit_of_bytes
 from breastrig.core.errors import BadSettings
-from breastrig.execution.processes import Processes
+from breastrig.execution.pool import Lane, Pool
 from breastrig.workflow.events import Event
 from breastrig.workflow.jobs import FitJob
 
 
 @pytest.fixture(scope="module")
-def processes() -> Iterator[Processes]:
-    processes = Processes(2, memory_bytes=4 * 2**30)
+def processes() -> Iterator[Lane]:
+    processes = Pool().lane(2, 4 * 2**30)
     yield processes
     processes.stop()
 
@@ -42,7 +42,7 @@ def silent(_outcome: Outcome) -> None:
     pass
 
 
-def test_a_failing_row_stops_no_other_and_says_why(processes: Processes, tmp_path: Path) -> None:
+def test_a_failing_row_stops_no_other_and_says_why(processes: Lane, tmp_path: Path) -> None:
     scans = {"one": "fail", "two": "bug", "three": "die", "four": "greedy", "five": "slow 60", "six": "fine"}
     outcomes_seen: list[Outcome] = []
     outcomes = run_batch(batch_of(tmp_path, scans), processes, outcomes_seen.append)
@@ -72,7 +72,7 @@ def test_what_a_landmark_file_calls_certain_reaches_the_fit() -> None:
         assert fit_of_bytes(task, runner) == {"certain": expected}
 
 
-def test_only_what_failed_is_missing_or_has_changed_is_done_again(processes: Processes, tmp_path: Path) -> None:
+def test_only_what_failed_is_missing_or_has_changed_is_done_again(processes: Lane, tmp_path: Path) -> None:
     batch = batch_of(tmp_path, {name: f"fine {name}" for name in "abcde"} | {"f": "fail"})
     out = batch.folder
     first = run_batch(batch, processes, silent)
@@ -98,7 +98,7 @@ def test_only_what_failed_is_missing_or_has_changed_is_done_again(processes: Pro
     assert (out / "e" / "result.json").stat().st_ino != after["e"]
 
 
-def test_a_result_names_what_it_was_made_from_but_no_file(processes: Processes, tmp_path: Path) -> None:
+def test_a_result_names_what_it_was_made_from_but_no_file(processes: Lane, tmp_path: Path) -> None:
     batch = batch_of(tmp_path, {"one": "fine"})
     run_batch(batch, processes, silent)
     text = (batch.folder / "one" / "inputs.json").read_text()
@@ -137,7 +137,9 @@ class Slow:
         self._thread = threading.Thread(target=self._work)
         self._thread.start()
 
-    def schedule(self, _function: object, args: tuple[Any, ...], timeout: float) -> "Future[Any]":
+    def schedule(
+        self, _function: object, args: tuple[Any, ...], timeout: float, key: str | None = None
+    ) -> "Future[Any]":
         assert timeout > 0
         self._waiting.append((Future(), args))
         self.most = max(self.most, len(self._waiting))

@@ -33,7 +33,7 @@ def two_workers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
 
 @pytest.fixture
 def pool(two_workers: Cluster) -> Iterator[DaskPool]:
-    pool = DaskPool(two_workers.address, memory_bytes=4 * GIB, cpu_s=7)
+    pool = DaskPool(two_workers.address, memory_bytes=4 * GIB)
     yield pool
     pool.stop()
 
@@ -47,7 +47,7 @@ def test_a_task_runs_in_a_child_of_a_worker_within_its_limits(pool: DaskPool, tw
     assert pool.answer(5.0)
     found = pool.schedule(in_worker.describe, (), 30.0).result()
     assert found["pid"] not in {worker.pid for worker in two_workers.workers}
-    assert (found["memory"], found["cpu"], found["core"]) == ((4 * GIB, 4 * GIB), (7, 12), (0, 0))
+    assert (found["memory"][0], found["core"]) == (4 * GIB, (0, 0))
     assert found["threads"] == [1]
     assert found["imported"]
 
@@ -71,7 +71,7 @@ def test_time_and_crash_end_one_task_only(pool: DaskPool) -> None:
     fine = pool.schedule(in_worker.weigh, (b"scan",), 30.0)
     with pytest.raises(TimeoutError):
         late.result()
-    with pytest.raises(OSError, match="Abnormal termination"):
+    with pytest.raises(OSError, match="ended unexpectedly"):
         dead.result()
     assert fine.result() == 4
 

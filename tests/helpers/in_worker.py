@@ -5,7 +5,6 @@ import os
 import resource
 import sys
 import time
-from collections.abc import Callable
 
 from threadpoolctl import threadpool_info
 
@@ -101,14 +100,17 @@ def lose() -> None:
     os._exit(1)
 
 
-def call_as_kept(function: Callable[..., object], *given: object) -> object:
-    """As the service calls in a kept process."""
-    return function(*given)
+def give_what_cannot_travel() -> object:
+    return lambda: None
 
 
-def burn_for(seconds: float) -> int:
-    """Uses the processor for so long; the process."""
-    until = time.process_time() + seconds
-    while time.process_time() < until:
-        pass
-    return os.getpid()
+def fill(size: int) -> int:
+    """Takes so much memory at once."""
+    return len(bytearray(size))
+
+
+def expire_soon() -> None:
+    """The process rests for no time after this."""
+    from breastrig.execution import worker
+
+    worker.IDLE_S = 0.0

@@ -5,13 +5,13 @@ import sys
 
 import in_worker
 
-from breastrig.execution.fork_server import preload
-from breastrig.execution.processes import Processes
+from breastrig.execution.pool import Pool
+from breastrig.execution.worker import preload
 
 if __name__ == "__main__":
-    import breastrig.core.round_robin  # noqa: F401  a module of the program that no task needs
+    import breastrig.core.csv_table  # noqa: F401  a module of the program that no task needs
 
     preload(sys.argv[1:])
-    processes = Processes(1, memory_bytes=2**32)
-    json.dump(processes.schedule(in_worker.describe, (), 30.0).result()["imported"], sys.stdout)
-    processes.stop()
+    pool = Pool()
+    json.dump(pool.lane(1, 2**32).result(in_worker.describe, (), 30.0)["imported"], sys.stdout)
+    pool.stop()

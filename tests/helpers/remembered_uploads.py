@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.core.assets import asset_folder
-from breastrig.execution.fork_server import preload
+from breastrig.execution.worker import preload
 from breastrig.workflow.jobs import UploadJob
 
 FOLDER = "BREASTRIG_REMEMBERED_UPLOADS"  # environment; without it nothing is remembered

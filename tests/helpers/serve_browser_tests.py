@@ -8,7 +8,7 @@ import os
 import sys
 
 from breastrig.core import assets
-from breastrig.execution.fork_server import preload
+from breastrig.execution.worker import preload
 from breastrig.workflow import tasks
 from helpers import remembered_fits, remembered_proposals
 from helpers.remembered_uploads import remember_uploads

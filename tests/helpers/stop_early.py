@@ -1,14 +1,28 @@
-"""Stops pools at different moments of a replacement's start: run as a program, whose stderr must stay empty."""
+"""Stops pools at different moments of their processes' start: a program whose stderr must stay empty.
 
+Prints the processes that are left, beside the fork server and its tracker.
+"""
+
+import json
+import os
+import sys
 import time
 
-from breastrig.execution.processes import Processes
+import in_worker
+from real_server import children
 
-MOMENTS_S = [0.012 * step for step in range(12)]  # Pebble looks for replacements every 0.1 s
+from breastrig.execution.pool import Pool
+
+MOMENTS_S = [0.004 * step for step in range(12)]
 
 if __name__ == "__main__":
+    servers: set[int] = set()
     for moment in MOMENTS_S:
-        processes = Processes(2, memory_bytes=2**32)
-        processes.warm_up()  # uses one process up, so that a replacement is due
+        pool = Pool(kept=1)
+        lane = pool.lane(2, 2**32)
+        lane.warm_up()
+        tasks = [lane.schedule(in_worker.rest, (60.0,), 60.0, key) for key in ("a", "b", None)]
         time.sleep(moment)
-        processes.stop()
+        pool.stop()
+        servers = servers or set(children(os.getpid()))
+    json.dump(sorted(set(children(os.getpid())) - servers), sys.stdout)

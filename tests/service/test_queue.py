@@ -1,6 +1,5 @@
 import json
 import os
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -211,18 +210,8 @@ def test_deleting_a_scan_stops_its_fits_and_leaves_nothing(serving, storage: Sto
 
 def test_a_killed_idle_process_does_not_break_the_queue(serving, scan_id: str) -> None:
     with serving(fake_fit.quick) as service:
-        until(lambda: _alive(service), "all processes")
-        for pid in list(service._workers._cold._pool._pool_manager.worker_manager.workers):
-            with suppress(ProcessLookupError):  # the pool ends the other one itself when it notices the first
-                os.kill(pid, 9)
-        until(lambda: not service._workers._cold._pool.active, "the pool to notice")
+        os.kill(service.pool.lane(1, 2**32).result(os.getpid, (), 30.0, scan_id), 9)
         assert ended(service, ask_for_fit(service, scan_id)).state == "done"
-
-
-def _alive(service) -> bool:
-    """Two, and the one that stands ready beside them."""
-    workers = service._workers._cold._pool._pool_manager.worker_manager.workers
-    return len(workers) == 3 and all(worker.is_alive() for worker in list(workers.values()))
 
 
 def _files(root: Path) -> set[str]:

@@ -16,12 +16,12 @@ STANCES = ("standing", "supine")
 def uploaded(service: Service, stance: str) -> ScanRow:
     with (asset_folder("example") / stance / "scan.ply").open("rb") as source:
         row = service.add_scan(source, "ply", "auto")
-    until(lambda: service.warm_scans.asked(row.id) == 0, "the end of the upload's task")
+    assert row.id in service.pool.kept_keys
     return row
 
 
 def process_of(service: Service, scan: ScanRow) -> int:
-    return int(service.warm_scans.result(scan.id, os.getpid, (), 30.0))
+    return int(service.pool.lane(1, 2**32).result(os.getpid, (), 30.0, scan.id))
 
 
 def proposing_process(service: Service, scan: ScanRow) -> int:
@@ -46,10 +46,8 @@ def test_a_fit_runs_where_its_scan_was_read(serving) -> None:
     with serving(fake_fit.by_process) as service:
         scans = [uploaded(service, stance) for stance in STANCES]
         for scan in scans:
-            until(lambda scan=scan: service.warm_scans.asked(scan.id) == 0, "a process that rests")
             reader = process_of(service, scan)
-            fit = ended(service, ask_for_fit(service, scan.id))
-            assert fit.reason == f"process {reader}"
+            assert ended(service, ask_for_fit(service, scan.id)).reason == f"process {reader}"
 
 
 def test_deleting_a_scan_ends_its_process_and_leaves_the_other_one(serving) -> None:
@@ -66,7 +64,7 @@ def test_deleting_a_scan_ends_the_fit_that_runs_in_its_process(serving) -> None:
         scan = uploaded(service, "standing")
         reader = process_of(service, scan)
         ask_for_fit(service, scan.id)
-        until(lambda: service.warm_scans.asked(scan.id) == 1, "the fit in the scan's process")
+        until(lambda: scan.id not in service.pool.kept_keys, "the fit in the scan's process")
         service.delete_scan(scan.id)
         assert not is_alive(reader)
 
@@ -76,11 +74,11 @@ def test_a_cancelled_fit_takes_its_process_along_and_the_next_one_starts_elsewhe
         scan = uploaded(service, "standing")
         reader = process_of(service, scan)
         fit = ask_for_fit(service, scan.id)
-        until(lambda: service.warm_scans.asked(scan.id) == 1, "the fit in the scan's process")
+        until(lambda: scan.id not in service.pool.kept_keys, "the fit in the scan's process")
         assert service.cancel_fit(fit).state == "cancelled"
         until(lambda: not is_alive(reader), "the end of the process")
         again = ask_for_fit(service, scan.id)
-        assert len(service.warm_scans) == 0
+        assert service.pool.kept_keys == []
         service.cancel_fit(again)
 
 

@@ -23,9 +23,9 @@ from breastrig.core.scratch import sweep_scratch
 from breastrig.execution.dask_pool import DaskPool
 from breastrig.execution.dask_task import RESOURCE
 from breastrig.execution.executor import Executor
-from breastrig.execution.fork_server import preload, start_fork_server
 from breastrig.execution.limits import FitLimits
-from breastrig.execution.processes import Processes
+from breastrig.execution.pool import Pool
+from breastrig.execution.worker import preload
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.workflow.folder.fit_file_names import DRAWING_MISSING, FIT_FILES
 
@@ -82,9 +82,7 @@ def _executor(options: argparse.Namespace, rows: Sequence[BatchRow]) -> Executor
     limits = FitLimits()
     if options.scheduler is None:
         preload(["breastrig.batch.task", "breastrig.workflow.default_model"])
-        processes = Processes(options.jobs or limits.workers, memory_bytes=limits.memory_bytes, spare=1)
-        start_fork_server()
-        return processes
+        return Pool().lane(options.jobs or limits.workers, limits.memory_bytes)
     pool = DaskPool(options.scheduler, memory_bytes=limits.memory_bytes)
     if not pool.found_workers:
         print(

@@ -23,8 +23,8 @@ from breastrig.cli.service_options import service_settings
 from breastrig.core.log_lines import set_up_logs
 from breastrig.core.notice import RESEARCH_USE_ONLY
 from breastrig.execution.executor import Executor
-from breastrig.execution.fork_server import preload, start_fork_server
 from breastrig.execution.limits import FitLimits
+from breastrig.execution.worker import preload
 from breastrig.service.service import Service
 from breastrig.service.task_modules import REMOTE_MODULES
 from breastrig.storage.storage import Storage
@@ -72,7 +72,6 @@ def run(options: argparse.Namespace) -> int:
         streams=config.streams,
         keep_days=config.keep_days,
     )
-    start_fork_server()
     with ExitStack() as stack:
         if executor is not None:
             stack.callback(executor.stop)

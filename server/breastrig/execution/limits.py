@@ -13,8 +13,7 @@ class UploadLimits:
     file_bytes: int = FILE_BYTES
     triangles: int = TRIANGLES
     memory_bytes: int = 6 * GIB  # address space: 1 GiB libraries, and ten times the largest file as arrays
-    cpu_s: int = 120  # 2 million triangles of text take about 20 s
-    wall_s: float = 180.0
+    wall_s: float = 180.0  # 2 million triangles of text take about 20 s
     workers: int = 2
     waiting_per_client: int = 8  # scans and reports that one client may have in work; each holds a thread of the server
 

@@ -12,7 +12,7 @@ from typing import Any
 from breastrig.core.errors import BreastRigError, Conflict, NotFound
 from breastrig.core.indented_json import indented
 from breastrig.drawings.drawing_file import planned_on_scan
-from breastrig.execution.fair_processes import FairProcesses
+from breastrig.execution.pool import Lane
 from breastrig.report.files.line_files import rgb
 from breastrig.service.failed_tasks import explained
 from breastrig.service.kept_models import KeptModels
@@ -58,7 +58,7 @@ class PlannedFits:
 class Plans:
     """The plans of all patients.  May be called from any thread."""
 
-    def __init__(self, storage: Storage, processes: FairProcesses, models: KeptModels) -> None:
+    def __init__(self, storage: Storage, processes: Lane, models: KeptModels) -> None:
         self._storage = storage
         self._processes = processes
         self._models = models

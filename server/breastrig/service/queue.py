@@ -20,17 +20,17 @@ from breastrig.core.errors import BreastRigError, Conflict, NotFound
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
 from breastrig.service.events.event_writer import event_json
-from breastrig.service.fit_worker import UNWRITTEN, Runners
-from breastrig.service.warm.fit_task import fit_task
+from breastrig.service.fit_worker import UNWRITTEN, Runners, execute_fit
 from breastrig.storage.rows.events import append
 from breastrig.storage.rows.fits import FitRow, fits_in_state, get_fit, next_queued, put_back
 from breastrig.storage.storage import Storage
 from breastrig.workflow.events import Cancelled, Event, Failed
+from breastrig.workflow.tasks import keeping
 
 STARTS = 3  # a process may die before it has claimed its fit; then the fit is started again, so often at most
 SETTLE_AGAIN_S = 1.0
 LOOK_S = 1.0  # how soon a worker that has joined a cluster is given a waiting fit
-KILL_S = 10.0  # Pebble asks a process to end, and after 3 s makes it
+KILL_S = 10.0  # a killed process is gone within milliseconds, unless its disk hangs
 DIED = "The fit's process ended unexpectedly, perhaps for want of memory; start the fit again or give a smaller scan."
 LOST = "The cluster's scheduler was lost while this fit ran; start the fit again."
 SILENT = "The fit ended without a result; this is an error inside BreastRig."
@@ -126,13 +126,13 @@ class FitQueue:
     def _start(self, fit_id: str) -> None:
         self._starts[fit_id] = self._starts.get(fit_id, 0) + 1
         self._began[fit_id] = time.monotonic()
-        args = (self._storage.location, fit_id, self._runners, self._model)
-        future = self._processes.schedule(fit_task(self._storage, fit_id), args, timeout=self._limits.wall_s)
+        task = (execute_fit, self._storage.location, fit_id, self._runners, self._model)
+        future = self._processes.schedule(keeping, task, self._limits.wall_s, self._scan_of(fit_id))
         self._running[fit_id] = future
         future.add_done_callback(lambda ended: self._on_end(fit_id, ended))
 
     def _on_end(self, fit_id: str, future: Any) -> None:
-        """In Pebble's thread, or in the thread that cancelled."""
+        """In the task's thread, or in the one that cancelled."""
         try:
             with self._lock:
                 self._running.pop(fit_id, None)
@@ -187,6 +187,13 @@ class FitQueue:
         with suppress(NotFound):
             return get_fit(self._storage, fit_id).both
         return (fit_id,)
+
+    def _scan_of(self, fit_id: str) -> str | None:
+        """The scan that the fit looks at; None for two of them, and for a fit that was deleted in the meantime."""
+        with suppress(NotFound):
+            fit = get_fit(self._storage, fit_id)
+            return fit.scan if len(fit.both) == 1 else None
+        return None
 
     def _end(self, fit_id: str, event: Event) -> None:
         with suppress(NotFound, Conflict):  # it may have ended otherwise in the meantime

@@ -12,7 +12,7 @@ from dataclasses import replace
 from breastrig.core import wall_clock
 from breastrig.core.errors import NotFound
 from breastrig.core.identity import SAYS_NOTHING, Identity, file_name
-from breastrig.execution.fair_processes import FairProcesses
+from breastrig.execution.pool import Lane
 from breastrig.service.failed_tasks import explained
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.plans import Plans
@@ -38,7 +38,7 @@ WALL_S = 60.0  # two stances take about four seconds; a slow machine with huge s
 class Reports:
     """The reports of all fits.  May be called from any thread."""
 
-    def __init__(self, storage: Storage, processes: FairProcesses, plans: Plans, models: KeptModels) -> None:
+    def __init__(self, storage: Storage, processes: Lane, plans: Plans, models: KeptModels) -> None:
         self._storage = storage
         self._plans = plans
         self._processes = processes

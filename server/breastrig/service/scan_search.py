@@ -15,10 +15,10 @@ from typing import Any
 
 from breastrig.core.errors import BreastRigError, FitFailed, NotFound
 from breastrig.execution.executor import Executor
-from breastrig.execution.warm_first import ForKey
 from breastrig.storage.files import scan_place, upload_name
 from breastrig.storage.rows.scans import ScanRow, get_scan
 from breastrig.storage.storage import Storage
+from breastrig.workflow.tasks import keeping
 
 Task = tuple[Callable[[Any], dict[str, Any]], Any]  # a function of a named module, and what it is given
 
@@ -107,7 +107,7 @@ class ScanSearch(ABC):
             try:
                 folder = fetched.enter_context(self._storage.files.reading(scan_place(scan.id), [name]))
                 function, given = self._task(folder / name, scan)
-                future = self._processes.schedule(ForKey(scan.id, function), (given,), timeout=self._wall_s)
+                future = self._processes.schedule(keeping, (function, given), self._wall_s, scan.id)
             except BaseException:
                 fetched.close()
                 raise
@@ -117,7 +117,7 @@ class ScanSearch(ABC):
         return future
 
     def _keep(self, scan_id: str, variant: str, future: Any) -> None:
-        """In Pebble's thread: stores what was found, even when nobody waits any more."""
+        """In the task's thread: stores what was found, even when nobody waits any more."""
         if future.cancelled() or future.exception() is not None:
             return
         try:

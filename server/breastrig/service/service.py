@@ -2,8 +2,11 @@
 
     with Service(storage, runner).started() as service: ...
 
-owns two pools of processes (uploads, fits), the queue and the notifier; `started` starts all and leaves nothing
-running.  Another executor may run the fits; it is the service's then.
+owns the pool of processes, the queue and the notifier; `started` starts all and leaves nothing running.  Another
+executor may run the fits; it is the service's then.
+
+A process stays a while for each scan in work and for each fit on which something is moved: it has read it already.
+Pairs, transfers and reports look at more than one, so each has a process of its own.
 """
 
 import hashlib
@@ -19,11 +22,10 @@ from typing import IO, Any
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadScan, NotFound, NotRemoved, unknown_name
 from breastrig.execution.executor import Executor
-from breastrig.execution.fork_server import preload
-from breastrig.execution.kept_processes import KeptProcesses
 from breastrig.execution.limits import FitLimits, UploadLimits
+from breastrig.execution.pool import Pool
 from breastrig.execution.scratch_sweeper import scratch_swept
-from breastrig.execution.warm_first import ForKey
+from breastrig.execution.worker import preload
 from breastrig.scan.stored_scan import STORED
 from breastrig.service.events.feeds import Notifier
 from breastrig.service.events.follow import StreamItem, follow
@@ -31,8 +33,7 @@ from breastrig.service.failed_tasks import explained
 from breastrig.service.fit_worker import PairRunner, Runner, Runners
 from breastrig.service.ink import InkSearch
 from breastrig.service.kept_models import KeptModels
-from breastrig.service.moving.live_patterns import LivePatterns
-from breastrig.service.moving.moved_landmarks import MovedLandmarks
+from breastrig.service.moving import Moving
 from breastrig.service.plans import Plans
 from breastrig.service.proposals import Proposals, Proposer
 from breastrig.service.queue import FitQueue
@@ -42,7 +43,6 @@ from breastrig.service.share_snapshots import ShareSnapshots
 from breastrig.service.sweep import KEEP_DAYS, Sweep
 from breastrig.service.task_modules import TASK_MODULES
 from breastrig.service.waiting_cap import WaitingCap
-from breastrig.service.warm.pools import Pools
 from breastrig.storage.deletion import delete_rows, discard, finish_deletions, remove_files
 from breastrig.storage.file_journal import record_creation
 from breastrig.storage.files import MESH, THUMBNAIL, fit_place, scan_place, upload_name
@@ -53,9 +53,11 @@ from breastrig.storage.rows.patients import get_patient, scans_of_patient
 from breastrig.storage.rows.scans import Picks, Points, ScanRow
 from breastrig.storage.storage import Storage, Unremoved, utc_now
 from breastrig.workflow.jobs import TransferJob, UploadJob
-from breastrig.workflow.tasks import propose_on_file, read_upload, run_fit, run_pair, transfer
+from breastrig.workflow.tasks import keeping, propose_on_file, read_upload, run_fit, run_pair, transfer
 
 CHUNK = 2**20
+HANDS = 4  # patterns or landmarks that are moved at once
+KEPT = 8  # processes that rest: of a patient's two scans and their fits, each some hundred megabytes
 TRANSFER_WALL_S = 60.0  # a transfer takes a second or two; a slow machine with huge scans may take many
 
 log = logging.getLogger(__name__)
@@ -92,22 +94,23 @@ class Service:
         self._uploads = uploads or UploadLimits()
         fit_limits = fits or FitLimits()
         preload(TASK_MODULES)
-        pools = Pools(self._uploads, fit_limits)
-        self._readers, self.warm_scans = pools.readers, pools.scans
-        self._workers = executor or pools.fits
+        self.pool = Pool(KEPT, self._uploads.waiting_per_client)
+        self._readers, self._others, hands = (
+            self.pool.lane(places, self._uploads.memory_bytes)
+            for places in (self._uploads.workers, self._uploads.workers, HANDS)
+        )
+        self._workers = executor or self.pool.lane(fit_limits.workers, fit_limits.memory_bytes)
         self._queue = FitQueue(storage, self._workers, fit_limits, Runners(runner, pair_runner), model)
         self.readiness = Readiness(storage, {"read uploads": self._readers, "fit": self._workers})
         self._waiting = WaitingCap(storage, fit_limits.waiting_per_client)
         self._model = model
-        self._proposals = Proposals(storage, self._readers, self._uploads.wall_s, proposer, model)
-        self._ink = InkSearch(storage, self._readers, self._uploads.wall_s)
+        self._proposals = Proposals(storage, self._others, self._uploads.wall_s, proposer, model)
+        self._ink = InkSearch(storage, self._others, self._uploads.wall_s)
         self.models = KeptModels(storage, model)
-        self.plans = Plans(storage, self._readers, self.models)
-        self.kept_processes = KeptProcesses(self._uploads.memory_bytes)
-        self.live_patterns = LivePatterns(storage, self.kept_processes, self.models)
-        self.moved_landmarks = MovedLandmarks(storage, self.kept_processes, self.models)
-        self.reports = Reports(storage, self._readers, self.plans, self.models)
-        self.shares = ShareSnapshots(storage, self._readers, self.plans, self.reports, self.models)
+        self.plans = Plans(storage, self._others, self.models)
+        self.moving = Moving(storage, hands, self.models)
+        self.reports = Reports(storage, self._others, self.plans, self.models)
+        self.shares = ShareSnapshots(storage, self._others, self.plans, self.reports, self.models)
         self._notifier = Notifier(storage)
         self._sweep = Sweep(storage, self.delete_scan, keep_days, self.shares.end_expired)
         self._examples = examples
@@ -135,8 +138,7 @@ class Service:
                 self._sweep.stop()
                 self._notifier.stop()
                 self._queue.stop()
-                self.kept_processes.stop()
-                self._readers.stop()
+                self.pool.stop()
                 self.storage.close()
 
     @property
@@ -177,7 +179,7 @@ class Service:
             row = ScanRow(scan_id, utc_now(), STORED, sha256, facts)
             scan_rows.add_scan(self.storage, row, patient)
         except BaseException:
-            self.warm_scans.drop(scan_id)
+            self.pool.drop(scan_id)
             discard(self.storage, scan_id, place)
             raise
         return row
@@ -194,8 +196,8 @@ class Service:
         gone = delete_rows(self.storage, scan_id)
         self._queue.drop(gone)  # a fit may have been asked for in between
         for fit_id in (*fits, *gone):
-            self.kept_processes.drop(fit_id)
-        self.warm_scans.drop(scan_id)
+            self.pool.drop(fit_id)
+        self.pool.drop(scan_id)
         self.plans.forget()
         self.reports.forget()
         left = remove_files(self.storage, scan_id)
@@ -324,13 +326,13 @@ class Service:
             self.models.of_fits(both) as model,
         ):
             job = TransferJob(source, goal, drawing, other_patient, model)
-            carried: dict[str, Any] = self._readers.result(transfer, (job,), TRANSFER_WALL_S)
+            carried: dict[str, Any] = self._others.result(transfer, (job,), TRANSFER_WALL_S)
         return carried
 
     def _read(self, scan_id: str, job: UploadJob) -> dict[str, object]:
         try:
-            task = ForKey(scan_id, read_upload, begins=True)
-            facts: dict[str, object] = self._readers.result(task, (job,), self._uploads.wall_s)
+            task = (read_upload, job)
+            facts: dict[str, object] = self._readers.result(keeping, task, self._uploads.wall_s, scan_id)
         except TimeoutError as error:
             raise BadScan(
                 f"Reading this scan took longer than {self._uploads.wall_s:g} s; simplify it first."

@@ -19,7 +19,7 @@ from breastrig.api.errors import SENTENCES, problem, too_large
 from breastrig.api.errors import Refused as Refused
 from breastrig.api.errors import refuse as refuse
 from breastrig.api.trusted_proxy import client_of
-from breastrig.execution.client_key import client_key
+from breastrig.execution.pool import client_key
 from breastrig.storage.storage import Storage
 
 POLICY = "; ".join(

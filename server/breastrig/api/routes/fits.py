@@ -184,7 +184,7 @@ def move_landmarks(fit_id: str, json_data: wire.MovedLandmarks) -> wire.MovedMod
     scan = get_scan(context.service.storage, get_fit(context.service.storage, fit_id).scan)
     model = context.model_with(context.service.models.sha256_of(fit_id))
     check_landmarks(Picks(json_data.landmarks), scan, model)
-    moved = context.service.moved_landmarks.moved(fit_id, json_data.landmarks)
+    moved = context.service.moving.landmarks(fit_id, json_data.landmarks)
     return wire.MovedModel.model_validate(moved)
 
 

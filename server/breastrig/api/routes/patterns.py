@@ -35,7 +35,7 @@ def draw_pattern(fit_id: str, json_data: wire.PatternQuestion) -> wire.PatternOn
     question = LiveQuestion(
         json_data.name, json_data.parameters, json_data.side, None if drag is None else drag.handle, (x, y, z)
     )
-    return wire.PatternOnScan.model_validate(service.live_patterns.answer(fit_id, question))
+    return wire.PatternOnScan.model_validate(service.moving.pattern(fit_id, question))
 
 
 @patterns.post("/<fit_id>/lengths")
@@ -51,4 +51,4 @@ def measure_lengths(fit_id: str, json_data: wire.LengthsQuestion) -> wire.Length
     fit = get_fit(service.storage, fit_id)
     check_near_scan("tape", json_data.places, get_scan(service.storage, fit.scan))
     x_y_z = ((float(x), float(y), float(z)) for x, y, z in json_data.places)
-    return wire.Lengths.model_validate(service.live_patterns.answer(fit_id, LengthsQuestion(tuple(x_y_z))))
+    return wire.Lengths.model_validate(service.moving.pattern(fit_id, LengthsQuestion(tuple(x_y_z))))

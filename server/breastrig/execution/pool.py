@@ -1,0 +1,242 @@
+"""The pool of this machine's processes: fair between clients, and with a process that stays for each key in use.
+
+A task has a process of its own, which ends with it: nothing of one patient's data is left for the next task, and a task
+that is killed takes no other one with it.  A task with a key finds the process that an earlier task of this key has
+left, when that rests, and leaves its own to the next; only so many are kept, those used last.
+
+A pool has lanes, one a kind of task, so that one kind does not keep another waiting.  In a lane clients take turns, and
+one more task than it has places may run for a client who has none there: however long the tasks of others take, a
+place is left.
+"""
+
+import threading
+from collections import Counter, deque
+from collections.abc import Callable
+from concurrent.futures import Future
+from contextvars import ContextVar
+from itertools import count
+from typing import Any
+
+from breastrig.core.errors import BreastRigError, TooMany
+from breastrig.execution.executor import STOPPED, Task
+from breastrig.execution.worker import Answer, NotBegun, Worker, packed
+
+client_key: ContextVar[str | None] = ContextVar("client_key", default=None)
+"""For whom the work at hand is done; set at the beginning of each request.  None is the program itself."""
+
+LARGE_BYTES = 800 * 2**20  # of memory at rest, beyond which no process is kept; a usual scan with colours leaves half
+RETRY_S = 2  # most tasks take a second or two
+STARTS = 3  # processes that may end before they begin a task: idle ones are killed where memory is short
+ENDED = "The process of this task was ended."
+NO_PROCESS = "No process answers: the machine may have no memory left for one."
+
+
+class _Call(Task):
+    """A task of a lane."""
+
+    def __init__(self, lane: "Lane", client: str, call: bytes, timeout: float, key: str | None) -> None:
+        super().__init__(lane.pool.withdraw)
+        self.lane, self.client, self.call, self.timeout, self.key = lane, client, call, timeout, key
+        self.worker: Worker | None = None
+        self.thread = threading.Thread(target=lane.pool.run, args=(self,), name="breastrig-task", daemon=True)
+
+
+class Lane:
+    """An Executor: places for tasks of one kind."""
+
+    def __init__(self, pool: "Pool", workers: int, memory_bytes: int) -> None:
+        self.pool, self.workers, self.memory_bytes = pool, workers, memory_bytes
+        self.waiting: list[_Call] = []
+        self.running: Counter[str] = Counter()  # by client
+        self.turns: dict[str, int] = {}  # when each client was last served, while others wait
+
+    def schedule(
+        self, function: Callable[..., Any], args: tuple[Any, ...], timeout: float, key: str | None = None
+    ) -> "Future[Any]":
+        """As Executor says; `timeout` counts from the start of the task.
+
+        Raises TooMany when the client that asks has as many tasks in the pool as one may have.
+        """
+        return self._scheduled(client_key.get(), function, args, timeout, key)
+
+    def result(
+        self, function: Callable[..., Any], args: tuple[Any, ...], timeout: float, key: str | None = None
+    ) -> Any:
+        """What `schedule` brings."""
+        return self.schedule(function, args, timeout, key).result()
+
+    def warm_up(self) -> None:
+        self.result(_nothing, (), 60.0)
+
+    def answer(self, wait_s: float) -> bool:
+        """Taken for granted while all are at work."""
+        if self.running.total() >= self.workers:
+            return not self.pool.is_stopped
+        try:
+            self._scheduled(None, _nothing, (), wait_s).result(wait_s)
+        except (OSError, RuntimeError, TimeoutError):
+            return False
+        return True
+
+    def stop(self) -> None:
+        """The whole pool."""
+        self.pool.stop()
+
+    def _scheduled(
+        self,
+        client: str | None,
+        function: Callable[..., Any],
+        args: tuple[Any, ...],
+        timeout: float,
+        key: str | None = None,
+    ) -> "Future[Any]":
+        task = _Call(self, client or "", packed(function, args), timeout, key)
+        self.pool.add(task, counts=client is not None)
+        return task
+
+
+class Pool:
+    """May be used from any thread."""
+
+    def __init__(self, kept: int = 0, per_client: int | None = None, large_bytes: int = LARGE_BYTES) -> None:
+        """`kept` processes rest at most; `per_client` counts the tasks that a client has under way or waiting."""
+        self._most_kept, self._per_client, self._large_bytes = kept, per_client, large_bytes
+        self._lock = threading.RLock()
+        self._lanes: list[Lane] = []
+        self._running: set[_Call] = set()
+        self._idle: deque[Worker] = deque()  # the one used last is the last
+        self._turn = count()
+        self.is_stopped = False
+
+    def lane(self, workers: int, memory_bytes: int) -> Lane:
+        """`memory_bytes` is of address space, for each task."""
+        self._lanes.append(Lane(self, workers, memory_bytes))
+        return self._lanes[-1]
+
+    @property
+    def kept_keys(self) -> list[str | None]:
+        """Of the processes that rest."""
+        with self._lock:
+            return [worker.key for worker in self._idle]
+
+    def drop(self, key: str) -> None:
+        """Ends the key's tasks and processes, and waits until they are gone; who waits for one gets a RuntimeError."""
+        with self._lock:
+            idle = [worker for worker in self._idle if worker.key == key]
+            for worker in idle:
+                self._idle.remove(worker)
+            tasks = [task for task in self._tasks() if task.key == key]
+        self._end(tasks, idle, ENDED)
+
+    def stop(self) -> None:
+        """Kills what runs, ends what waits with a RuntimeError, and takes nothing more."""
+        with self._lock:
+            self.is_stopped = True
+            idle = list(self._idle)
+            self._idle.clear()
+            tasks = self._tasks()
+        self._end(tasks, idle, STOPPED)
+
+    def add(self, task: _Call, counts: bool) -> None:
+        with self._lock:
+            if self.is_stopped:
+                raise RuntimeError(STOPPED)
+            most = self._per_client if counts else None
+            if most is not None and sum(each.client == task.client for each in self._tasks()) >= most:
+                raise TooMany(
+                    f"{most} of your tasks on scans and reports are being worked on, as many as one client may have; "
+                    f"ask again in {RETRY_S} s.",
+                    RETRY_S,
+                )
+            task.lane.waiting.append(task)
+            self._begin(task.lane)
+
+    def withdraw(self, task: Task) -> None:
+        """In the thread that has ended the task."""
+        assert isinstance(task, _Call)
+        with self._lock:
+            if task in task.lane.waiting:
+                task.lane.waiting.remove(task)
+            if task.worker is not None:
+                task.worker.kill()
+
+    def run(self, task: _Call) -> None:
+        """In the task's own thread, from its process to the end of the future."""
+        answer = Answer(None, RuntimeError(NO_PROCESS))
+        for _ in range(STARTS):
+            try:
+                answer = self._answer(task)
+            except NotBegun:
+                continue
+            except Exception as error:
+                answer = Answer(None, error)
+            break
+        with self._lock:
+            self._running.discard(task)
+            task.lane.running[task.client] -= 1
+            task.lane.running += Counter()  # forgets clients with none
+            self._begin(task.lane)
+        task.settle(answer.value, answer.error)
+
+    def _answer(self, task: _Call) -> Answer:
+        worker = self._kept(task.key) or Worker(task.key)
+        keeps = False
+        try:
+            with self._lock:
+                task.worker = worker
+                if task.done():  # in the meantime
+                    raise RuntimeError(ENDED)
+            answer = worker.call(task.call, task.lane.memory_bytes, task.timeout)
+            keeps = answer.error is None or isinstance(answer.error, BreastRigError)
+            keeps = keeps and task.key is not None and answer.resident_bytes <= self._large_bytes
+            return answer
+        finally:
+            with self._lock:
+                task.worker = None
+                surplus = [] if keeps and not task.done() and not self.is_stopped else [worker]
+                if not surplus:
+                    self._idle.append(worker)
+                    surplus = [self._idle.popleft()] if len(self._idle) > self._most_kept else []
+            for each in surplus:
+                each.end()
+
+    def _kept(self, key: str | None) -> Worker | None:
+        with self._lock:
+            for worker in reversed(self._idle):
+                if worker.key == key:
+                    self._idle.remove(worker)
+                    return worker
+        return None
+
+    def _begin(self, lane: Lane) -> None:
+        """Starts what may run; holding the lock."""
+        while able := [task for task in lane.waiting if self._may_begin(task)]:
+            task = min(able, key=lambda each: lane.turns.get(each.client, -1))
+            lane.waiting.remove(task)
+            lane.turns[task.client] = next(self._turn)
+            lane.running[task.client] += 1
+            self._running.add(task)
+            task.thread.start()
+        if not lane.waiting:
+            lane.turns.clear()
+
+    def _may_begin(self, task: _Call) -> bool:
+        lane = task.lane
+        return lane.running.total() < lane.workers + (0 if lane.running[task.client] else 1)
+
+    def _tasks(self) -> list[_Call]:
+        """That run or wait; holding the lock."""
+        return [*self._running, *(task for lane in self._lanes for task in lane.waiting)]
+
+    def _end(self, tasks: list[_Call], idle: list[Worker], why: str) -> None:
+        for task in tasks:
+            task.fail(RuntimeError(why))
+        for worker in idle:
+            worker.end()
+        for task in tasks:
+            if task.thread.ident is not None and task.thread is not threading.current_thread():
+                task.thread.join()
+
+
+def _nothing() -> None:
+    pass

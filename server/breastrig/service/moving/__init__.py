@@ -1,1 +1,0 @@
-"""What moves under a hand: answers from processes that are kept for the fit."""
