@@ -35,7 +35,7 @@ def test_a_whole_fit_needs_neither_server_nor_database_and_writes_nothing_by_its
     loaded = modules_after(f"import breastrig\nfit = breastrig.fit({SCAN!r})\nbreastrig.measure(fit)", tmp_path)
     assert list(tmp_path.iterdir()) == []
     assert "numpy" in loaded
-    assert not loaded & {"flask", "apiflask", "sqlalchemy", "alembic", "pebble", "uvicorn", "matplotlib"}
+    assert not loaded & {"flask", "apiflask", "sqlalchemy", "alembic", "uvicorn", "matplotlib"}
     assert not {name for name in loaded if name.startswith(("breastrig.service", "breastrig.storage", "breastrig.api"))}
 
 

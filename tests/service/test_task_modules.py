@@ -1,13 +1,21 @@
 """The modules that the fork server imports beforehand are there, and are those that tasks need."""
 
+import ast
+from importlib import import_module
 from importlib.util import find_spec
+from pathlib import Path
 
-from breastrig.core.late_function import LateFunction
 from breastrig.service import fit_worker
 from breastrig.service.task_modules import REMOTE_MODULES, TASK_MODULES
 from breastrig.workflow import tasks
 
-LATE = [one for one in vars(tasks).values() if isinstance(one, LateFunction)]
+LATE = {
+    function.name: each
+    for function in ast.parse(Path(tasks.__file__).read_text()).body
+    if isinstance(function, ast.FunctionDef)
+    for each in function.body
+    if isinstance(each, ast.ImportFrom)
+}
 
 
 def test_every_named_module_is_there() -> None:
@@ -15,9 +23,11 @@ def test_every_named_module_is_there() -> None:
 
 
 def test_every_task_of_the_service_is_in_a_named_module() -> None:
-    assert {fit_worker.execute_fit.__module__, *(one.module for one in LATE)} <= set(TASK_MODULES)
+    assert {fit_worker.execute_fit.__module__, *(each.module for each in LATE.values())} <= set(TASK_MODULES)
 
 
-def test_every_late_function_is_there() -> None:
+def test_every_task_imports_the_function_of_its_name() -> None:
     assert len(LATE) > 10
-    assert [one.function.__module__ for one in LATE] == [one.module for one in LATE]
+    for name, each in LATE.items():
+        assert [one.name for one in each.names] == [name]
+        assert callable(getattr(import_module(str(each.module)), name))

@@ -15,7 +15,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadDrawing
-from breastrig.core.last_used import LastUsed
+from breastrig.core.lru_cache import LruCache
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.geodesic import Geodesics
 from breastrig.geometry.surface_points import SurfacePoints
@@ -38,9 +38,9 @@ class FittedSkin:
     known: Mapping[str, Array] = field(default_factory=dict)  # (3,) landmarks that are known better than the model's
 
     @cached_property
-    def constructions(self) -> LastUsed[Hashable, Any]:
+    def constructions(self) -> LruCache[Hashable, Any]:
         """What patterns have constructed here, by pattern: its lines need it, and so do its handles."""
-        return LastUsed(KEPT_CONSTRUCTIONS)
+        return LruCache(KEPT_CONSTRUCTIONS)
 
     @cached_property
     def geodesics(self) -> Geodesics:

@@ -20,7 +20,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import BadDrawing
-from breastrig.core.last_used import LastUsed
+from breastrig.core.lru_cache import LruCache
 from breastrig.geometry.closest_point import closest_barycentric
 from breastrig.geometry.fields.distance_field import DistanceFields
 from breastrig.geometry.fields.level_sets import longest_loop
@@ -44,9 +44,9 @@ class Geodesics:
     def __init__(self, vertices: Array, faces: Integers) -> None:
         self.vertices = np.ascontiguousarray(vertices, dtype=np.float64)
         self.faces = np.ascontiguousarray(faces, dtype=np.int64)
-        self._fields: LastUsed[Key, tuple[DistanceFields, int]] = LastUsed(KEPT_FIELDS)
-        self._paths: LastUsed[tuple[Key, Key], Array] = LastUsed(KEPT_LINES)
-        self._circles: LastUsed[tuple[Key, float], SurfacePoints] = LastUsed(KEPT_LINES)
+        self._fields: LruCache[Key, tuple[DistanceFields, int]] = LruCache(KEPT_FIELDS)
+        self._paths: LruCache[tuple[Key, Key], Array] = LruCache(KEPT_LINES)
+        self._circles: LruCache[tuple[Key, float], SurfacePoints] = LruCache(KEPT_LINES)
 
     @cached_property
     def _mesh(self) -> HalfEdges:

@@ -9,7 +9,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any
 
-from breastrig.core.errors import BreastRigError, Conflict, NotFound
+from breastrig.core.errors import Conflict, NotFound
 from breastrig.core.indented_json import indented
 from breastrig.drawings.drawing_file import planned_on_scan
 from breastrig.execution.pool import Lane
@@ -17,7 +17,6 @@ from breastrig.report.files.line_files import rgb
 from breastrig.service.failed_tasks import explained
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.remembered import Remembered
-from breastrig.service.single_flight import SingleFlight
 from breastrig.storage.files import fit_place
 from breastrig.storage.rows.fits import FitRow, get_fit, newest_done
 from breastrig.storage.rows.patients import PlanRow, get_plan, patient_of_scan, scans_of_patient
@@ -62,8 +61,7 @@ class Plans:
         self._storage = storage
         self._processes = processes
         self._models = models
-        self._flights: SingleFlight[bytes] = SingleFlight()
-        self._remembered = Remembered(REMEMBERED)
+        self._remembered: Remembered[bytes] = Remembered(REMEMBERED)
 
     def of_fit(self, fit_id: str) -> PlannedFits:
         """Raises NotFound, or Conflict when the fit is not done."""
@@ -93,10 +91,7 @@ class Plans:
 
     def laid(self, planned: PlannedFits) -> bytes:
         """The same of a plan that has been looked up."""
-        kept = self._remembered.get(planned.key)
-        if kept is not None:
-            return kept
-        return self._flights.result(repr(planned.key), lambda: self._made_and_kept(planned))
+        return self._remembered.result(planned.key, lambda: self._content(planned))
 
     def lines_on_fit(self, fit_id: str) -> tuple[dict[str, Any], bool] | None:
         """The same as a document, and whether it is all that is wanted there; None where nothing was planned yet."""
@@ -128,7 +123,7 @@ class Plans:
         """Nothing is remembered any more: a scan is deleted."""
         self._remembered.forget()
 
-    def _made_and_kept(self, planned: PlannedFits) -> bytes:
+    def _content(self, planned: PlannedFits) -> bytes:
         found = self._made(planned) if planned.plan.items else self._empty(planned)
         known = {
             "version": planned.plan.version,
@@ -137,15 +132,9 @@ class Plans:
             "carried_from": [{"scan": fit.scan, "fit": fit.id} for fit in planned.others],
         }
         missing = [*found["missing"], *({"item": item, "reason": UNFITTED} for item in planned.unfitted)]
-        content = indented(found | {"missing": missing} | known).encode()
-        self._remembered.put(planned.key, content)
-        try:
-            for fit in (planned.fit, *planned.others):  # one that was deleted meanwhile leaves nothing here
-                get_fit(self._storage, fit.id)
-        except BreastRigError:
-            self.forget()
-            raise
-        return content
+        for fit in (planned.fit, *planned.others):
+            get_fit(self._storage, fit.id)  # NotFound when it was deleted meanwhile
+        return indented(found | {"missing": missing} | known).encode()
 
     def _made(self, planned: PlannedFits) -> dict[str, Any]:
         fits = (planned.fit, *planned.others)

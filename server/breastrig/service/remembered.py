@@ -1,31 +1,65 @@
-"""A few answers kept in memory and never on the disk: they come from several scans, and go when one of them goes."""
+"""What many ask for at once and is made once: the first makes it, the others get its result or its error.
+
+The last results stay in memory, never on the disk: they come from several scans, and are forgotten when one of them is
+deleted.  Those who wait each hold a thread of the caller, so there is a limit to them.
+"""
 
 import threading
-from collections import OrderedDict
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
+from concurrent.futures import Future
+from typing import Generic, TypeVar
+
+from breastrig.core.errors import TooMany
+from breastrig.core.lru_cache import LruCache
+
+Result = TypeVar("Result")
+
+MOST_WAITING = 8  # of one result
+RETRY_S = 3  # what is made here takes some seconds
 
 
-class Remembered:
-    """The last so many answers.  May be called from any thread."""
+class Remembered(Generic[Result]):
+    """Results by key.  May be called from any thread."""
 
     def __init__(self, most: int) -> None:
         self._most = most
-        self._kept: OrderedDict[Hashable, bytes] = OrderedDict()
+        self._kept: LruCache[Hashable, Result] = LruCache(most)
         self._lock = threading.Lock()
+        self._made: dict[Hashable, Future[Result]] = {}
+        self._waiting: dict[Hashable, int] = {}
 
-    def get(self, key: Hashable) -> bytes | None:
+    def result(self, key: Hashable, make: Callable[[], Result]) -> Result:
+        """What `make` gives, or raises.  Raises TooMany when as many as may already wait for it."""
         with self._lock:
-            if key in self._kept:
-                self._kept.move_to_end(key)
-            return self._kept.get(key)
-
-    def put(self, key: Hashable, content: bytes) -> None:
-        with self._lock:
-            self._kept[key] = content
-            while len(self._kept) > self._most:
-                self._kept.popitem(last=False)
+            kept = self._kept  # another one when `forget` is called meanwhile
+            known = kept.get(key)
+            if known is not None:
+                return known
+            future = self._made.get(key)
+            if future is None:
+                mine = self._made[key] = Future()
+                self._waiting[key] = 0
+            elif self._waiting[key] >= MOST_WAITING:
+                raise TooMany(f"This is being made for others already; ask again in {RETRY_S} s.", RETRY_S)
+            else:
+                self._waiting[key] += 1
+        if future is not None:
+            return future.result()
+        try:
+            made = make()
+        except BaseException as error:
+            mine.set_exception(error)
+            raise
+        else:
+            mine.set_result(made)
+            with self._lock:
+                kept.put(key, made)
+            return made
+        finally:
+            with self._lock:
+                del self._made[key], self._waiting[key]
 
     def forget(self) -> None:
-        """A scan is deleted: nothing is remembered any more."""
+        """Nothing is kept any more, nor what is being made now: a scan is deleted."""
         with self._lock:
-            self._kept.clear()
+            self._kept = LruCache(self._most)

@@ -10,14 +10,12 @@ from contextlib import ExitStack
 from dataclasses import replace
 
 from breastrig.core import wall_clock
-from breastrig.core.errors import NotFound
 from breastrig.core.identity import SAYS_NOTHING, Identity, file_name
 from breastrig.execution.pool import Lane
 from breastrig.service.failed_tasks import explained
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.plans import Plans
 from breastrig.service.remembered import Remembered
-from breastrig.service.single_flight import SingleFlight
 from breastrig.storage.files import fit_place
 from breastrig.storage.rows.cuts import Cuts, cuts_digest, get_cuts
 from breastrig.storage.rows.fits import FitRow, get_fit
@@ -43,8 +41,7 @@ class Reports:
         self._plans = plans
         self._processes = processes
         self._models = models
-        self._flights: SingleFlight[bytes] = SingleFlight()
-        self._remembered = Remembered(REMEMBERED)
+        self._remembered: Remembered[bytes] = Remembered(REMEMBERED)
 
     def pdf(self, fit_id: str, other_id: str | None) -> bytes:
         """The pages of a fit that is done, or of it and another one.
@@ -71,17 +68,7 @@ class Reports:
         ids = [one for one in (fit_id, other_id) if one is not None]
         cuts = tuple(get_cuts(self._storage, get_fit(self._storage, one).scan) for one in ids)
         key = (name, *(self._key(name, one, cut) for one, cut in zip(ids, cuts, strict=True)))
-        content = self._remembered.get(key)
-        if content is None:
-            content = self._flights.result(repr(key), lambda: self._made(name, ids, cuts))
-            self._remembered.put(key, content)
-            try:
-                for one in ids:  # one that was deleted meanwhile leaves nothing here
-                    get_fit(self._storage, one)
-            except NotFound:
-                self.forget()
-                raise
-        return content
+        return self._remembered.result(key, lambda: self._made(name, ids, cuts))
 
     def _key(self, name: str, fit_id: str, cuts: Cuts) -> Hashable:
         patient = self._patient(get_fit(self._storage, fit_id))
@@ -115,4 +102,6 @@ class Reports:
                 plans = tuple(self._plans.lines_on_fit(one) for one in ids)
                 job = replace(job, plans=plans, items=self._plans.of_fit(ids[0]).plan.items)
             content: bytes = self._processes.result(MAKERS[name], (job,), WALL_S)
+        for one in ids:
+            get_fit(self._storage, one)  # NotFound when it was deleted meanwhile
         return content

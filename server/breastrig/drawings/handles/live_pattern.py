@@ -14,7 +14,7 @@ from pydantic import BaseModel
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing, unknown_name
-from breastrig.core.last_used import LastUsed
+from breastrig.core.lru_cache import LruCache
 from breastrig.drawings.clock import SIDES, FittedSkin
 from breastrig.drawings.constructions.ellipse import MastectomyEllipse
 from breastrig.drawings.constructions.periareolar import Periareolar
@@ -93,7 +93,7 @@ class LiveSkin:
         self._rig = rig
         self._scan = scan
         self._skin = FittedSkin(rig, scan.vertices, scan.known)
-        self._lines: LastUsed[tuple[str, bytes, bytes], Polyline] = LastUsed(KEPT_LINES)
+        self._lines: LruCache[tuple[str, bytes, bytes], Polyline] = LruCache(KEPT_LINES)
 
     @cached_property
     def _normals(self) -> Array:

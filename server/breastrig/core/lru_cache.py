@@ -8,7 +8,7 @@ Key = TypeVar("Key", bound=Hashable)
 Value = TypeVar("Value")
 
 
-class LastUsed(Generic[Key, Value]):
+class LruCache(Generic[Key, Value]):
     """At most `most` of them; the one that was not used for longest goes first.  For one thread."""
 
     def __init__(self, most: int) -> None:

@@ -1,8 +1,8 @@
-from breastrig.core.last_used import LastUsed
+from breastrig.core.lru_cache import LruCache
 
 
 def test_what_was_not_used_for_longest_goes_first() -> None:
-    kept: LastUsed[str, int] = LastUsed(2)
+    kept: LruCache[str, int] = LruCache(2)
     kept.put("a", 1)
     kept.put("b", 2)
     assert kept.get("a") == 1
