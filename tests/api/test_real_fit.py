@@ -10,7 +10,7 @@ import pytest
 from flask.testing import FlaskClient
 from helpers.problems import problem
 from helpers.scan_files import ply_text
-from helpers.waiting import ended
+from helpers.waiting import ended, until
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
@@ -99,6 +99,7 @@ def test_the_packaged_example_is_fitted(real: tuple[Service, FlaskClient], name:
     scan = opened.json
     assert scan["stance"]["proposed"] == name
     picked = scan["example_landmarks"]["landmarks"]
+    until(lambda: client.get(scan["links"]["proposed"]).status_code != 202, "the proposed landmarks")
     proposed = client.get(scan["links"]["proposed"])
     assert proposed.status_code == 200
     off = {k: np.linalg.norm(np.subtract(v["point"], picked[k])) for k, v in proposed.json["landmarks"].items()}
