@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 
 import pytest
@@ -11,30 +12,12 @@ from helpers.shares import shown_files
 
 from breastrig.api import big_answers
 from breastrig.api.app_context import KEY
-from breastrig.api.big_answers import BigAnswers
+from breastrig.api.big_answers import BigAnswers, WhileOpen
 from breastrig.api.config import Config
-from breastrig.api.share_limits import BIG_ANSWERS, BIG_ANSWERS_EACH, BIG_BYTES, BIG_RETRY_S, STALLED_S, STILL_OPEN_S
+from breastrig.api.share_limits import BIG_ANSWERS, BIG_ANSWERS_EACH, BIG_BYTES, BIG_RETRY_S, STILL_OPEN_S
 from breastrig.service.service import Service
 
 CONTENT = bytes(range(256)) * (BIG_BYTES // 256 + 1)
-
-
-class Clock:
-    def __init__(self) -> None:
-        self.now = 100.0
-
-    def __call__(self) -> float:
-        return self.now
-
-
-@pytest.fixture
-def clock() -> Clock:
-    return Clock()
-
-
-@pytest.fixture
-def answers(clock: Clock) -> BigAnswers:
-    return BigAnswers(clock)
 
 
 @pytest.fixture
@@ -98,12 +81,15 @@ def test_beyond_the_bound_a_reader_is_asked_to_come_again(visitor: tuple[FlaskCl
 
 def test_the_addresses_of_one_house_share_its_places(visitor: tuple[FlaskClient, str, BigAnswers]) -> None:
     browser, link, under_way = visitor
+    places = []
     for number in range(BIG_ANSWERS_EACH):
-        assert under_way.take(f"share {number}", "2001:db8:1:2::/64") is not None
+        leave = under_way.take(f"share {number}", "2001:db8:1:2::/64")
+        assert leave is not None
+        places.append(leave)
     problem(browser.get(link, environ_base={"REMOTE_ADDR": "2001:db8:1:2:ffff::9"}), 503)
     assert browser.get(link, environ_base={"REMOTE_ADDR": "2001:db8:1:3::9"}).data == CONTENT
-    for place in list(under_way._places):
-        under_way.leave(place)
+    for leave in places:
+        leave()
 
 
 def test_nothing_of_the_file_is_in_memory_before_it_is_read(visitor: tuple[FlaskClient, str, BigAnswers]) -> None:
@@ -128,7 +114,8 @@ def test_a_file_that_is_deleted_before_it_is_opened_is_not_there(
     assert "deleted" in problem(answer, 404)
 
 
-def test_places_are_bounded_for_a_share_for_an_address_and_in_all(answers: BigAnswers) -> None:
+def test_places_are_bounded_for_a_share_for_an_address_and_in_all() -> None:
+    answers = BigAnswers()
     of_share = [answers.take("A", f"10.0.0.{number}") for number in range(BIG_ANSWERS_EACH + 1)]
     assert [place is not None for place in of_share] == [True] * BIG_ANSWERS_EACH + [False]
     of_address = [answers.take(f"share {number}", "10.0.9.9") for number in range(BIG_ANSWERS_EACH + 1)]
@@ -137,35 +124,9 @@ def test_places_are_bounded_for_a_share_for_an_address_and_in_all(answers: BigAn
     assert sum(place is not None for place in rest) == BIG_ANSWERS - 2 * BIG_ANSWERS_EACH
     assert answers.under_way == BIG_ANSWERS
     assert of_share[0] is not None
-    answers.leave(of_share[0])
-    answers.leave(of_share[0])
+    of_share[0]()
     assert answers.under_way == BIG_ANSWERS - 1
     assert answers.take("A", "10.0.7.7") is not None
-
-
-def test_a_reader_that_takes_nothing_loses_its_place_when_another_needs_it(answers: BigAnswers, clock: Clock) -> None:
-    readers = [answers.take("A", f"10.0.0.{number}") for number in range(BIG_ANSWERS_EACH)]
-    clock.now += STALLED_S - 1
-    for reader in readers[1:]:
-        assert reader is not None
-        reader.moved_at = clock.now
-    assert answers.take("A", "10.0.1.1") is None
-    clock.now += 1
-    assert answers.take("A", "10.0.1.1") is not None
-    assert answers.take("A", "10.0.1.2") is None
-    assert [reader is not None and reader.is_cut for reader in readers] == [True] + [False] * (len(readers) - 1)
-
-
-def test_a_reader_that_lost_its_place_gets_no_more(visitor: tuple[FlaskClient, str, BigAnswers]) -> None:
-    browser, link, under_way = visitor
-    with browser.get(link, buffered=False) as reader:
-        pieces = reader.iter_encoded()
-        first = next(pieces)
-        for place in under_way._places:
-            place.is_cut = True
-        with pytest.raises(ConnectionAbortedError):
-            next(pieces)
-    assert CONTENT.startswith(first)
 
 
 @pytest.mark.parametrize("end", ["revoked", "closed", "scan deleted", "patient deleted"])
@@ -193,17 +154,17 @@ def test_a_download_under_way_ends_with_the_link(
     assert under_way.under_way == 0
 
 
-def test_whether_a_reader_may_go_on_is_asked_now_and_then(answers: BigAnswers, clock: Clock) -> None:
-    asked = []
-    place = answers.take("A", "10.0.0.1", lambda: bool(asked.append(clock.now)) or len(asked) < 2)
-    assert place is not None
+def test_whether_a_reader_may_go_on_is_asked_now_and_then(monkeypatch: pytest.MonkeyPatch) -> None:
+    now, asked = [100.0], []
+    monkeypatch.setattr(big_answers.time, "monotonic", lambda: now[0])
+    file = WhileOpen(BytesIO(CONTENT), lambda: bool(asked.append(now[0])) or len(asked) < 2)
     for _ in range(100):
-        answers.check(place)
+        file.read(1)
     assert asked == []
     for _ in range(10):
-        clock.now += STILL_OPEN_S / 8
-        answers.check(place)
+        now[0] += STILL_OPEN_S / 8
+        file.read(1)
     assert len(asked) == 1
-    clock.now += STILL_OPEN_S
+    now[0] += STILL_OPEN_S
     with pytest.raises(ConnectionAbortedError):
-        answers.check(place)
+        file.read(1)

@@ -11,12 +11,15 @@ and the size of a compressed answer can reveal its content.
 import gzip
 import hashlib
 import io
+from collections.abc import Callable
+from contextlib import ExitStack, closing
 from functools import lru_cache
-from typing import Any
+from typing import IO, Any
 
 from flask import Response, after_this_request, request, send_file
 from werkzeug.wsgi import wrap_file
 
+from breastrig.core.errors import NotFound
 from breastrig.storage.files import OpenedFile
 
 FOR_EVER = "public, max-age=31536000, immutable"
@@ -32,6 +35,7 @@ PNG = "image/png"
 ZIP = "application/zip"
 
 PUBLIC_FILES = 64  # the page has about thirty files, the model three
+CHUNK_BYTES = 2**16  # read of a file at a time
 ONE_PACKET = 1000  # bytes; an answer with fewer is sent in one packet anyway
 
 
@@ -69,24 +73,38 @@ def file_answer(file: OpenedFile, media_type: str, caching: str) -> Response:
     if file.path is not None:
         response = send_file(file.path, media_type, conditional=True, etag=file.etag)
     else:
-        response = _stored_answer(file, media_type)
+        response = streamed_answer(file, media_type)
     response.headers["Cache-Control"] = caching
     return response
 
 
-def _stored_answer(file: OpenedFile, media_type: str) -> Response:
-    """The same from a store: opened only when some of it is wanted, and fetched as it is sent."""
+def streamed_answer(
+    file: OpenedFile, media_type: str, guarded: Callable[[Any], Any] = lambda opened: opened
+) -> Response:
+    """The same, read through `guarded` as it is sent: opened only when some of it is wanted, fetched if in a store.
+
+    Raises NotFound when it is gone.
+    """
     if request.if_none_match.contains_weak(file.etag):
         response = Response(status=304)
         response.set_etag(file.etag)
         return response
-    opened = file.open()
-    response = Response(wrap_file(request.environ, opened), mimetype=media_type, direct_passthrough=True)
-    response.call_on_close(opened.close)
-    response.content_length = file.size
-    response.set_etag(file.etag)
-    response.make_conditional(request, accept_ranges=True, complete_length=file.size)
+    with ExitStack() as stack:
+        body = wrap_file(request.environ, guarded(stack.enter_context(closing(opened(file)))), CHUNK_BYTES)
+        response = Response(body, mimetype=media_type)
+        response.content_length = file.size
+        response.set_etag(file.etag)
+        response.make_conditional(request, accept_ranges=True, complete_length=file.size)
+        response.call_on_close(stack.pop_all().close)
     return response
+
+
+def opened(file: OpenedFile) -> IO[bytes]:
+    """Raises NotFound when it was deleted meanwhile."""
+    try:
+        return file.open()
+    except FileNotFoundError as error:
+        raise NotFound("This file has just been deleted.") from error
 
 
 def bytes_answer(content: bytes, media_type: str, caching: str) -> Response:

@@ -16,8 +16,7 @@ VISIT_S = 12 * 3600  # a working day; the cookie itself ends with the browser
 COOKIES = 20  # of one browser; all browsers keep 50 of a host, and the owner's own session is one of them
 
 BIG_BYTES = 1_000_000  # smaller answers fit into the buffers of the network
-BIG_ANSWERS = 32  # under way at once, each an open file and, with some servers, a thread
+BIG_ANSWERS = 32  # under way at once, each an open file and a thread
 BIG_ANSWERS_EACH = 12  # of them of one share, and of one address: a tumour board looks at one result together
-STALLED_S = 30.0  # a reader that took nothing for so long loses its place when another one needs it
 STILL_OPEN_S = 0.5  # after which a reader's right to a file is asked again: a third of a millisecond each time
 BIG_RETRY_S = 3  # most readers need a second or two for the largest scan

@@ -10,9 +10,8 @@ from typing import IO
 from apiflask import APIBlueprint
 from flask import Response
 
-from breastrig.api.answers import BINARY, GLB, JSON, ZIP, file_of, in_memory
+from breastrig.api.answers import BINARY, GLB, JSON, ZIP, file_of, in_memory, opened
 from breastrig.api.app_context import app_context
-from breastrig.api.big_answers import opened
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.wire import files as wire_files
 from breastrig.core.errors import Conflict, NotFound
