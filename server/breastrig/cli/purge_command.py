@@ -2,12 +2,18 @@
 
 import argparse
 import sys
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 from breastrig.api.settings import without_password
 from breastrig.cli.place_options import chosen_location
-from breastrig.service.purge import purge
+from breastrig.core.errors import BadSettings
+from breastrig.service.sweep import overdue
+from breastrig.storage.data_folder import Ownership, ownership_of
+from breastrig.storage.deletion import delete_rows, finish_deletions, remove_files
 from breastrig.storage.location import Location
-from breastrig.storage.storage import Storage
+from breastrig.storage.rows.scans import scan_ids
+from breastrig.storage.storage import Storage, Unremoved
 
 
 def run(options: argparse.Namespace) -> int:
@@ -35,3 +41,31 @@ def _count(number: int, what: str) -> str:
 
 def _place(location: Location) -> str:
     return str(location.root) if location.database is None else without_password(location.database)
+
+
+@dataclass(frozen=True)
+class Purged:
+    scans: int  # that were deleted
+    left: tuple[Unremoved, ...]  # files of these, or of scans that were deleted before, that cannot be removed
+
+
+def purge(storage: Storage, older_than_days: float | None) -> Purged:
+    """Deletes the scans that are older (None: all) with everything made of them.
+
+    Raises BadSettings when there is no such data folder or a server holds it.
+    """
+    rows_here = storage.location.database is None
+    if rows_here and ownership_of(storage.root) is not Ownership.OURS:
+        raise BadSettings(f"There is no BreastRig data folder at {storage.root}; name it with --data.")
+    with storage.exclusive():
+        storage.prepare()
+        finish_deletions(storage)
+        every = older_than_days is None
+        chosen: Iterable[str] = scan_ids(storage) if every else overdue(storage, older_than_days or 0.0)
+        scans = list(chosen)
+        for scan_id in scans:
+            delete_rows(storage, scan_id)
+            remove_files(storage, scan_id)
+        left = remove_files(storage)
+        storage.refill_reserve()
+    return Purged(len(scans), tuple(left))

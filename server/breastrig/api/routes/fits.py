@@ -1,5 +1,6 @@
 """Fits: ask for one, look at it, cancel it, fetch what it made."""
 
+import json
 import re
 from collections.abc import Sequence
 from dataclasses import replace
@@ -15,14 +16,17 @@ from breastrig.api.landmark_check import check_landmarks
 from breastrig.api.routes.paging import next_page
 from breastrig.api.trusted_proxy import client_of
 from breastrig.api.wire import common as wire
-from breastrig.core.errors import BadScan, BadSettings, Conflict, unknown_name
+from breastrig.core.errors import BadScan, BadSettings, Conflict, NotFound, unknown_name
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.fitting.presets.preset_files import preset_names
-from breastrig.service.events.stored_iteration import stored_iteration
 from breastrig.storage.rows.cuts import cuts_digest, get_cuts
+from breastrig.storage.rows.events import events_of_kind
 from breastrig.storage.rows.fits import FitRow, NewFit, Once, fits_page, get_fit, queue_positions
 from breastrig.storage.rows.scans import Picks, ScanRow, get_landmarks, get_scan
+from breastrig.storage.storage import Storage
+from breastrig.workflow.events import Iterated
 
+MOST_ITERATION = 2**31  # a larger number is no offset for every database
 FITS_TAG = {"name": "fits", "description": "Fit the model to a scan, follow it live, fetch the results."}
 
 fits = APIBlueprint("fits", __name__, url_prefix="/api/fits", tag=FITS_TAG)
@@ -201,7 +205,7 @@ def show_iteration(fit_id: str, iteration: int) -> Response:
     storage = context.service.storage
     fit = get_fit(storage, fit_id)
     model = context.model_with(context.service.models.sha256_of(fit.id))
-    event = stored_iteration(storage, fit, iteration)
+    event = _stored_iteration(storage, fit, iteration)
     content = iteration_gltf(event, model.rig, fit.drawing, model.buffer_link, model.drawing_link(fit.drawing))
     return bytes_answer(content, GLTF, PERSONAL)
 
@@ -261,3 +265,12 @@ def _answer(row: FitRow, queue_position: int | None) -> wire.Fit:
         "links": fit_links(row.id),
     }
     return wire.Fit.model_validate(values)
+
+
+def _stored_iteration(storage: Storage, fit: FitRow, iteration: int) -> Iterated:
+    """Raises NotFound when the fit has no such iteration, or not yet."""
+    found = events_of_kind(storage, fit.id, "iterated", offset=iteration) if iteration < MOST_ITERATION else []
+    event = Iterated.model_validate(json.loads(found[0].json)) if found else None
+    if event is None or event.iteration != iteration:
+        raise NotFound(f"This fit has no iteration {iteration}; it has {fit.iterations} so far, from 0.")
+    return event
