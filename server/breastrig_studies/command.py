@@ -13,10 +13,8 @@ from tqdm import tqdm
 from breastrig.cli.interruption import raise_if_asked
 from breastrig.cli.output_options import add_output_options, files_of_model, output_folder
 from breastrig.core.errors import BadInput
-from breastrig.core.output_files import Output, check_output
-from breastrig.core.output_record import OutputSet
+from breastrig.core.output_files import Output, OutputSet, all_or_nothing, check_output
 from breastrig.core.private_files import private_folder
-from breastrig.core.staged_output import all_or_nothing
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path
 from breastrig_studies.cohort import Case, read_cohort
@@ -27,7 +25,6 @@ from breastrig_studies.page.publish import (
     NO_PLOTS,
     RECORD,
     SCHEMA,
-    is_of_an_evaluation,
     possible_files,
     published,
 )
@@ -207,9 +204,7 @@ def _plan(options: argparse.Namespace) -> Plan:
 def _output(options: argparse.Namespace, plan: Plan | None) -> Output:
     """Where the page and its files go, and what is read as far as it is known yet."""
     folder = options.output
-    page = OutputSet(
-        Path(), possible_files(folder), RECORD, SCHEMA, varying=True, known=lambda _file: is_of_an_evaluation(folder)
-    )
+    page = OutputSet(Path(), possible_files(folder), RECORD, SCHEMA, varying=True)
     read: list[Path] = [] if plan is None else [case.folder / name for case in plan.cases for name in FILES]
     presets = [Path(name) for name in options.preset or () if name.endswith(".toml")]
     return output_folder(options, [page], [*read, *presets, *files_of_model(options.model)])

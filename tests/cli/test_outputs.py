@@ -123,20 +123,21 @@ def test_neither_scan_of_two_is_replaced(
     assert "which this command reads" in refused(command, capsys)
 
 
-def test_a_fit_replaces_an_earlier_one_unless_it_was_changed(
+def test_a_fit_replaces_an_earlier_one_and_nothing_else(
     fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
     shutil.copytree(fits / "standing", out)
     command = ["fit", str(EXAMPLE / "supine" / "scan.ply"), "--drawing", "none", "-o", str(out)]
-    (out / "drawing.json").write_text('{"schema": "breastrig/drawing@1", "shapes": []}')
-    before = files(out)
-    assert "drawing.json" in refused(command, capsys)
-    assert files(out) == before
-    assert main([*command, "--force"]) == 0
+    (out / "notes.txt").write_text("mine")
     assert main(command) == 0
     assert json.loads((out / "result.json").read_text())["stance"] == "supine"
-    assert set(os.listdir(out)) == set(FIT_FILES)
+    assert set(os.listdir(out)) == {*FIT_FILES, "notes.txt"}
+    (out / "result.json").unlink()
+    before = files(out)
+    capsys.readouterr()
+    assert "already" in refused(command, capsys)
+    assert files(out) == before
 
 
 def test_a_fit_that_fails_leaves_the_earlier_result_whole(
@@ -173,10 +174,8 @@ def test_a_transfer_replaces_neither_fit_nor_a_drawing_that_is_not_its_own(
 
     there = tmp_path / "new" / "there.json"
     assert main([*command, str(there)]) == 0
-    assert main([*command, str(there)]) == 0
     assert modes(there.parent) == ({0o700}, {0o600})
-    there.write_text(there.read_text().replace("false", "true", 1))
-    assert "changed since" in refused([*command, str(there)], capsys)
+    assert "there.json already" in refused([*command, str(there)], capsys)
     assert main([*command, str(there), "--force"]) == 0
 
 
@@ -187,17 +186,17 @@ def test_reports_exports_and_comparisons_replace_their_own_files_only(
     monkeypatch.setattr(report, "measures", measured_once)
     fit, drawing = str(fits / "standing"), str(fits / "standing" / "drawing.json")
     commands = {
-        "measures.csv": ["report", fit],
-        "drawing.obj": ["export", fit],
-        "compare.png": ["compare", "--on", fit, drawing, drawing],
+        "measures.csv": ("report.json", ["report", fit]),
+        "drawing.obj": ("surface.json", ["export", fit]),
+        "compare.png": ("compare.json", ["compare", "--on", fit, drawing, drawing]),
     }
-    for name, words in commands.items():
+    for name, (record, words) in commands.items():
         out = tmp_path / words[0]
         command = [*words, "-o", str(out)]
         assert main(command) == 0
         assert modes(out) == ({0o700}, {0o600})
         assert main(command) == 0
-        (out / name).write_text("mine")
+        (out / record).write_text("mine")
         before = files(out)
         assert name in refused(command, capsys)
         assert files(out) == before
@@ -225,10 +224,10 @@ def test_a_batch_keeps_its_manifest_its_scans_and_what_lies_beside_its_results(
     assert (out / "one" / "notes.txt").read_text() == "mine"
     assert len(os.listdir(out / "one")) == len(FIT_FILES) + 3
 
-    (out / "one" / "drawing.json").write_text("{}")
+    (out / "one" / "inputs.json").write_text("{}")
     before = files(out / "one")
     assert main([*command, "--again"]) == 1
-    assert "drawing.json" in capsys.readouterr().err
+    assert "already" in capsys.readouterr().err
     assert files(out / "one") == before
 
     (tmp_path / "m.csv").write_text("scan,name,drawing\nout/one/scan.ply,one,none\n")

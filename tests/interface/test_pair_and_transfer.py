@@ -33,8 +33,7 @@ def fits() -> tuple[breastrig.Fit, breastrig.Fit]:
 
 
 def document(file: Path) -> dict:
-    found = json.loads(file.read_text())
-    assert found.pop("written")
+    found: dict = json.loads(file.read_text())
     return found
 
 

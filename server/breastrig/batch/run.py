@@ -27,8 +27,7 @@ from breastrig.batch.manifest import INPUTS, INPUTS_SCHEMA, BatchRow
 from breastrig.batch.table import MEASURES, Outcome, numbers_of
 from breastrig.batch.task import FitOfBytes, Runner, fit_of_bytes, measured_fit
 from breastrig.core.errors import BadInput, BadSettings, BreastRigError
-from breastrig.core.output_files import Output, check_output
-from breastrig.core.output_record import OutputSet, recorded
+from breastrig.core.output_files import Output, OutputSet, check_output
 from breastrig.core.private_files import private_folder, read_ordinary, write_private
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
@@ -190,20 +189,11 @@ def _inputs(batch: Batch, task: FitOfBytes) -> dict[str, Any]:
 
 
 def _output(batch: Batch, row: BatchRow) -> Output:
-    """The result's folder; a damaged result of a batch counts as written by it."""
+    """The result's folder; one of an earlier batch is replaced, also if it is damaged."""
+    folder = batch.folder / row.name
     inputs = tuple(file for file in (row.scan, row.landmarks) if file is not None)
-    files = OutputSet(
-        Path(), (*FIT_FILES, MEASURES, INPUTS), RESULT, RESULT_SCHEMA, known=lambda file: _of_a_batch(file.parent)
-    )
-    return Output(batch.folder / row.name, (files,), inputs, batch.force)
-
-
-def _of_a_batch(folder: Path) -> bool:
-    try:
-        document = json.loads((folder / INPUTS).read_bytes())
-    except (OSError, ValueError):
-        return False
-    return isinstance(document, dict) and document.get("schema") == INPUTS_SCHEMA
+    record = (INPUTS, INPUTS_SCHEMA) if (folder / INPUTS).is_file() else (RESULT, RESULT_SCHEMA)
+    return Output(folder, (OutputSet(Path(), (*FIT_FILES, MEASURES, INPUTS), *record),), inputs, batch.force)
 
 
 def _sha256(content: bytes | None) -> str | None:
@@ -230,8 +220,7 @@ def _outcome(batch: Batch, row: BatchRow, inputs: dict[str, Any], future: "Futur
     except Exception as error:
         return Outcome(row.name, BROKEN.format(type(error).__name__))
     try:
-        beside = {name: content for name, content in files.items() if name != RESULT} | {INPUTS: json_bytes(inputs)}
-        _keep(batch.folder, row.name, {RESULT: recorded(files[RESULT], beside), **beside})
+        _keep(batch.folder, row.name, files | {INPUTS: json_bytes(inputs)})
     except OSError as error:
         raise BatchStopped(
             f"The results cannot be written ({error.strerror}); free space, then run the same command: it goes on."

@@ -17,8 +17,7 @@ from breastrig.batch.table import FILE, MEASURES, Outcome, is_table, write_table
 from breastrig.batch.task import measured_fit
 from breastrig.cli.output_options import output_folder
 from breastrig.core.errors import BadSettings
-from breastrig.core.output_files import check_inputs_kept, check_output
-from breastrig.core.output_record import OutputSet
+from breastrig.core.output_files import OutputSet, check_inputs_kept, check_output
 from breastrig.core.scratch import sweep_scratch
 from breastrig.execution.dask_pool import DaskPool
 from breastrig.execution.dask_task import RESOURCE
@@ -73,9 +72,10 @@ def _check_places(options: argparse.Namespace, rows: Sequence[BatchRow]) -> None
     """Raises BadInput when the table of results or a result would replace what must stay."""
     presets = {Path(row.preset) for row in rows if row.preset.endswith(".toml")}
     read = [options.manifest, *presets, *(file for row in rows for file in (row.scan, row.landmarks) if file)]
-    check_output(output_folder(options, [OutputSet(Path(), (FILE,), known=is_table)], read))
-    results = (options.output / row.name / name for row in rows for name in (*FIT_FILES, MEASURES, INPUTS))
-    check_inputs_kept(results, read)
+    names = () if is_table(options.output / FILE) else (FILE,)
+    check_output(output_folder(options, [OutputSet(Path(), names)], read))
+    results = [options.output / row.name / name for row in rows for name in (*FIT_FILES, MEASURES, INPUTS)]
+    check_inputs_kept([options.output / FILE, *results], read)
 
 
 def _executor(options: argparse.Namespace, rows: Sequence[BatchRow]) -> Executor:

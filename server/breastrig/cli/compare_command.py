@@ -5,8 +5,7 @@ import sys
 from pathlib import Path
 
 from breastrig.cli.output_options import files_of_fit, files_of_model, output_folder
-from breastrig.core.output_record import OutputSet
-from breastrig.core.staged_output import all_or_nothing
+from breastrig.core.output_files import OutputSet, all_or_nothing
 from breastrig.workflow.lines.compare import COMPARE_FILES, COMPARE_RECORD, SCHEMA, CompareJob, compare
 
 

@@ -4,8 +4,7 @@ import argparse
 from pathlib import Path
 
 from breastrig.cli.output_options import files_of_fit, files_of_model, output_folder
-from breastrig.core.output_record import OutputSet
-from breastrig.core.staged_output import all_or_nothing
+from breastrig.core.output_files import OutputSet, all_or_nothing
 from breastrig.report.files.exported import SET_FORMAT
 from breastrig.workflow.export_fit import EXPORT_FILES, EXPORT_RECORD, write_export
 from breastrig.workflow.lines.transfer import drawing_document

@@ -9,8 +9,7 @@ from breastrig.cli.interruption import raise_if_asked
 from breastrig.cli.output_options import files_of_model, output_folder
 from breastrig.cli.progress import progress_bar
 from breastrig.core.errors import BadSettings
-from breastrig.core.output_files import Output
-from breastrig.core.staged_output import all_or_nothing
+from breastrig.core.output_files import Output, all_or_nothing
 from breastrig.interface.fit_result import Fit
 from breastrig.interface.pair import PAIR_SETS, FitPair, pair_iterates
 from breastrig.interface.run import FitRun, Iterate, iterates

@@ -4,9 +4,8 @@ import argparse
 from collections import Counter
 
 from breastrig.cli.output_options import output_file
-from breastrig.core.output_files import check_output
+from breastrig.core.output_files import all_or_nothing, check_output
 from breastrig.core.private_files import write_private
-from breastrig.core.staged_output import all_or_nothing
 from breastrig.interface.ink import find_ink
 from breastrig.workflow.folder.fit_files import json_bytes
 

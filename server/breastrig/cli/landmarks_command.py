@@ -6,8 +6,8 @@ import sys
 from pathlib import Path
 
 from breastrig.cli.output_options import files_of_model, output_file
+from breastrig.core.output_files import all_or_nothing
 from breastrig.core.private_files import write_private
-from breastrig.core.staged_output import all_or_nothing
 from breastrig.interface.landmarks import propose_landmarks
 from breastrig.interface.scan import read_coloured
 from breastrig.scan.landmarks.landmark_files import landmark_file

@@ -5,15 +5,14 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from breastrig.cli.interruption import raise_if_asked
-from breastrig.core.output_files import Output, single_file
-from breastrig.core.output_record import OutputSet
+from breastrig.core.output_files import Output, OutputSet, single_file
 from breastrig.workflow.folder.fit_file_names import FIT_FILES
 
 
 def add_output_options(parser: argparse.ArgumentParser, metavar: str, what: str) -> None:
     parser.add_argument("-o", "--output", type=Path, required=True, metavar=metavar, help=what)
     parser.add_argument(
-        "--force", action="store_true", help="replace files that BreastRig did not write; never what the command reads"
+        "--force", action="store_true", help="replace files that are no earlier result; never what the command reads"
     )
 
 

@@ -8,8 +8,7 @@ from threadpoolctl import threadpool_limits
 from breastrig.cli.output_options import files_of_fit, files_of_model, output_folder
 from breastrig.core import wall_clock
 from breastrig.core.identity import SAYS_NOTHING, Identity, file_name, random_code
-from breastrig.core.output_record import OutputSet
-from breastrig.core.staged_output import all_or_nothing
+from breastrig.core.output_files import OutputSet, all_or_nothing
 from breastrig.report.document import SCHEMA
 from breastrig.workflow.folder.patient import patient_of
 from breastrig.workflow.jobs import ReportJob

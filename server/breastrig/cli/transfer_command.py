@@ -4,7 +4,7 @@ import argparse
 import sys
 
 from breastrig.cli.output_options import files_of_fit, files_of_model, output_file
-from breastrig.core.staged_output import all_or_nothing
+from breastrig.core.output_files import all_or_nothing
 from breastrig.interface.transfer import transfer
 
 

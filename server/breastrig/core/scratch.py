@@ -22,7 +22,7 @@ LOCK = ".lock"  # behind the folder's name
 def scratch_folder() -> Iterator[Path]:
     """An empty folder that nobody else can look into, removed at the end of the block."""
     sweep_scratch()
-    with held_folder(_base(), "") as folder:
+    with locked_folder(_base(), "") as folder:
         yield folder
 
 
@@ -33,7 +33,7 @@ def sweep_scratch() -> None:
 
 
 @contextmanager
-def held_folder(parent: Path, prefix: str) -> Iterator[Path]:
+def locked_folder(parent: Path, prefix: str) -> Iterator[Path]:
     """A new private folder inside the parent, its name beginning with the prefix; removed at the end of the block."""
     while True:
         folder = parent / f"{prefix}{secrets.token_hex(8)}"
@@ -49,7 +49,7 @@ def held_folder(parent: Path, prefix: str) -> Iterator[Path]:
 
 
 def remove_abandoned(parent: Path, prefix: str) -> None:
-    """Removes the held folders of this prefix whose process was killed."""
+    """Removes the locked folders of this prefix whose process was killed."""
     folders = {each.with_name(each.name.removesuffix(LOCK)) for each in parent.glob(f"{prefix}*")}
     for folder in folders:
         lock = FileLock(f"{folder}{LOCK}", mode=0o600)

@@ -10,9 +10,8 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from breastrig.core.arrays import Array, Booleans, frozen
 from breastrig.core.errors import BadDrawing
-from breastrig.core.output_files import single_file
+from breastrig.core.output_files import all_or_nothing, single_file
 from breastrig.core.private_files import write_private
-from breastrig.core.staged_output import all_or_nothing
 from breastrig.workflow.folder.fit_files import json_bytes
 
 BLACK = "#101010"
@@ -48,7 +47,7 @@ class Drawing:
     def save(self, file: str | Path, *, force: bool = False) -> None:
         """Writes drawing JSON (breastrig/drawing@1, which names its unit), for its owner only.
 
-        A file that BreastRig did not write, or that was changed since, is replaced with `force` only.  Raises BadInput.
+        A file that is there already is replaced with `force` only.  Raises BadInput.
         """
         with all_or_nothing(single_file(Path(file), self.inputs, force)) as folder:
             write_private(folder / Path(file).name, json_bytes(self.document))

@@ -19,8 +19,7 @@ from pydantic import BaseModel, ConfigDict, FiniteFloat, ValidationError
 from breastrig.core.arrays import Array, Integers, frozen
 from breastrig.core.errors import BadDrawing, BadInput
 from breastrig.core.output_files import Output as FolderOutput
-from breastrig.core.output_record import WRITTEN
-from breastrig.core.staged_output import all_or_nothing
+from breastrig.core.output_files import all_or_nothing
 from breastrig.fitting.verdicts.verdict import Verdict
 from breastrig.interface.drawing import Drawing, drawing_of
 from breastrig.interface.model import Model, loaded
@@ -150,8 +149,8 @@ class Fit:
         """Writes the files of `breastrig fit -o FOLDER`, all of them or none, for their owner only.
 
         result.json, scan.ply, fitted.ply, fitted.glb, drawing.json, distances.bin, uncertainty.bin and fit.log.jsonl;
-        each says its unit or has the scan's.  Files there that BreastRig did not write, or that were changed since, are
-        replaced with `force` only; files that the fit was made from never.  Raises BadInput.
+        each says its unit or has the scan's.  Replaces an earlier fit's files; others with `force` only, and files that
+        the fit was made from never.  Raises BadInput.
         """
         output = FolderOutput(Path(folder), (fit_set(Path()),), self.inputs, force)
         with all_or_nothing(output) as staging:
@@ -230,7 +229,6 @@ def fit_of_outcome(outcome: FitOutcome, inputs: tuple[Path, ...]) -> Fit:
 def fit_of(contents: dict[str, bytes], rig: Rig, shown: str) -> Fit:
     """The Fit of files that have been read; `shown` names them in errors."""
     found = fit_of_files(contents, rig, shown)
-    found.result.pop(WRITTEN, None)  # of the folder, not of the fit
     contents = contents | {RESULT: json_bytes(found.result)}
     return _fit(FitFiles(contents), found, (), shown)
 

@@ -7,10 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.core.errors import BadInput
-from breastrig.core.output_files import Output
-from breastrig.core.output_record import OutputSet
+from breastrig.core.output_files import Output, OutputSet, all_or_nothing
 from breastrig.core.private_files import read_ordinary
-from breastrig.core.staged_output import all_or_nothing
 from breastrig.fitting.two_stances import ALIKE, ONE_BODY
 from breastrig.interface.fit_result import Fit, fit_of_outcome
 from breastrig.interface.landmarks import Landmarks
@@ -59,7 +57,6 @@ class FitPair:
         place, rig = Path(folder), loaded(model)
         try:
             document = json.loads(read_ordinary(place / PAIR, PAIR_BYTES))
-            document.pop("written", None)
         except (OSError, ValueError, AttributeError, RecursionError) as error:
             raise BadInput(
                 f"There is no pair of fits in {place.name[:100]}; give a folder that `breastrig fit --with` wrote."

@@ -7,7 +7,7 @@ from pathlib import Path
 from breastrig import __version__
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.gltf.read_rig import read_rig
-from breastrig_studies.evaluate import WORK, Results, all_tables
+from breastrig_studies.evaluate import Results, all_tables
 from breastrig_studies.page.charts import DARK, LIGHT, as_png, have_plots
 from breastrig_studies.page.figures import all_figures
 from breastrig_studies.page.ink_section import ink_pictures
@@ -53,17 +53,6 @@ def possible_files(folder: Path) -> tuple[str, ...]:
     """What `published` may write into the folder, as far as it can be known before: figures that are there count."""
     figures = sorted(f"figures/{file.name}" for file in (folder / "figures").glob("*.png"))
     return (*(f"{name}.csv" for name in TABLES), *figures, PAGE, RECORD)
-
-
-def is_of_an_evaluation(folder: Path) -> bool:
-    """Whether an evaluation of a version that kept no record was made there: then its answers are still there."""
-    for file in (folder / WORK).glob("*.json"):
-        try:
-            kept = json.loads(file.read_bytes())
-        except (OSError, ValueError):
-            continue
-        return isinstance(kept, dict) and {"question", "answer", "failed"} <= set(kept)
-    return False
 
 
 def published(results: Results, about: Circumstances, folder: Path, progress: Callable[[str], None]) -> list[Path]:

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from breastrig.core.output_record import OutputSet
+from breastrig.core.output_files import OutputSet
 
 RESULT = "result.json"
 UNCERTAINTY = "uncertainty.bin"
