@@ -2,7 +2,7 @@
 // edited point by point, and read back after a reload.
 import { readFileSync, writeFileSync } from "node:fs";
 import { expect, type Page } from "@playwright/test";
-import type { OwnDrawing, Vector } from "../src/api/types";
+import type { OwnDrawing, PlanOnScan, Vector } from "../src/api/types";
 import { distance, hook, SCAN_FILE, test, trueLandmarks, untilFitted, untilStill } from "./page";
 
 const ON_SKIN_MM = 0.5;
@@ -312,6 +312,23 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   await expect(page.locator("[data-layer=reference]").locator("xpath=..")).toContainText("Reduction (Wise pattern), Tumour");
   await untilStill(page);
   expect((await hook.picture(page)).checksum).not.toBe(before.checksum);
+
+  const lesions = page.locator(".lesions");
+  await lesions.locator("summary").click();
+  await lesions.getByLabel("Centre").fill("1, 2");
+  await lesions.getByRole("button", { name: "Add" }).click();
+  await expect(lesions.getByText(/needs three numbers/)).toBeVisible();
+  const { nipple_L: nipple, acromion_L: shoulder } = trueLandmarks();
+  const center = nipple!.map((value, i) => Math.round(0.8 * value + 0.2 * shoulder![i]!)) as Vector;
+  await lesions.getByLabel("Name").fill("MRI 1");
+  await lesions.getByLabel("Centre").fill(center.join(" "));
+  const without = await hook.picture(page);
+  await lesions.getByRole("button", { name: "Add" }).click();
+  await expect(lesions.locator("li")).toHaveText(/^MRI 15\smm, \d+\smm below the skin$/);
+  await untilStill(page);
+  expect((await hook.picture(page)).checksum, "the ball is seen through the skin").not.toBe(without.checksum);
+  const laid = (await (await page.request.get(`${base}/api/fits/${first}/plan.json`)).json()) as PlanOnScan;
+  expect(laid.lesions).toMatchObject([{ name: "MRI 1", radius_mm: 5, error_mm: 0, carried: false }]);
 
   // A fit again is not asked to draw the plan, however long that is; where it fails, the page says so where she looks.
   await page.evaluate(() => (document.activeElement as HTMLElement).blur()); // else the key is written into a field

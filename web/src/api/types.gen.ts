@@ -892,7 +892,7 @@ export type PlannedLesion = {
   id: string;
   name: string;
   /** in the drawing's unit */
-  center: [unknown, unknown, unknown];
+  center: [number, number, number];
   radius_mm: number;
   /** radius that holds the true centre with 90 %; null where not known */
   error_mm: number | null;

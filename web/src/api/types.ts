@@ -33,6 +33,7 @@ export type {
   PatternQuestion,
   PlanLine,
   PlannedShape,
+  PlanLesion,
   PlanNote,
   PlanOnScan,
   PlanPattern,

@@ -1,5 +1,6 @@
 // Makes the 3D view and keeps it up to date; without WebGL the page says so and the rest of it goes on working.
 import { CornerPins } from "../drawing/pen/CornerPins";
+import { LesionBalls } from "../drawing/lesions/LesionBalls";
 import { ErrorBands } from "../drawing/lines/ErrorBands";
 import { MirrorOverlay } from "../drawing/mirror/MirrorOverlay";
 import { OwnLines } from "../drawing/lines/OwnLines";
@@ -90,6 +91,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     fitted,
     new MirrorOverlay(viewer, fitted, (asymmetry) => queueMicrotask(() => store.set({ asymmetry }))), // a listener may not set
     new ReferenceLines(viewer, scan, torso, fitted),
+    new LesionBalls(viewer),
     new ErrorBands(viewer, scan, fitted, stage.canvas),
     own,
     corners,

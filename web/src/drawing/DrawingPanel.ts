@@ -9,6 +9,7 @@ import { numberField } from "../ui/NumberField";
 import type { Panel } from "../ui/Panel";
 import { type DrawingActions, RADIUS_MM } from "./actions";
 import { createDrawingLayers } from "./DrawingLayers";
+import { createLesions } from "./lesions/LesionsPanel";
 import { createDrawingPattern, type PlanWords } from "./patterns/DrawingPattern";
 import { toText } from "./lines/files";
 import { type DrawingSlice, lineNamed, type Tool, TOOLS } from "./state";
@@ -50,6 +51,7 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
   const corners = createCorners(drawing);
   const layers = createDrawingLayers(drawing);
   const pattern = createDrawingPattern(drawing, plan);
+  const lesions = createLesions((lesions) => plan.lesions(lesions));
   const element = el(
     "div",
     { class: "panel drawing" },
@@ -65,6 +67,7 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
     corners.element,
     el("div", { class: "toolbar" }, undo, redo, el("span", { class: "spring" }), saved, again, file, save),
     pattern.element,
+    lesions.element,
     layers.element,
     more,
   );
@@ -94,6 +97,7 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
       corners.update(session);
       layers.update(session);
       pattern.update(session);
+      lesions.update(session);
     },
   };
 }

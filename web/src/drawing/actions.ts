@@ -104,7 +104,7 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
     const named = [...(meta?.patterns ?? []), ...(meta?.drawings ?? [])];
     const changes = isBack ? planChanges(step, now, named) : planChanges(now, step, named);
     const says = (isBack ? landmarkText.undone : landmarkText.redone)(changes);
-    put({ lines: { ...history, present: step.lines }, note: step.note, depthMm: step.depthMm, decided: step.decided ?? drawn().decided, start: null, corner: null }, { drawing: step.drawing, announcement: "", undone: { says } });
+    put({ lines: { ...history, present: step.lines }, note: step.note, depthMm: step.depthMm, lesions: step.lesions, decided: step.decided ?? drawn().decided, start: null, corner: null }, { drawing: step.drawing, announcement: "", undone: { says } });
   }
 
   function add(line: OwnLine, announcement: string, part: Partial<DrawnState> = {}): void {

@@ -13,6 +13,7 @@ type Named = Pick<PatternInfo, "name" | "label"> & Partial<Pick<PatternInfo, "pa
 export function planChanges(before: PlanStep, after: PlanStep, known: readonly Named[]): string {
   const said = [...linesChanged(before.lines, after.lines), ...drawingChanged(before.drawing, after.drawing, known)];
   if (before.depthMm !== after.depthMm) said.push(words.number(words.depth, words.depthOf(before.depthMm), words.depthOf(after.depthMm)));
+  if (!isSame(before.lesions, after.lesions)) said.push(words.lesions);
   if (before.note !== after.note) said.push(words.note);
   if (before.decided && after.decided && !isSame(before.decided, after.decided)) said.push(words.ink);
   return said.length > 0 ? said.join(", ") : words.nothing;

@@ -1,5 +1,5 @@
 // What is drawn on the page's scan, and what the hand does there.
-import type { DrawingFile, PatternHandle, PlannedShape, PlanOnScan, Unit, Vector } from "../api/types";
+import type { DrawingFile, PatternHandle, PlanLesion, PlannedShape, PlanOnScan, Unit, Vector } from "../api/types";
 import { type History, startHistory } from "../store/history";
 import { INK, type OwnLine } from "./lines/lines";
 import type { Asymmetry } from "./mirror/mirroredBreast";
@@ -68,6 +68,7 @@ export interface PlanStep {
   readonly drawing: string; // patterns and tumour, see fit/requestedDrawing.ts
   readonly note: string;
   readonly depthMm: number | null;
+  readonly lesions: readonly PlanLesion[];
   readonly decided?: InkDecided | null; // left out or null: it is not known, and stays as it is
 }
 
@@ -75,7 +76,7 @@ export type PlanHistory = History<readonly OwnLine[], PlanStep>;
 
 const STEPS = 200; // far more than anybody undoes
 
-export const stepOf = ({ drawing, drawn }: { readonly drawing: string; readonly drawn: DrawnState }): PlanStep => ({ lines: drawn.lines.present, drawing, note: drawn.note, depthMm: drawn.depthMm, decided: drawn.decided });
+export const stepOf = ({ drawing, drawn }: { readonly drawing: string; readonly drawn: DrawnState }): PlanStep => ({ lines: drawn.lines.present, drawing, note: drawn.note, depthMm: drawn.depthMm, lesions: drawn.lesions, decided: drawn.decided });
 
 /** The history with what is there now as its last step, before something changes. */
 export const withStep = (state: { readonly drawing: string; readonly drawn: DrawnState }): PlanHistory => ({
@@ -98,6 +99,7 @@ export interface DrawnState {
   readonly ink: string; // #rrggbb, of the next line
   readonly note: string; // what the surgeon says about it in words
   readonly depthMm: number | null; // of the tumour by the clock, below the skin
+  readonly lesions: readonly PlanLesion[]; // inside the body, as an image showed them
   readonly decided: InkDecided | null; // null before ink was looked for
   readonly hidden: ReadonlySet<string>; // layerKey of lines that are switched off
   readonly onScan: OnScan | null;
@@ -119,7 +121,7 @@ export interface DrawingSlice {
   readonly fingersDraw: boolean; // all the same
 }
 
-export function startDrawn(lines: readonly OwnLine[] = [], words: Pick<DrawnState, "note" | "depthMm"> = { note: "", depthMm: null }): DrawnState {
+export function startDrawn(lines: readonly OwnLine[] = [], words: Pick<DrawnState, "note" | "depthMm" | "lesions"> = { note: "", depthMm: null, lesions: [] }): DrawnState {
   return {
     lines: startHistory(lines),
     saving: "saved",
@@ -133,6 +135,7 @@ export function startDrawn(lines: readonly OwnLine[] = [], words: Pick<DrawnStat
     ink: INK,
     note: words.note,
     depthMm: words.depthMm,
+    lesions: words.lesions,
     decided: null,
     hidden: new Set([BANDS]), // on demand: they bury small patterns
     onScan: null,

@@ -70,9 +70,24 @@ export const changes = {
   number: (label: string, before: string, after: string) => `${label.toLowerCase()} ${after} instead of ${before}`,
   depth: "depth below the skin",
   depthOf: (mm: number | null) => (mm === null ? "not known" : amount(mm, "mm")),
+  lesions: "lesions changed",
   note: "notes changed",
   ink: "choice among the lines of ink",
   nothing: "the last step",
+};
+
+export const lesions = {
+  title: "Lesion in an image",
+  name: "Name",
+  numbered: (number: number) => `Lesion ${number}`,
+  center: "Centre",
+  centerHint: "x, y, z in millimetres, in the frame of this scan",
+  radius: "Radius",
+  add: "Add",
+  remove: (name: string) => `Remove ${name}`,
+  noPlace: "The centre needs three numbers in millimetres, as 12.5 -80 43.",
+  says: (radius: number, depth: number | null) => [`${radius}\u00a0mm`, depth === null ? "" : `${Math.round(depth)}\u00a0mm below the skin`].filter((part) => part !== "").join(", "),
+  carried: (says: string, error: number | null) => `${says}, carried here: ${error === null ? "how far it may be off is not known" : `nine of ten lie within ${Math.round(error)}\u00a0mm`}`,
 };
 
 export const drawing = {

@@ -1,6 +1,6 @@
 // The plan of the patient on the page: read with each scan, written when a line, a pattern or a tumour changes.
 import type { Client } from "../api/client";
-import type { PlanItem, Scan, StoredPlan } from "../api/types";
+import type { PlanItem, PlanLesion, Scan, StoredPlan } from "../api/types";
 import type { OwnLine } from "../drawing/lines/lines";
 import { type DrawingSlice, type PlanStep, stepOf, withStep } from "../drawing/state";
 import { drawing as drawingText } from "../drawing/text";
@@ -9,7 +9,7 @@ import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import { messageOf, withoutMessage, withProblem } from "../store/problems";
 import { only, type Store } from "../store/store";
-import { depthOn, drawingOn, linesOn, noteOn, stepOn, stepTogether, withDepth, withDrawing, withLines, withNote, withStepOn } from "./items";
+import { depthOn, drawingOn, lesionsOn, linesOn, noteOn, stepOn, stepTogether, withDepth, withDrawing, withLesions, withLines, withNote, withStepOn } from "./items";
 import { createPlanKeeper, type Elsewhere } from "./keeper";
 
 type State = PageSlice & ScanSlice & FitSlice & DrawingSlice;
@@ -21,6 +21,7 @@ export interface PlannedOnScan {
   readonly drawing: string;
   readonly note: string;
   readonly depthMm: number | null;
+  readonly lesions: readonly PlanLesion[];
 }
 
 type Shown = Pick<State, "drawing" | "drawn">;
@@ -28,9 +29,9 @@ type Shown = Pick<State, "drawing" | "drawn">;
 /** What is shown of a scan with what somebody else has planned on it meanwhile, as one step; null where that changes nothing. */
 export function withElsewhere(shown: Shown, scan: string, mine: Pick<StoredPlan, "items">, now: readonly PlanItem[]): Shown | null {
   const step = stepOf(shown);
-  const { lines, drawing, note, depthMm } = stepTogether(mine.items, step, now, scan);
-  if (lines === step.lines && drawing === step.drawing && note === step.note && depthMm === step.depthMm) return null;
-  return { drawing, drawn: { ...shown.drawn, lines: { ...withStep(shown), present: lines }, note, depthMm } };
+  const { lines, drawing, note, depthMm, lesions } = stepTogether(mine.items, step, now, scan);
+  if (lines === step.lines && drawing === step.drawing && note === step.note && depthMm === step.depthMm && lesions === step.lesions) return null;
+  return { drawing, drawn: { ...shown.drawn, lines: { ...withStep(shown), present: lines }, note, depthMm, lesions } };
 }
 
 export function planActions(store: Store<State>, client: Client) {
@@ -55,6 +56,7 @@ export function planActions(store: Store<State>, client: Client) {
     drawing: drawingOn(items, scan),
     note: noteOn(items, scan),
     depthMm: depthOn(items, scan),
+    lesions: lesionsOn(items, scan),
   });
 
   /** As the page shows the scan by now: what somebody else has planned may have come since it was to be saved. */
@@ -87,6 +89,7 @@ export function planActions(store: Store<State>, client: Client) {
     const shown = (): Shown["drawn"] => shownOf(scan.info, asked).drawn;
     if (drawn.note !== before.drawn.note) void change(scan.info, (items) => withNote(items, scan.info.id, shown().note));
     if (drawn.depthMm !== before.drawn.depthMm) void change(scan.info, (items) => withDepth(items, scan.info.id, shown().depthMm));
+    if (drawn.lesions !== before.drawn.lesions) void change(scan.info, (items) => withLesions(items, scan.info.id, shown().lesions));
   });
 
   return {
@@ -162,6 +165,12 @@ export function planActions(store: Store<State>, client: Client) {
       const { scan } = store.get();
       if (!scan || mm === store.get().drawn.depthMm) return;
       store.set((state) => ({ drawn: { ...state.drawn, lines: withStep(state), depthMm: mm } }));
+    },
+
+    lesions(lesions: readonly PlanLesion[]): void {
+      const { scan } = store.get();
+      if (!scan) return;
+      store.set((state) => ({ drawn: { ...state.drawn, lines: withStep(state), lesions: lesions.map((each) => ({ ...each, scan: scan.info.id })) } }));
     },
 
     settled: keeper.settled,

@@ -1,6 +1,6 @@
 // The plan as plain values: which of its items are lines, patterns and the tumour of one scan, put back after a change,
 // and brought together with what somebody else has changed meanwhile.
-import type { PlanItem, PlanLine, PlanNote, PlanPattern, PlanTumour, Vector } from "../api/types";
+import type { PlanItem, PlanLesion, PlanLine, PlanNote, PlanPattern, PlanTumour, Vector } from "../api/types";
 import { lineAlong } from "../drawing/lines/edits";
 import { roundMm } from "../drawing/lines/files";
 import { INK, newId, type OwnLine } from "../drawing/lines/lines";
@@ -11,6 +11,7 @@ type Items = readonly PlanItem[];
 
 const isLine = (item: PlanItem): item is PlanLine => item.kind === "line";
 const isPattern = (item: PlanItem): item is PlanPattern => item.kind === "pattern";
+const isLesion = (item: PlanItem): item is PlanLesion => item.kind === "lesion";
 const isTumour = (item: PlanItem): item is PlanTumour => item.kind === "tumour";
 
 /** The pen's lines on a scan. */
@@ -76,12 +77,18 @@ export function withDepth(items: Items, scan: string, mm: number | null): PlanIt
   return items.map((item) => (item === tumour ? { ...tumour, depth_mm: mm } : item));
 }
 
+/** Lesions inside the body that were given on a scan. */
+export const lesionsOn = (items: Items, scan: string): PlanLesion[] => items.filter(isLesion).filter((item) => item.scan === scan);
+
+export const withLesions = (items: Items, scan: string, lesions: readonly PlanLesion[]): Items =>
+  sorted(lesionsOn(items, scan)) === sorted(lesions) ? items : [...items.filter((item) => !(isLesion(item) && item.scan === scan)), ...lesions];
+
 /** All that the items say about one scan, as one step of undoing. */
-export const stepOn = (items: Items, scan: string): PlanStep => ({ lines: linesOn(items, scan), drawing: drawingOn(items, scan), note: noteOn(items, scan), depthMm: depthOn(items, scan) });
+export const stepOn = (items: Items, scan: string): PlanStep => ({ lines: linesOn(items, scan), drawing: drawingOn(items, scan), note: noteOn(items, scan), depthMm: depthOn(items, scan), lesions: lesionsOn(items, scan) });
 
 /** The items with all that a step says about the scan. */
-export const withStepOn = (items: Items, scan: string, { lines, drawing, note, depthMm }: PlanStep): Items =>
-  withDepth(withNote(withDrawing(withLines(items, scan, lines), scan, drawing), scan, note), scan, depthMm);
+export const withStepOn = (items: Items, scan: string, { lines, drawing, note, depthMm, lesions }: PlanStep): Items =>
+  withLesions(withDepth(withNote(withDrawing(withLines(items, scan, lines), scan, drawing), scan, note), scan, depthMm), scan, lesions);
 
 /**
  * What both wanted: `mine` and `theirs` each began with `base`.  Where both changed one item, mine stays and theirs is kept
@@ -116,7 +123,8 @@ export function stepTogether(mine: Items, step: PlanStep, now: Items, scan: stri
   const lines = linesOn(both, scan).map((line, i) => known.get(sorted(both[i])) ?? line);
   const isSame = lines.length === step.lines.length && lines.every((line, i) => line === step.lines[i]);
   const either = <Key extends "drawing" | "note" | "depthMm">(key: Key): PlanStep[Key] => (step[key] === before[key] ? then[key] : step[key]);
-  return { ...step, lines: isSame ? step.lines : lines, drawing: either("drawing"), note: either("note"), depthMm: either("depthMm") };
+  const lesions = sorted(step.lesions) === sorted(before.lesions) ? then.lesions : step.lesions;
+  return { ...step, lesions, lines: isSame ? step.lines : lines, drawing: either("drawing"), note: either("note"), depthMm: either("depthMm") };
 }
 
 const beside = (item: PlanItem): PlanItem => ({ ...item, id: newId() });

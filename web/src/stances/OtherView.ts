@@ -1,5 +1,6 @@
 // The pane of the stance that waits: a view of its own, made when it is first wanted, whose camera goes with the other's.
 import type { Matrix4 } from "three";
+import { LesionBalls } from "../drawing/lesions/LesionBalls";
 import { ErrorBands } from "../drawing/lines/ErrorBands";
 import { OwnLines } from "../drawing/lines/OwnLines";
 import { ReferenceLines } from "../drawing/lines/ReferenceLines";
@@ -67,6 +68,7 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
       torso,
       fitted,
       new ReferenceLines(made, scan, torso, fitted),
+      new LesionBalls(made),
       new ErrorBands(made, scan, fitted, stage.canvas),
       new OwnLines(made, scan),
       new MeasureLines(made, true),

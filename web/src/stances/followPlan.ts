@@ -21,8 +21,10 @@ const keyOf = (to: Workspace, from: Workspace | null): readonly unknown[] => [
   to.fit?.id,
   from?.fit?.state === "done" ? from.fit.id : null,
   to.drawn.lines.present,
+  to.drawn.lesions,
   to.drawing,
   from?.drawn.lines.present,
+  from?.drawn.lesions,
   from?.drawing,
 ];
 

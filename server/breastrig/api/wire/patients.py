@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from breastrig.api.wire.common import FitState, Name, PageQuery, StanceName, VerdictLevel, Wire
+from breastrig.api.wire.common import FitState, Name, PageQuery, Point, StanceName, VerdictLevel, Wire
 from breastrig.drawings.drawing_schema import Colour, DrawnShape, LineUnit
 from breastrig.drawings.plan_schema import ITEMS, PlanItem, ScanOfPlan
 
@@ -106,7 +106,7 @@ class PlannedLesion(Wire):
 
     id: str = Field(description="of the plan's item")
     name: str
-    center: tuple[float, float, float] = Field(description="in the drawing's unit")
+    center: Point = Field(description="in the drawing's unit")
     radius_mm: float
     error_mm: float | None = Field(description="radius that holds the true centre with 90 %; null where not known")
     depth_mm: float = Field(description="of the centre below the fitted skin")

@@ -1,6 +1,6 @@
 // The pattern that is planned, with its numbers, and a tumour by the clock.  They are drawn on the fitted body and changed
 // there; the fit stays.  A field says what is drawn, as the handles on the body do.
-import type { PatternInfo, PatternParameter } from "../../api/types";
+import type { PatternInfo, PatternParameter, PlanLesion } from "../../api/types";
 import { type DrawingRequest, mirroredValues, readRequest, requestText, startValue, startValues, TUMOUR, type Values } from "../../fit/requestedDrawing";
 import type { FitSlice } from "../../fit/state";
 import { fit as fitText } from "../../fit/text";
@@ -25,6 +25,7 @@ type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "drawing" | "fit
 export interface PlanWords {
   note(text: string): void;
   depth(mm: number | null): void;
+  lesions(lesions: readonly PlanLesion[]): void;
 }
 
 export function createDrawingPattern(drawing: Pick<DrawingActions, "choosePattern">, plan: PlanWords): Panel<Shown> {

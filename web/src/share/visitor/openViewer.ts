@@ -1,4 +1,5 @@
 // The shared body: the same parts as the page's own view, without any that change something.
+import { LesionBalls } from "../../drawing/lesions/LesionBalls";
 import { ErrorBands } from "../../drawing/lines/ErrorBands";
 import { ReferenceLines } from "../../drawing/lines/ReferenceLines";
 import { FittedSurface } from "../../fit/distances/FittedSurface";
@@ -29,6 +30,7 @@ export function openSharedViewer(store: Store<VisitorState>, stage: Stage, lookF
     { update: (state) => scan.update(state, hasModelShown(state)) },
     fitted,
     new ReferenceLines(viewer, scan, torso, fitted),
+    new LesionBalls(viewer),
     new ErrorBands(viewer, scan, fitted, stage.canvas),
     new SideLetters(viewer),
     new HoverValue(viewer, fitted, stage.canvas),

@@ -1,0 +1,17 @@
+// Lesions inside the body as values: a centre as people write it, and what the plan says of each on a scan.
+import type { PlanLesion, PlanOnScan, Vector } from "../../api/types";
+import { newId } from "../lines/lines";
+
+/** Three numbers in mm, with spaces, commas or semicolons between; null for anything else. */
+export function readCenter(written: string): Vector | null {
+  const hasPoints = written.includes(".");
+  const parts = written.trim().replace(/[()[\]]|mm/g, "").split(hasPoints ? /[\s,;]+/ : /[\s;]+|,\s+/).filter((part) => part !== "");
+  const numbers = (parts.length === 1 ? parts[0]!.split(",") : parts).map((part) => (/^[-+]?(\d+([.,]\d*)?|[.,]\d+)$/.test(part) ? Number(part.replace(",", ".")) : NaN));
+  return numbers.length === 3 && numbers.every(Number.isFinite) ? (numbers as unknown as Vector) : null;
+}
+
+/** A new lesion among those that are there. */
+export const lesionAt = (name: string, center: Vector, radiusMm: number): PlanLesion => ({ kind: "lesion", id: newId(), scan: "", name, center: [...center], radius_mm: radiusMm });
+
+/** Where each lies in the body of a scan, its own and those that were carried there. */
+export const lesionsOnScan = (plan: PlanOnScan | null): PlanOnScan["lesions"] => plan?.lesions ?? [];
