@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from breastrig.cli.pattern_words import PATTERN_WORDS
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.clock import FittedSkin, angle_of, on_clock
 from breastrig.drawings.constructions.tumour import Tumour
@@ -325,10 +324,6 @@ def test_names_may_be_left_out_where_all_parameters_are_needed(torso: Rig) -> No
     short = drawn(torso, torso.template, "tumour:R,2,40,10")["tumour_R"].points
     np.testing.assert_array_equal(short.faces, named.faces)
     np.testing.assert_array_equal(short.barycentric, named.barycentric)
-
-
-def test_the_commands_own_words_are_the_help_of_the_patterns() -> None:
-    assert pattern_help() == PATTERN_WORDS
 
 
 def test_the_help_names_every_parameter() -> None:

@@ -32,12 +32,12 @@ OF_THE_SERVER = ("serve", "config", "purge")  # they need the extra `server`
 OF_UNIX = (*OF_THE_SERVER, "batch", "worker")  # processes with limits, and locks of folders
 
 
-def own_module(command: str, part: str) -> Any:
-    """`breastrig.cli.COMMAND_options` or `..._command`; BadInput when what it needs is not there."""
+def own_module(command: str) -> Any:
+    """`breastrig.cli.COMMAND_command`; BadInput when what it needs is not there."""
     try:
         if command in OF_UNIX:
             importlib.import_module("fcntl")
-        return importlib.import_module(f"breastrig.cli.{command}_{part}")
+        return importlib.import_module(f"breastrig.cli.{command}_command")
     except ModuleNotFoundError as error:
         if error.name in ("fcntl", "resource"):
             raise BadInput(

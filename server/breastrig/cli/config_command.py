@@ -1,10 +1,16 @@
-"""What `breastrig config` does; its words stand in config_options.py."""
+"""`breastrig config`: the settings that `breastrig serve` would have, and where each one comes from."""
 
 import argparse
 import os
 
 from breastrig.api.settings import token_source
-from breastrig.cli.service_options import service_settings
+from breastrig.cli.commands import COMMANDS
+from breastrig.cli.service_options import add_service_options, service_settings
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = commands.add_parser("config", help=COMMANDS["config"], description=__doc__)
+    add_service_options(parser)
 
 
 def run(options: argparse.Namespace) -> int:

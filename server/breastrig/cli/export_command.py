@@ -1,13 +1,32 @@
-"""What `breastrig export` does; its words stand in export_options.py."""
+"""A fit for other programs: the drawing as lines (GLB, OBJ, PLY), the model as a closed surface (PLY, STL) with its
+landmarks, lines, regions and caps as named sets of vertices (JSON)."""
 
 import argparse
 from pathlib import Path
 
-from breastrig.cli.output_options import files_of_fit, files_of_model, output_folder
+from breastrig.cli.commands import COMMANDS
+from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
 from breastrig.core.output_files import OutputSet, all_or_nothing
 from breastrig.report.files.exported import SET_FORMAT
 from breastrig.workflow.export_fit import EXPORT_FILES, EXPORT_RECORD, write_export
 from breastrig.workflow.lines.transfer import drawing_document
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = commands.add_parser("export", help=COMMANDS["export"], description=__doc__)
+    parser.add_argument("fit", type=Path, metavar="OUT", help="folder that `breastrig fit` wrote")
+    parser.add_argument(
+        "--plan", type=Path, metavar="FILE", help="plan or drawing that is exported instead of the fit's own drawing"
+    )
+    parser.add_argument(
+        "--with",
+        dest="other",
+        type=Path,
+        metavar="OUT_B",
+        help="fit of the same patient from which the plan is carried too",
+    )
+    parser.add_argument("--model", type=Path, metavar="GLB", help="the rig that the fit was made with")
+    add_output_options(parser, "DIR", "folder for the files")
 
 
 def run(options: argparse.Namespace) -> int:

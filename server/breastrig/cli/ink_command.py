@@ -1,13 +1,23 @@
-"""What `breastrig ink` does; its words stand in ink_options.py."""
+"""`breastrig ink SCAN -o FILE`: finds lines that were drawn with a marker on the skin, in the scan's colours."""
 
 import argparse
 from collections import Counter
+from pathlib import Path
 
-from breastrig.cli.output_options import output_file
+from breastrig.cli.commands import COMMANDS
+from breastrig.cli.output_options import add_output_options, output_file
 from breastrig.core.output_files import all_or_nothing, check_output
 from breastrig.core.private_files import write_private
+from breastrig.core.units import METRES_PER_UNIT
 from breastrig.interface.ink import find_ink
 from breastrig.workflow.folder.fit_files import json_bytes
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = commands.add_parser("ink", help=COMMANDS["ink"], description=__doc__)
+    parser.add_argument("scan", type=Path, metavar="SCAN", help="as for breastrig fit; with its colours")
+    parser.add_argument("--units", default="auto", choices=["auto", *METRES_PER_UNIT], help="unit of the scan")
+    add_output_options(parser, "FILE", ".json, a drawing; each shape says its kind, marker and length")
 
 
 def run(options: argparse.Namespace) -> int:

@@ -1,16 +1,27 @@
-"""What `breastrig landmarks` does; its words stand in landmarks_options.py."""
+"""`breastrig landmarks SCAN -o FILE`: proposes all landmarks of the model on a scan, to be checked by a person."""
 
 import argparse
 import json
 import sys
 from pathlib import Path
 
-from breastrig.cli.output_options import files_of_model, output_file
+from breastrig.cli.commands import COMMANDS
+from breastrig.cli.output_options import add_output_options, files_of_model, output_file
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.private_files import write_private
+from breastrig.core.units import METRES_PER_UNIT
 from breastrig.interface.landmarks import propose_landmarks
 from breastrig.interface.scan import read_coloured
 from breastrig.scan.landmarks.landmark_files import landmark_file
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = commands.add_parser("landmarks", help=COMMANDS["landmarks"], description=__doc__)
+    parser.add_argument("scan", type=Path, metavar="SCAN", help="as for breastrig fit")
+    parser.add_argument("--units", default="auto", choices=["auto", *METRES_PER_UNIT], help="unit of the scan")
+    parser.add_argument("--model", type=Path, metavar="GLB", help="another rig of the same form")
+    add_output_options(parser, "FILE", ".json (with a confidence and a 90 %% radius each), .csv, .pp, .mrk.json")
+
 
 NO_CONFIDENCE = (
     "This kind of file has no place for confidences, so a fit takes its points as picked by a person: check each of "

@@ -1,16 +1,14 @@
 """`breastrig` and its commands.  Exit codes: 0 done, 1 the fit failed, 2 bad input or usage, 3 written but not
 usable, 130 stopped by Ctrl-C.
 
-Of the command that is called first its words are imported, then what it does: all commands together take seconds, and
-who asks for help or mistypes a word waits for neither.
+Only the module of the command that is called is imported.
 """
 
 import argparse
-import gc
 import os
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
+from typing import Any
 
 from breastrig import __version__
 from breastrig.cli import interruption
@@ -21,7 +19,7 @@ from breastrig.core.private_files import shown
 
 
 def parser(command: str | None = None) -> argparse.ArgumentParser:
-    """It knows all commands by name, and the words of the one that is called."""
+    """It knows all commands by name, and the options of the one that is called."""
     root = argparse.ArgumentParser(
         prog="breastrig",
         description="Fits a rigged torso model to a 3D scan and lays surgical drawings on it.",
@@ -29,31 +27,16 @@ def parser(command: str | None = None) -> argparse.ArgumentParser:
     )
     root.add_argument("--version", action="version", version=f"BreastRig {__version__}. {RESEARCH_USE_ONLY}")
     parsers = root.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    if command in COMMANDS:
-        own_module(command, "options").add_parser(parsers)
-    elif command is not None:
-        further_module(command).add_parser(parsers)
+    if command is not None:
+        _module(command).add_parser(parsers)
     else:
         for name, what in (COMMANDS | further_commands()).items():
             parsers.add_parser(name, help=what)
     return root
 
 
-@contextmanager
-def _no_garbage(for_good: bool) -> Iterator[None]:
-    """While modules are imported: nothing of them is garbage, and looking for it takes a fifth of the time.
-
-    `for_good`: nor will it be, as in a program that runs one command; then it is not looked through later either.
-    """
-    before = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if for_good:
-            gc.freeze()
-        if before:
-            gc.enable()
+def _module(command: str) -> Any:
+    return own_module(command) if command in COMMANDS else further_module(command)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -64,11 +47,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         named = words[0] if words else ""
         known = named in COMMANDS or (not named.startswith("-") and named in further_commands())
         options = parser(named if known else None).parse_args(words)
-        with _no_garbage(for_good=arguments is None):
-            is_own = options.command in COMMANDS
-            command = own_module(options.command, "command") if is_own else further_module(options.command)
         interruption.work_begins()
-        return int(command.run(options))
+        return int(_module(options.command).run(options))
     except BreastRigError as error:
         print(f"breastrig: {error}", file=sys.stderr)
         return 2 if isinstance(error, BadInput) else 1

@@ -1,9 +1,11 @@
-"""What `breastrig model` does; its words stand in model_options.py."""
+"""`breastrig model info|check|bind|build`: describe a rig, prove it sound, bind what is known to it, build ours."""
 
 import argparse
 import subprocess
 import sys
+from pathlib import Path
 
+from breastrig.cli.commands import COMMANDS
 from breastrig.core.errors import BadInput
 from breastrig.core.stances import STANCES
 from breastrig.drawings.skin_maps.lying_motion import lying_motion
@@ -18,6 +20,19 @@ from breastrig.report.calibration import measure_calibration
 from breastrig.rig.body_statistics import body_statistics
 from breastrig.rig.model import Rig
 from breastrig.rig.validation.rules import check_rig, describe_rig
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = commands.add_parser("model", help=COMMANDS["model"], description=__doc__)
+    actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+    for name, what in (
+        ("info", "bones, shapes, landmarks and drawings of a rig"),
+        ("check", "every rule that a rig must keep, one line each"),
+        ("bind", "says that NAME.known beside the rig, what was estimated for it, is of the rig as it is now"),
+    ):
+        action = actions.add_parser(name, help=what)
+        action.add_argument("--model", type=Path, metavar="GLB", help="another rig than the package's torso")
+    actions.add_parser("build", help="build the torso from its sources (source checkout only)")
 
 
 def info(options: argparse.Namespace) -> int:

@@ -1,12 +1,13 @@
-"""What `breastrig purge` does; its words stand in purge_options.py."""
+"""`breastrig purge`: deletes scans with everything made of them, while no server runs."""
 
 import argparse
 import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from breastrig.api.settings import without_password
-from breastrig.cli.place_options import chosen_location
+from breastrig.api.settings import read_days, without_password
+from breastrig.cli.commands import COMMANDS
+from breastrig.cli.service_options import add_place_options, chosen_location
 from breastrig.core.errors import BadSettings
 from breastrig.service.sweep import overdue
 from breastrig.storage.data_folder import Ownership, ownership_of
@@ -14,6 +15,22 @@ from breastrig.storage.deletion import delete_rows, finish_deletions, remove_fil
 from breastrig.storage.location import Location
 from breastrig.storage.rows.scans import scan_ids
 from breastrig.storage.storage import Storage, Unremoved
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = commands.add_parser("purge", help=COMMANDS["purge"], description=__doc__)
+    which = parser.add_mutually_exclusive_group(required=True)
+    which.add_argument("--all", action="store_true", help="every scan")
+    which.add_argument("--older-than", type=days, metavar="DAYS", help="scans uploaded more than so many days ago")
+    add_place_options(parser)
+
+
+def days(text: str) -> float:
+    """A number of days from an option."""
+    try:
+        return read_days(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"{text} {error}") from error
 
 
 def run(options: argparse.Namespace) -> int:

@@ -1,11 +1,12 @@
-"""What `breastrig report` does; its words stand in report_options.py."""
+"""Measures of one fit, or of two stances of one patient, as JSON, CSV and PDF with a tape sheet of the drawing."""
 
 import argparse
 from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-from breastrig.cli.output_options import files_of_fit, files_of_model, output_folder
+from breastrig.cli.commands import COMMANDS
+from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
 from breastrig.core import wall_clock
 from breastrig.core.identity import SAYS_NOTHING, Identity, file_name, random_code
 from breastrig.core.output_files import OutputSet, all_or_nothing
@@ -14,6 +15,27 @@ from breastrig.workflow.folder.patient import patient_of
 from breastrig.workflow.jobs import ReportJob
 from breastrig.workflow.lines.transfer import drawing_document
 from breastrig.workflow.report import MEASURES_TABLE, REPORT_RECORD, write_report
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = commands.add_parser("report", help=COMMANDS["report"], description=__doc__)
+    parser.add_argument(
+        "fit", type=Path, metavar="OUT", help="folder that `breastrig fit` wrote, with or without --with"
+    )
+    parser.add_argument(
+        "--with", dest="other", type=Path, metavar="OUT_B", help="fit of the same patient in another stance"
+    )
+    parser.add_argument(
+        "--plan", type=Path, metavar="FILE", help="plan or drawing that is shown instead of the fit's own drawing"
+    )
+    parser.add_argument(
+        "--code",
+        default="",
+        metavar="CODE",
+        help="the patient's code, never a name, on every page and in the PDF's name; by default that of the fit",
+    )
+    parser.add_argument("--model", type=Path, metavar="GLB", help="the rig that the fits were made with")
+    add_output_options(parser, "DIR", "folder for the three files")
 
 
 def run(options: argparse.Namespace) -> int:

@@ -1,4 +1,4 @@
-"""What `breastrig serve` does; its words stand in serve_options.py."""
+"""`breastrig serve`: the service and its page, until Ctrl-C or SIGTERM."""
 
 import argparse
 import html
@@ -18,8 +18,9 @@ from breastrig.api.app import create_app
 from breastrig.api.config import TOKEN_VARIABLE, Config, checked_token
 from breastrig.api.settings import location_of, token_source
 from breastrig.api.web_server import Server, ServerLimits
+from breastrig.cli.commands import COMMANDS
 from breastrig.cli.interruption import NUMBERS, raise_if_asked
-from breastrig.cli.service_options import service_settings
+from breastrig.cli.service_options import add_service_options, service_settings
 from breastrig.core.log_lines import set_up_logs
 from breastrig.core.notice import RESEARCH_USE_ONLY
 from breastrig.execution.executor import Executor
@@ -29,6 +30,12 @@ from breastrig.service.service import Service
 from breastrig.service.task_modules import REMOTE_MODULES
 from breastrig.storage.storage import Storage
 from breastrig.workflow.tasks import run_fit, run_pair
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = commands.add_parser("serve", help=COMMANDS["serve"], description=__doc__)
+    add_service_options(parser)
+
 
 SECRETS = (TOKEN_VARIABLE, "BREASTRIG_DATABASE")  # of the environment; the second may hold a password
 

@@ -1,11 +1,30 @@
-"""What `breastrig transfer` does; its words stand in transfer_options.py."""
+"""`breastrig transfer --from OUT_A --to OUT_B -o FILE`: a drawing made on scan A, shown on scan B.
+
+OUT_A and OUT_B are folders that `breastrig fit` wrote.  The drawing lies on scan A (points in its frame) or on the
+model (surface_points), or is a whole plan (breastrig/plan@1); without --drawing it is the one that the fit of scan A
+left.  FILE is in scan B's frame and unit and says of each point how far off its place may be.
+"""
 
 import argparse
 import sys
+from pathlib import Path
 
-from breastrig.cli.output_options import files_of_fit, files_of_model, output_file
+from breastrig.cli.commands import COMMANDS
+from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_file
 from breastrig.core.output_files import all_or_nothing
 from breastrig.interface.transfer import transfer
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = commands.add_parser("transfer", help=COMMANDS["transfer"], description=__doc__)
+    parser.add_argument("--from", dest="from_fit", type=Path, required=True, metavar="OUT_A", help="fit of scan A")
+    parser.add_argument("--to", dest="to_fit", type=Path, required=True, metavar="OUT_B", help="fit of scan B")
+    parser.add_argument("--drawing", type=Path, metavar="FILE", help="a drawing on scan A or on the model, or a plan")
+    parser.add_argument(
+        "--other-patient", action="store_true", help="the scans are of two patients: same place instead of same skin"
+    )
+    parser.add_argument("--model", type=Path, metavar="GLB", help="the rig of both fits, when not the package's")
+    add_output_options(parser, "FILE", "drawing on scan B, JSON")
 
 
 def run(options: argparse.Namespace) -> int:

@@ -1,13 +1,27 @@
-"""What `breastrig worker` does; its words stand in worker_options.py."""
+"""`breastrig worker ADDRESS`: this machine helps a Dask scheduler with the fits of `serve` and `batch`.
+
+Whoever reaches a scheduler or a worker can have any program run there.  Keep both in a network of your own, or give
+a tls:// address: certificates come from Dask's own settings (distributed.comm.tls, or the environment's
+DASK_DISTRIBUTED__COMM__TLS__...).
+"""
 
 import argparse
 import sys
 
+from breastrig.cli.commands import COMMANDS
 from breastrig.core.errors import BadSettings
 from breastrig.core.log_lines import set_up_logs
 from breastrig.execution.dask_worker import run_worker
 from breastrig.execution.limits import FitLimits
 from breastrig.service.task_modules import REMOTE_MODULES, TASK_MODULES
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = commands.add_parser("worker", help=COMMANDS["worker"], description=__doc__)
+    parser.add_argument("address", metavar="ADDRESS", help="the scheduler's, as in tcp://host:8786")
+    parser.add_argument(
+        "--workers", type=int, metavar="N", help="fits that run at once (default: one a core, at most 8)"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
