@@ -71,7 +71,7 @@ def main() -> None:
             place = out / fresh.relative_to(folder)
             place.parent.mkdir(parents=True, exist_ok=True)
             fresh.replace(place)
-    print(f"The model stands in {out}.")
+    print(f"The model is in {out}.")
 
 
 if __name__ == "__main__":

@@ -102,11 +102,11 @@ def main(folder: Path, into: Path = FOLDER) -> None:
     rig, recipe = read_rig(default_rig_path()), load_recipe("default")
     bodies: dict[str, dict[str, list[tuple[Booleans, Array]]]] = {"standing": {}, "supine": {}}
     for case in read_cohort(folder):
-        told = json.loads((folder / case.patient / "patient.json").read_text("utf-8"))
-        if told["half"] == "choose" and told["capture"] == "ordinary":
+        patient = json.loads((folder / case.patient / "patient.json").read_text("utf-8"))
+        if patient["half"] == "choose" and patient["capture"] == "ordinary":
             scene = read_scene(case)
             found = hidden_heights(scene, rig, scene.fitted(rig, recipe, {}).vertices)
-            bodies[case.stance].setdefault("ours" if told["source"].startswith(OURS) else "given", []).append(found)
+            bodies[case.stance].setdefault("ours" if patient["source"].startswith(OURS) else "given", []).append(found)
     for stance, given in bodies.items():
         skin = agreed_form(rig, given) if stance == "supine" else estimated(rig, given)
         document = {

@@ -66,9 +66,9 @@ def _stances(folder: Path) -> Iterator[tuple[dict[str, str], dict[str, Case]]]:
     for case in read_cohort(folder):
         by_patient.setdefault(case.patient, {})[case.name] = case
     for patient, cases in by_patient.items():
-        told = json.loads((folder / patient / "patient.json").read_text("utf-8"))
-        if told["half"] == "choose" and told["capture"] == "ordinary" and cases.keys() >= {"standing", "supine"}:
-            yield told, cases
+        record = json.loads((folder / patient / "patient.json").read_text("utf-8"))
+        if record["half"] == "choose" and record["capture"] == "ordinary" and cases.keys() >= {"standing", "supine"}:
+            yield record, cases
 
 
 def mean_at(rig: Rig, given: Sequence[Pair], at: Array, motion: Array) -> Array:

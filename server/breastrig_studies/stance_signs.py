@@ -65,19 +65,19 @@ def write_arms(folder: Path, sources: Sequence[Source]) -> Path:
     """Beside the folder of warped bodies the same ones with other arms, where they are not there yet."""
     into = folder.parent / "arms"
     for file in sorted(folder.glob("*/patient.json")):
-        told = json.loads(file.read_text("utf-8"))
-        place, (seed, number) = into / file.parent.name, told["made_by"]["seed"]
+        patient = json.loads(file.read_text("utf-8"))
+        place, (seed, number) = into / file.parent.name, patient["made_by"]["seed"]
         if (place / "patient.json").is_file():
             continue
         random, own = np.random.default_rng((seed, number)), np.random.default_rng((seed, number, ARMS))
         source = source_of(sources, number, random)
         draw_capture(random)
-        share = told["made_by"].get("hanging", HANGING)
+        share = patient["made_by"].get("hanging", HANGING)
         body = draw_body(source, random, np.random.default_rng((seed, number, HANGS)), share)
         for k, moved in enumerate((with_arms_away(body, own), with_arms_along(body, own))):
-            scan = scan_captured(moved, source.faces, source.scanned, told["capture"], own)
+            scan = scan_captured(moved, source.faces, source.scanned, patient["capture"], own)
             write_case(place / moved.stance, moved, source.faces, scan, UNITS[k], own, {})
-        (place / "patient.json").write_text(json.dumps(told), "utf-8")
+        (place / "patient.json").write_text(json.dumps(patient), "utf-8")
     return into
 
 
@@ -105,14 +105,16 @@ def signs_of_scans(folder: Path, arms: str, rig: Rig) -> list[ScanSigns]:
 def _measured(folder: Path, arms: str, rig: Rig) -> Iterator[ScanSigns]:
     recipe = load_recipe("default")
     for case in read_cohort(folder):
-        told = json.loads((folder / case.patient / "patient.json").read_text("utf-8"))
+        patient = json.loads((folder / case.patient / "patient.json").read_text("utf-8"))
         for part, scene, ready in scans_without_table(case):
             start = start_from_scan(rig, ready.target, ready.frame.fronts).parameters
             task = FitTask(rig, ready.target, start, recipe, {})
             standing, supine = ((*checked_iterates(replace(task, stance=each)),)[-1] for each in STANCES)
             if scene.landmark_errors(rig, pose(rig, standing.parameters)).mean() < ASTRAY:
                 signs = measured_signs(task, standing, supine)
-                yield ScanSigns(f"{arms} {part}".strip(), told["half"], told["source"], case.stance == "supine", signs)
+                yield ScanSigns(
+                    f"{arms} {part}".strip(), patient["half"], patient["source"], case.stance == "supine", signs
+                )
 
 
 def weights_of(scans: Sequence[ScanSigns]) -> Array:

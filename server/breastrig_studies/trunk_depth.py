@@ -76,8 +76,8 @@ def main(folder: Path, into: Path = FOLDER) -> None:
         raise SystemExit(f"Nothing is known of the hidden skin of {rig.name}: run breastrig_studies.hidden_skin first.")
     women = dict[str, list[Body]]()
     for case in read_cohort(folder):
-        told = json.loads((folder / case.patient / "patient.json").read_text("utf-8"))
-        if (told["capture"], case.stance) != ("ordinary", "supine"):
+        patient = json.loads((folder / case.patient / "patient.json").read_text("utf-8"))
+        if (patient["capture"], case.stance) != ("ordinary", "supine"):
             continue
         scene = read_scene(case)
         if scene.target.table is None:
@@ -86,7 +86,7 @@ def main(folder: Path, into: Path = FOLDER) -> None:
         above = vertices @ scene.target.table.normal - scene.target.table.height
         excess = max(float(above[rig.regions["belly"]].mean()) - ORDINARY, 0.0)
         hidden, heights = hidden_heights(scene, rig, vertices)
-        women.setdefault(told["source"], []).append(Body(excess, hidden, heights - expected))
+        women.setdefault(patient["source"], []).append(Body(excess, hidden, heights - expected))
     (into / "trunk_depth.json").write_text(json.dumps(estimated(rig, women)) + "\n", "utf-8")
 
 

@@ -118,7 +118,7 @@ def test_a_coordinate_beyond_all_reason_is_one_short_line(
 
 
 @pytest.mark.parametrize(("millimetres", "words"), [(9000.0, "8[0-9]{3} mm"), (5e7, "[0-9]{2},[0-9]{3} m")])
-def test_a_far_landmark_is_told_in_numbers_that_can_be_read(
+def test_a_far_landmark_is_reported_in_readable_numbers(
     millimetres: float, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     document = json.loads(Path(PICKS).read_text())

@@ -39,7 +39,7 @@ from breastrig.colour.ink.ridges import OFFSETS
         ("bluish gloss", (-0.5, -0.6, -0.8), 2.0, None),
     ],
 )
-def test_ink_is_told_from_skin_hair_shadow_and_cloth(
+def test_ink_is_distinguished_from_skin_hair_shadow_and_cloth(
     what: str, added: tuple[float, float, float], width_mm: float, ink: Ink | None
 ) -> None:
     assert ink_of(np.array(added), 1e-3 * width_mm) is ink, what

@@ -35,7 +35,7 @@ def test_every_path_that_a_map_names_exists(readme: str, places: list[str], repo
     assert {path for path in paths if not is_there(path, folders)} == set()
 
 
-def test_every_room_of_the_server_stands_in_its_map(repository: Path) -> None:
+def test_every_room_of_the_server_is_in_its_map(repository: Path) -> None:
     package = repository / "server" / "breastrig"
     rooms = {f"{folder.name}/" for folder in package.iterdir() if (folder / "__init__.py").is_file()}
     assert rooms <= named_paths((repository / "server" / "README.md").read_text())

@@ -78,7 +78,7 @@ def test_ways_agree_as_far_as_the_smaller_one_goes() -> None:
     np.testing.assert_array_equal(agreed(ways), [[0.001, -0.002, 0.0]])
 
 
-def test_what_all_bodies_do_is_learnt_and_mirrored(torso: Rig) -> None:
+def test_what_all_bodies_do_is_estimated_and_mirrored(torso: Rig) -> None:
     """Two ways of lying down that agree; the points lie on the left breast only."""
     lying = torso.template + known(torso)
     vertices = np.asarray(torso.regions["breast_L"])

@@ -96,6 +96,6 @@ def test_the_limbs_of_the_vertical_pattern_meet_above_the_fold_and_are_as_wide_a
     assert np.linalg.norm(np.diff(at, axis=0), axis=1).max() < 0.012
 
 
-def test_a_breast_whose_fold_is_near_is_told_of_the_other_pattern(torso: Rig) -> None:
+def test_a_near_fold_names_the_other_pattern(torso: Rig) -> None:
     with pytest.raises(BadDrawing, match="periareolar"):
         drawn(torso, 0.6 * torso.template, "vertical:above_fold_mm=60")

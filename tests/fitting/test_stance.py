@@ -61,7 +61,7 @@ def test_the_body_tells_when_there_is_no_table(stance: str) -> None:
     assert "no table" in answer.reason
 
 
-def test_who_lies_with_the_arms_along_her_sides_is_not_said_to_stand_without_a_doubt() -> None:
+def test_a_supine_body_with_arms_along_its_sides_is_not_called_standing_without_a_doubt() -> None:
     source = read_sources()[1]
     lie = source.lying[0]
     standing = VirtualBody("standing", source.standing, source.landmarks(source.standing), None)
@@ -117,7 +117,7 @@ def before_a_plane(stance: str, behind: float) -> Surface:
 
 
 @pytest.mark.parametrize("behind", [0.02, 0.06, 0.10])
-def test_a_wall_close_behind_who_stands_is_no_table(behind: float) -> None:
+def test_a_wall_close_behind_a_standing_body_is_no_table(behind: float) -> None:
     ready = prepared(before_a_plane("standing", behind), "auto")
     assert ready.frame.stance == "supine"  # as the plane alone has it
     answer = scan_orientation(read_rig(default_rig_path()), ready, load_recipe("default"))[0]

@@ -86,7 +86,7 @@ def test_more_and_more_signals_make_it_unusable_and_then_no_torso() -> None:
         assert found.is_torso == (count < LIMITS.refused_at)
 
 
-def test_who_named_landmarks_is_not_told_that_it_is_no_torso() -> None:
+def test_named_landmarks_are_not_refused_as_no_torso() -> None:
     found = verdict(beyond_no_torso(*NAMES), Status.CONVERGED, LIMITS, ALL)
     assert (found.level, found.is_torso) == ("unusable", True)
 

@@ -49,6 +49,6 @@ def test_two_holes_that_touch_in_one_corner_are_parted() -> None:
     assert all(len(set(loop)) == len(loop) for loop in loops)
 
 
-def test_triangles_that_disagree_about_their_direction_are_told() -> None:
+def test_triangles_that_disagree_about_their_direction_are_reported() -> None:
     with pytest.raises(ValueError, match="disagree"):
         boundary_loops(np.array([[0, 1, 2], [0, 1, 3]]))

@@ -98,7 +98,7 @@ def test_the_light_comes_from_the_upper_left() -> None:
     assert picture[20, 20, 0] > picture[44, 44, 0] + 25
 
 
-def test_the_inside_of_an_open_surface_is_told_from_the_outside() -> None:
+def test_the_inside_of_an_open_surface_is_distinguished_from_the_outside() -> None:
     sheet = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
     outside = render([Layer(sheet, np.array([[0, 1, 2]]), RED)], camera("front", sheet), SMALL)
     inside = render([Layer(sheet, np.array([[0, 2, 1]]), RED)], camera("front", sheet), SMALL)

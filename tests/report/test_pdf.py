@@ -171,7 +171,7 @@ def test_the_document_keeps_no_times_and_no_landmark_of_the_patient(toy_stance: 
     assert "timing_s" not in str(document)
 
 
-def test_stances_are_told_apart() -> None:
+def test_stances_are_distinguished() -> None:
     assert stance_names(["standing"]) == ["standing"]
     assert stance_names(["standing", "supine"]) == ["standing", "supine"]
     assert stance_names(["supine", "supine"]) == ["supine A", "supine B"]

@@ -31,7 +31,7 @@ def test_a_line_shows_on_grey_skin_and_keeps_its_hue(color: str) -> None:
         assert max(shown) > 0.4
 
 
-def test_a_red_and_a_white_line_are_told_apart_in_the_picture() -> None:
+def test_a_red_and_a_white_line_are_distinguished_in_the_picture() -> None:
     rig = read_rig(default_rig_path())
     stance = Stance(rig, rig.template, rig.template, rig.faces, "standing")
     nipples = [

@@ -113,7 +113,7 @@ def test_the_tape_starts_from_picked_landmarks_and_says_how_far_off_those_of_the
     assert 2.0 < point.error_mm < 8.0 < by_the_model.error_mm
 
 
-def test_what_carrying_a_line_adds_stands_in_the_sheet(torso: Rig) -> None:
+def test_what_carrying_a_line_adds_is_in_the_sheet(torso: Rig) -> None:
     place = torso.template[torso.regions["breast_L"][:1]]
     here, carried = (tape_points(known(torso, 0.01, FOUND, line(place, error=error)))[0] for error in (None, 0.012))
     assert here.error_mm is not None

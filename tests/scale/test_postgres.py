@@ -225,7 +225,7 @@ def test_a_fit_is_held_by_one_and_waited_for(storage: Storage) -> None:
     assert storage.wait_until_free("fit-1", 1.0)
 
 
-def test_a_fit_that_is_not_let_go_of_is_taken_over_after_a_while(
+def test_a_fit_whose_lock_is_not_released_is_taken_over_after_a_while(
     url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(database, "BUSY_TIMEOUT_S", 0.05)

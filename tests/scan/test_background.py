@@ -93,7 +93,7 @@ def test_a_body_alone_is_not_touched(stance: str) -> None:
 
 
 @pytest.mark.parametrize("behind", [0.02, 0.10, 0.18])
-def test_who_is_said_to_stand_is_freed_of_walls_however_close_they_are(behind: float) -> None:
+def test_walls_are_cut_from_a_known_standing_body_however_close_they_are(behind: float) -> None:
     near = plane([-0.8, -0.3, -behind], [1.6, 0.0, 0.0], [0.0, 1.3, 0.0])
     alone, surface = prepared(joined(body()), "standing"), joined(body(), near)
     ready = prepared(surface, "standing")

@@ -137,7 +137,7 @@ def test_after_a_restart_what_ran_comes_before_what_waited(serving, storage: Sto
         assert get_fit(service.storage, "interrupted").state == "done"
 
 
-def test_a_fit_is_begun_three_times_and_then_fails(serving, storage: Storage, scan_id: str) -> None:
+def test_a_fit_is_started_three_times_and_then_fails(serving, storage: Storage, scan_id: str) -> None:
     begun(storage, scan_id, "twice", 2, attempts=2)
     begun(storage, scan_id, "thrice", 2, attempts=3)
     with serving(fake_fit.quick) as service:
@@ -154,7 +154,7 @@ def test_a_fit_does_not_go_on_with_another_model(serving, storage: Storage, scan
         assert ended(service, "interrupted").reason == OTHER_MODEL
 
 
-def test_a_fit_that_is_begun_again_has_the_stance_that_was_asked_for(serving, storage: Storage, scan_id: str) -> None:
+def test_a_fit_that_is_started_again_has_the_stance_that_was_asked_for(serving, storage: Storage, scan_id: str) -> None:
     begun(storage, scan_id, "interrupted", 0)
     append(storage, "interrupted", {"kind": "started", "stance": "supine", "model_sha256": "0" * 64})
     fit = get_fit(storage, "interrupted")

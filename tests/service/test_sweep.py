@@ -241,7 +241,7 @@ def test_purge_asks_what_to_delete(options: list[str]) -> None:
 
 
 @pytest.mark.parametrize("days", ["0", "-1", "often"])
-def test_a_server_is_not_told_to_delete_at_once(days: str) -> None:
+def test_no_server_is_set_to_delete_at_once(days: str) -> None:
     with pytest.raises(SystemExit) as stop:
         main(["serve", "--keep-days", days])
     assert stop.value.code == 2

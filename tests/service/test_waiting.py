@@ -24,7 +24,7 @@ def test_places_in_the_queue_count_from_one_and_move_up(serving, scan_id: str) -
         assert queue_positions(service.storage, waiting) == dict(zip(waiting[1:], (1, 2), strict=True))
 
 
-def test_two_stances_stand_in_the_queue_once(serving, scan_id: str) -> None:
+def test_two_stances_are_in_the_queue_once(serving, scan_id: str) -> None:
     with serving(fake_fit.patient, fake_fit.patient_pair, workers=1) as service:
         running = ask(service, scan_id)
         until(lambda: get_fit(service.storage, running).state == "running", "the first to run")

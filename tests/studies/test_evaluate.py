@@ -158,7 +158,7 @@ def test_finished_work_is_kept_and_a_changed_input_is_measured_anew(
 
 
 @pytest.mark.usefixtures("tables_only")
-def test_a_failed_fit_is_told_and_the_others_go_on(
+def test_a_failed_fit_is_reported_and_the_others_go_on(
     whole: Path, cohort: Path, tmp_path: Path, stand_in: StandIn
 ) -> None:
     (measured,) = (r["answer"] for r in kept(whole).values() if r["question"] == "accuracy")

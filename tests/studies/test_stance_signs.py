@@ -21,7 +21,7 @@ def cases(count: int) -> list[ScanSigns]:
     return found
 
 
-def test_what_tells_is_learnt_and_what_does_not_is_not() -> None:
+def test_only_signs_that_distinguish_are_estimated() -> None:
     given = cases(400)
     found = estimated(given, stance_signs())
     odds = np.array([found.log_odds(each.signs) for each in given])

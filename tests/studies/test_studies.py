@@ -42,7 +42,7 @@ from breastrig_studies.tables.verdicts import verdicts_table
         ((0.0, 0.0, 1.0), {"up"}),  # 57 degrees
     ],
 )
-def test_the_wrong_way_is_told_by_axis(rig: Rig, turn: tuple[float, float, float], wrong: set[str]) -> None:
+def test_the_wrong_way_is_named_by_axis(rig: Rig, turn: tuple[float, float, float], wrong: set[str]) -> None:
     places = rig.landmark_points().positions(rig.template, rig.faces)
     true = dict(zip(rig.landmark_names, 1.1 * places + 0.3, strict=True))
     found = wrong_way(rig, rig.template @ exp_so3(np.array(turn)).T, true)
@@ -72,7 +72,7 @@ def test_without_the_table_only_the_body_is_left(cohort: Path, rig: Rig) -> None
     assert len(without_table(with_table).target.faces) == pytest.approx(len(body.faces), rel=0.01)
 
 
-def test_a_cut_leaves_what_lies_above_it_and_its_fit_is_told_as_a_share_of_the_whole(cohort: Path, rig: Rig) -> None:
+def test_a_cut_leaves_what_lies_above_it_and_its_fit_is_compared_with_the_whole(cohort: Path, rig: Rig) -> None:
     scene, recipe = read_scene(read_cohort(cohort)[0]), load_recipe("default")
     whole = whole_fit(scene, rig, recipe)
     numbers = unseen(scene, rig, recipe)
@@ -239,7 +239,7 @@ def test_grades_are_counted_by_the_true_one_and_by_what_is_left_open() -> None:
     assert measures_table([record("measures", {"exact": rows, "clicked": [], "none": []})]).rows == []
 
 
-def test_a_right_fit_is_told_from_one_that_is_head_down(cohort: Path, rig: Rig) -> None:
+def test_a_right_fit_is_distinguished_from_one_that_is_head_down(cohort: Path, rig: Rig) -> None:
     answer = verdicts(read_scene(read_cohort(cohort)[0]), rig, load_recipe("default"))
     assert answer["whole"]
     fits = answer["fits"]

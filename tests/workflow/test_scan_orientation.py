@@ -229,7 +229,7 @@ def test_a_command_line_proposal_reads_prepares_and_orients_once(
     assert cleaned == [1, 1]
 
 
-def test_what_was_cut_as_table_or_by_hand_stands_in_the_result(tmp_path: Path) -> None:
+def test_what_was_cut_as_table_or_by_hand_is_in_the_result(tmp_path: Path) -> None:
     """Said or found: a lying patient's table goes, and result.json says how much of the scan that was."""
     picks = json.loads((SUPINE / "landmarks.json").read_text())["landmarks"]
     for stance in ("auto", "supine"):

@@ -23,7 +23,7 @@ COMMANDS = {
     "presets": "list the presets of fits, or show one",
     "model": "describe, check or build the model",
     "serve": "serve the page and the HTTP API",
-    "worker": "carry out fits for a Dask scheduler",
+    "worker": "run fits for a Dask scheduler",
     "config": "show the settings of the service",
     "purge": "delete stored scans and all that was made of them",
 }

@@ -86,7 +86,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         "--code", default="", metavar="CODE", help="the patient's code, never a name; by default a random one"
     )
     parser.add_argument(
-        "--scanned", type=date.fromisoformat, metavar="DATE", help="day of SCAN, as 2026-11-25; stands in reports"
+        "--scanned", type=date.fromisoformat, metavar="DATE", help="day of SCAN, as 2026-11-25; shown in reports"
     )
     parser.add_argument("--with-scanned", type=date.fromisoformat, metavar="DATE", help="day of SCAN_B")
     parser.add_argument("--no-progress", action="store_true", help="no progress bar")

@@ -1,12 +1,9 @@
 """Ctrl-C and a request to end: always obeyed, with one line and never with a traceback.
 
-Python's own KeyboardInterrupt gets lost where a library catches everything (trimesh does while it is imported) or where
-Python itself is in a finaliser.  So while modules are loaded, when nothing has begun yet, a signal ends the process at
-once; afterwards it raises KeyboardInterrupt, so that what is half-done is removed, and is also noted, so that
-whoever goes on regardless finds it at the next look (`raise_if_asked`).  A second signal ends the process at once.
-
-Only what Python brings in any case is imported here: each millisecond before `watch` is one in which Python's own
-traceback would be shown.
+Python's own KeyboardInterrupt gets lost where a library catches everything or Python is in a finaliser.  So while
+modules are loaded a signal ends the process at once; afterwards it raises KeyboardInterrupt and is noted as well, for
+whoever goes on regardless (`raise_if_asked`).  A second signal ends the process at once.  Only what Python brings in
+any case is imported here: each millisecond before `watch` is one in which Python's own traceback would be shown.
 """
 
 import os

@@ -65,7 +65,7 @@ def read_all_known(rig: Rig) -> None:
 
 
 def bind(options: argparse.Namespace) -> int:
-    """Says that what stands in NAME.known is of this very rig."""
+    """Binds NAME.known to this rig by its hash."""
     glb = options.model or default_rig_path()
     print(f"{bind_known(glb, read_rig(glb).sha256).name} names {glb.name} now.")
     return 0

@@ -43,7 +43,7 @@ log = logging.getLogger(__name__)
 
 
 def run(options: argparse.Namespace) -> int:
-    """Serves until it is told to stop.  Raises BadSettings or BadModel when it cannot start."""
+    """Serves until a signal stops it.  Raises BadSettings or BadModel when it cannot start."""
     found = service_settings(options)
     setting = {name: one.value for name, one in found.items()}
     set_up_logs(setting["log"])

@@ -74,7 +74,7 @@ def add_service_options(parser: argparse.ArgumentParser) -> None:
         "--scheduler",
         type=checked("scheduler"),
         metavar="ADDRESS",
-        help="a Dask scheduler, whose workers carry out the fits (default: processes of this machine)",
+        help="a Dask scheduler, whose workers run the fits (default: processes of this machine)",
     )
     parser.add_argument(
         "--keep-days",
@@ -118,15 +118,14 @@ def add_service_options(parser: argparse.ArgumentParser) -> None:
         action="store_const",
         const="yes",
         help="for scripts: any user and program of this machine may read and change all patients (default: a token is "
-        "made at each start, and stands in the printed address)",
+        "made at each start, and is in the printed address)",
     )
     parser.add_argument(
         "--no-browser", action="store_const", const="yes", help="open no browser when started on a terminal"
     )
     parser.add_argument("--config", type=Path, metavar="FILE", help=f"settings file, TOML (or {FILE_VARIABLE})")
     parser.epilog = (
-        "Each option may also stand in the settings file (keep_days = 30), or in the environment "
-        "(BREASTRIG_KEEP_DAYS=30)."
+        "Each option may also be in the settings file (keep_days = 30), or in the environment (BREASTRIG_KEEP_DAYS=30)."
     )
 
 

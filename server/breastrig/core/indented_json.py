@@ -1,7 +1,7 @@
 """JSON as `json.dumps(document, indent=1)` writes it, ten times faster where most of it is lists of numbers.
 
 Python's own encoder in C does not indent, and the one that does goes number by number.  Here each list without lists
-or objects in it goes through the fast one, told to put its commas at the ends of lines.
+or objects in it goes through the fast one, which puts its commas at the ends of lines.
 """
 
 import json

@@ -59,7 +59,7 @@ def remove_abandoned(parent: Path, prefix: str) -> None:
 
 
 def _remove(folder: Path, lock: FileLock) -> None:
-    """The folder, then the file that is locked; Windows removes that one when it is let go only."""
+    """The folder, then the file that is locked; Windows removes that one only when it is released."""
     shutil.rmtree(folder, ignore_errors=True)
     with suppress(OSError):
         Path(lock.lock_file).unlink()

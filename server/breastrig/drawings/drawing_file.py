@@ -1,7 +1,7 @@
 """Drawing files (breastrig/drawing@1) read into polylines on a scan or lines on the model, and written again.
 
 A file may come from the page, from another program or from a person with an editor; what is wrong with it is one
-sentence.  Which fields it may have and their limits stand in drawing_schema.py.
+sentence.  Which fields it may have and their limits are in drawing_schema.py.
 """
 
 import json

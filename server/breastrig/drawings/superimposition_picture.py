@@ -1,6 +1,6 @@
 """Draws two drawings on one scan: the first black, the second white, thin over holes, the distances below.
 
-Both lines can be told apart in print and by everyone, on a scan that is shown in the tone between them.
+Both lines can be distinguished in print and by everyone, on a scan that is shown in the tone between them.
 """
 
 from collections.abc import Sequence

@@ -81,9 +81,9 @@ def propose_landmarks(
     points = rig.landmark_points()
     places, normals = (points.positions(of, rig.faces) for of in (vertices, vertex_normals(vertices, rig.faces)))
     posterior = Posterior(ended, fitted)
-    told = {name: each.place for name, each in posterior.relief.items() if each.all_round}
-    told |= {name: each.place for name, each in shown.items()}
-    places += expected_shifts(places, posterior.state, ended, told)
+    observed = {name: each.place for name, each in posterior.relief.items() if each.all_round}
+    observed |= {name: each.place for name, each in shown.items()}
+    places += expected_shifts(places, posterior.state, ended, observed)
     found = match(scan.target, places, normals / np.linalg.norm(normals, axis=1, keepdims=True), ON_SKIN)
     seen = np.zeros(len(places), dtype=np.bool_)
     seen[found.vertices] = True

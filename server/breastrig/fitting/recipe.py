@@ -91,9 +91,9 @@ class Stage(_Part):
     data_sigma: Range  # m
     along_sigma: Range | None = None  # m, point to point beside point to plane; absent: slide freely
     landmark_sigma: Range  # m
-    landmark_kernel_scale: Range | None = None  # m, beyond it a pick is let go (Geman-McClure); absent: never
+    landmark_kernel_scale: Range | None = None  # m, beyond it a pick is rejected (Geman-McClure); absent: never
     kernel: Literal["none", "huber", "geman_mcclure", "tukey"] = "none"
-    kernel_scale: Range = (1.0, 1.0)  # m, distance at which the kernel starts to let go
+    kernel_scale: Range = (1.0, 1.0)  # m, scale of the kernel
     free_shapes: tuple[Literal["body", "soft", "gravity"], ...] = ("body", "soft", "gravity")
     free_scales: bool = True
     relief: Positive | None = None  # times the errors of landmarks that the skin's hollows show; absent: not looked for
@@ -110,7 +110,7 @@ class Outliers(_Part):
 
     unusual: Positive  # standard deviations from where it is expected, beyond which a pick is asked about
     impossible: Positive  # likewise; beyond it a pick that a mistake explains is not followed
-    most: Annotated[float, Field(ge=0.0, lt=1.0)]  # share of the picks that may be let go
+    most: Annotated[float, Field(ge=0.0, lt=1.0)]  # share of the picks that may be rejected
     near_partner: Positive  # m; a pick this near the other side's landmark was meant for it ...
     near_other: Positive  # m; ... or this near to any other landmark's place
     exchanged_gain: Annotated[float, Field(gt=0.0, lt=1.0)]  # share below which exchanging sides must bring the misfit
@@ -136,7 +136,7 @@ class LandmarkErrors(_Part):
     hanging_shift: tuple[float, float, float] = (0.0, 0.0, 0.0)  # ... and from the model's place (body/hanging.py)
     standing_shift: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m outwards, up, front; see body/standing.py
     unusual: Positive | None = None  # see Outliers; absent: that of all
-    mirrored: Positive | None = None  # m on each axis, of one side told from the other's pick; absent: it tells nothing
+    mirrored: Positive | None = None  # m on each axis, of one side from the other's pick; absent: not used
 
 
 class StanceRule(_Part):

@@ -79,5 +79,5 @@ class Polyline:
 
 
 def parts(lines: Iterable[Sized]) -> list[slice]:
-    """Where the points of each line are, when those of all lines stand in one array."""
+    """Where the points of each line are, in one array of the points of all lines."""
     return [slice(start, end) for start, end in pairwise(np.cumsum([0, *map(len, lines)]).tolist())]

@@ -1,6 +1,6 @@
 """The whole fit in one .glb: the fitted model with its drawing, and how it got there as an animation.
 
-The nodes stand in the last pose, in which the drawing is exact, so a viewer that ignores animations shows the
+The nodes are in the last pose, in which the drawing is exact, so a viewer that ignores animations shows the
 result.  The animation has one
 key for each iterate; keys are at least KEY_SPACING apart, because a fit is faster than the eye, and the true
 times are kept in the animation's extras.  Far from the origin the bones are children of a node that stands there, so

@@ -1,4 +1,4 @@
-"""Numbers by which concavities are told from the skin around them; each has its reason beside it in features.toml."""
+"""Numbers that distinguish concavities from the skin around them; each has its reason beside it in features.toml."""
 
 import tomllib
 from functools import lru_cache

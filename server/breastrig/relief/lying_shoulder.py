@@ -1,10 +1,7 @@
-"""The tips of lying shoulders, by how high the arm lies that is away from the body.
+"""The tips of supine shoulders, from three lengths from the notch: to the form's tip and to the arm's front.
 
-Who lies has no edge of a hanging arm below the tip.  But whoever brings the arm from hanging to the side and forwards
-carries the shoulder's end inwards, and the higher the arm's front lies over the notch of the breast bone, the farther;
-fits without picks see the arm's height well, and let the shoulder slide outwards and in front instead.  A line through
-the three lengths from the notch that both show says how far the tip is off.  It says nothing of the height along the
-body, in which fits are right to 5 mm.
+A supine body has no edge of a hanging arm below the tip, but an arm that is brought forwards carries the end of the
+shoulder inwards.  Heights along the body are left as the fit has them, which is right to 5 mm.
 """
 
 import numpy as np

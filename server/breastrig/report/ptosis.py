@@ -8,7 +8,7 @@ millimetres are the usual reading of the grades:
     III    more than 30 mm below it, or below it and at the lowest contour
     glandular (pseudoptosis): the nipple above the fold, the breast's lowest point well below it
 
-Heights are along the body's own axis (body_frame.py): a scan does not say where the ground is.  A patient who lies has
+Heights are along the body's own axis (body_frame.py): a scan does not say where the ground is.  A supine patient has
 no ptosis, so these rows are there for a standing one only, and only for breasts whose nipple was picked or is seen in
 the scan's colours: without either the fit places the nipple of a hanging breast 15 mm off on average.
 

@@ -1,6 +1,6 @@
 """The table of measures: its rows, their changes between two stances, and their numbers in files and in print.
 
-The same rows stand in report.json, measures.csv and the PDF.
+The same rows are in report.json, measures.csv and the PDF.
 """
 
 from collections.abc import Mapping, Sequence
@@ -150,7 +150,7 @@ def _flat(stance: str, row: Row) -> dict[str, Cell]:
 def csv_bytes(rows: Sequence[dict[str, Cell]], verdicts: Mapping[str, str]) -> bytes:
     """The rows as CSV with a header; empty cells where a row has no such number.  A table has no room for lines.
 
-    `verdicts`: the level of each stance's fit, which stands in its rows, for a table is read without its report; a
+    `verdicts`: the level of each stance's fit, repeated in its rows, for a table is read without its report; a
     change is as good as the worse of both.
     """
     worst = max(verdicts.values(), key=LEVELS.index, default="")

@@ -1,6 +1,6 @@
 """What has been estimated for a rig, by file name: priors, limits, expected errors.  Any of it may be missing.
 
-The files stand in the folder NAME.known beside NAME.glb and are bound to the rig by its hash (gltf/known_files.py), so
+The files are in the folder NAME.known beside NAME.glb and are bound to the rig by its hash (gltf/known_files.py), so
 that what was measured with one rig is never said of another.
 
     bodies.json          mean and covariance of scales and shapes over bodies       rig/body_statistics.py

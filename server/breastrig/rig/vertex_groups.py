@@ -34,7 +34,7 @@ class VertexGroups:
 
     groups: tuple[VertexGroup, ...]
     of_vertex: Integers  # (V,) index of each vertex's group
-    places: Integers  # (V,) where each vertex stands in the arrays that follow
+    places: Integers  # (V,) index of each vertex in the arrays that follow
     weights: Array  # (max K, V) skin weights of the group's bones
     shapes: Array  # (3V, max L) m, the group's blendshapes, three rows a vertex
 

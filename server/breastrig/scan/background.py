@@ -1,6 +1,6 @@
 """Floors and walls around a patient, cut away before anything else is looked for.
 
-A scan of a room has large planes in it, and so has the scan of a patient who lies on a table.  What tells them apart is
+A scan of a room has large planes in it, and so has the scan of a supine patient on a table.  What tells them apart is
 the body: one that lies on a table begins close above it and is not high; one that stands before a wall or on a floor is
 away from it, or high above it.  So each large plane is judged by the body that is left without it.
 """

@@ -90,7 +90,7 @@ def outwards(vertices: Array, faces: Integers, crosses: Array | None = None) -> 
     roundness = outward / np.maximum(summed(area * np.sqrt(np.einsum("fi,fi->f", arm, arm))), 1e-30)
     side = np.where(outward < 0.0, -1.0, 1.0)
     mean = np.stack([summed(normals[:, axis]) for axis in range(3)], axis=1) * side[:, None]
-    body = int(np.argmax(total * np.abs(roundness)))  # one side of who lies has 0.10 to 0.27, its table 0.02
+    body = int(np.argmax(total * np.abs(roundness)))  # one side of a supine body has 0.10 to 0.27, its table 0.02
     like_body = np.where(mean @ mean[body] < 0.0, -1.0, 1.0)
     sign = np.where(np.abs(roundness) > ROUND, side, side * like_body)
     flipped ^= (sign < 0.0)[piece]

@@ -1,4 +1,4 @@
-"""What a person is told when a task on finished fits fails: one sentence, and that a fit is gone before all else."""
+"""The sentence for a failed task on finished fits; that a fit is gone comes first."""
 
 import errno
 import logging

@@ -3,7 +3,7 @@
 Whatever goes wrong becomes the fit's last event with a sentence, unless the fit has been ended from outside
 (cancelled, deleted) or another worker has claimed it: then the worker just stops.
 
-A fit whose worker was lost with its machine or its server is begun again, and its events go on where they stopped:
+A fit whose worker was lost with its machine or its server is started again, and its events go on where they stopped:
 fits are deterministic, so the events that are stored already are only counted.
 """
 
@@ -47,7 +47,7 @@ UNSEEN = (
     "The worker of this fit cannot reach the service's data; workers on other machines need a service with --database "
     "and --files."
 )
-TOO_OFTEN = "This fit was begun {} times and came to no end, as its server or worker ended first; start the fit again."
+TOO_OFTEN = "This fit was started {} times without an end, as its server or worker ended first; start the fit again."
 ATTEMPTS = 3  # one that takes its machine down with it must not do so for ever
 
 log = logging.getLogger(__name__)

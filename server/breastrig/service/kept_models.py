@@ -49,7 +49,7 @@ class KeptModels:
             log.warning("the model could not be kept beside its fits: %s", error.strerror)
 
     def sha256_of(self, fit_id: str) -> str:
-        """Of the model that the fit was made with; the service's own for one that has not begun."""
+        """Of the model that the fit was made with; the service's own for one that has not started."""
         started = events_of_kind(self._storage, fit_id, "started")
         return str(json.loads(started[0].json)["model_sha256"]) if started else self.own_sha256
 

@@ -2,7 +2,7 @@
 
 A fit leaves the table's queue when a worker claims it, so a server that dies loses nothing: at the next start the
 fits that ran go back to their places in the queue, and go on with their events.  A fit whose own process died is
-not begun again, because it would most likely die again: it fails with a sentence.
+not started again, because it would most likely die again: it fails with a sentence.
 """
 
 import logging

@@ -88,7 +88,7 @@ class ScanSearch(ABC):
             future.cancel()
 
     def _future(self, scan: ScanRow, variant: str) -> Any:
-        """Of the search that runs, else of what is stored, else of a search that is begun.
+        """Of the search that runs, else of what is stored, else of a search that is started.
 
         A search leaves `_running` once it is stored, so that looking there first misses none.
         """

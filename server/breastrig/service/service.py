@@ -131,7 +131,7 @@ class Service:
                 self._notifier.start()
                 interrupted, waiting = self._queue.recover()
                 if waiting:
-                    log.warning("after the restart: %d fits wait, %d of them had begun", waiting, interrupted)
+                    log.warning("after the restart: %d fits wait, %d of them had started", waiting, interrupted)
                 self._sweep.start()
                 yield self
             finally:

@@ -1,6 +1,6 @@
 """Who carries a fit out: so that whoever deletes it can wait until nothing more is written.
 
-On the disk it is a lock of the fit's folder, which the system lets go of when the process dies.  With PostgreSQL it
+On the disk it is a lock of the fit's folder, which the system releases when the process dies.  With PostgreSQL it
 is a lock of the database, because the process may be on another machine.
 """
 

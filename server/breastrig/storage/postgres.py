@@ -1,7 +1,7 @@
 """PostgreSQL, for installations of many machines: the rows of one installation fill one database.
 
 The locks are advisory ones, which belong to the database: one that each writing transaction takes at its start, one
-that the server holds as long as it runs, and one for each fit that is being executed.  PostgreSQL lets go of
+that the server holds as long as it runs, and one for each fit that is being executed.  PostgreSQL releases
 them when the connection that took them ends, however it ends.
 
 Readers work on one snapshot.  Writers must not: theirs would be older than the lock that they have waited for.

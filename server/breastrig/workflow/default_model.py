@@ -53,5 +53,5 @@ def precompute(rig: Rig) -> None:
         ribbons(rig, drawing)
 
 
-with suppress(BadModel):  # whoever needs it is told
+with suppress(BadModel):  # reported when a fit needs it
     precompute(read_rig(default_rig_path()))

@@ -23,7 +23,7 @@ from breastrig.scan.units import extent, size_doubt
 from breastrig.workflow.jobs import UploadJob
 from breastrig.workflow.kept.kept_scan import prepared_scan
 
-PIECES = 20  # at most that the page is told of, the largest; it hides small ones by itself
+PIECES = 20  # the largest, at most so many, are reported to the page
 
 
 def read_upload(job: UploadJob) -> dict[str, Any]:

@@ -23,7 +23,7 @@ def certainty_section(records: Sequence[Record]) -> Section:
         trials = [trial for record in found for trial in record.answer.values()]
         picks, dropped, asked = (sum(trial[key] for trial in trials) for key in ("picks", "dropped", "unusual"))
         answers.append(
-            f"{capital(family)}, within the radius: {'; '.join(parts)}. Of {picks} right picks {dropped} were let go "
+            f"{capital(family)}, within the radius: {'; '.join(parts)}. Of {picks} right picks {dropped} were rejected "
             f"and {asked} asked about."
         )
     return Section(

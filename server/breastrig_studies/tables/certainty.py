@@ -90,8 +90,8 @@ def reliability_table(records: Sequence[Record]) -> Table:
 
 
 def believed_table(records: Sequence[Record]) -> Table:
-    """Right picks that were let go or asked about, for each family and kind of picks."""
-    columns = (Column("picks", "picks", 0), Column("dropped", "let go", 0), Column("unusual", "asked about", 0))
+    """Right picks that were rejected or asked about, for each family and kind of picks."""
+    columns = (Column("picks", "picks", 0), Column("dropped", "rejected", 0), Column("unusual", "asked about", 0))
     who = (Column("family", "bodies", key=True), Column("kind", "picks", key=True))
     table = Table("believed", "Picks that are right, as the scan shows them.", (*who, *columns))
     found = of(records, "certainty")

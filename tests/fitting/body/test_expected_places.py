@@ -27,7 +27,7 @@ def task(stance: str, *picked: str) -> Any:
 
 
 @pytest.mark.parametrize("turn", [np.eye(3), TURN])
-def test_the_folds_of_who_stands_are_expected_farther_out_on_each_side(turn: np.ndarray) -> None:
+def test_standing_folds_are_expected_farther_out_on_each_side(turn: np.ndarray) -> None:
     outwards = np.array(RECIPE.landmark_errors(FOLDS[0]).standing_shift)
     assert outwards[0] > 0.003
     shifts = standing_shifts(RIG.template @ turn.T + 0.2, task("standing"), FOLDS)

@@ -90,7 +90,7 @@ def test_sources_count_alike_however_many_bodies_each_has(torso: Rig) -> None:
     np.testing.assert_allclose(skin.heights, 0.002, atol=1e-9)
 
 
-def test_how_high_a_whole_back_lies_is_not_learnt_but_its_form_is(torso: Rig) -> None:
+def test_how_high_a_whole_back_lies_is_not_estimated_but_its_form_is(torso: Rig) -> None:
     hidden = np.zeros(len(torso.template), dtype=np.bool_)
     hidden[torso.regions["back"]] = True
     form = np.where(hidden, 0.1 * (torso.template[:, 1] - torso.template[hidden, 1].mean()), 0.0)
@@ -102,7 +102,7 @@ def test_how_high_a_whole_back_lies_is_not_learnt_but_its_form_is(torso: Rig) ->
     assert np.abs(both.heights).max() > 0.01
 
 
-def test_of_lying_bodies_only_that_is_learnt_on_which_the_sources_agree(torso: Rig) -> None:
+def test_of_supine_bodies_only_what_the_sources_agree_on_is_estimated(torso: Rig) -> None:
     hidden = np.ones(len(torso.template), dtype=np.bool_)
     back = np.isin(np.arange(len(hidden)), torso.regions["back"])
     form = np.where(back, torso.template[:, 1] - torso.template[back, 1].mean(), 0.0)

@@ -123,7 +123,9 @@ def test_a_partner_on_skin_that_the_scan_does_not_show_is_less_sure(task: FitTas
         assert each.error == pytest.approx(np.hypot(0.01, task.recipe.landmark_errors(name).mirrored))
 
 
-def test_who_is_picked_is_not_told_and_who_is_alone_tells_nothing(task: FitTask, true: dict[str, Array]) -> None:
+def test_picked_landmarks_are_left_alone_and_those_without_a_partner_add_nothing(
+    task: FitTask, true: dict[str, Array]
+) -> None:
     both = {name: true[name] for name in ("suprasternal_notch", "umbilicus", "nipple_L", "nipple_R")}
     assert look(replace(task, landmarks=both))[1] == {}
     assert mirrored_terms(task.rig, {}) == []

@@ -83,7 +83,7 @@ def test_tips_of_hanging_shoulders_are_seen(task: FitTask) -> None:
         assert np.linalg.norm(point - last.relief[name].place) < last.relief[name].error
 
 
-def test_shoulders_of_who_lies_are_seen_by_how_high_the_arms_lie() -> None:
+def test_supine_shoulders_are_observed_by_the_height_of_the_arms() -> None:
     scan = read_scan(STANDING.parent / "supine" / "scan.ply", "ply", "auto", texture=False)
     lying = scan_orientation(read_rig(default_rig_path()), prepared(clean(scan), "auto"), load_recipe("default"))[1]
     assert lying.stance == "supine"

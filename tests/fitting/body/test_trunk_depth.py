@@ -83,7 +83,7 @@ def test_a_plane_far_behind_the_back_is_no_table(torso: Rig, known: TrunkDepth) 
     assert not known.added(torso, table_below(torso, 0.40), torso.template, nothing(torso)).any()
 
 
-def test_only_a_lying_body_on_a_table_that_is_seen_is_told_by_it(torso: Rig, known: TrunkDepth) -> None:
+def test_only_a_supine_body_on_a_visible_table_is_changed_by_it(torso: Rig, known: TrunkDepth) -> None:
     table = table_below(torso, known.ordinary + 0.02)
     on_it, without = ScanTarget(torso.template, torso.faces, table=table), ScanTarget(torso.template, torso.faces)
     lying, standing = hidden_skin(torso, "supine"), hidden_skin(torso, "standing")
@@ -97,7 +97,7 @@ def test_only_a_lying_body_on_a_table_that_is_seen_is_told_by_it(torso: Rig, kno
     assert skin_behind(replace(torso, known={}), "supine", on_it, torso.template) is None
 
 
-def test_the_slope_is_learnt_of_deep_trunks_and_every_woman_counts_alike(torso: Rig) -> None:
+def test_the_slope_is_estimated_of_deep_trunks_and_every_woman_counts_alike(torso: Rig) -> None:
     everywhere = np.ones(len(torso.template), dtype=np.bool_)
     deep, deeper = (Body(10.0, everywhere, np.full(len(torso.template), height)) for height in (2.0, 4.0))
     ordinary = Body(0.0, everywhere, np.full(len(torso.template), -0.03))
@@ -106,7 +106,7 @@ def test_the_slope_is_learnt_of_deep_trunks_and_every_woman_counts_alike(torso: 
     assert document["bodies"] == {"one": 3, "other": 1, "third": 1}
 
 
-def test_what_some_of_the_scans_show_is_learnt_in_part(torso: Rig) -> None:
+def test_what_some_of_the_scans_show_is_estimated_in_part(torso: Rig) -> None:
     everywhere, height = np.ones(len(torso.template), dtype=np.bool_), np.full(len(torso.template), 5.0)
     document = estimated(torso, {"one": [Body(10.0, everywhere, height)], "other": [Body(10.0, ~everywhere, height)]})
     np.testing.assert_allclose(document["slopes"], 0.25, atol=1e-4)

@@ -95,7 +95,7 @@ def test_a_pick_that_the_model_expected_elsewhere_is_followed_where_the_body_is_
     assert gap(torso, last, "umbilicus", picks["umbilicus"]) < 0.006
 
 
-def test_exchanged_partners_are_let_go_together_and_leave_the_rest_right(torso: Rig) -> None:
+def test_exchanged_partners_are_rejected_together_and_leave_the_rest_right(torso: Rig) -> None:
     _, true, _ = patient(torso, 5)
     wrong = true | {"nipple_L": true["nipple_R"], "nipple_R": true["nipple_L"]}
     last = list(checked_iterates(task_of(torso, 5, wrong, true)))[-1]
@@ -106,7 +106,7 @@ def test_exchanged_partners_are_let_go_together_and_leave_the_rest_right(torso: 
     assert max(gap(torso, last, name, place) for name, place in true.items()) < 0.02
 
 
-def test_a_pick_on_another_landmarks_place_is_let_go_with_its_name(torso: Rig) -> None:
+def test_a_pick_on_another_landmarks_place_is_rejected_with_its_name(torso: Rig) -> None:
     _, true, _ = patient(torso, 5)
     wrong = {name: place for name, place in true.items() if name != "nipple_L"}
     wrong["nipple_R"] = true["nipple_L"] + [0.004, 0.0, 0.0]
@@ -126,7 +126,7 @@ def test_a_certain_pick_is_followed_and_not_asked_about(torso: Rig) -> None:
     assert ("nipple_R",) not in named(task, last)
 
 
-def test_at_most_a_third_is_let_go(torso: Rig) -> None:
+def test_at_most_a_third_is_rejected(torso: Rig) -> None:
     _, true, _ = patient(torso, 5)
     sides = [name[:-2] for name in true if name.endswith("_L")]
     wrong = dict(true)

@@ -60,7 +60,7 @@ def test_a_right_navel_is_not_asked_about(stance: str) -> None:
 
 @pytest.mark.parametrize("stance", ["standing", "supine"])
 @pytest.mark.parametrize("angle", np.radians([0, 60, 120, 180, 240, 300]))
-def test_a_navel_beside_its_dent_is_named_and_told_how_far_off_it_is(stance: str, angle: float) -> None:
+def test_a_navel_beside_its_concavity_is_named_with_its_distance(stance: str, angle: float) -> None:
     task = example(stance)
     pick = beside(task, angle, 0.05)
     posterior = fitted(task, pick)

@@ -1113,7 +1113,7 @@ export type ScanUpload = {
 };
 
 export type Share = {
-  /** stands in the addresses of the owner and of visitors; it opens nothing */
+  /** is in the addresses of the owner and of visitors; it opens nothing */
   id: string;
   /** ISO 8601, UTC */
   created_at: string;
@@ -1143,7 +1143,7 @@ export type ShareLinks = {
 };
 
 export type ShareMade = {
-  /** stands in the addresses of the owner and of visitors; it opens nothing */
+  /** is in the addresses of the owner and of visitors; it opens nothing */
   id: string;
   /** ISO 8601, UTC */
   created_at: string;
@@ -1192,7 +1192,7 @@ export type ShareRequest = {
 };
 
 export type ShareWithOpenings = {
-  /** stands in the addresses of the owner and of visitors; it opens nothing */
+  /** is in the addresses of the owner and of visitors; it opens nothing */
   id: string;
   /** ISO 8601, UTC */
   created_at: string;

@@ -1,4 +1,4 @@
-// Deleting the scan on the page with all that belongs to it.  The service forgets at once and for good; so it is told
+// Deleting the scan on the page with all that belongs to it.  The service forgets at once and for good; so it is informed
 // ten seconds later, or when the page is left, and until then the person can take it back.
 import type { Client } from "../api/client";
 import type { FitActions } from "../fit/actions";
@@ -21,7 +21,7 @@ interface Others {
 export function deletionActions(store: Store<Session>, client: Client, others: Others) {
   let timer: ReturnType<typeof setTimeout> | undefined;
 
-  /** Tells the service now what it would be told later. */
+  /** Tells the service now what it would learn later. */
   async function send(): Promise<void> {
     clearTimeout(timer);
     const { deletion } = store.get();

@@ -28,7 +28,7 @@ export interface Session extends PageSlice, ViewSlice, ScanSlice, LandmarksSlice
   readonly isHelpOpen: boolean;
   readonly leaving: readonly Unsaved[] | null; // asked: may they be lost?
   readonly isAskingToDelete: boolean;
-  readonly deletion: Deletion | null; // the service has not been told yet
+  readonly deletion: Deletion | null; // the service does not know of it yet
   readonly overlayBefore: Session["overlay"] | null; // what was shown before something was placed
 }
 

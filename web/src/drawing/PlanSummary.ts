@@ -23,7 +23,7 @@ export function createPlanSummary(): Panel<Shown> {
   const none = el("p", { class: "muted" }, words.none);
   const element = el("section", { class: "plan-summary block", "aria-label": words.title, title: words.hint, hidden: true }, el("h3", {}, words.title), list, none);
 
-  /** Lines of one item stand in one row. */
+  /** Lines of one item are in one row. */
   function rows({ drawn, fit }: Shown): readonly [name: string, value: string][] {
     const own = drawn.lines.present.map(({ name }): [string, string] => [name, words.own]);
     const laid = (shapes: readonly Shape[], where: string): [string, string][] => {

@@ -1,5 +1,5 @@
 // Keeps the picks of each scan at the service: one change after the other, and none over what somebody else has placed
-// meanwhile.  Then theirs are read, both are brought together, and the page is told: what it does not show it would take
+// meanwhile.  Then theirs are read, both are brought together, and the page is informed: what it does not show it would take
 // away with its next change.
 import type { Client } from "../api/client";
 import { createQueues, writtenOver } from "../api/concurrentWrites";

@@ -1,5 +1,5 @@
 // Keeps each patient's plan at the service: one change after the other, and none over what somebody else has written
-// meanwhile.  Then their plan is read, both are brought together, and whoever shows the plan is told: what a page does not
+// meanwhile.  Then their plan is read, both are brought together, and whoever shows the plan is informed: what a page does not
 // show it would delete with its next change.
 import type { Client } from "../api/client";
 import { createQueues, writtenOver } from "../api/concurrentWrites";

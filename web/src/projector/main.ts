@@ -107,7 +107,7 @@ async function readIfChanged(): Promise<void> {
   }
 }
 
-/** The middle of what is planned, else of the landmarks: it stands in the middle of the screen. */
+/** The middle of what is planned, else of the landmarks: it is in the middle of the screen. */
 function middleOf({ lines, landmarks }: ProjectorState): Vector {
   const points = lines && lines.length > 0 ? lines.flatMap((line) => line.points) : landmarks.map(({ point }) => point);
   return [0, 1, 2].map((axis) => points.reduce((sum, point) => sum + point[axis]!, 0) / Math.max(1, points.length)) as Vector;

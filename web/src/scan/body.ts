@@ -57,7 +57,7 @@ export type Surface = Pick<BodyQuestion, "positions" | "index" | "isSplit">;
 
 const BACKGROUND_BAND = 0.015; // metres: its noise, and more than the service's own band
 
-/** Where the service names no table a patient who lies faces as hers does. */
+/** Where the service names no table a supine patient faces as hers does. */
 export function cutByService(info: Pick<Scan, "stance" | "frame" | "table" | "background" | "other_pieces">): CutByService {
   const guess = info.stance.proposed === "supine" ? { normal: info.frame.front, height: null } : null;
   const table = info.table ? { normal: info.table.normal, height: info.table.height_m } : guess;

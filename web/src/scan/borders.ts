@@ -4,7 +4,7 @@
  * Positions (x y z pairs, ready for line segments) of the border edges of an indexed mesh.
  * `isSplit`: vertices may stand several times at one place, as texture coordinates require.
  *
- * The edges stand in buckets by their lower vertex, some three in each: with a hash map a million triangles take seconds.
+ * The edges are in buckets by their lower vertex, some three in each: with a hash map a million triangles take seconds.
  */
 export function borderEdges(positions: ArrayLike<number>, index: ArrayLike<number>, isSplit: boolean): Float32Array {
   const same = isSplit ? weld(positions) : null;

@@ -12,7 +12,7 @@ export interface ScanState {
   readonly file: File | null; // kept, so that another unit needs no second choosing
   readonly example: LandmarkFile | null;
   readonly crops?: History<Crops>; // what is cut away by hand
-  readonly cuts?: string | null; // which cuts the service keeps, as fits say with which they were made; null: not told yet
+  readonly cuts?: string | null; // which cuts the service keeps, as fits say with which they were made; null: not known yet
   readonly hasLoose?: boolean; // a table or loose pieces are in it, which the view has found
 }
 

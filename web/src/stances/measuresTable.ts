@@ -110,7 +110,7 @@ const quoted = (cell: string): string => (/[",\n]/.test(cell) ? `"${cell.replace
 const LEVELS = ["", "good", "uncalibrated", "check", "unusable"]; // none in results of earlier versions
 
 /**
- * The same columns as the command line's measures.csv, every digit that the service sent.  The verdict of its fit stands in
+ * The same columns as the command line's measures.csv, every digit that the service sent.  The verdict of its fit is in
  * each row, for a table is read without its report; a change is as good as the worse of both.
  */
 export function measuresCsv({ measures, stances }: Pick<MeasuresFile, "measures" | "stances">): string {

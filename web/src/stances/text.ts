@@ -30,7 +30,7 @@ export const stances = {
     elsewhere: "Filed under another code",
     code: "Her code there",
     find: "Show its scans",
-    nobody: (code: string) => `No other patient here has the code “${code}”; type it as it stands in the list.`,
+    nobody: (code: string) => `No other patient here has the code “${code}”; type it as it is in the list.`,
     moves: (code: string, there: string) => `Choose one of ${there} only if it shows the same woman: it will be filed under ${code} then.`,
     at: (stance: string, when: string) => `${capital(stance)}, ${when}`,
     busy: "Loading the scan …",

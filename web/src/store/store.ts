@@ -13,7 +13,7 @@ export interface Store<State extends object> {
   select<Parts extends object>(select: (state: State) => Parts, listener: (now: Parts, before: Parts) => void): () => void;
 }
 
-/** `settle`: what follows from any change by itself, whoever made it; told before anybody else hears of the change. */
+/** `settle`: what follows from any change by itself, whoever made it; informed before all others. */
 export function createStore<State extends object>(initial: State, settle: (state: State, before: State) => State = (state) => state): Store<State> {
   let state = initial;
   let isNotifying = false;

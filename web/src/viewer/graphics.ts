@@ -44,9 +44,9 @@ export function quality(): Quality {
 function rendererName(): string {
   const gl = document.createElement("canvas").getContext("webgl2");
   if (!gl) return "";
-  const told = String(gl.getParameter(gl.RENDERER));
-  const more = told === "WebKit WebGL" ? gl.getExtension("WEBGL_debug_renderer_info") : null; // Firefox tells without it
-  const found = more ? String(gl.getParameter(more.UNMASKED_RENDERER_WEBGL)) : told;
+  const renderer = String(gl.getParameter(gl.RENDERER));
+  const more = renderer === "WebKit WebGL" ? gl.getExtension("WEBGL_debug_renderer_info") : null; // Firefox tells without it
+  const found = more ? String(gl.getParameter(more.UNMASKED_RENDERER_WEBGL)) : renderer;
   gl.getExtension("WEBGL_lose_context")?.loseContext(); // a page may hold few of them
   return found;
 }

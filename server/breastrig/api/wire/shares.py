@@ -30,7 +30,7 @@ class ShareLinks(Wire):
 
 
 class Share(Wire):
-    id: str = Field(description="stands in the addresses of the owner and of visitors; it opens nothing")
+    id: str = Field(description="is in the addresses of the owner and of visitors; it opens nothing")
     created_at: str = Field(description="ISO 8601, UTC")
     expires_at: str
     revoked_at: str | None

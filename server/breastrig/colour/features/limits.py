@@ -1,4 +1,4 @@
-"""Numbers by which features are told from what looks like them; each has its reason beside it in features.toml."""
+"""Numbers that distinguish features from what looks like them; each has its reason beside it in features.toml."""
 
 import tomllib
 from functools import lru_cache

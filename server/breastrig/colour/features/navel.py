@@ -31,7 +31,7 @@ class NavelObservation:
 def find_navel(
     skin: ColouredSkin, expected: Array, outwards: Array, up: Array, spread: float, limits: NavelLimits
 ) -> NavelObservation | None:
-    """Near the `expected` place (3,) m, which is `spread` m off as a rule; None where none can be told."""
+    """Near the `expected` place (3,) m, which is `spread` m off as a rule; None where none stands out."""
     patch = skin.patch(expected, skin.normal(expected, outwards, 0.03), up, HALF, PIXEL)
     level, known = level_colour(patch)
     right, high = patch.offsets()

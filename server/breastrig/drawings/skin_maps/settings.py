@@ -1,6 +1,6 @@
 """How skin is expected to move between two stances, as data with the reasons beside the numbers.
 
-The common ones are beside this file; what a rig knows better, and how far off carried points are, stands in its own.
+The common ones are beside this file; what a rig knows better, and how far off carried points are, is in its own.
 """
 
 import tomllib

@@ -12,7 +12,7 @@ smooth displacement u(x), a Gaussian process with three kinds of observations, e
     min_w  |w|² + Σ_l |a_l + u(a_l) − b_l|²/σ_l² + Σ_m |...|²/σ_m² + Σ_i (n_i · (x_i + u(x_i) − p_i))²/σ_n²
 
 u = H w with the columns of H made from the Matérn-5/2 kernel at some points of A (w is white, so the prior is
-|w|²) and a small affine part.  All numbers stand in skin_maps/, one file for each rig.  Rasmussen and Williams,
+|w|²) and a small affine part.  All numbers are in skin_maps/, one file for each rig.  Rasmussen and Williams,
 Gaussian Processes for Machine Learning, 2006, chapters 2 and 4.
 
 Between standing and lying the displacement is expected around what skin does in everybody (skin_maps/lying_motion.py):

@@ -44,8 +44,8 @@ def hanging_shifts(state: BodyState, task: FitTask, names: Sequence[str]) -> Arr
     """
     moved = np.zeros((len(names), 3))
     for shift, name in zip(moved, names, strict=True):
-        told = task.landmarks or any(shape.endswith(name[-2:]) for shape in task.hanging)
-        if told and name not in task.landmarks and hangs_by(state, task.recipe, name):
+        known = task.landmarks or any(shape.endswith(name[-2:]) for shape in task.hanging)
+        if known and name not in task.landmarks and hangs_by(state, task.recipe, name):
             shift += hanging_misfit(state, task.recipe, name)[0]
     return moved
 

@@ -69,7 +69,7 @@ def mirrored_landmarks(
 
 
 def _without_picks(state: BodyState, picks: Landmarks, others: System, scaling: Array) -> Array:
-    """(L, 3) m by which the model's landmarks move, to first order, when the picks let go."""
+    """(L, 3) m by which the model's landmarks move, to first order, when the picks are left out."""
     held = others.constraint_jacobian
     hessian = others.hessian + held.T @ (held / np.maximum(others.compliance, HARD)[:, None])
     factor = cholesky(hessian + np.diag(DAMPING * scaling))

@@ -86,7 +86,7 @@ def _lying_tips(
 def _tips(
     task: FitTask, state: BodyState, expected: Mapping[str, Expected], axes: Array
 ) -> dict[str, ReliefObservation]:
-    """The tips of the shoulders of who stands, where no person has picked anything: picks say more of all of them."""
+    """The tips of the shoulders of a standing body; none where a person has picked any landmark."""
     if not task.from_colour.issuperset(task.landmarks):
         return {}
     rules, seen = relief_limits().shoulder, {}

@@ -1,8 +1,8 @@
 """Picks that are explained by a mistake with a name: sides exchanged, or another landmark's place.
 
-Only such picks are ever let go, and only when they are farther from where all else expects them than any right pick
+Only such picks are ever rejected, and only when they are farther from where all else expects them than any right pick
 was found to be.  Whether all sides are exchanged is seen in the picks alone, before anything is fitted; single ones
-show at the fitted model, as long as its landmark term lets distant picks go (presets, `landmark_kernel_scale`).  Few
+show at the fitted model, as long as its landmark term rejects distant picks (presets, `landmark_kernel_scale`).  Few
 picks nearly in one plane fit the model's back as well as its front; the skin under them tells, but not surely enough
 to let right ones go (breasts hang, scans are turned inside out): it explains only why a fit has failed.
 """

@@ -24,7 +24,7 @@ ITERATIONS_OBSERVED = 1  # with what the skin shows from there; the same after t
 
 
 def refit_without(posterior: Posterior, names: Collection[str]) -> Posterior:
-    """Where the fit ends when these picks are let go; itself where it breaks down."""
+    """Where the fit ends without these picks; itself where it breaks down."""
     task, x = posterior.task, posterior.state.x
     kept = {name: place for name, place in task.landmarks.items() if name not in names}
     task = replace(task, landmarks=kept, certain=task.certain & frozenset(kept))

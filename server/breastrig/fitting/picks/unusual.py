@@ -13,7 +13,7 @@ from breastrig.fitting.task import FitTask
 def unusual(posterior: Posterior) -> tuple[Doubt, ...]:
     """One doubt each, the strangest first; certain picks are not asked about again.
 
-    A wrong pick pushes its neighbours, so one after the other is let go: each time, of those that are beyond their
+    A wrong pick pushes its neighbours, so one after the other is left out: each time, of those that are beyond their
     limit to first order, the one without which the others agree best.  It is named if it is beyond its limit also to
     the fit that goes on without it, and the others are judged by that fit.  Navels on smooth skin come first.
     """

@@ -187,9 +187,9 @@ def _starts(rig: Rig, scan: Array, rotations: Array, shifts: tuple[float, ...]) 
     ]
 
 
-def _searched(rig: Rig, target: ScanTarget, begun: list[Similarity], few: int) -> Place:
+def _searched(rig: Rig, target: ScanTarget, starts: list[Similarity], few: int) -> Place:
     """The best place that the tries come to."""
-    tries = Similarities.of(begun)
+    tries = Similarities.of(starts)
     coarse = _Comparison(rig, target, model=(50, 600), scan=(80, 1500))
     for reach, steps, share in COARSE:
         for _ in range(steps):

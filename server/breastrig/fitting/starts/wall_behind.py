@@ -1,4 +1,4 @@
-"""A plane close behind the body is a table (scan/orient.py), or a wall behind who stands: both look alike.
+"""A plane close behind the body is a table (scan/orient.py), or a wall behind a standing body: both look alike.
 
 Most apps level their scans.  Where both the plane and the body are upright in the scanner's own axes it may be a wall,
 and a fit has to tell (stance.py); of bodies turned at random one in sixty is upright so.  All other tables cost no fit.

@@ -193,10 +193,10 @@ class DistanceFields:
         names = np.stack([entered, np.full(3, source), np.full(3, NONE), np.full(3, source)])
         return _Windows(names, np.stack([left, right, left, right])).chosen(entered >= 0)
 
-    def _spread(self, begun: list[_Windows]) -> _Windows:
+    def _spread(self, windows: list[_Windows]) -> _Windows:
         """All windows, from those of the sources to the farthest."""
         done: list[_Windows] = []
-        now, number = _joined(begun), 0
+        now, number = _joined(windows), 0
         while True:
             bent = self._bent()
             now = _joined([now, *bent])

@@ -1,6 +1,6 @@
 """A fitted model's .glb with the plan on it: lines on the scan, beside the rig, instead of the fit's own drawing.
 
-The lines stand in the frame of the scan (m), in which the rig is posed; they do not follow the replay, for they lie
+The lines are in the frame of the scan (m), in which the rig is posed; they do not follow the replay, for they lie
 on the scan and not on the model.
 """
 

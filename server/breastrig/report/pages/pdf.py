@@ -117,7 +117,7 @@ def report_content(stances: Sequence[Reported], identity: Identity) -> dict[str,
 
 
 def methods(stances: Sequence[Reported]) -> str:
-    """How what stands in the tables was measured."""
+    """How the numbers of the tables were measured."""
     measured = {None, *(row.measure for one in stances for row in one.rows)}
     return " ".join(sentence for sentence, measure in METHODS if measure in measured)
 

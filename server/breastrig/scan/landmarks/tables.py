@@ -1,6 +1,6 @@
 """Tables of landmarks as people keep them: CSV of spreadsheets and programs, and 3D Slicer's older .fcsv.
 
-Columns are found by their names or, without a row of names, by what stands in them: a name and three numbers, wherever
+Columns are found by their names or, without a row of names, by their content: a name and three numbers, wherever
 they are.  Separators are commas, semicolons, tabs or spaces; decimals have points or commas.
 """
 

@@ -1,6 +1,6 @@
 """Clouds of points as plain rows of numbers (.xyz, .asc, .pts, .txt, .csv): x y z, then colours, a normal or others.
 
-A row of words may name the columns.  Else they are told apart by their numbers: the first that counts the rows is an
+A row of words may name the columns.  Else they are distinguished by their numbers: the first that counts the rows is an
 index, three whole ones up to 255 or shares up to 1 are a colour, three that make a unit vector are a normal, and what
 is left over (an intensity) is passed by.
 """

@@ -14,7 +14,7 @@ from breastrig.storage.rows.fits import FitRow, get_fit
 from breastrig.storage.storage import Storage
 from breastrig.workflow.events import LAST_KINDS, Event, Started
 
-OTHER_MODEL = "The model was exchanged after this fit had begun; start the fit again."
+OTHER_MODEL = "The model was exchanged after this fit had started; start the fit again."
 
 
 class Superseded(Exception):

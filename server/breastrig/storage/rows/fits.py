@@ -48,7 +48,7 @@ class FitRow(NewFit):
     leads: bool  # of two partners the one that waits in the queue for both
     created_at: str
     state: str  # queued, running, done, failed, cancelled
-    attempt: int  # how often a worker has begun it; events of an earlier attempt are refused
+    attempt: int  # how often a worker has started it; events of an earlier attempt are refused
     last_event: int
     iterations: int
     numbers: dict[str, Any] | None  # the last iterated event without its nodes
@@ -150,12 +150,12 @@ def claim_fit(storage: Storage, fit_id: str) -> FitRow | None:
         row = connection.execute(select(table).where(table.c.id == fit_id)).one_or_none()
         if row is None:
             return None
-        begun = connection.execute(
+        claimed = connection.execute(
             update(table)
             .where(table.c.id.in_((fit_id, row.partner)), table.c.state.in_(("queued", "running")))
             .values(state="running", attempt=table.c.attempt + 1)
         )
-        if begun.rowcount == 0:
+        if claimed.rowcount == 0:
             return None
         return _fit_row(connection.execute(select(table).where(table.c.id == fit_id)).one())
 
@@ -192,7 +192,7 @@ def next_queued(storage: Storage, besides: set[str]) -> str | None:
 def queue_positions(storage: Storage, fit_ids: Sequence[str]) -> dict[str, int]:
     """{fit: 1 for the next to run, 2 for the one after it}; those that do not wait are not in it.
 
-    Two stances fitted together stand in the queue once, where the leading one stands.
+    Two stances fitted together are in the queue once, in the place of the leading one.
     """
     table, leader = schema.fits, schema.fits.alias("leader")
     position = func.dense_rank().over(order_by=leader.c.place)

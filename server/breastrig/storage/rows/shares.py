@@ -188,7 +188,7 @@ def unlock_share(storage: Storage, fit_id: str, share_id: str) -> None:
 
 
 def share_of_visit(storage: Storage, share_id: str, visit_hmac: str, opened_after: str) -> ShareRow | None:
-    """The share, if a visit of it that was begun after a time (as `iso_utc`) has not been ended."""
+    """The share, if a visit of it that was started after a time (as `iso_utc`) has not been ended."""
     visit = schema.openings.alias().c  # the query itself counts the openings
     here = select(visit.id).where(
         visit.share == share_id, visit.visit_hmac == visit_hmac, visit.opened_at > opened_after

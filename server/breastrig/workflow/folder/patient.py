@@ -1,4 +1,4 @@
-"""Whose a fit's folder is: the patient's code and the scan's day, which stand in result.json."""
+"""Whose a fit's folder is: the patient's code and the scan's day, which are in result.json."""
 
 import json
 from dataclasses import dataclass

@@ -1,7 +1,7 @@
 """Is a right fit called good, and is no wrong one?
 
 Four fits: with all landmarks that the scan shows, with none, with those picked that the fit without any proposed (a
-person who nods at everything), and from a start that is turned head down.  Right and wrong are told by the true
+person who nods at everything), and from a start that is turned head down.  Right and wrong are decided by the true
 landmarks; where a scan shows only a part of the body the proposals are often wrong.
 """
 

@@ -1,4 +1,4 @@
-"""The arms of a warped body moved as nobody of its source holds them: who lies lays them along her sides.
+"""The arms of a warped body moved as nobody of its source holds them: supine ones along her sides.
 
 Where the arms are is the plainest sign of a stance, and each source has it in one way only.  The edges of the arms are
 turned by a share of what turns them from one stance to the other (stances.py); the trunk with its breasts stays.
@@ -16,11 +16,11 @@ from breastrig_studies.virtual.bodies import VirtualBody
 from breastrig_studies.virtual.warped.body import WarpedBody
 from breastrig_studies.virtual.warped.stances import carrier
 
-INSIDE, BLEND = 0.035, 0.06  # m: where the arm of who lies begins beside its shoulder's tip, and becomes all arm
+INSIDE, BLEND = 0.035, 0.06  # m: where a supine body's arm begins beside its shoulder's tip, and becomes all arm
 HELD, LOOSE = 10.0, 1e-9  # of vertices to their places, for edges of weight 1
 ALONG = (0.65, 1.0)  # share of the way to hanging arms; on a table the trunk is wider
 LOWER = (-0.07, 0.25)  # rad, by which elbows lie lower than the hanging ones
-AWAY = (0.5, 1.1)  # share of the way to the arms of who lies
+AWAY = (0.5, 1.1)  # share of the way to the arms of the supine source
 
 
 def with_arms_along(body: WarpedBody, random: np.random.Generator) -> VirtualBody:
@@ -52,7 +52,7 @@ def _moved(body: WarpedBody, of: VirtualBody, to: VirtualBody, share: float, low
 
 
 def _arm(lying: VirtualBody) -> Array:
-    """(V,) 0 on the trunk to 1 on the arms, told apart where they lie away."""
+    """(V,) 0 on the trunk to 1 on the arms, distinguished where they lie away."""
     sides = lying.vertices[:, 0]
     tips = np.where(sides > 0.0, lying.landmarks["acromion_L"][0], -lying.landmarks["acromion_R"][0])
     share = np.clip((np.abs(sides) - tips + INSIDE) / BLEND, 0.0, 1.0)

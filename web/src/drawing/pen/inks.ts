@@ -1,4 +1,4 @@
-// The markers that lie beside the full canvas.  Each is told from the others by people who do not see colours alike, and
+// The markers that lie beside the full canvas.  Each is distinguished from the others by people who do not see colours alike, and
 // has a name for those who do not see them at all.
 import { INK, TUMOUR_INK } from "../lines/lines";
 

@@ -7,7 +7,7 @@ export interface HandPose {
   readonly nodes: readonly NodePose[];
 }
 
-/** A bone's size stands in a node of its own below the joint, so that it is not handed on to the next bone. */
+/** A bone's size is in a node of its own below the joint, so that it is not handed on to the next bone. */
 const scaleNode = (bone: string): string => `${bone}_scale`;
 
 export type Axis = 0 | 1 | 2;

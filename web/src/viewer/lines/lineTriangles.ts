@@ -72,7 +72,7 @@ export class LineTriangles<Way extends string> {
   }
 }
 
-/** Gives all corners of a segment what stands in its row of `from`, from place `start` on; there are two ends in a row. */
+/** Gives all corners of a segment its row of `from`, from place `start` on; there are two ends in a row. */
 function spread(to: BufferAttribute, from: Float32Array, start: number): void {
   const { itemSize: size, array } = to;
   for (let i = 0; i < to.count; i += 1) {
