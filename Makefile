@@ -15,7 +15,7 @@ help:
 	@echo "make mutants wrong changes that no test of a numeric room sees   (MUTANTS=\"drawings report --count 40 --seed 1\")"
 	@echo "make docs    build the documentation into dist/docs; warnings are errors"
 	@echo "make bench   measure the hot paths   (BENCH=--benchmark-timer=time.process_time where other work runs)"
-	@echo "make fuzz    many made-up files and requests: a table of what each reader and call did   (FUZZ=20: forty times as many as in make test)"
+	@echo "make fuzz    many made-up files and requests: a table of what each reader and call did   (FUZZ=20: eighty times as many as in make test)"
 	@echo "make scale   the service on PostgreSQL, S3 and a Dask cluster as well, a killed server and worker among it"
 	@echo "make faults  kill, fill, lock and leave: a table of what became of every fit   (KILLS=20)"
 	@echo "make load    clients that work, viewers, and readers of a large scan through a link: times, memory, errors   (LOAD=\"--seconds 60\")"
@@ -70,7 +70,7 @@ browser: page web-packages $(VENV)/.stamp-test
 fuzz: web-packages $(VENV)/.stamp-test
 	OPENBLAS_NUM_THREADS=1 BREASTRIG_FUZZ="$${FUZZ:-20}" PYTHONPATH=tests "$(VENV)/bin/python" -m pytest -q -p helpers.fuzz_table \
 	    tests/scan/test_fuzz.py tests/scan/test_fuzz_inside.py tests/scan/test_fuzz_glb.py tests/scan/test_fuzz_places.py \
-	    tests/gltf/test_fuzz_rig.py tests/workflow/test_fuzz_bodies.py tests/api/test_fuzz_http.py
+	    tests/gltf/test_fuzz_rig.py tests/workflow/test_fuzz_bodies.py tests/api/test_fuzz_http.py tests/fitting/test_robustness.py
 	BREASTRIG_FUZZ="$${FUZZ:-20}" $(IN_VENV) npm --prefix web test -- test/scan/containers -t damaged
 
 faults: $(VENV)/.stamp-test

@@ -12,7 +12,7 @@ import trustme
 from helpers.nginx import in_front_of
 from helpers.raw_http import answer, connected, request
 from helpers.real_server import server
-from helpers.waiting import until
+from helpers.waiting import PATIENCE_S, until
 
 from breastrig.api.access import rate_limits
 
@@ -49,7 +49,7 @@ def behind(tmp_path_factory: pytest.TempPathFactory, model: Path, repository: Pa
                 base_url=f"https://127.0.0.1:{proxy_port}",
                 headers={"Host": host, **headers},
                 transport=_ByName(NAME, verify=trust, local_address=address),
-                timeout=20,
+                timeout=PATIENCE_S,
             )
             return stack.enter_context(made)
 

@@ -13,7 +13,7 @@ import httpx
 import pytest
 from helpers.raw_http import answer, connected
 from helpers.real_server import alive, children, read_events, server
-from helpers.waiting import until
+from helpers.waiting import PATIENCE_S, until
 
 from breastrig.api.access.security import HEADERS
 from breastrig.api.config import STREAMS
@@ -22,7 +22,7 @@ from breastrig.cli.main import main
 
 def test_a_scan_goes_in_and_the_fit_comes_out(tmp_path: Path, model: Path, torso: bytes) -> None:
     data, log = tmp_path / "data", tmp_path / "log"
-    with server(data, model, log) as (process, address), httpx.Client(base_url=address, timeout=20) as client:
+    with server(data, model, log) as (process, address), httpx.Client(base_url=address, timeout=PATIENCE_S) as client:
         scan = client.post("/api/scans", files={"file": ("torso.ply", torso)}, data={"units": "auto"})
         assert scan.status_code == 201
         links = scan.json()["links"]
@@ -42,9 +42,9 @@ def test_a_scan_goes_in_and_the_fit_comes_out(tmp_path: Path, model: Path, torso
         below = children(process.pid)
         assert below
         process.send_signal(signal.SIGTERM)
-        assert process.wait(timeout=20) == 0
+        assert process.wait(timeout=PATIENCE_S) == 0
         until(lambda: not alive(below), "the end of all processes")
-    with server(data, model, log) as (_, address), httpx.Client(base_url=address, timeout=20) as client:
+    with server(data, model, log) as (_, address), httpx.Client(base_url=address, timeout=PATIENCE_S) as client:
         assert read_events(client, fit["links"]["events"]) == live
         assert client.get(fit["links"]["self"]).json()["state"] == "done"
     assert "Traceback" not in log.read_text()
@@ -54,7 +54,7 @@ def test_a_server_that_is_killed_forgets_no_fit_and_leaves_no_process(
     tmp_path: Path, model: Path, torso: bytes
 ) -> None:
     data, log = tmp_path / "data", tmp_path / "log"
-    with server(data, model, log) as (process, address), httpx.Client(base_url=address, timeout=20) as client:
+    with server(data, model, log) as (process, address), httpx.Client(base_url=address, timeout=PATIENCE_S) as client:
         scan_id = client.post("/api/scans", files={"file": ("torso.ply", torso)}).json()["id"]
         body = {"scan": scan_id, "drawing": None}
         done = client.post("/api/fits", json=body).json()["links"]
@@ -67,7 +67,7 @@ def test_a_server_that_is_killed_forgets_no_fit_and_leaves_no_process(
         process.kill()
         process.wait()
         until(lambda: not alive(below), "the end of all processes")
-    with server(data, model, log) as (_, address), httpx.Client(base_url=address, timeout=20) as client:
+    with server(data, model, log) as (_, address), httpx.Client(base_url=address, timeout=PATIENCE_S) as client:
         assert read_events(client, done["events"]) == received
         fits = [client.get(links["self"]).json() for links in running]
         assert {fit["state"] for fit in fits} <= {"queued", "running"}
@@ -88,7 +88,7 @@ def address(model: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[s
 
 def test_an_event_is_sent_when_it_happens(address: str, torso: bytes) -> None:
     """While the fit that it belongs to still runs, for seconds."""
-    with httpx.Client(base_url=address, timeout=20) as client:
+    with httpx.Client(base_url=address, timeout=PATIENCE_S) as client:
         scan_id = client.post("/api/scans", files={"file": ("torso.ply", torso)}).json()["id"]
         fit = client.post("/api/fits", json={"scan": scan_id, "drawing": None, "preset": "paper"}).json()["links"]
         with client.stream("GET", fit["events"]) as answer:
@@ -101,7 +101,7 @@ def test_streams_up_to_the_cap_leave_room_for_other_calls_and_give_their_places_
     address: str, torso: bytes
 ) -> None:
     assert STREAMS >= 50
-    with httpx.Client(base_url=address, timeout=20) as client, ExitStack() as viewers:
+    with httpx.Client(base_url=address, timeout=PATIENCE_S) as client, ExitStack() as viewers:
         scan_id = client.post("/api/scans", files={"file": ("torso.ply", torso)}).json()["id"]
         body = {"scan": scan_id, "drawing": None, "preset": "paper"}
         fits = [client.post("/api/fits", json=body).json()["links"] for _ in range(8)]
@@ -179,7 +179,7 @@ def test_a_server_that_cannot_start_says_why_in_one_line(
 def test_the_process_of_a_server_that_cannot_start_ends_with_that_line(tmp_path: Path, model: Path) -> None:
     """As the last one above: what it had started by then says nothing and is gone."""
     command = [sys.executable, "-m", "breastrig.cli.main", *refused(tmp_path, model, "--model", "nothing.glb")]
-    answer = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    answer = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE_S)
     assert (answer.returncode, answer.stdout) == (2, "")
     assert "nothing.glb cannot be read" in answer.stderr
     assert len(answer.stderr.splitlines()) == 1
@@ -195,7 +195,7 @@ def test_the_token_may_come_from_a_file_and_the_log_is_json_without_names(
             _,
             address,
         ),
-        httpx.Client(base_url=address, timeout=20) as client,
+        httpx.Client(base_url=address, timeout=PATIENCE_S) as client,
     ):
         assert client.get("/api/meta").status_code == 401
         client.headers["Authorization"] = f"Bearer {token}"

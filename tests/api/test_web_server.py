@@ -17,7 +17,7 @@ import pytest
 from flask import Response
 from helpers import in_worker
 from helpers.raw_http import answer, connected, is_closed, is_open, request
-from helpers.waiting import ask_for_fit, until
+from helpers.waiting import PATIENCE_S, ask_for_fit, until
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
@@ -292,7 +292,7 @@ def test_one_client_cannot_take_all_threads(serve: Serve) -> None:
         slow = [stack.enter_context(connected(served.port, "127.0.0.2")) for _ in range(2)]
         for connection in slow:
             connection.sendall(request("/test/block"))
-            assert served.at_work.acquire(timeout=20)
+            assert served.at_work.acquire(timeout=PATIENCE_S)
         with connected(served.port, "127.0.0.2") as third:
             third.sendall(request("/healthz"))
             assert "as many requests in work as one client may" in problem_of(third, 429)
@@ -349,7 +349,7 @@ def test_a_stopping_server_lets_answers_end_and_closes_what_only_waits(serve: Se
         idle.sendall(request("/healthz"))
         assert answer(idle).status == 200
         busy.sendall(request("/test/block"))
-        assert served.at_work.acquire(timeout=20)
+        assert served.at_work.acquire(timeout=PATIENCE_S)
         served.server.stop()
         assert is_closed(idle)
         served.release.set()

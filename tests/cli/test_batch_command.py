@@ -14,7 +14,7 @@ import pytest
 from helpers import fake_batch
 from helpers.dask_cluster import ENVIRONMENT
 from helpers.real_server import alive, children
-from helpers.waiting import until
+from helpers.waiting import PATIENCE_S, until
 
 from breastrig.batch import table as batch_table
 from breastrig.cli import batch_command
@@ -153,7 +153,7 @@ def test_a_killed_batch_goes_on_where_it_was(
 def test_ctrl_c_is_one_line_and_leaves_nothing_half_written(program: "subprocess.Popen[str]", tmp_path: Path) -> None:
     below = children(program.pid)
     os.killpg(program.pid, signal.SIGINT)
-    _, said = program.communicate(timeout=30)
+    _, said = program.communicate(timeout=PATIENCE_S)
     assert (program.returncode, said) == (130, "breastrig: stopped.\n")
     until(lambda: not alive(below), "the server of its processes to notice")
     out = tmp_path / "out"

@@ -13,6 +13,7 @@ import httpx
 import pytest
 from helpers.real_server import children, server
 from helpers.toy_rig import toy_rig
+from helpers.waiting import PATIENCE_S
 
 from breastrig.cli import interruption, serve_command
 from breastrig.cli.main import main
@@ -97,7 +98,7 @@ def test_a_browser_is_opened_by_a_file_of_this_user_alone_and_no_command_names_t
         serve_command._show("http://127.0.0.1:1/?token=x", stack)
         monkeypatch.setenv("DISPLAY", ":0")
         serve_command._show("http://127.0.0.1:1/?token=secret&more", stack)
-        address = opened.get(timeout=10)
+        address = opened.get(timeout=PATIENCE_S)
         assert "secret" not in address
         page = Path(address.removeprefix("file://"))
         assert "url=http://127.0.0.1:1/?token=secret&amp;more" in page.read_text()
@@ -122,7 +123,7 @@ def test_a_service_that_is_stopped_while_it_starts_says_so_and_ends(
                 assert process.poll() is None, errors.read_text()
                 time.sleep(0.01)
             process.send_signal(number)
-            assert process.wait(timeout=60) in codes
+            assert process.wait(timeout=PATIENCE_S) in codes
         finally:
             process.kill()
         assert process.stdout is not None

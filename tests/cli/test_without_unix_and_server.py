@@ -7,12 +7,11 @@ from pathlib import Path
 
 import pytest
 from helpers import windows_like
+from helpers.coarse_example import coarse_example
 from helpers.inked_scan import inked_zip
 
 from breastrig.cli.commands import COMMANDS, OF_THE_SERVER, OF_UNIX
-from breastrig.core.assets import asset_folder
 
-EXAMPLE = asset_folder("example")
 QUIET = ("-W", "error", "-W", "ignore:only soft file lock")  # filelock's own word where there is neither system's lock
 FORBIDDEN = set('<>:"|?*\\')  # in names of files on Windows
 
@@ -25,7 +24,8 @@ def said(missing: str, *commands: str, folder: Path) -> subprocess.CompletedProc
 
 
 def test_fit_to_report_work_as_they_do_on_windows(tmp_path: Path) -> None:
-    standing, supine = EXAMPLE / "standing", EXAMPLE / "supine"
+    coarse_example(tmp_path / "example")
+    standing, supine = tmp_path / "example" / "standing", tmp_path / "example" / "supine"
     (tmp_path / "inked.zip").write_bytes(inked_zip())
     run = said(
         "unix",
@@ -34,7 +34,7 @@ def test_fit_to_report_work_as_they_do_on_windows(tmp_path: Path) -> None:
         f"fit {supine}/scan.ply --landmarks {supine}/landmarks.json -o b",  # in the place of an earlier one
         "transfer --from a --to b -o there.json",
         "compare b/drawing.json there.json --on b -o both",
-        "report a --with b -o report",
+        "report b -o report",
         "export a -o export",
         f"landmarks {standing}/scan.ply -o proposed.json",
         "ink inked.zip --units m -o ink.json",

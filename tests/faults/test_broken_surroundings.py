@@ -17,7 +17,7 @@ import pytest
 from helpers.fault_table import outcome, wait_for_ends
 from helpers.real_server import alive, children, server
 from helpers.small_disk import fill, small_disk
-from helpers.waiting import until
+from helpers.waiting import PATIENCE_S, until
 
 DIED = "The fit's process ended unexpectedly"
 
@@ -60,7 +60,7 @@ def running(tmp_path_factory: pytest.TempPathFactory, model: Path) -> Iterator[R
     folder = tmp_path_factory.mktemp("running")
     with (
         server(folder / "data", model, folder / "log", FAKE_FIT="unhurried") as (process, address),
-        httpx.Client(base_url=address, timeout=40) as client,
+        httpx.Client(base_url=address, timeout=PATIENCE_S) as client,
     ):
         yield Running(process, client, folder / "data", folder / "log")
 
@@ -125,7 +125,7 @@ def _holders(folder: Path, pids: set[int]) -> set[int]:
 def test_a_locked_database_makes_fits_wait_and_loses_none(running: Running, torso: bytes, note) -> None:
     client = running.client
     fits = asked(client, torso, 4)
-    other = sqlite3.connect(running.data / "breastrig.sqlite3", isolation_level=None, timeout=20)
+    other = sqlite3.connect(running.data / "breastrig.sqlite3", isolation_level=None, timeout=PATIENCE_S)
     other.execute("BEGIN IMMEDIATE")
     before = [client.get(links["self"]).json()["last_event"] for links in fits]
     time.sleep(1.5)  # longer than all four would take
@@ -147,7 +147,7 @@ def test_a_client_gone_in_the_middle_of_an_upload_leaves_nothing(running: Runnin
         '--b\r\nContent-Disposition: form-data; name="file"; filename="torso.ply"\r\n\r\n'
     )
     for _ in range(5):
-        with socket.create_connection(address, timeout=10) as connection:
+        with socket.create_connection(address, timeout=PATIENCE_S) as connection:
             connection.sendall(head.encode() + torso[: len(torso) // 2])
     fits = asked(client, torso, 2)
     assert [fit["state"] for fit in ends(client, fits, running.log)] == ["done"] * 2
@@ -173,7 +173,7 @@ def test_a_full_disk_fails_fits_with_a_sentence_and_loses_none(
     with small_disk(tmp_path / "disk", 24) as disk:
         with (
             server(disk / "data", model, log, FAKE_FIT="mostly_patient") as (process, address),
-            httpx.Client(base_url=address, timeout=40) as client,
+            httpx.Client(base_url=address, timeout=PATIENCE_S) as client,
         ):
             kept = asked(client, torso, 2)
             before = [
@@ -199,7 +199,7 @@ def test_a_full_disk_fails_fits_with_a_sentence_and_loses_none(
             note("disk full while fits run", outcome(client, disk / "data", full))
             note("disk full before and after", outcome(client, disk / "data", after))
             process.terminate()
-            process.wait(timeout=20)
+            process.wait(timeout=PATIENCE_S)
         rows = sqlite3.connect(disk / "data" / "breastrig.sqlite3")
         assert rows.execute("PRAGMA integrity_check").fetchone() == ("ok",)
         rows.close()

@@ -17,7 +17,7 @@ from helpers.fault_table import Outcome, outcome, wait_for_ends
 from helpers.on_disk import of_patients, overwrite
 from helpers.real_server import server, starting
 from helpers.small_disk import fill, small_disk, stuck
-from helpers.waiting import until
+from helpers.waiting import PATIENCE_S, until
 
 Note = Callable[[str, Outcome], None]
 
@@ -34,11 +34,11 @@ class Folder:
     def served(self, *options: str, **environment: str) -> Iterator[httpx.Client]:
         with (
             server(self.data, self.model, self.log, *options, FAKE_FIT="quick", **environment) as (process, address),
-            httpx.Client(base_url=address, timeout=60) as client,
+            httpx.Client(base_url=address, timeout=PATIENCE_S) as client,
         ):
             yield client
             process.terminate()
-            process.wait(timeout=20)
+            process.wait(timeout=PATIENCE_S)
 
     def filled(self, client: httpx.Client, torso: bytes, fits: int = 2) -> tuple[str, list[str]]:
         """(a new scan, its fits, which are done)."""
@@ -54,7 +54,7 @@ class Folder:
     def refused(self) -> str:
         """What a server says that does not start."""
         with starting(self.data, self.model, self.log, FAKE_FIT="quick") as process:
-            assert process.wait(timeout=60) != 0
+            assert process.wait(timeout=PATIENCE_S) != 0
         return self.log.read_text().strip().splitlines()[-1]
 
 

@@ -1,7 +1,7 @@
 """Random damage to files, for tests that feed readers with it.
 
-Each test says a number of cases.  `make test` tries half of them, the same ones each time; `make fuzz` BREASTRIG_FUZZ
-times as many, other ones each time.
+Each test says a number of cases.  `make test` tries a quarter of them, the same ones each time; `make fuzz`
+BREASTRIG_FUZZ times as many, other ones each time.
 """
 
 import os
@@ -9,7 +9,7 @@ import os
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 
-TIMES = float(os.environ.get("BREASTRIG_FUZZ", "0.5"))
+TIMES = float(os.environ.get("BREASTRIG_FUZZ", "0.25"))
 
 
 def bounded(examples: int) -> settings:

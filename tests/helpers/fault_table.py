@@ -90,7 +90,7 @@ def _is_whole(client: httpx.Client, links: dict[str, str], told: list[dict]) -> 
 
 def _database_and_folder(data: Path) -> tuple[dict[str, int], list[Path]]:
     """(how often each fit was begun, the files and folders that belong to no row)."""
-    rows = sqlite3.connect(data / "breastrig.sqlite3", timeout=30)
+    rows = sqlite3.connect(data / "breastrig.sqlite3", timeout=PATIENCE_S)
     try:
         attempts = dict(rows.execute("SELECT id, attempt FROM fits"))
         scans = {row[0] for row in rows.execute("SELECT id FROM scans")}

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import trustme
 
-from helpers.waiting import until
+from helpers.waiting import PATIENCE_S, until
 
 PLACE = "/usr/sbin/nginx"  # where Debian keeps it, which is not on everybody's PATH
 NONE_HERE = (
@@ -75,7 +75,7 @@ def in_front_of(port: int, readme: str, authority: trustme.CA) -> Iterator[int]:
             yield own_port
         finally:
             process.terminate()
-            process.wait(timeout=20)
+            process.wait(timeout=PATIENCE_S)
 
 
 def _free_port() -> int:

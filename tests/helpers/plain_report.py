@@ -1,4 +1,4 @@
-"""The report without its pictures, its measures taken once in a run; a task of services, imported there by name.
+"""The report without its pictures, its measures taken once in a run; tasks of services, imported there by name.
 
 For tests of how a report is asked for, kept and shown; what it shows is a question of other tests.
 """
@@ -9,8 +9,9 @@ import numpy as np
 
 from breastrig.rendering.picture import Picture, Scene
 from breastrig.workflow import report
-from breastrig.workflow.jobs import ReportJob
+from breastrig.workflow.jobs import ReportJob, SnapshotJob
 from breastrig.workflow.report import report_pdf_of
+from breastrig.workflow.share_snapshot import write_snapshot
 from helpers.remembered_measures import measured_once
 
 
@@ -20,7 +21,18 @@ def white(_scene: Scene, _view: Any, size: tuple[int, int] = (640, 640), *_: Any
 
 
 def plain_report_pdf_of(job: ReportJob) -> bytes:
-    """As `report_pdf_of`; the process is the task's own, so nothing is put back."""
+    """As `report_pdf_of`."""
+    _make_plain()
+    return report_pdf_of(job)
+
+
+def write_plain_snapshot(job: SnapshotJob) -> None:
+    """As `write_snapshot`, with such a report."""
+    _make_plain()
+    write_snapshot(job)
+
+
+def _make_plain() -> None:
+    """The process is the task's own, so nothing is put back."""
     Scene.render = white  # type: ignore[method-assign]
     report.measures = measured_once  # type: ignore[attr-defined]
-    return report_pdf_of(job)

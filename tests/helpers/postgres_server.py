@@ -77,7 +77,7 @@ def postgres_server() -> Iterator[PostgresServer]:
             yield PostgresServer(port, password)
         finally:
             process.send_signal(2)  # a fast stop, which does not wait for clients
-            process.wait(timeout=30)
+            process.wait(timeout=120)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 

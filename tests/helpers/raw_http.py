@@ -13,7 +13,7 @@ class Answer:
 
 def connected(port: int, source: str = "127.0.0.1") -> socket.socket:
     """A connection from one of this machine's loopback addresses."""
-    return socket.create_connection(("127.0.0.1", port), timeout=20, source_address=(source, 0))
+    return socket.create_connection(("127.0.0.1", port), timeout=120, source_address=(source, 0))
 
 
 def request(address: str, method: str = "GET", body: bytes = b"", **headers: object) -> bytes:

@@ -8,7 +8,7 @@ from breastrig.service.service import Service
 from breastrig.storage.rows.events import StoredEvent
 from breastrig.storage.rows.fits import FitRow, NewFit, get_fit
 
-PATIENCE_S = 60.0  # a loaded machine; nothing waits that long when all is well
+PATIENCE_S = 120.0  # a busy machine; nothing waits that long when all is well
 
 
 def until(true: Callable[[], bool], what: str) -> None:

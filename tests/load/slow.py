@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 ADDRESSES = 40  # so many houses
 DRIP_S = 1.0
 AT_ONCE = 100  # connections that are being opened
-PATIENCE_S = 20.0  # for the server to take them all, before the others begin
+PATIENCE_S = 120.0  # for the server to take them all, before the others begin
 HEAD = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n"
 BODY = b"POST /api/scans HTTP/1.1\r\nHost: localhost\r\nContent-Type: multipart/form-data; boundary=b\r\n"
 LARGE = b"GET /api/models/torso.glb HTTP/1.1\r\nHost: localhost\r\n\r\n"
@@ -93,7 +93,7 @@ async def _connected(slow: Slow, number: int) -> AsyncIterator[tuple[asyncio.Str
     plain.setblocking(False)
     plain.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)  # what is not read stays with the server
     plain.bind((f"127.0.7.{1 + number % ADDRESSES}", 0))
-    async with slow.opening, asyncio.timeout(10):
+    async with slow.opening, asyncio.timeout(PATIENCE_S):
         await asyncio.get_running_loop().sock_connect(plain, ("127.0.0.1", slow.port))
         reader, writer = await asyncio.open_connection(sock=plain, limit=1024)
     try:

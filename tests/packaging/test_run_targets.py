@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from helpers.waiting import until
+from helpers.waiting import PATIENCE_S, until
 
 Start = Callable[..., "subprocess.Popen[str]"]
 
@@ -34,7 +34,7 @@ WAIT_FOR = "echo {0} begins; touch {0}.on; while [ ! -e {1}.on ]; do sleep 0.05;
 
 def test_targets_run_side_by_side_and_their_lines_stand_together(start: Start) -> None:
     with start(one=WAIT_FOR.format("one", "two"), two=WAIT_FOR.format("two", "one")) as process:
-        said, _ = process.communicate(timeout=60)
+        said, _ = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 0
     parts = [part.splitlines() for part in said.strip().split("\n\n")]
     assert parts == [
@@ -46,7 +46,7 @@ def test_targets_run_side_by_side_and_their_lines_stand_together(start: Start) -
 
 def test_a_target_that_fails_is_named_and_the_others_are_seen_to_their_end(start: Start) -> None:
     with start(one="echo broken; exit 3", two="sleep 0.3; echo whole", three="exit 1") as process:
-        said, _ = process.communicate(timeout=60)
+        said, _ = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 1
     parts = [part.splitlines() for part in said.strip().split("\n\n")]
     assert parts == [["== one", "broken"], ["== two", "whole"], ["== three"], ["== failed: one, three"]]
@@ -57,6 +57,6 @@ def test_ctrl_c_ends_all_targets(start: Start, tmp_path: Path) -> None:
     with start(one=endless.format("one"), two=endless.format("two")) as process:
         until(lambda: all((tmp_path / f"{name}.on").exists() for name in ("one", "two")), "both targets")
         os.killpg(process.pid, signal.SIGINT)
-        process.communicate(timeout=60)
+        process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 130
     assert {path.name for path in tmp_path.glob("*.off")} == {"one.off", "two.off"}

@@ -5,7 +5,7 @@ from pathlib import Path
 import httpx
 from helpers.installations import Large
 from helpers.real_server import server
-from helpers.waiting import until
+from helpers.waiting import PATIENCE_S, until
 
 from breastrig.cli.main import main
 
@@ -19,7 +19,7 @@ def test_a_killed_server_is_started_again_and_purged(large: Large, model: Path, 
     log = tmp_path / "log"
     with (
         server(location.root, model, log, *options, FAKE_FIT="unhurried") as (process, address),
-        httpx.Client(base_url=address, timeout=30) as client,
+        httpx.Client(base_url=address, timeout=PATIENCE_S) as client,
     ):
         scan = client.post("/api/scans", files={"file": ("torso.ply", torso)}).json()
         wish = {"scan": scan["id"], "drawing": None}
@@ -28,7 +28,7 @@ def test_a_killed_server_is_started_again_and_purged(large: Large, model: Path, 
         process.kill()
     with (
         server(location.root, model, log, *options, FAKE_FIT="unhurried") as (process, address),
-        httpx.Client(base_url=address, timeout=30) as client,
+        httpx.Client(base_url=address, timeout=PATIENCE_S) as client,
     ):
         until(lambda: all(client.get(fit["self"]).json()["state"] == "done" for fit in fits), "the ends")
         for fit in fits:
@@ -37,7 +37,7 @@ def test_a_killed_server_is_started_again_and_purged(large: Large, model: Path, 
             assert client.get(fit["result"]).status_code == 200
         assert main(["purge", "--all", "--data", str(location.root), *places]) == 2  # while a server runs
         process.terminate()
-        process.wait(timeout=20)
+        process.wait(timeout=PATIENCE_S)
     assert scan["id"].encode() in large.kept(location)
     assert main(["purge", "--all", "--data", str(location.root), *places]) == 0
     kept = large.kept(location)

@@ -40,8 +40,8 @@ def refused(error: BreastRigError) -> str:
     return "refused"
 
 
-# Open, closed, thin, in parts, crossing itself, without any order, too coarse: `make fuzz` takes all kinds of BODIES.
-KINDS = sorted(BODIES) if TIMES >= 1 else ["box", "crumpled", "half", "many", "plate", "soup", "stick"]
+# In parts, crossing itself, without any order, thin; others are in test_verdict_of_fits.py, all in `make fuzz`.
+KINDS = sorted(BODIES) if TIMES >= 1 else ["crumpled", "many", "soup", "stick"]
 
 
 @bounded(8)

@@ -1,7 +1,7 @@
 // Files that are refused, a browser without WebGL, the example by keys, landmark files.
 import { writeFileSync } from "node:fs";
 import { expect } from "@playwright/test";
-import { hook, SCAN_FILE, test, untilFitted } from "./page";
+import { hook, SCAN_FILE, test, untilFitted, withoutEndOfTime } from "./page";
 
 test.use({ contextOptions: { reducedMotion: "no-preference" } }); // with its motion, as most people see it
 
@@ -79,6 +79,7 @@ test("the landmarks are saved in the four kinds that the page and other programs
 
 test("Back and Forward go through patient and steps and stay in the page; a deleted scan can be taken back", async ({ page, base, troubles }) => {
   const openStep = page.locator(".step.is-open .step-name");
+  await withoutEndOfTime(page);
   await page.goto(base);
   await page.getByRole("button", { name: /standing/i }).click();
   await hook.ready(page);

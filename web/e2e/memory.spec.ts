@@ -1,6 +1,6 @@
 // What one patient holds on the graphics card is let go before the next one comes.
 import { expect, type Page } from "@playwright/test";
-import { hook, test, until, untilFitted } from "./page";
+import { hook, test, until, untilFitted, untilStill } from "./page";
 
 const OPENED = 9; // the result twice, each of the scans four and three times: what is left of one is seen at its next
 
@@ -44,6 +44,7 @@ test(`after ${OPENED} scans the graphics card holds what it held after the first
     await goTo(page, hash);
     await hook.ready(page);
     await shown();
+    await untilStill(page);
     await hook.picture(page); // all of it has been drawn
     const before = seen[order.indexOf(which)]?.open;
     const drawn = async (): Promise<Memory> => (await hook.picture(page), memory(page));

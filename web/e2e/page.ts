@@ -49,18 +49,26 @@ export const hook = {
     }),
 };
 
-/** Waits until no camera moves and nothing is drawn any more: then places on the screen hold still. */
+/** Waits until no camera moves and nothing is drawn any more, however seldom a busy machine draws: then places on the screen hold still. */
 export async function untilStill(page: Page): Promise<void> {
   let before = -1;
   await expect
     .poll(async () => {
       await page.waitForTimeout(150);
-      const frames = await page.evaluate(() => window.__breastrig!.frames());
-      const isStill = frames === before;
+      const { frames, isAtRest } = await page.evaluate(() => ({ frames: window.__breastrig!.frames(), isAtRest: window.__breastrig!.isAtRest() }));
+      const isStill = isAtRest && frames === before;
       before = frames;
       return isStill;
     })
     .toBe(true);
+}
+
+/** Before the page is opened: what it sends ten seconds late it does not send by itself, however long a busy machine takes. */
+export async function withoutEndOfTime(page: Page): Promise<void> {
+  await page.addInitScript(() => {
+    const later = window.setTimeout.bind(window);
+    Object.assign(window, { setTimeout: (act: () => void, ms?: number) => (ms === 10_000 ? 0 : later(act, ms)) });
+  });
 }
 
 /** Waits until the fit is over and its last iteration and drawing are on the screen. */

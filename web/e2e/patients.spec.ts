@@ -1,6 +1,6 @@
 // The first page: patients under codes, opened where their work was left, deleted with ten seconds to take it back.
 import { expect } from "@playwright/test";
-import { hook, test } from "./page";
+import { hook, test, withoutEndOfTime } from "./page";
 
 interface Scan {
   id: string;
@@ -10,6 +10,7 @@ interface Scan {
 test("a patient is renamed, found, opened, left by Back, and deleted after a second thought", async ({ page, base, troubles }) => {
   const add = async (): Promise<Scan> => (await (await page.request.post(`${base}/api/examples/standing`)).json()) as Scan;
   const [first, second] = [await add(), await add()];
+  await withoutEndOfTime(page);
   await page.goto(base);
   const row = (scan: Scan) => page.locator(`[data-patient="${scan.patient}"]`);
   await expect(row(first)).toBeVisible();

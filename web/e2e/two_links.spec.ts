@@ -20,12 +20,16 @@ interface Tab {
 
 type Stance = "standing" | "supine";
 
-const fits = new Map<Stance, ReturnType<Owner["fitted"]>>(); // made once for the tests of this file
+const tabs = new Map<Stance, Promise<Tab>>(); // made once for the tests of this file
 
-/** A link of the test's own to the fit of a stance. */
-async function patient(stance: Stance): Promise<Tab> {
-  if (!fits.has(stance)) fits.set(stance, owner.fitted(stance));
-  const { fit } = await fits.get(stance)!;
+/** A link to the fit of a stance. */
+function patient(stance: Stance): Promise<Tab> {
+  if (!tabs.has(stance)) tabs.set(stance, linked(stance));
+  return tabs.get(stance)!;
+}
+
+async function linked(stance: Stance): Promise<Tab> {
+  const { fit } = await owner.fitted(stance);
   const link = await owner.share(fit, { scan: "full" });
   const result = await owner.json<{ surface_distance_mm: { mean: number } }>(fit.result!);
   const expected = await owner.offered(link);

@@ -3,7 +3,7 @@ import { writeFileSync } from "node:fs";
 import { expect } from "@playwright/test";
 import type { EventPage, Result, Vector } from "../src/api/types";
 import { formatMm, formatMmWhole, formatPercent, formatSeconds } from "../src/ui/units";
-import { distance, hook, SCAN_FILE, test, trueLandmarks, untilFitted, untilStill } from "./page";
+import { distance, hook, SCAN_FILE, test, trueLandmarks, until, untilFitted, untilStill } from "./page";
 
 const CLICKED = ["suprasternal_notch", "mid_sternum", "nipple_L", "nipple_R", "umbilicus"];
 const CLOSE_MM = 3;
@@ -129,7 +129,8 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
 
   await test.step("at rest nothing is drawn", async () => {
     await page.mouse.move(5, 5);
-    await page.waitForTimeout(1000);
+    await until(page, () => window.__breastrig?.state().fit?.distances);
+    await untilStill(page);
     const drawn = await page.evaluate(() => window.__breastrig!.frames());
     await page.waitForTimeout(1000);
     expect(await page.evaluate(() => window.__breastrig!.frames())).toBe(drawn);

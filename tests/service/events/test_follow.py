@@ -4,7 +4,7 @@ from itertools import chain
 import pytest
 from helpers import fake_fit
 from helpers.rows import add_waiting_fit
-from helpers.waiting import ask_for_fit, stored_events, until
+from helpers.waiting import PATIENCE_S, ask_for_fit, stored_events, until
 from sqlalchemy import event
 from sqlalchemy.exc import OperationalError
 
@@ -179,7 +179,7 @@ def test_a_stream_ends_when_the_fit_is_deleted(storage: Storage, scan_id: str) -
         until(lambda: notifier.listening == 1, "the listener")
         delete_scan(storage, scan_id)
         notifier.look_again()
-        thread.join(timeout=5)
+        thread.join(timeout=PATIENCE_S)
         assert not thread.is_alive()
     finally:
         notifier.stop()

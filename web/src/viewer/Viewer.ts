@@ -124,6 +124,11 @@ export class Viewer {
     this.controls.touches = { ONE: byFinger ? null : TOUCH.ROTATE, TWO: byFinger ? TOUCH.DOLLY_ROTATE : TOUCH.DOLLY_PAN };
   }
 
+  /** No picture is asked for that is not drawn yet: nothing moves. */
+  get isAtRest(): boolean {
+    return !this.isAsked;
+  }
+
   /** Asks for a new picture; many requests before the next frame are one. */
   invalidate(): void {
     if (this.isAsked) return;

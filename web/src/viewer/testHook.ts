@@ -1,6 +1,7 @@
 // For browser tests, and for nobody else: a read-only look at what the page knows and where things are drawn.
 //   window.__breastrig.state()          the session, without its binary parts
 //   window.__breastrig.isReady()        the scan is drawn, can be picked on and stands where it will stand
+//   window.__breastrig.isAtRest()       no picture is asked for that is not drawn yet, in no pane
 //   window.__breastrig.project([x,y,z]) page pixels of a point (scan's frame, mm) and whether the scan hides it
 //   window.__breastrig.pickAt(x, y)     point (scan's frame, mm) and triangle under page pixels, or null
 //   window.__breastrig.surfaceAt(x, y)  corners and weights of the fitted surface's triangle there, while it is shown
@@ -30,6 +31,7 @@ export interface TestHook<State> {
   state(): State;
   isReady(): boolean;
   frames(): number;
+  isAtRest(): boolean;
   project(point: Vector): { x: number; y: number; hidden: boolean };
   pickAt(x: number, y: number): Hit | null;
   surfaceAt(x: number, y: number): SurfaceHit | null;
@@ -46,6 +48,7 @@ export function offerTestHook(state: () => unknown, viewer: Viewer, scan: Surfac
     state,
     isReady: () => scan.isSettled,
     frames: () => viewer.frames,
+    isAtRest: () => viewer.isAtRest && other?.viewer()?.isAtRest !== false,
     project(point) {
       const at = new Vector3(...point.map(metresFromMm));
       const box = viewer.host.getBoundingClientRect();
