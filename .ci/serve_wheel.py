@@ -29,7 +29,7 @@ def get(url: str, body: object = None, token: str = "") -> bytes:
     request = urllib.request.Request(url, data=data, headers=headers)
     # No proxy: the address is on this machine.  Cookies as a browser keeps them, from the redirect to what follows it.
     opener = urllib.request.build_opener(urllib.request.ProxyHandler({}), urllib.request.HTTPCookieProcessor())
-    with opener.open(request, timeout=30) as answer:
+    with opener.open(request, timeout=120) as answer:
         return bytes(answer.read())
 
 

@@ -109,7 +109,7 @@ def test_streams_up_to_the_cap_leave_room_for_other_calls_and_give_their_places_
         watched = f"{fit['events']}?after=100000"
         for _ in range(STREAMS):
             viewer = viewers.enter_context(socket.create_connection((client.base_url.host, client.base_url.port)))
-            viewer.settimeout(20)
+            viewer.settimeout(PATIENCE_S)
             viewer.sendall(f"GET {watched} HTTP/1.0\r\nHost: localhost\r\n\r\n".encode())
             assert viewer.recv(1000).startswith(b"HTTP/1.1 200")
         refused = client.get(watched)

@@ -15,6 +15,7 @@ from helpers.real_server import children, server
 from helpers.toy_rig import toy_rig
 from helpers.waiting import PATIENCE_S
 
+from breastrig.api.config import checked_token
 from breastrig.cli import interruption, serve_command
 from breastrig.cli.main import main
 from breastrig.cli.serve_command import _stop_on_signals
@@ -48,8 +49,13 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_no_process_of_the_service_inherits_its_secrets(tmp_path: Path, model: Path) -> None:
     token = "a-token-of-more-than-sixteen-characters"
     with server(tmp_path / "data", model, tmp_path / "log", BREASTRIG_TOKEN=token) as (process, address):
-        assert httpx.get(f"{address}api/meta").status_code == 401
-        assert httpx.get(f"{address}api/meta", headers={"Authorization": f"Bearer {token}"}).status_code == 200
+        assert httpx.get(f"{address}api/meta", timeout=PATIENCE_S).status_code == 401
+        assert (
+            httpx.get(
+                f"{address}api/meta", headers={"Authorization": f"Bearer {token}"}, timeout=PATIENCE_S
+            ).status_code
+            == 200
+        )
         below = children(process.pid)
         environments = [Path(f"/proc/{pid}/environ").read_bytes() for pid in below]
     assert len(environments) > 2  # a fork server, and processes for scans and fits
@@ -57,33 +63,33 @@ def test_no_process_of_the_service_inherits_its_secrets(tmp_path: Path, model: P
     assert not any(token.encode() in environment for environment in environments)
 
 
-def test_it_makes_a_token_at_each_start_and_prints_the_address_that_lets_a_browser_in(
-    tmp_path: Path, model: Path
-) -> None:
-    tokens = set()
-    for _ in range(2):
-        with server(tmp_path / "data", model, tmp_path / "log", FAKE_TOKEN="made") as (process, printed):
-            address, _, token = printed.partition("?token=")
-            tokens.add(token)
-            assert process.stdout is not None
-            assert process.stdout.readline().startswith("This address lets a browser in;")
-            assert httpx.get(f"{address}api/patients").status_code == 401
-            bearer = {"Authorization": f"Bearer {token}"}
-            assert httpx.get(f"{address}api/patients", headers=bearer).status_code == 200
-            with httpx.Client() as browser:
-                assert browser.get(printed).headers["Location"] == "/"
-                assert browser.get(f"{address}api/patients").status_code == 200
-                [cookie] = browser.cookies
-                assert cookie == f"breastrig_session_{address.rstrip('/').rpartition(':')[2]}"
-    assert len(tokens) == 2
+def test_it_makes_a_token_and_prints_the_address_that_lets_a_browser_in(tmp_path: Path, model: Path) -> None:
+    with server(tmp_path / "data", model, tmp_path / "log", FAKE_TOKEN="made") as (process, printed):
+        address, _, token = printed.partition("?token=")
+        assert process.stdout is not None
+        assert process.stdout.readline().startswith("This address lets a browser in;")
+        assert httpx.get(f"{address}api/patients", timeout=PATIENCE_S).status_code == 401
+        bearer = {"Authorization": f"Bearer {token}"}
+        assert httpx.get(f"{address}api/patients", headers=bearer, timeout=PATIENCE_S).status_code == 200
+        with httpx.Client(timeout=PATIENCE_S) as browser:
+            assert browser.get(printed).headers["Location"] == "/"
+            assert browser.get(f"{address}api/patients").status_code == 200
+            [cookie] = browser.cookies
+            assert cookie == f"breastrig_session_{address.rstrip('/').rpartition(':')[2]}"
     assert token not in (tmp_path / "log").read_text()
+
+
+def test_the_token_is_another_at_each_start() -> None:
+    tokens = {checked_token("127.0.0.1", None) for _ in range(3)}
+    assert len(tokens) == 3
+    assert None not in tokens
 
 
 def test_without_a_token_it_says_who_may_read(tmp_path: Path, model: Path) -> None:
     with server(tmp_path / "data", model, tmp_path / "log", "--no-token") as (process, address):
         assert process.stdout is not None
         assert process.stdout.readline().startswith("No token: every user and program of this machine can read")
-        assert httpx.get(f"{address}api/patients").status_code == 200
+        assert httpx.get(f"{address}api/patients", timeout=PATIENCE_S).status_code == 200
 
 
 def test_a_browser_is_opened_by_a_file_of_this_user_alone_and_no_command_names_the_token(

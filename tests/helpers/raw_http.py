@@ -61,4 +61,4 @@ def is_open(connection: socket.socket) -> bool:
     except ConnectionError:
         return False
     finally:
-        connection.settimeout(20)
+        connection.settimeout(120)

@@ -24,7 +24,7 @@ from breastrig.rig.model import Rig
 from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig_studies import command as evaluate_command
 from breastrig_studies.cohort import Case, read_cohort
-from breastrig_studies.page import publish
+from breastrig_studies.page import charts, publish
 from breastrig_studies.page.pictures import signed_distances_mm
 from breastrig_studies.studies import accuracy, landmarks, plan
 from breastrig_studies.studies import result_cache as work
@@ -40,7 +40,7 @@ MEASURED = ("accuracy", "random_turns")  # by the tests of --quick; the other an
 
 @pytest.fixture(scope="module", autouse=True)
 def fewer_fits() -> Iterator[None]:
-    """Larger steps, fewer clickings, a free-form peer that stops early: the same questions, in a third of the time."""
+    """Larger steps, fewer clickings, a free-form peer that stops early, small charts: the same questions."""
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(plan, "COUNT_STEP", 28)
@@ -48,6 +48,7 @@ def fewer_fits() -> Iterator[None]:
             patch.setattr(module, "FACTORS", FACTORS)
         patch.setattr(landmarks, "CLICKERS", 2)
         patch.setattr(accuracy, "REPEATS", 1)
+        patch.setattr(charts, "DPI", 40)
         free_form = partial(trimesh.registration.nricp_amberg, steps=[[0.01, 10, 0.5, 2], [0.01, 0, 0.0, 2]])
         patch.setattr(trimesh.registration, "nricp_amberg", free_form)
         yield
