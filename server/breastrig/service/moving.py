@@ -24,7 +24,7 @@ from breastrig.storage.storage import Storage
 from breastrig.workflow.jobs import FollowJob, LengthsQuestion, LiveQuestion
 from breastrig.workflow.tasks import follow_landmarks, live_pattern, moved_landmarks, read_and_live_pattern
 
-WALL_S = 30.0  # an answer takes a tenth of a second, the first one; huge scans on a slow machine take many
+WALL_S = 90.0  # an answer takes a tenth of a second, the first one; huge scans on a slow or busy machine take many
 
 
 class Moving:

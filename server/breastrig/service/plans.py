@@ -29,7 +29,7 @@ from breastrig.workflow.tasks import plan_on_fit
 UNFITTED = (
     "It was made on a scan that is not fitted yet, or with another version of the model; fit that one to see it here."
 )
-WALL_S = 60.0  # two scans take one to two seconds; a slow machine with huge scans may take many
+WALL_S = 180.0  # two scans take one to two seconds; a slow or busy machine with huge scans may take many
 REMEMBERED = 32  # plans on scans, of some hundred kilobytes each
 
 

@@ -30,7 +30,7 @@ PLANNED = ("report.pdf",)  # what shows the plan; measures are those of the body
 REMEMBERED = 32  # of half a megabyte
 TWO_PATIENTS = f"The two scans are filed as those of two patients; {SAYS_NOTHING}"
 DAY = len("2026-11-25")  # of a time as ISO 8601
-WALL_S = 60.0  # two stances take about four seconds; a slow machine with huge scans may take many
+WALL_S = 180.0  # two stances take about four seconds; a slow or busy machine with huge scans may take many
 
 
 class Reports:

@@ -58,7 +58,7 @@ from breastrig.workflow.tasks import keeping, propose_on_file, read_upload, run_
 CHUNK = 2**20
 HANDS = 4  # patterns or landmarks that are moved at once
 KEPT = 8  # processes that rest: of a patient's two scans and their fits, each some hundred megabytes
-TRANSFER_WALL_S = 60.0  # a transfer takes a second or two; a slow machine with huge scans may take many
+TRANSFER_WALL_S = 180.0  # a transfer takes a second or two; a slow or busy machine with huge scans may take many
 
 log = logging.getLogger(__name__)
 

@@ -29,7 +29,7 @@ from breastrig.storage.storage import Storage, utc_now
 from breastrig.workflow.jobs import SnapshotJob
 from breastrig.workflow.tasks import write_snapshot
 
-WALL_S = 90.0  # the example takes three seconds, most of them for the report; a slow machine with huge scans many
+WALL_S = 180.0  # the example takes three seconds, most for the report; a slow or busy machine with huge scans many
 
 log = logging.getLogger(__name__)
 
