@@ -37,7 +37,7 @@ def test_all_sides_exchanged_are_named_before_the_first_step_and_at_the_end(pick
     assert doubt.names == list(exchanged)
     assert "exchanged" in doubt.reason
     assert done.result["landmarks_not_followed"] == [doubt.model_dump()]
-    said = "Left and right of the landmarks look exchanged, or the scan is mirrored; look at what is asked about them."
+    said = "12 landmarks look exchanged between left and right; look at what is asked about them."
     assert said in done.result["verdict"]["reasons"]
 
 
