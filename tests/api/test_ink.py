@@ -9,7 +9,7 @@ from helpers.inked_scan import inked_zip
 from helpers.waiting import until
 from sqlalchemy import func, select
 
-from breastrig.service import ink as ink_search
+from breastrig.service import scan_search as ink_search
 from breastrig.service.service import Service
 from breastrig.storage import schema
 from breastrig.storage.rows.ink import get_ink, put_ink

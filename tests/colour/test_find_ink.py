@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from breastrig.colour.ink.find_ink import InkLine, find_ink
 from breastrig.colour.ink.kinds import Kind
 from breastrig.core.errors import BadScan
-from breastrig.geometry.curves import resampled
+from breastrig.geometry.polyline import resampled
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
 

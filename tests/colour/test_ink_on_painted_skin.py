@@ -6,7 +6,7 @@ from helpers.painted_body import painted_body
 from scipy.spatial import cKDTree
 
 from breastrig.colour.ink.find_ink import find_ink
-from breastrig.geometry.curves import resampled
+from breastrig.geometry.polyline import resampled
 
 
 @pytest.mark.parametrize("ink", ["green", "red", "violet"])

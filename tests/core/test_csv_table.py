@@ -4,7 +4,7 @@ import csv
 
 import pytest
 
-from breastrig.core.csv_table import csv_table
+from breastrig.core.documents import csv_table
 
 
 def read(content: bytes) -> list[dict[str, str]]:

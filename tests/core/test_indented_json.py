@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from breastrig.core.indented_json import indented
+from breastrig.core.documents import indented
 
 numbers = st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.booleans() | st.none()
 documents = st.recursive(

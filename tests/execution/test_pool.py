@@ -90,7 +90,7 @@ def answer_of_a_program(name: str, *words: str) -> Any:
 def test_a_task_finds_imported_what_was_named_and_nothing_else_of_the_program() -> None:
     found = set(answer_of_a_program("preload.py", "colorsys", "breastrig.core.units", "no_such_module"))
     assert {"colorsys", "breastrig.core.units"} <= found
-    assert "breastrig.core.csv_table" not in found  # which the program has imported
+    assert "breastrig.core.documents" not in found  # which the program has imported
 
 
 def test_stopping_while_processes_start_leaves_no_traceback_and_no_process() -> None:

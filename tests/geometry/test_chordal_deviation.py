@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from breastrig.geometry.chordal_deviation import ChordalDeviation
 from breastrig.geometry.normals import face_areas, vertex_normals
+from breastrig.geometry.surface_points import ChordalDeviation
 
 RADIUS = 0.06  # m
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from breastrig.geometry.curves import resampled
+from breastrig.geometry.polyline import resampled
 
 
 def test_points_lie_evenly_and_ends_stay() -> None:

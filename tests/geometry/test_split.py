@@ -6,8 +6,8 @@ from helpers.surfaces import sphere
 
 from breastrig.geometry.boundary import boundary_edges
 from breastrig.geometry.closest_point import ClosestPointSearch
+from breastrig.geometry.half_edges import split_flat, with_vertex
 from breastrig.geometry.normals import face_areas, face_crosses
-from breastrig.geometry.split import split_flat, with_vertex
 
 
 @pytest.mark.parametrize(("share", "more"), [((0.2, 0.5, 0.3), 2), ((0.0, 0.4, 0.6), 2), ((0.0, 1.0, 0.0), 0)])

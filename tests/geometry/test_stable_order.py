@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from breastrig.geometry.stable_order import stable_order
+from breastrig.core.arrays import stable_order
 
 NUMBERS = st.one_of(st.integers(0, 5), st.integers(0, 2**40), st.integers(-(2**62), 2**62))
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from breastrig.geometry.normals import unit_vectors
 from breastrig.geometry.surface_points import SurfacePoints
-from breastrig.geometry.unit_vectors import unit_vectors
 
 CORNERS = np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 3.0, 0.0]])
 TRIANGLE = np.array([[0, 1, 2]])

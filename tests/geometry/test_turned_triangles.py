@@ -3,7 +3,7 @@
 import numpy as np
 from helpers.surfaces import plane, sphere
 
-from breastrig.geometry.turned_triangles import turned_triangles
+from breastrig.geometry.normals import turned_triangles
 
 
 def test_a_sheet_and_a_ball_have_none() -> None:

@@ -9,7 +9,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from breastrig.geometry.fields.level_sets import longest_loop
-from breastrig.geometry.split import split_flat, with_vertex
+from breastrig.geometry.half_edges import split_flat, with_vertex
 
 
 def exact_distances(vertices: np.ndarray, faces: np.ndarray, face: int, barycentric: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ from breastrig.execution.pool import Pool
 from breastrig.execution.worker import preload
 
 if __name__ == "__main__":
-    import breastrig.core.csv_table  # noqa: F401  a module of the program that no task needs
+    import breastrig.core.documents  # noqa: F401  a module of the program that no task needs
 
     preload(sys.argv[1:])
     pool = Pool()

@@ -5,7 +5,7 @@ import pytest
 import scipy.linalg
 from numpy.linalg import LinAlgError
 
-from breastrig.least_squares.cholesky import cholesky, solve_lower
+from breastrig.least_squares.quadratic_program import cholesky, solve_lower
 
 
 def test_factors_are_those_of_scipy() -> None:

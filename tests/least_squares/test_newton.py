@@ -7,9 +7,8 @@ import pytest
 from scipy.optimize import lsq_linear
 
 from breastrig.least_squares.newton import Status, assemble, newton_step
-from breastrig.least_squares.problem import HARD, Linearisation
+from breastrig.least_squares.problem import HARD, KERNELS, Linearisation
 from breastrig.least_squares.quadratic_program import Bounds
-from breastrig.least_squares.robust import KERNELS
 
 
 @dataclass(frozen=True, eq=False)

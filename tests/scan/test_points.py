@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
 from breastrig.core.errors import BadScan, TooLarge
-from breastrig.geometry.normals import face_normals
-from breastrig.geometry.point_normals import point_normals
+from breastrig.geometry.normals import face_normals, point_normals
 from breastrig.scan.piece import PointCloud
 from breastrig.scan.point_clouds.pcd import pcd_points, unpack_lzf
 from breastrig.scan.point_clouds.surface_from_points import FROM_POINTS, surface_from_points

@@ -10,7 +10,7 @@ from helpers.fake_proposals import at_the_nipple
 
 from breastrig.execution.limits import FitLimits, UploadLimits
 from breastrig.service.fit_worker import PairRunner, Runner
-from breastrig.service.proposals import Proposer
+from breastrig.service.scan_search import Proposer
 from breastrig.service.service import Service
 from breastrig.storage.folders import new_id
 from breastrig.storage.rows.scans import ScanRow, add_scan

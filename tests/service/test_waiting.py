@@ -5,7 +5,7 @@ from helpers import fake_fit
 from helpers.waiting import ended, until
 
 from breastrig.core.errors import TooMany
-from breastrig.service.events.follow import Queued
+from breastrig.service.events.feeds import Queued
 from breastrig.service.service import Service
 from breastrig.storage.rows.events import StoredEvent
 from breastrig.storage.rows.fits import NewFit, Once, get_fit, queue_positions

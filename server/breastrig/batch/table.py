@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from breastrig.core.csv_table import csv_table
+from breastrig.core.documents import csv_table
 from breastrig.core.private_files import write_private
 from breastrig.workflow.folder.fit_file_names import DRAWING_MISSING
 

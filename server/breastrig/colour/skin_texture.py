@@ -19,9 +19,8 @@ from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import BadScan
-from breastrig.geometry.components import triangle_components
-from breastrig.geometry.normals import VertexNormals, face_areas, face_crosses
-from breastrig.geometry.unit_vectors import unit_vectors
+from breastrig.geometry.boundary import triangle_components
+from breastrig.geometry.normals import VertexNormals, face_areas, face_crosses, unit_vectors
 from breastrig.scan.pictures.texture import pixels_of
 from breastrig.scan.scan import Scan
 

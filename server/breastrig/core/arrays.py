@@ -22,3 +22,19 @@ def frozen(array: Any, dtype: Any = np.float64) -> Any:
             result = result.copy()
         result.flags.writeable = False
     return result
+
+
+BITS = 63  # of a number that is not negative
+
+
+def stable_order(keys: Integers) -> Integers:
+    """(N,) as np.argsort(keys, kind="stable") of (N,) whole numbers."""
+    room = len(keys).bit_length()
+    if not len(keys) or keys.min() < 0 or int(keys.max()).bit_length() + room > BITS:
+        return np.argsort(keys, kind="stable")
+    packed = keys.astype(np.int64)
+    packed <<= room
+    packed += np.arange(len(keys))
+    packed.sort()
+    packed &= (1 << room) - 1
+    return packed

@@ -11,13 +11,12 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
-from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.core.arrays import Array, Booleans, Integers, stable_order
 from breastrig.geometry.boundary import boundary_vertices
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import VertexNormals, face_normals
 from breastrig.geometry.plane import Plane
 from breastrig.geometry.rays import HAVE_EMBREE, RayCaster
-from breastrig.geometry.stable_order import stable_order
 
 SMOOTHING_ROUNDS = 2  # rounds of neighbour averaging of the normals: a depth camera's noise tilts single triangles
 BEYOND = 0.2  # sine of the angle to the border's own plane; of 240 searches on dev scans 215 are spared, 0.4 pairs lost

@@ -20,10 +20,9 @@ from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.skin_maps.interior_map import InteriorMap
 from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.drawings.transfer import transferred
-from breastrig.geometry.normals import vertex_normals
+from breastrig.geometry.normals import unit_vectors, vertex_normals
 from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.surface_points import SurfacePoints
-from breastrig.geometry.unit_vectors import unit_vectors
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 
 NOTE_COLOR = "#2c5282"

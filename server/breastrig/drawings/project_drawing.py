@@ -21,10 +21,8 @@ import numpy as np
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.correspondence.target import ScanTarget
-from breastrig.geometry.curves import resampled
-from breastrig.geometry.normals import vertex_normals
-from breastrig.geometry.polyline import Polyline
-from breastrig.geometry.unit_vectors import unit_vectors
+from breastrig.geometry.normals import unit_vectors, vertex_normals
+from breastrig.geometry.polyline import Polyline, resampled
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 
 SPACING = 0.003  # m; finer than a pen, coarser than the noise

@@ -12,8 +12,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
-from breastrig.geometry.curves import resampled
-from breastrig.geometry.polyline import Polyline
+from breastrig.geometry.polyline import Polyline, resampled
 
 SPACING = 0.001  # m between the points that are measured; the largest distance is known to half of it
 

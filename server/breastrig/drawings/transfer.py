@@ -21,10 +21,9 @@ from breastrig.drawings.prepare_polyline import prepared
 from breastrig.drawings.project_drawing import LineNearSkin, smoothed_on_skin
 from breastrig.drawings.skin_maps.skin_map import FittedScan, SkinMap
 from breastrig.geometry.closest_point import ClosestPointSearch
-from breastrig.geometry.normals import vertex_normals
+from breastrig.geometry.normals import unit_vectors, vertex_normals
 from breastrig.geometry.polyline import Polyline, parts
 from breastrig.geometry.surface_points import SurfacePoints
-from breastrig.geometry.unit_vectors import unit_vectors
 from breastrig.rig.model import Rig
 from breastrig.scan.clean import Surface
 

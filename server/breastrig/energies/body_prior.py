@@ -11,8 +11,8 @@ from functools import cached_property
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.least_squares.cholesky import cholesky, solve_lower
 from breastrig.least_squares.problem import ConstantJacobian, Linearisation, NormalEquations, StructuredTerm
+from breastrig.least_squares.quadratic_program import cholesky, solve_lower
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import BONE_DOFS
 from breastrig.rig.state import BodyState

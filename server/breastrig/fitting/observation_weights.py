@@ -3,7 +3,7 @@
 A vertex counts by the area around it in the rest pose, in units of the square of the spacing at which the preset takes
 observations to be independent: narrow in the regions that matter most, growing with the distance from them.  A stage
 that looks at every nth vertex gives each of these the area of its left-out neighbours.  Each vertex is to lie above the
-scan by the chordal deviation of its triangles (geometry/chordal_deviation.py), so that a finer model fits the same.
+scan by the chordal deviation of its triangles (geometry/surface_points.py), so that a finer model fits the same.
 """
 
 from functools import lru_cache

@@ -12,8 +12,8 @@ from breastrig.core.arrays import Array
 from breastrig.energies.landmarks import Landmarks
 from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.task import FitTask
-from breastrig.least_squares.cholesky import cholesky, solve_lower
 from breastrig.least_squares.problem import HARD
+from breastrig.least_squares.quadratic_program import cholesky, solve_lower
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.state import BodyState
 from breastrig.rig.vertex_variances import vertex_variances

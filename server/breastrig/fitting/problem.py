@@ -31,9 +31,8 @@ from breastrig.fitting.recipe import Body, Hanging, Range, Scales, Shapes, Stage
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.least_squares.newton import Status, System, Value, assemble, value
-from breastrig.least_squares.problem import Constraint, ResidualTerm
+from breastrig.least_squares.problem import KERNELS, Constraint, ResidualTerm
 from breastrig.least_squares.quadratic_program import Bounds
-from breastrig.least_squares.robust import KERNELS
 from breastrig.rig.blocks import block
 from breastrig.rig.body_statistics import body_statistics
 from breastrig.rig.joints import Joints

@@ -25,8 +25,7 @@ from scipy.spatial import cKDTree
 from breastrig.core.arrays import Array, Integers
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.correspondence.target import ScanTarget
-from breastrig.geometry.normals import VertexNormals, face_normals
-from breastrig.geometry.turned_triangles import turned_triangles
+from breastrig.geometry.normals import VertexNormals, face_normals, turned_triangles
 
 ROUNDS = 2  # renewals of the matches; a third gains nothing
 RULES = MatchRules(method="rays", max_distance=0.015, max_angle=0.87)  # as the fit's last stage

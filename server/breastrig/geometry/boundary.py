@@ -1,13 +1,14 @@
-"""Open borders of a triangle mesh: where a scan ends, where the model is cut.
+"""Open borders of a triangle mesh: where a scan ends, where the model is cut; and its connected pieces.
 
 An edge is on the border when exactly one triangle owns it.  Loops follow the direction of the triangles, so
 that the surface lies on the left of a walker who sees it from outside.
 """
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
-from breastrig.core.arrays import Booleans, Integers
-from breastrig.geometry.stable_order import stable_order
+from breastrig.core.arrays import Booleans, Integers, stable_order
 
 
 def directed_edges(faces: Integers) -> Integers:
@@ -74,3 +75,19 @@ def boundary_loops(faces: Integers) -> list[Integers]:
                 path.append(there)
     loops.sort(key=len, reverse=True)
     return [np.array(loop, dtype=np.int64) for loop in loops]
+
+
+def components(count: int, first: Integers, second: Integers) -> tuple[int, Integers]:
+    """How many components the graph of `count` nodes has, joined by M edges (M,), (M,), and the (N,) one of each node.
+
+    They are numbered by their smallest nodes.
+    """
+    joined = coo_array((np.ones(len(first)), (first, second)), shape=(count, count))
+    number, component = connected_components(joined, directed=False)
+    return int(number), component.astype(np.int64)
+
+
+def triangle_components(faces: Integers, count: int) -> tuple[int, Integers]:
+    """The same for `count` vertices, joined by (F, 3) triangles."""
+    first, second = faces[:, [0, 1]].ravel(), faces[:, [1, 2]].ravel()  # the third edge joins nothing new
+    return components(count, first, second)

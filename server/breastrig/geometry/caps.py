@@ -14,7 +14,7 @@ from scipy.spatial import Delaunay, QhullError
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.geometry.boundary import boundary_loops
-from breastrig.geometry.neighbours import neighbours
+from breastrig.geometry.half_edges import neighbours
 
 CLEARANCE = 0.65  # of the spacing, between a rim and the grid inside it: nearer gives flat triangles
 ROUNDS = 12  # of moving each inner point to the middle of its neighbours

@@ -24,9 +24,8 @@ from breastrig.core.lru_cache import LruCache
 from breastrig.geometry.closest_point import closest_barycentric
 from breastrig.geometry.fields.distance_field import DistanceFields
 from breastrig.geometry.fields.level_sets import longest_loop
-from breastrig.geometry.half_edges import HalfEdges
+from breastrig.geometry.half_edges import HalfEdges, split_flat, split_places
 from breastrig.geometry.normals import face_crosses
-from breastrig.geometry.split import split_flat, split_places
 from breastrig.geometry.surface_points import SurfacePoints
 
 RING = 4  # triangles between a circle's centre and its rim, whose chords are half as long or less: off by radius / 512

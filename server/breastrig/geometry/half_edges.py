@@ -1,4 +1,4 @@
-"""The triangles of a mesh side by side, flattened: what is needed to walk straight across it.
+"""The triangles of a mesh side by side: flattened, to walk straight across them; their neighbours; split flat.
 
 Half-edge 3 f + k is the edge of triangle f opposite its corner k, entered from the other side: seen from there the
 corner k + 1 is its left end and k + 2 its right one.  Triangles are counter-clockwise from outside.
@@ -7,9 +7,9 @@ corner k + 1 is its left end and k + 2 its right one.  Triangles are counter-clo
 from functools import cached_property
 
 import numpy as np
+from scipy.sparse import coo_array, csr_array, diags_array
 
-from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.geometry.stable_order import stable_order
+from breastrig.core.arrays import Array, Booleans, Integers, stable_order
 
 SADDLE = 1e-9  # rad above a full turn from which a vertex casts a shadow: 0.05 nm at 5 cm
 
@@ -119,3 +119,61 @@ class HalfEdges:
         """(V + 1,) offsets into (3 F,) corners, vertex by vertex."""
         counts = np.bincount(self.apex, minlength=len(self.vertices))
         return np.concatenate([[0], np.cumsum(counts)]), stable_order(self.apex)
+
+
+def neighbours(triangles: Integers, count: int) -> csr_array:
+    """(N, N) rows that average over the neighbours of each vertex; a vertex without triangles has an empty one."""
+    i, j = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+    both = coo_array((np.ones(2 * len(i)), (np.concatenate([i, j]), np.concatenate([j, i]))), shape=(count, count))
+    links = csr_array(both)
+    links.data[:] = 1.0
+    return csr_array(diags_array(1.0 / np.maximum(links.sum(axis=1), 1.0)) @ links)
+
+
+PIECES = ([0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5])  # corners 0 to 2, the middles of the edges after them 3 to 5
+SNAP = 1e-4  # barycentric share under which a point counts as on the edge or corner: 1 µm on an edge of 10 mm
+
+
+def with_vertex(
+    vertices: Array, faces: Integers, face: int, barycentric: Array
+) -> tuple[Array, Integers, Integers, int]:
+    """The mesh with a vertex at a surface point: vertices, faces, each face's index before, the vertex' index.
+
+    Inside a triangle it makes three of one, on an edge two of each neighbour; at a corner nothing changes.
+    """
+    parents = np.arange(len(faces))
+    share = np.where(np.asarray(barycentric) < SNAP, 0.0, barycentric)
+    share = share / share.sum()
+    corners = faces[face]
+    if np.count_nonzero(share) == 1:
+        return vertices, faces, parents, int(corners[share.argmax()])
+    new = len(vertices)
+    vertices = np.concatenate([vertices, share[None] @ vertices[corners]])
+    if np.count_nonzero(share) == 3:
+        split = np.array([face])
+        pieces = np.array([[corners[k], corners[(k + 1) % 3], new] for k in range(3)])
+        owners = np.full(3, face)
+    else:
+        ends = corners[share > 0.0]
+        split = np.flatnonzero(np.isin(faces, ends).sum(axis=1) == 2)
+        first, second = (np.where(faces[split] == end, new, faces[split]) for end in ends)
+        pieces, owners = np.concatenate([first, second]), np.concatenate([split, split])
+    faces = np.concatenate([np.delete(faces, split, axis=0), pieces])
+    return vertices, faces, np.concatenate([np.delete(parents, split), owners]), new
+
+
+def split_flat(vertices: Array, faces: Integers) -> tuple[Array, Integers, Integers]:
+    """Each triangle into four of half its size: vertices, faces, the index of each face's triangle before."""
+    a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    pairs, which = np.unique(np.minimum(a, b) * len(vertices) + np.maximum(a, b), return_inverse=True)
+    middle = len(vertices) + which.reshape(-1, 3)
+    both = np.concatenate([faces, middle], axis=1)
+    pieces = np.concatenate([both[:, corners] for corners in PIECES])
+    ends = np.stack(np.divmod(pairs, len(vertices)))
+    return np.concatenate([vertices, vertices[ends].mean(axis=0)]), pieces, np.tile(np.arange(len(faces)), 4)
+
+
+def split_places(places: Array) -> Array:
+    """(4 F, 3, D) at the corners of the triangles that split_flat makes, for (F, 3, D) at those before."""
+    both = np.concatenate([places, 0.5 * (places + np.roll(places, -1, axis=1))], axis=1)
+    return np.concatenate([both[:, corners] for corners in PIECES])

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Integers
-from breastrig.geometry.neighbours import neighbours
+from breastrig.geometry.half_edges import neighbours
 
 ROUNDS = 40  # an armpit needs four
 STEP = 0.2  # of the way to the neighbours' mean; 0.5 moves an armpit's skin twice as far

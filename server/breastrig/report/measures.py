@@ -20,8 +20,8 @@ from functools import partial
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.geometry.curves import resampled
 from breastrig.geometry.geodesic import Geodesics, length
+from breastrig.geometry.polyline import resampled
 from breastrig.geometry.surface_points import SurfacePoints, joined
 from breastrig.report.bands import banded, half_width
 from breastrig.report.body_frame import BodyFrame, body_frame

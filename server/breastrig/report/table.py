@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.core.csv_table import csv_table
+from breastrig.core.documents import csv_table
 
 Lines = dict[str, list[list[float]]]
 Cell = str | float | Lines | None

@@ -21,11 +21,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.geometry.boundary import components
 from breastrig.geometry.closest_point import ClosestPointSearch
-from breastrig.geometry.components import component_roots
-from breastrig.geometry.curves import resampled
 from breastrig.geometry.fields.level_sets import crossings, part_above
 from breastrig.geometry.normals import face_areas, face_crosses, vertex_normals
+from breastrig.geometry.polyline import resampled
 from breastrig.geometry.thin_plate_spline import ThinPlateSpline
 from breastrig.report.body_frame import body_frame
 from breastrig.report.calibration import measure_calibration
@@ -175,7 +175,7 @@ def _within(rig: Rig, outline: DrawnShape, nipple: str) -> Booleans:
     edges = rig.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     edges = edges[positive[edges].all(axis=1)]
     count = len(rig.template)
-    label = component_roots(count, edges[:, 0], edges[:, 1])
+    _, label = components(count, edges[:, 0], edges[:, 1])
     seed = int(np.linalg.norm(rig.template - tip, axis=1).argmin())
     return np.asarray(positive & (label == label[seed]))
 

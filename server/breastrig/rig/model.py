@@ -20,9 +20,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from breastrig.core.arrays import Array, Integers, frozen
-from breastrig.geometry.chordal_deviation import ChordalDeviation
 from breastrig.geometry.normals import VertexNormals
-from breastrig.geometry.surface_points import SurfacePoints
+from breastrig.geometry.surface_points import ChordalDeviation, SurfacePoints
 
 if TYPE_CHECKING:
     from breastrig.rig.named_parameters import Parameters

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.geometry.components import triangle_components
+from breastrig.geometry.boundary import triangle_components
 from breastrig.scan.clean import FRAGMENT_SHARE, MIN_TRIANGLES, large_pieces
 from breastrig.scan.orient import Frame, propose_frame
 from breastrig.scan.table import Table, found_table

@@ -9,7 +9,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import BadScan
-from breastrig.geometry.components import triangle_components
+from breastrig.geometry.boundary import triangle_components
 from breastrig.geometry.normals import face_crosses
 from breastrig.scan.scan import Scan
 from breastrig.scan.winding import outwards

@@ -15,8 +15,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.geometry.boundary import boundary_vertices
-from breastrig.geometry.components import triangle_components
+from breastrig.geometry.boundary import boundary_vertices, triangle_components
 from breastrig.geometry.normals import face_areas, face_crosses, vertex_normals
 from breastrig.scan.background import is_flat, only_body
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.geometry.components import triangle_components
+from breastrig.geometry.boundary import triangle_components
 from breastrig.geometry.normals import face_crosses, vertex_normals
 from breastrig.geometry.plane import Plane
 

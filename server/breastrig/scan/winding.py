@@ -7,10 +7,9 @@ turned so that it faces away from the middle of what lies behind it.
 
 import numpy as np
 
-from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.geometry.components import components
+from breastrig.core.arrays import Array, Booleans, Integers, stable_order
+from breastrig.geometry.boundary import components
 from breastrig.geometry.normals import face_crosses
-from breastrig.geometry.stable_order import stable_order
 
 ROUND = 0.2  # mean cosine between normals and the arms from the piece's middle: a plane has 0, a ball 1, a torso 0.5
 

@@ -9,8 +9,8 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any
 
+from breastrig.core.documents import indented
 from breastrig.core.errors import Conflict, NotFound
-from breastrig.core.indented_json import indented
 from breastrig.drawings.drawing_file import planned_on_scan
 from breastrig.execution.pool import Lane
 from breastrig.report.files.line_files import rgb

@@ -8,21 +8,21 @@ not started again, because it would most likely die again: it fails with a sente
 import logging
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import wait
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 from sqlalchemy.exc import SQLAlchemyError
 
-from breastrig.core.errors import BreastRigError, Conflict, NotFound
+from breastrig.core.errors import BreastRigError, Conflict, NotFound, TooMany
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
 from breastrig.service.events.event_writer import event_json
 from breastrig.service.fit_worker import UNWRITTEN, Runners, execute_fit
 from breastrig.storage.rows.events import append
-from breastrig.storage.rows.fits import FitRow, fits_in_state, get_fit, next_queued, put_back
+from breastrig.storage.rows.fits import FitRow, fits_in_state, get_fit, next_queued, put_back, still_queued
 from breastrig.storage.storage import Storage
 from breastrig.workflow.events import Cancelled, Event, Failed
 from breastrig.workflow.tasks import keeping
@@ -228,3 +228,37 @@ def _why(error: BaseException | None) -> str:
     if isinstance(error, ConnectionError):
         return LOST
     return UNWRITTEN if isinstance(error, SQLAlchemyError) else DIED
+
+
+RETRY_S = 2  # a fit takes about a second
+
+
+class WaitingCap:
+    """Counts each client's waiting fits; one fit of two stances counts once."""
+
+    def __init__(self, storage: Storage, most: int) -> None:
+        self._storage = storage
+        self._most = most
+        self._lock = threading.Lock()
+        self._asked: dict[str, set[str]] = {}  # client -> its fits, those that no longer wait are dropped at times
+
+    @contextmanager
+    def place(self, client: str | None) -> Iterator[Callable[[str], None]]:
+        """A place for one more fit; to be called with the fit's id.  Raises TooMany when the client has no place left.
+
+        None is a caller inside the program, which is not counted.
+        """
+        if client is None:
+            yield lambda _fit_id: None
+            return
+        with self._lock:
+            waiting = still_queued(self._storage, self._asked.get(client, set()))
+            if len(waiting) >= self._most:
+                raise TooMany(
+                    f"{len(waiting)} of your fits are waiting already, as many as one client may have; "
+                    f"ask again in {RETRY_S} s.",
+                    RETRY_S,
+                )
+            self._asked[client] = waiting
+            self._asked = {name: fits for name, fits in self._asked.items() if fits or name == client}
+            yield waiting.add

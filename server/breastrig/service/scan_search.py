@@ -1,24 +1,35 @@
 """Searches on a scan: computed once, in a process of its own, and kept with the scan's rows.
 
 Whoever asks while it is being computed waits for the same computation.  A failure is raised for those who wait and is
-not kept: the next call tries again.
+not kept: the next call tries again.  Ink is searched on the whole scan, whatever is cut out of it: cuts come and
+go, and lines keep their names.
 """
 
+import hashlib
 import logging
+import math
 import threading
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import CancelledError, Future, wait
 from contextlib import ExitStack, suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from breastrig.core.errors import BreastRigError, FitFailed, NotFound
+import numpy as np
+
+from breastrig.core.errors import BadScan, BreastRigError, FitFailed, NotFound
 from breastrig.execution.executor import Executor
+from breastrig.scan.hand_cuts import are_cut
 from breastrig.storage.files import scan_place, upload_name
-from breastrig.storage.rows.scans import ScanRow, get_scan
+from breastrig.storage.rows.cuts import cuts_digest, get_cuts
+from breastrig.storage.rows.ink import drop_ink, get_ink, put_ink
+from breastrig.storage.rows.proposals import get_proposals, put_proposals
+from breastrig.storage.rows.scans import Picks, ScanRow, get_landmarks, get_scan
 from breastrig.storage.storage import Storage
-from breastrig.workflow.tasks import keeping
+from breastrig.workflow.jobs import InkJob, ProposeJob
+from breastrig.workflow.tasks import find_ink_on_file, keeping
 
 Task = tuple[Callable[[Any], dict[str, Any]], Any]  # a function of a named module, and what it is given
 
@@ -139,3 +150,90 @@ class ScanSearch(ABC):
             return FitFailed(f"{self.what} took longer than {self._wall_s:g} s; simplify the scan first.")
         log.error("the process that looked on a scan broke: %r", error)
         return FitFailed(f"{self.what} on this scan broke; the server's log says why. {self.instead}")
+
+
+class InkSearch(ScanSearch):
+    """breastrig/drawing@1 of each scan, in mm."""
+
+    what = "Finding ink"
+    instead = "Draw the lines by hand."
+
+    def found(self, scan: ScanRow, wait_s: float) -> dict[str, Any] | None:
+        """The drawing; None when it takes longer and goes on.  Raises BadScan at once for a scan without colour."""
+        if scan.facts.get("colours") == "none":
+            raise BadScan("This scan has no colour, so no ink can be seen on it; scan again with colour.")
+        found = self.get(scan, "", wait_s)
+        return None if found is None else self._with_cuts(scan.id, found)
+
+    def mark_dropped(self, scan_id: str, dropped: Mapping[str, bool]) -> dict[str, Any]:
+        """The drawing after these lines were dropped, or are so no more; see storage/rows/ink.py for what it raises."""
+        return self._with_cuts(scan_id, drop_ink(self._storage, scan_id, dropped))
+
+    def _with_cuts(self, scan_id: str, drawing: dict[str, Any]) -> dict[str, Any]:
+        """Says of each line that lies for the most part in what is cut out of the scan by hand that it is cut."""
+        cuts = get_cuts(self._storage, scan_id)
+        if not cuts:
+            return drawing
+        places_m = [1e-3 * np.array(shape["points"], dtype=float) for shape in drawing["shapes"]]
+        shapes = [
+            shape | {"cut": True} if np.mean(are_cut(places, cuts)) > 0.5 else shape
+            for shape, places in zip(drawing["shapes"], places_m, strict=True)
+        ]
+        return drawing | {"shapes": shapes}
+
+    def _stored(self, scan_id: str, variant: str) -> dict[str, Any] | None:
+        return get_ink(self._storage, scan_id)
+
+    def _store(self, scan_id: str, variant: str, found: dict[str, Any]) -> None:
+        put_ink(self._storage, scan_id, found)
+
+    def _task(self, file: Path, scan: ScanRow) -> Task:
+        return find_ink_on_file, InkJob(file, scan.file_type, scan.facts["unit"])
+
+
+SAME_PLACE = 0.05  # mm; no click meets a proposal so closely
+
+Proposer = Callable[[ProposeJob], dict[str, Any]]
+
+
+class Proposals(ScanSearch):
+    """{name: {point (mm), confidence, on_scan, error_mm}} of each scan; see `variant`."""
+
+    what = "Finding landmarks"
+    instead = "Place them by hand."
+
+    def __init__(
+        self, storage: Storage, processes: Executor, wall_s: float, proposer: Proposer, model: Path | None
+    ) -> None:
+        super().__init__(storage, processes, wall_s)
+        self._proposer = proposer
+        self._model = model
+
+    def variant(self, scan_id: str, model_sha256: str) -> str:
+        """The sha256 of the model, and of what is cut out of the scan by hand."""
+        digest = cuts_digest(get_cuts(self._storage, scan_id))
+        return hashlib.sha256(f"{model_sha256} {digest}".encode()).hexdigest() if digest else model_sha256
+
+    def agreed(self, scan_id: str, variant: str, picks: Picks) -> Picks:
+        """With the confidence of each of which nothing is said: as it was there, else as proposed."""
+        before = get_landmarks(self._storage, scan_id)
+        known = [(before.points_mm[name], name, share) for name, share in before.confidence.items()]
+        proposed = self.known(scan_id, variant) or {}
+        known += [(each["point"], name, float(each["confidence"])) for name, each in proposed.items()]
+        said = {*picks.certain, *picks.confidence}
+        found: dict[str, float] = {}
+        for place, name, share in known:
+            if name in picks.points_mm and name not in said and math.dist(picks.points_mm[name], place) < SAME_PLACE:
+                found.setdefault(name, share)
+        return replace(picks, confidence=picks.confidence | found)
+
+    def _stored(self, scan_id: str, variant: str) -> dict[str, Any] | None:
+        return get_proposals(self._storage, scan_id, variant)
+
+    def _store(self, scan_id: str, variant: str, found: dict[str, Any]) -> None:
+        put_proposals(self._storage, scan_id, variant, found)
+
+    def _task(self, file: Path, scan: ScanRow) -> Task:
+        cuts = get_cuts(self._storage, scan.id)
+        orientation = None if cuts else scan.facts.get("orientation")  # that is of the whole scan
+        return self._proposer, ProposeJob(file, scan.file_type, scan.facts["unit"], self._model, orientation, cuts)

@@ -27,22 +27,19 @@ from breastrig.execution.pool import Pool
 from breastrig.execution.scratch_sweeper import scratch_swept
 from breastrig.execution.worker import preload
 from breastrig.scan.stored_scan import STORED
-from breastrig.service.events.feeds import Notifier
-from breastrig.service.events.follow import StreamItem, follow
+from breastrig.service.events.feeds import Notifier, StreamItem, follow
 from breastrig.service.failed_tasks import explained
 from breastrig.service.fit_worker import PairRunner, Runner, Runners
-from breastrig.service.ink import InkSearch
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.moving import Moving
 from breastrig.service.plans import Plans
-from breastrig.service.proposals import Proposals, Proposer
-from breastrig.service.queue import FitQueue
+from breastrig.service.queue import FitQueue, WaitingCap
 from breastrig.service.readiness import Readiness
 from breastrig.service.reports import Reports
+from breastrig.service.scan_search import InkSearch, Proposals, Proposer
 from breastrig.service.share_snapshots import ShareSnapshots
 from breastrig.service.sweep import KEEP_DAYS, Sweep
 from breastrig.service.task_modules import TASK_MODULES
-from breastrig.service.waiting_cap import WaitingCap
 from breastrig.storage.deletion import delete_rows, discard, finish_deletions, remove_files
 from breastrig.storage.file_journal import record_creation
 from breastrig.storage.files import MESH, THUMBNAIL, fit_place, scan_place, upload_name

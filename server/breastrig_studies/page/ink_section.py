@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from breastrig.colour.ink.find_ink import find_ink
 from breastrig.core.arrays import Array
-from breastrig.geometry.curves import resampled
+from breastrig.geometry.polyline import resampled
 from breastrig.rendering.picture import Layer, Line, camera
 from breastrig.rendering.picture import Scene as Meshes
 from breastrig.scan.read import read_scan

@@ -8,7 +8,7 @@ import numpy as np
 from breastrig.fitting.body.trunk_depth import skin_behind
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.refine import refined
-from breastrig.geometry.turned_triangles import turned_triangles
+from breastrig.geometry.normals import turned_triangles
 from breastrig.report.distances import landmark_summary_mm, summary_mm, surface_distances, surface_summary_mm
 from breastrig.rig.model import Rig
 from breastrig_studies.studies.case import Fitted, Scene

@@ -23,7 +23,7 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.transfer import points_carried
 from breastrig.fitting.recipe import Recipe
 from breastrig.geometry.closest_point import ClosestPointSearch
-from breastrig.geometry.curves import resampled
+from breastrig.geometry.polyline import resampled
 from breastrig.rig.model import Rig
 from breastrig.scan.read import read_scan
 from breastrig_studies.cohort import Case

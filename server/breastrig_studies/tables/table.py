@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from breastrig.core.csv_table import csv_table
+from breastrig.core.documents import csv_table
 
 Cell = str | int | float | None
 

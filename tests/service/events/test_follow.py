@@ -9,8 +9,7 @@ from sqlalchemy import event
 from sqlalchemy.exc import OperationalError
 
 from breastrig.service.events import feeds
-from breastrig.service.events.feeds import LOOK_EVERY_S, Listener, Notifier
-from breastrig.service.events.follow import Heartbeat, Queued, follow
+from breastrig.service.events.feeds import LOOK_EVERY_S, Heartbeat, Listener, Notifier, Queued, follow
 from breastrig.storage.deletion import delete_scan
 from breastrig.storage.rows.events import StoredEvent, append, events_after
 from breastrig.storage.rows.fits import claim_fit

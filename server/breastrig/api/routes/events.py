@@ -16,7 +16,7 @@ from breastrig.api.app_context import app_context
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.web_server import GONE
 from breastrig.api.wire import common as wire
-from breastrig.service.events.follow import Heartbeat, Queued, StreamItem
+from breastrig.service.events.feeds import Heartbeat, Queued, StreamItem
 from breastrig.storage.rows.events import events_after
 from breastrig.storage.rows.fits import get_fit
 

@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from breastrig.colour.ink import limits
 from breastrig.colour.ink.strokes import Stroke
 from breastrig.core.arrays import Array, Booleans
-from breastrig.geometry.components import components
+from breastrig.geometry.boundary import components
 
 
 class Kind(Enum):

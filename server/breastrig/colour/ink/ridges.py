@@ -22,7 +22,7 @@ from breastrig.colour.ink import limits
 from breastrig.colour.ink.limits import OFF_PIXEL, ON_SKIN, WEAK, WIDTH
 from breastrig.colour.skin_texture import SkinPicture
 from breastrig.core.arrays import Array, Booleans, Integers, frozen
-from breastrig.geometry.unit_vectors import unit_vectors
+from breastrig.geometry.normals import unit_vectors
 
 Single = NDArray[np.float32]
 Real = TypeVar("Real", np.float32, np.float64)

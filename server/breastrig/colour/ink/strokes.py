@@ -10,7 +10,7 @@ from breastrig.colour.ink import limits
 from breastrig.colour.ink.chains import Joints, chosen, walked
 from breastrig.colour.ink.pieces import Ink, Piece, ink_of
 from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.geometry.curves import resampled
+from breastrig.geometry.polyline import resampled
 
 OFF_SKIN = 4.0e-3  # m from the middle of a gap to the nearest vertex; triangles have edges of some 5 mm
 

@@ -24,8 +24,8 @@ from breastrig.core.errors import BadDrawing
 from breastrig.drawings.clock import SIDES, FittedSkin, circle_around, on_clock
 from breastrig.drawings.constructions.new_fold import fold_line
 from breastrig.drawings.constructions.written_numbers import WrittenNumbers
-from breastrig.geometry.curves import resampled
 from breastrig.geometry.geodesic import MARGIN, length
+from breastrig.geometry.polyline import resampled
 from breastrig.geometry.surface_points import SurfacePoints, joined
 from breastrig.rig.model import DrawnShape
 

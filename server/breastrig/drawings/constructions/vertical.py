@@ -15,8 +15,8 @@ from breastrig.core.errors import BadDrawing
 from breastrig.drawings.clock import SIDES, FittedSkin, circle_around
 from breastrig.drawings.constructions.reduction import CUT, FOLD, MARK, NIPPLE_OUTWARD, WIDEST, Reduction, ends
 from breastrig.drawings.constructions.written_numbers import WrittenNumbers
-from breastrig.geometry.curves import resampled
 from breastrig.geometry.geodesic import length
+from breastrig.geometry.polyline import resampled
 from breastrig.geometry.surface_points import SurfacePoints, joined
 from breastrig.rig.model import DrawnShape
 

@@ -34,7 +34,7 @@ from breastrig.drawings.skin_maps.settings import SkinMapSettings, skin_map_sett
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.surface_points import SurfacePoints
-from breastrig.least_squares.cholesky import cholesky, solve_lower
+from breastrig.least_squares.quadratic_program import cholesky, solve_lower
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
 

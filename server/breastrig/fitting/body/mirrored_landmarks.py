@@ -15,9 +15,9 @@ from breastrig.core.arrays import Array
 from breastrig.energies.landmark_observations import LandmarkObservations
 from breastrig.energies.landmarks import Landmarks
 from breastrig.fitting.task import FitTask
-from breastrig.least_squares.cholesky import cholesky, solve_lower
 from breastrig.least_squares.newton import System
 from breastrig.least_squares.problem import HARD
+from breastrig.least_squares.quadratic_program import cholesky, solve_lower
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
 from breastrig.rig.state import BodyState

@@ -15,7 +15,7 @@ from breastrig.fitting.body.hanging import OUTWARDS_ON_THE_RIGHT, hanging_shifts
 from breastrig.fitting.recipe import Stage
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.geometry.closest_point import ClosestPointSearch
-from breastrig.geometry.unit_vectors import unit_vectors
+from breastrig.geometry.normals import unit_vectors
 from breastrig.least_squares.newton import value
 from breastrig.least_squares.problem import ResidualTerm
 from breastrig.relief.limits import relief as relief_limits

@@ -16,8 +16,7 @@ from breastrig.core.arrays import Array
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
-from breastrig.geometry.normals import vertex_normals
-from breastrig.geometry.unit_vectors import unit_vectors
+from breastrig.geometry.normals import unit_vectors, vertex_normals
 from breastrig.report.areolae import ObservedAreola
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters

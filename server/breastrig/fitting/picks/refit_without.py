@@ -15,7 +15,7 @@ from breastrig.fitting.body.hanging import body_axes, hanging_misfit
 from breastrig.fitting.fit import fit_iterates
 from breastrig.fitting.picks.moved_landmarks import settled
 from breastrig.fitting.posterior import Posterior
-from breastrig.geometry.unit_vectors import unit_vectors
+from breastrig.geometry.normals import unit_vectors
 from breastrig.relief.limits import relief
 from breastrig.relief.observe import Expected, is_on_smooth_skin
 

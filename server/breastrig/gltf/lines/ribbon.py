@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.geometry.closest_point import ClosestPointSearch
+from breastrig.geometry.normals import unit_vectors
 from breastrig.geometry.surface_points import SurfacePoints, joined
-from breastrig.geometry.unit_vectors import unit_vectors
 from breastrig.gltf.skinned import joints_and_weights, normals_of_shapes
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters

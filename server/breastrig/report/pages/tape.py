@@ -15,10 +15,9 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.geometry.geodesic import Geodesics, length
-from breastrig.geometry.normals import face_normals
+from breastrig.geometry.normals import face_normals, unit_vectors
 from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.surface_points import SurfacePoints
-from breastrig.geometry.unit_vectors import unit_vectors
 from breastrig.report.body_frame import BodyFrame, body_frame
 from breastrig.report.stance import Place, Stance, places
 

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import BadScan
 from breastrig.geometry.fields.implicit_surface import implicit_surface
-from breastrig.geometry.point_normals import point_normals
+from breastrig.geometry.normals import point_normals
 from breastrig.scan.piece import Piece, PointCloud
 from breastrig.scan.units import STRAY
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from breastrig import __version__
 from breastrig.core.arrays import Array
+from breastrig.core.documents import indented
 from breastrig.core.errors import BadInput
-from breastrig.core.indented_json import indented
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.private_files import private_folder, write_private
 from breastrig.drawings.drawing_file import shape_document

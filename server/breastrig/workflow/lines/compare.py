@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from breastrig.core.csv_table import csv_table
+from breastrig.core.documents import csv_table
 from breastrig.core.errors import BadDrawing, BadInput
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.private_files import private_folder, write_private

@@ -14,7 +14,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.geometry.neighbours import neighbours
+from breastrig.geometry.half_edges import neighbours
 from breastrig.geometry.normals import face_normals, vertex_normals
 
 SMOOTHING = 12  # rounds of averaging the normals over neighbours, so that noise makes no charts

@@ -11,11 +11,10 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.geometry.closest_point import ClosestPointSearch
-from breastrig.geometry.curves import resampled
-from breastrig.geometry.normals import face_crosses
+from breastrig.geometry.normals import face_crosses, unit_vectors
+from breastrig.geometry.polyline import resampled
 from breastrig.geometry.rays import RayCaster
 from breastrig.geometry.surface_points import SurfacePoints
-from breastrig.geometry.unit_vectors import unit_vectors
 from breastrig_studies.virtual.bodies import VirtualBody
 from breastrig_studies.virtual.painted.tones import INKS
 

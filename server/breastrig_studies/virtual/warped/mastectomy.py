@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.sparse.linalg import spsolve
 
 from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.geometry.neighbours import neighbours
+from breastrig.geometry.half_edges import neighbours
 
 TENSION = 0.02  # of the graph's Laplacian; 0 is pure bending
 MEDIAL = 0.014  # m that stay beside the midline

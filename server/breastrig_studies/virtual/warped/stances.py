@@ -13,7 +13,7 @@ from scipy.sparse import coo_array, csr_array, diags_array
 from scipy.sparse.linalg import splu
 
 from breastrig.core.arrays import Array, Integers
-from breastrig.geometry.neighbours import neighbours
+from breastrig.geometry.half_edges import neighbours
 
 ROUNDS = 30  # of averaging the rotations over neighbours: some 50 mm
 HELD = 1e-5  # of the trunk to the standing change; only settles where all of it is
