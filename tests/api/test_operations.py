@@ -2,6 +2,7 @@
 
 import io
 import os
+import signal
 import sqlite3
 from contextlib import ExitStack, suppress
 from pathlib import Path
@@ -20,6 +21,7 @@ from breastrig.api.config import Config
 from breastrig.execution.limits import FitLimits
 from breastrig.gltf.write_rig import write_rig
 from breastrig.service import readiness
+from breastrig.service.readiness import Readiness
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
 
@@ -107,21 +109,10 @@ def test_operations_need_no_token_and_show_nothing_that_needs_one(config: Config
     assert client.get("/api/meta").status_code == 401
 
 
-def test_a_killed_idle_process_does_not_make_the_service_unready(serving_readers: Service) -> None:
-    pool = serving_readers._readers._processes._cold._pool
-    manager = pool._pool_manager.worker_manager
-    for pid in list(manager.workers):
-        with suppress(ProcessLookupError):
-            os.kill(pid, 9)
-    until(lambda: not pool.active, "the pool to notice")
-    assert serving_readers.readiness.troubles() == ()
-
-
-@pytest.fixture
-def serving_readers(tmp_path: Path, model: Path):
-    service = Service(Storage(tmp_path / "data"), model=model, fits=FitLimits(workers=1, grace_s=0.1))
-    with service.started() as running:
-        yield running
+def test_a_killed_idle_process_does_not_make_the_service_unready(service: Service) -> None:
+    os.kill(service.pool.lane(1, 2**32).result(os.getpid, (), 30.0, "idle"), signal.SIGKILL)
+    readiness = Readiness(service.storage, {"fit": service.pool.lane(1, 2**32)})
+    assert readiness.troubles() == ()
 
 
 def test_a_database_whose_connections_are_all_in_use_is_said_to_be_busy(
