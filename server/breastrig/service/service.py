@@ -304,7 +304,7 @@ class Service:
     ) -> Iterator[Sequence[StreamItem]]:
         """The fit's events above `after`, as they come, those together that are known at once.
 
-        Before the first, its place in the queue.  `gone` as `events.follow` says.
+        Before the first, its place in the queue.  `gone` as `follow` says.
         """
         return follow(self._notifier, fit_id, after, heartbeat_s, gone)
 
