@@ -71,6 +71,7 @@ def possible_tables(results: Results) -> list[Table]:
         study_tables.two_stances_table(found),
         transfer_tables.transfer_table(found),
         transfer_tables.transfer_lines_table(found),
+        transfer_tables.lesions_table(found),
         transfer_tables.other_patient_table(found),
         unseen_tables.unseen_table(found),
         by_breasts(certainty_tables.certainty_table, found),

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers.cohort import write_case, write_patient
 
-from breastrig.drawings import skin_map
+from breastrig.drawings.skin_maps import skin_map
 from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path
@@ -16,6 +16,7 @@ from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig_studies.cohort import read_cohort
 from breastrig_studies.studies.case import read_scene
+from breastrig_studies.studies.lesions import lesions_study
 from breastrig_studies.studies.other_patient import other_patient
 from breastrig_studies.studies.result_cache import Unit, answered
 from breastrig_studies.studies.transfer import ALL, PICKS, WAYS, by_landmarks, strokes, transfer_study
@@ -118,3 +119,19 @@ def test_a_body_without_a_breast_has_no_answer_and_no_other_body_loses_its_own(
         file.write_text(json.dumps(document))
     unit = Unit(read_cohort(tmp_path / "cohort"), question, load_recipe("default"), default_rig_path())
     assert answered(unit)["failed"] == f"The body has no nipple_{side}, without which this question has no answer."
+
+
+def test_a_lesion_of_a_body_that_does_not_change_is_carried_to_its_place(stiff: Path, rig: Rig) -> None:
+    scenes = [read_scene(case) for case in read_cohort(stiff)]
+    inside = [0.7 * scene.landmarks["nipple_L"] + 0.3 * scene.landmarks["acromion_L"] for scene in scenes]
+    centers = {scene.case.name: (1e3 * place).tolist() for scene, place in zip(scenes, inside, strict=True)}
+    (stiff / "p" / "tumours.json").write_text(json.dumps({"tumours": [{"id": "a", "center": centers}]}))
+    rows = lesions_study(tuple(read_cohort(stiff)), rig, load_recipe("default"))["rows"]
+    assert {(row["from"], row["to"], row["lesions"]) for row in rows} == {
+        ("standing", "lying", 1),
+        ("lying", "standing", 1),
+    }
+    for row in rows:
+        assert row["volume"]["mean_mm"] < 2.0
+        assert row["rigid"]["mean_mm"] < 0.1
+        assert row["held"] == 1.0

@@ -32,6 +32,7 @@ TABLES = (
     "two_stances",
     "transfer",
     "transfer_lines",
+    "lesions",
     "other_patient",
     "unseen",
     "certainty",

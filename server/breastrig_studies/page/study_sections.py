@@ -191,6 +191,8 @@ def all_sections(results: Results, tables: dict[str, Table]) -> list[Section]:
         found.append(two_stances(tables["two_stances"]))
     if "transfer" in tables:
         found.append(transfer_sections.transfer(tables["transfer"]))
+    if "lesions" in tables:
+        found.append(transfer_sections.lesions(tables["lesions"]))
     if "other_patient" in tables:
         found.append(transfer_sections.other_patient(tables["other_patient"]))
     return [*found, sections.refined(results), sections.failures(tables.get("failures"))]

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from breastrig_studies.page.section import Section, capital, mm
+from breastrig_studies.studies.lesions import WAYS as LESION_WAYS
 from breastrig_studies.studies.transfer import PICKS, WAYS
 from breastrig_studies.tables.accuracy import FAMILIES
 from breastrig_studies.tables.table import Row, Table, mean
@@ -46,6 +47,32 @@ def _sentence(family: str, picks: str, rows: Sequence[Row], names: Sequence[str]
         f"{capital(family)}, {WORDS[picks]}, {len(rows)} transfers: {', '.join(parts)}; "
         f"the program's way was worse than the spline in {worse} of them."
     )
+
+
+def lesions(table: Table) -> Section:
+    names = [column.name for column in table.columns]
+    answers = []
+    for row in table.rows:
+        cells = dict(zip(names, row.cells, strict=True))
+        if row.mean:
+            ways = [
+                f"{way} {mm(_number(cells[f'{way}_mm']), 1)} (95\u00a0% {mm(_number(cells[f'{way}_p95_mm']), 1)})"
+                for way in LESION_WAYS
+            ]
+            answers.append(f"{capital(str(row.cells[0]))}, {cells['from']} to {cells['to']}: {', '.join(ways)}.")
+    return Section(
+        "lesions",
+        "How far from its true place is a lesion that was carried to another stance?",
+        "Balls inside the breasts, whose tissue was followed by finite elements; both scans are fitted with their "
+        "landmarks. Decision 0015 says how they are carried.",
+        tuple(answers),
+        (),
+        (table.name,),
+    )
+
+
+def _number(cell: object) -> float | None:
+    return float(cell) if isinstance(cell, int | float) else None
 
 
 def other_patient(table: Table) -> Section:

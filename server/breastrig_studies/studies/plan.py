@@ -11,6 +11,7 @@ from pathlib import Path
 from breastrig.fitting.recipe import Recipe
 from breastrig.rig.model import Rig
 from breastrig_studies.cohort import Case
+from breastrig_studies.studies.lesions import FILE as LESIONS
 from breastrig_studies.studies.result_cache import Record, Unit
 from breastrig_studies.studies.sensitivity import TERMS
 
@@ -79,6 +80,8 @@ class Plan:
                 units += [
                     Unit(cases, question, self.recipes[0], self.model) for question in ("two_stances", "transfer")
                 ]
+            if (cases[0].folder.parent / LESIONS).is_file():
+                units.append(Unit(cases, "lesions", self.recipes[0], self.model))
         return units
 
     def _pairs_of_patients(self) -> list[Unit]:

@@ -13,6 +13,7 @@ from breastrig_studies.studies import orientation as orientation_study
 from breastrig_studies.studies.case import read_scene
 from breastrig_studies.studies.colour_landmarks import colour_landmarks
 from breastrig_studies.studies.ink import ink_study, ink_transfer_study
+from breastrig_studies.studies.lesions import lesions_study
 from breastrig_studies.studies.measures import measures_study
 from breastrig_studies.studies.other_patient import other_patient
 from breastrig_studies.studies.transfer import transfer_study
@@ -54,6 +55,7 @@ ANSWERS: dict[str, Answer] = {
     "peer": _of_one_case(peers.peer),
     "two_stances": two_stances,
     "transfer": transfer_study,
+    "lesions": lesions_study,
     "other_patient": other_patient,
     "colour_landmarks": colour_landmarks,
     "ink": ink_study,

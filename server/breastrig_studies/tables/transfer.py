@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from breastrig_studies.studies.lesions import WAYS as LESION_WAYS
 from breastrig_studies.studies.other_patient import ANCHORS, SHAPES
 from breastrig_studies.studies.result_cache import Record
 from breastrig_studies.studies.transfer import ALL, PICKS, WAYS
@@ -36,6 +37,29 @@ def transfer_table(records: Sequence[Record]) -> Table:
                         rows.append(Row((*who, *(value(row, path) for path in PATHS))))
             if rows:
                 table.rows.extend([*rows, mean_row((word, "mean", "", "", picks), rows)])
+    return table
+
+
+def lesions_table(records: Sequence[Record]) -> Table:
+    """One row for each patient and pair of stances, and their mean for each pair."""
+    caption = (
+        "Distance between the carried and the true centre of lesions inside the breasts, mm: mean and 95 %. Volume is "
+        "the program's way; rigid and spline go through the landmarks of both scans. Held: the share of true centres "
+        "within the radii that are told."
+    )
+    numbers = [column for way in LESION_WAYS for column in (Column(f"{way}_mm", way), Column(f"{way}_p95_mm", "95 %"))]
+    columns = (Column("lesions", "lesions", 0), *numbers, Column("held", "held", 2))
+    table = Table("lesions", caption, (WHO[0], PATIENT, *PAIR, *columns))
+    paths = [f"{way}.{number}" for way in LESION_WAYS for number in ("mean_mm", "p95_mm")]
+    for family, word in FAMILIES.items():
+        pairs: dict[tuple[str, str], list[Row]] = {}
+        for record in of(records, "lesions"):
+            for row in record.answer.get("rows", []) if record.case.family == family else []:
+                numbers_of = (row["lesions"], *(value(row, path) for path in paths), value(row, "held"))
+                cells = Row((word, record.case.patient, row["from"], row["to"], *numbers_of))
+                pairs.setdefault((row["from"], row["to"]), []).append(cells)
+        for (start, goal), rows in pairs.items():
+            table.rows.extend([*rows, mean_row((word, "mean", start, goal, None), rows)])
     return table
 
 
