@@ -45,7 +45,7 @@ def lesions_table(records: Sequence[Record]) -> Table:
     caption = (
         "Distance between the carried and the true centre of lesions inside the breasts, mm: mean and 95 %. Volume is "
         "the program's way; rigid and spline go through the landmarks of both scans. Held: the share of true centres "
-        "within the radii that are told."
+        "within their radii."
     )
     numbers = [column for way in LESION_WAYS for column in (Column(f"{way}_mm", way), Column(f"{way}_p95_mm", "95 %"))]
     columns = (Column("lesions", "lesions", 0), *numbers, Column("held", "held", 2))
