@@ -11,9 +11,9 @@ from helpers.waiting import until
 
 from breastrig.api import big_answers
 from breastrig.api.share_limits import BIG_BYTES
+from breastrig.files.result import FIT_FILES
 from breastrig.gltf.read_rig import read_rig
 from breastrig.service.service import Service
-from breastrig.workflow.folder.fit_file_names import FIT_FILES
 from breastrig.workflow.folder.fit_folder import read_fit_folder
 
 CONTENT = bytes(range(256)) * (BIG_BYTES // 256 + 1)

@@ -22,7 +22,7 @@ from breastrig.execution.limits import FitLimits
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
 from breastrig.workflow.folder.fit_folder import read_fit_folder
-from breastrig.workflow.report import stance_of
+from breastrig.workflow.report import planned_lines
 
 CARRIED_FIELDS = ["name", "closed", "color", "points", "bridged", "error_mm", "distance_from_mm", "distance_to_mm"]
 
@@ -128,7 +128,7 @@ def test_a_polyline_stays_what_it_is_from_fit_to_file_to_api_to_transfer_to_repo
         assert (shape.name, shape.closed, shape.color) == (line.name, line.closed, line.color)
         assert shape.distances(line.points[~line.bridged]).max() < 0.5e-3
 
-    reported = stance_of(folder, fit).lines
+    reported = planned_lines(folder, fit.unit, None)
     for line, shown in zip(lines, reported, strict=True):
         assert (shown.name, shown.closed, shown.color) == (line.name, line.closed, line.color)
         for field in ("points", "bridged", "error"):

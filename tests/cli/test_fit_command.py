@@ -12,12 +12,14 @@ import pygltflib
 import pytest
 import trimesh
 from helpers.point_files import xyz
+from helpers.results import TO_LANDMARKS
 
 import breastrig
 from breastrig.cli.fit_command import summary
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.core.units import METRES_PER_UNIT
+from breastrig.files.result import ResultFile
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.pictures.companions import MISSING
@@ -85,15 +87,15 @@ def test_on_a_terminal_the_verdict_and_how_sure_it_is_come_before_any_distance(f
     result = json.loads((fitted / "result.json").read_text())
     sure = r"a good fit: lines on the breasts ± [5-8] mm, landmarks ± \d+ to \d+ mm"
     near = r"0\.\d\d mm to the scan \(the model alone 0\.\d\d mm\), \d\.\d\d mm to the landmarks"
-    assert re.fullmatch(f"{sure}; {near}", summary(result))
+    assert re.fullmatch(f"{sure}; {near}", summary(ResultFile.model_validate(result)))
     unknown = result["surface_distance_mm"] | {"mean": None}
     worse = {"verdict": {"level": "unusable", "reasons": []}, "refined": False, "surface_distance_mm": unknown}
-    nothing = {"landmark_uncertainty_mm": {}, "landmark_distance_mm": {"mean": None}}
-    assert summary(result | worse | nothing) == "not usable; no distance to the scan"
+    nothing = {"landmark_uncertainty_mm": {}, "landmark_distance_mm": TO_LANDMARKS}
+    assert summary(ResultFile.model_validate(result | worse | nothing)) == "not usable; no distance to the scan"
     guess = {"landmark_uncertainty_mm": {"xiphoid": 177.2, "umbilicus": 12.4}, "landmarks_agreed": ["xiphoid"]}
     unsure = result | guess | {"verdict": {"level": "check", "reasons": []}, "line_error_mm": 14.6}
     start = "a fit to check: lines on the breasts ± 15 mm, landmarks ± 12 mm, 1 not known, 1 of them only agreed to; "
-    assert summary(unsure).startswith(start)
+    assert summary(ResultFile.model_validate(unsure)).startswith(start)
 
 
 def test_a_fit_that_is_not_usable_is_written_and_has_an_exit_code_of_its_own(

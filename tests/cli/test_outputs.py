@@ -16,9 +16,9 @@ from helpers.remembered_measures import measured_once
 from breastrig.cli import fit_command, landmarks_command, report_command
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
+from breastrig.files.result import FIT_FILES
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.workflow import report
-from breastrig.workflow.folder.fit_files import FIT_FILES
 from breastrig_studies.page import publish
 
 EXAMPLE = asset_folder("example")

@@ -15,6 +15,7 @@ import trimesh
 from helpers.blank_pictures import blank_pictures, coarse_pictures
 from helpers.example_fits import STANCES, write_example_fits
 from helpers.remembered_measures import measured_once
+from helpers.results import NOTHING
 
 from breastrig.cli.main import main
 from breastrig.core import wall_clock
@@ -22,10 +23,10 @@ from breastrig.core.assets import asset_folder
 from breastrig.core.glb import split_glb
 from breastrig.core.identity import LETTERS
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.files.result import write_patient
 from breastrig.geometry.self_intersections import crossing_faces
 from breastrig.report.table import Value, with_margin
 from breastrig.workflow import report as report_module
-from breastrig.workflow.folder.patient import write_patient
 
 
 @pytest.fixture(scope="module")
@@ -274,7 +275,14 @@ def test_a_damaged_drawing_is_one_line(
 
 def test_a_result_without_what_is_shown_is_one_line(copy_of_a_fit: Path, capsys: pytest.CaptureFixture[str]) -> None:
     result = document(copy_of_a_fit, "result.json")
-    for key, damaged in (("versions", None), ("iterations", "many"), ("scan_to_model_mm", {"mean": 1.0})):
+    alone = NOTHING | {"mean": 1.0}
+    damages = (
+        ("versions", None),
+        ("iterations", "many"),
+        ("scan_to_model_mm", {"mean": 1.0}),
+        ("scan_to_model_mm", alone),
+    )
+    for key, damaged in damages:
         (copy_of_a_fit / "result.json").write_text(json.dumps(result | {key: damaged}))
         assert main(["report", str(copy_of_a_fit), "-o", str(copy_of_a_fit / "out")]) == 2
         error = capsys.readouterr().err

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from breastrig.cli.main import main
-from breastrig.workflow.folder.fit_file_names import FIT_FILES
+from breastrig.files.result import FIT_FILES
 
 
 def python_block(document: Path) -> str:

@@ -18,8 +18,10 @@ from pathlib import Path
 from breastrig.cli import batch_command
 from breastrig.cli.main import main
 from breastrig.core.errors import FitFailed
+from breastrig.files.result import ResultFile
 from breastrig.workflow.events import Done, Event
 from breastrig.workflow.jobs import FitJob
+from helpers.results import result_document
 
 FILES = (
     "result.json",
@@ -59,21 +61,14 @@ def scripted_fit(job: FitJob) -> Iterator[Event]:
     job.out.mkdir()
     for name in FILES:
         (job.out / name).write_text(json.dumps(result) if name == "result.json" else f"{name} of {content}")
-    yield Done(result=result)
+    yield Done(result=ResultFile.model_validate(result))
 
 
 def result_of(content: str) -> dict[str, object]:
     """Numbers that the scan's content alone decides."""
     mean = int.from_bytes(hashlib.sha256(content.encode()).digest()[:2], "big") / 65536
-    return {
-        "schema": "breastrig/result@1",
-        "scan": {"unit": "mm", "triangles": len(content)},
-        "stance": "standing",
-        "iterations": 9,
-        "surface_distance_mm": {"mean": mean, "std": mean / 2, "max": 5 * mean, "p95": 2 * mean, "coverage": 0.8},
-        "landmark_distance_mm": {"mean": None},
-        "timing_s": {"solve": 0.1, "total": 0.2},
-    }
+    distances = {"mean": mean, "std": mean / 2, "max": 5 * mean, "p95": 2 * mean, "coverage": 0.8}
+    return result_document(scan={"triangles": len(content)}, iterations=9, surface_distance_mm=distances)
 
 
 def write_manifest(folder: Path, scans: dict[str, str]) -> Path:

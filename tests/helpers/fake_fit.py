@@ -12,6 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from breastrig.core.errors import BadScan, FitFailed
+from breastrig.files.result import ResultFile
 from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.gltf.read_rig import read_rig
@@ -23,9 +24,11 @@ from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
 from breastrig.workflow.events import Done, Event, Iterated, NodePose, Started
 from breastrig.workflow.jobs import FitJob
+from helpers.results import NOTHING, TO_LANDMARKS, result_document
 from helpers.toy_rig import toy_rig
 
 ITERATIONS = 4
+AT_EACH = NOTHING | {"coverage": 1.0}
 DRAWN = {"name": "own", "closed": False, "color": "#101010", "points": [[0.0, 300.0, 150.0], [10.0, 300.0, 150.0]]}
 
 
@@ -81,37 +84,34 @@ def quick(job: FitJob) -> Iterator[Event]:
     for name, content in files.items():
         (job.out / name).write_bytes(content)
     quaternions = quaternion_from_rotation(x.rotations)
-    result = {
-        "schema": "breastrig/result@1",
-        "iterations": ITERATIONS - 1,
-        "landmarks_given": job.landmarks_mm,
-        "refined": job.refine,
-        "certain": list(job.certain),
-        "confidence": job.landmark_confidence,
-        "stance": started(job).stance,
-        "scan": {
-            "unit": scan.unit,
-            "vertices": len(seen.vertices),
-            "triangles": len(seen.faces),
-            "sha256": scan.sha256,
+    result = result_document(
+        iterations=ITERATIONS - 1,
+        landmarks_given=job.landmarks_mm,
+        refined=job.refine,
+        certain=list(job.certain),
+        confidence=job.landmark_confidence,
+        stance=started(job).stance,
+        scan={"unit": scan.unit, "vertices": len(seen.vertices), "triangles": len(seen.faces), "sha256": scan.sha256},
+        model={"name": rig.name, "sha256": read_rig(job.model).sha256 if job.model else rig.sha256},
+        surface_distance_mm=AT_EACH | {"mean": 0.2},
+        model_alone={
+            "surface_distance_mm": AT_EACH | {"mean": 2.0},
+            "scan_to_model_mm": AT_EACH,
+            "landmark_distance_mm": TO_LANDMARKS,
         },
-        "model": {"name": rig.name, "sha256": read_rig(job.model).sha256 if job.model else rig.sha256},
-        "surface_distance_mm": {"mean": 0.2},
-        "model_alone": {"surface_distance_mm": {"mean": 2.0}},
-        "landmarks": {"nipple_L": [1.0, 2.0, 3.0]},
-        "landmarks_picked": job.landmarks_mm,
-        "landmarks_not_followed": [],
-        "areolae": {"L": {"diameter_mm": 40.0, "within_mm": 5.0, "rim": [[1.0, 2.0, 3.0]] * 3}},
-        "parameters": {
+        landmarks={"nipple_L": [1.0, 2.0, 3.0]},
+        landmarks_picked=job.landmarks_mm,
+        areolae={"L": {"diameter_mm": 40.0, "within_mm": 5.0, "rim": [[1.0, 2.0, 3.0]] * 3}},
+        parameters={
             "bones": [
                 {"name": name, "rotation_xyzw": list(turn), "translation_m": list(place), "scale": list(size)}
                 for name, turn, place, size in zip(rig.bone_names, quaternions, x.translations, x.scales, strict=True)
             ],
             "blendshapes": dict(zip(rig.shape_names, x.weights.tolist(), strict=True)),
         },
-    }
+    )
     (job.out / "result.json").write_text(json.dumps(result))
-    yield Done(result=result)
+    yield Done(result=ResultFile.model_validate(result))
 
 
 def scan_of(job: FitJob) -> Scan:

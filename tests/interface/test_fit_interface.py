@@ -4,6 +4,7 @@ import json
 import pickle
 import re
 import shutil
+from dataclasses import astuple, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,11 +17,11 @@ from threadpoolctl import threadpool_info, threadpool_limits
 import breastrig
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
+from breastrig.files.result import FIT_FILES
 from breastrig.gltf.read_rig import default_rig_path
 from breastrig.interface.one_thread import one_thread
 from breastrig.rig.skinning import pose
 from breastrig.scan.landmarks.landmark_files import landmark_file, read_landmarks
-from breastrig.workflow.folder.fit_files import FIT_FILES
 
 EXAMPLE = asset_folder("example")
 STANDING, PICKS = EXAMPLE / "standing" / "scan.ply", EXAMPLE / "standing" / "landmarks.json"
@@ -151,13 +152,15 @@ def test_everything_is_in_the_scans_own_unit_and_frame(in_millimetres: Path) -> 
     assert {measure.unit for measure in breastrig.measure(fit)} == {"mm", "ml", "1", "grade"}
 
 
-def test_a_saved_fit_is_loaded_with_every_digit_and_saved_again(
+def test_a_saved_fit_is_loaded_with_every_digit_of_its_files_and_saved_again(
     fit: breastrig.Fit, measures: tuple[breastrig.Measure, ...], tmp_path: Path
 ) -> None:
     fit.save(tmp_path / "a")
     found = breastrig.Fit.load(tmp_path / "a")
-    for name in ("vertices", "faces", "scan_vertices", "scan_faces", "distances"):
+    for name in ("faces", "scan_faces", "distances"):
         np.testing.assert_array_equal(getattr(found, name), getattr(fit, name), err_msg=name)
+    for name in ("vertices", "scan_vertices"):  # of single precision in the files
+        np.testing.assert_array_equal(getattr(found, name), getattr(fit, name).astype("<f4"), err_msg=name)
     assert found.result == fit.result
     same = ("stance", "verdict", "unit", "notes", "iterations", "converged", "stop_reason", "not_followed", "unusual")
     for name in same:
@@ -167,7 +170,12 @@ def test_a_saved_fit_is_loaded_with_every_digit_and_saved_again(
             np.testing.assert_array_equal(getattr(found, name)[landmark], place)
     for ours, theirs in zip(fit.drawing.lines, found.drawing.lines, strict=True):
         np.testing.assert_array_equal(ours.points, theirs.points)
-    assert breastrig.measure(tmp_path / "a") == measures  # of the same folder, loaded
+    for ours, theirs in zip(measures, breastrig.measure(tmp_path / "a"), strict=True):
+        assert replace(ours, left=None, right=None, value=None) == replace(theirs, left=None, right=None, value=None)
+        for side in ("left", "right", "value"):
+            one, other = getattr(ours, side), getattr(theirs, side)
+            assert (one is None) == (other is None)
+            assert one is None or astuple(one) == pytest.approx(astuple(other), rel=1e-5, abs=1e-3)
     found.save(tmp_path / "b")
     for name in FIT_FILES:
         assert (tmp_path / "b" / name).read_bytes() == (tmp_path / "a" / name).read_bytes(), name

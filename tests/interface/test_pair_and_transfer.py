@@ -47,7 +47,7 @@ def test_a_pair_is_saved_as_the_command_writes_it_and_loaded_again(tmp_path: Pat
     found = breastrig.FitPair.load(tmp_path / "ours")
     assert found.document == pair.document
     assert (found.first.stance, found.second.stance) == ("standing", "supine")
-    np.testing.assert_array_equal(found.second.vertices, pair.second.vertices)
+    np.testing.assert_array_equal(found.second.vertices, pair.second.vertices.astype("<f4"))
     with pytest.raises(breastrig.BadInput, match="There is no pair of fits in first"):
         breastrig.FitPair.load(tmp_path / "ours" / "first")
 

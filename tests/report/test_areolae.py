@@ -1,15 +1,17 @@
 """Areolae from the colours of a fitted scan to the table of measures."""
 
-from collections.abc import Callable
+import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from helpers.painted_body import PaintedBody, painted_body
+from helpers.results import result_document, result_file
 
 import breastrig
 from breastrig.core.errors import BadInput
+from breastrig.files.result import parsed_result
 from breastrig.report.areolae import ObservedAreola, areolae_document, areolae_of
 from breastrig_studies.virtual.painted.files import scan_zip
 
@@ -23,30 +25,26 @@ def test_result_json_keeps_areolae_in_the_scans_unit_and_says_what_was_not_seen(
     found = {"L": ObservedAreola(0.036, 0.002, disc(0.018)), "R": None}
     document = areolae_document(found, 1e-3)
     assert document["R"] is None
-    assert document["L"]["diameter_mm"] == 36.0
-    assert document["L"]["rim"][0] == pytest.approx([18.0, 0.0, 0.0])
-    read = areolae_of({"areolae": document}, 1e-3)
+    assert document["L"] is not None
+    assert document["L"].diameter_mm == 36.0
+    assert document["L"].rim[0] == pytest.approx([18.0, 0.0, 0.0])
+    read = areolae_of(result_file(areolae=document), 1e-3)
     assert read["R"] is None
     assert read["L"] is not None
     assert (read["L"].diameter, read["L"].half) == pytest.approx((0.036, 0.002))
     np.testing.assert_allclose(read["L"].rim, found["L"].rim, atol=1e-9)
-    assert areolae_of({}, 1.0) == {}
+    assert areolae_of(result_file(), 1.0) == {}
 
 
-DAMAGES: list[Callable[[dict[str, Any]], object]] = [
-    lambda entry: entry.update(diameter_mm=-1.0),
-    lambda entry: entry.update(diameter_mm="wide"),
-    lambda entry: entry.update(rim=[[0.0, 0.0]]),
-    lambda entry: entry.pop("within_mm"),
-]
+ENTRY = {"diameter_mm": 36.0, "within_mm": 2.0, "rim": disc(0.018).tolist()}
 
 
-@pytest.mark.parametrize("damage", DAMAGES)
-def test_damaged_areolae_are_refused_with_a_sentence(damage: Callable[[dict[str, Any]], object]) -> None:
-    entry = areolae_document({"L": ObservedAreola(0.036, 0.002, disc(0.018))}, 1.0)["L"]
-    damage(entry)
-    with pytest.raises(BadInput, match=r"areolae in result\.json are damaged"):
-        areolae_of({"areolae": {"L": entry}}, 1.0)
+@pytest.mark.parametrize(
+    "damage", [{"diameter_mm": -1.0}, {"diameter_mm": "wide"}, {"rim": [[0.0, 0.0]]}, {"within_mm": None}]
+)
+def test_damaged_areolae_are_refused_with_a_sentence(damage: dict[str, Any]) -> None:
+    with pytest.raises(BadInput, match=r"fit/result\.json is damaged or of another version \(areolae\.L\."):
+        parsed_result(json.dumps(result_document(areolae={"L": ENTRY | damage})).encode(), "fit")
 
 
 def uncertain(fit: breastrig.Fit) -> dict[str, float]:

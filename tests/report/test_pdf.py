@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 import numpy as np
 import pypdf
 import pytest
+from helpers.results import TO_LANDMARKS, result_file
 
 from breastrig.core.identity import Identity
 from breastrig.core.notice import LIMITS_OF_USE
@@ -18,28 +19,6 @@ from breastrig.report.pages.names import spoken, spoken_together
 from breastrig.report.pages.pdf import report_pdf
 from breastrig.report.stance import Stance
 from breastrig.rig.model import Rig
-
-NONE = {"mean": None, "std": None, "max": None, "p95": None}
-
-
-def result(**changes: object) -> dict[str, object]:
-    """A result.json of a fit that found nothing."""
-    plain = {
-        "scan": {"vertices": 204, "triangles": 384, "unit": "mm", "sha256": "ab" * 32},
-        "model": {"name": "toy", "bones": 4, "blendshapes": 4, "sha256": "cd" * 32},
-        "stance": "standing",
-        "preset": "default",
-        "stop_reason": "Stalled.",
-        "iterations": 3,
-        "surface_distance_mm": NONE | {"coverage": 0.0},
-        "scan_to_model_mm": NONE,
-        "landmark_distance_mm": NONE | {"each": {}},
-        "landmarks_not_followed": [],
-        "notes": [],
-        "versions": {"breastrig": "0"},
-        "timing_s": {"total": 1.0},
-    }
-    return plain | changes
 
 
 @pytest.fixture
@@ -56,7 +35,7 @@ def words(content: bytes) -> str:
 
 
 def shown(stance: Stance, name: str = "standing", **changes: object) -> Reported:
-    return Reported(name, stance, result(**changes), measures(stance))
+    return Reported(name, stance, result_file(**changes), measures(stance))
 
 
 def test_a_rig_without_breasts_and_a_fit_without_landmarks(toy_stance: Stance) -> None:
@@ -148,7 +127,7 @@ def test_unusual_picks_stand_among_the_doubts(toy_stance: Stance) -> None:
 
 def test_each_landmark_has_its_source_its_distance_and_the_radius_that_holds_its_true_place(toy_stance: Stance) -> None:
     radii = {"suprasternal_notch": 4.25, "nipple_L": 12.5}
-    distances = NONE | {"each": {"suprasternal_notch": 3.1, "nipple_R": 0.7}}
+    distances = TO_LANDMARKS | {"each": {"suprasternal_notch": 3.1, "nipple_R": 0.7}}
     one = shown(toy_stance, landmark_uncertainty_mm=radii, landmark_distance_mm=distances)
     text = words(report_pdf([one]))
     for row in ("Suprasternal notch model 3.1 ±4.2", "Nipple, left model - ±12.5", "Nipple, right model 0.7 -"):
@@ -166,7 +145,7 @@ def test_names_as_people_say_them() -> None:
 
 
 def test_the_document_keeps_no_times_and_no_landmark_of_the_patient(toy_stance: Stance) -> None:
-    document = report_document([Reported("standing", toy_stance, result(), measures(toy_stance))])
+    document = report_document([Reported("standing", toy_stance, result_file(), measures(toy_stance))])
     assert document["schema"] == "breastrig/report@1"
     assert "timing_s" not in str(document)
 

@@ -5,6 +5,7 @@ from typing import cast
 
 import numpy as np
 import pytest
+from helpers.results import result_file
 
 from breastrig.workflow.folder.fit_folder import FitFolder
 from breastrig.workflow.one_body import body_doubt
@@ -21,7 +22,7 @@ BODY = {  # mm
 def fit(stance: str = "standing", radius: float = 5.0, picked: bool = True, **moved: list[float]) -> FitFolder:
     places = BODY | moved
     landmarks = {name: 1e-3 * np.array(place) for name, place in places.items()} if picked else {}
-    result = {"landmarks": places, "landmark_uncertainty_mm": dict.fromkeys(places, radius)}
+    result = result_file(landmarks=places, landmark_uncertainty_mm=dict.fromkeys(places, radius) if radius else {})
     return cast(
         FitFolder, SimpleNamespace(result=result, stance=stance, landmarks=landmarks, seen={}, metres_per_unit=1e-3)
     )
@@ -55,6 +56,4 @@ def test_what_cannot_be_one_body_is_asked_about(stance: str, moved: dict[str, li
     assert doubt.startswith("Are both scans of one patient?")
     assert said in doubt
     assert body_doubt(fit(), fit(stance, radius=40.0, picked=False, **moved)) is None, "it may be the landmarks"
-    unknown = fit(stance, **moved)
-    unknown.result["landmark_uncertainty_mm"] = {}
-    assert body_doubt(fit(), unknown) is None
+    assert body_doubt(fit(), fit(stance, radius=0.0, **moved)) is None, "it is not known"

@@ -27,14 +27,14 @@ from breastrig.batch.manifest import INPUTS, INPUTS_SCHEMA, BatchRow
 from breastrig.batch.table import MEASURES, Outcome, numbers_of
 from breastrig.batch.task import FitOfBytes, Runner, fit_of_bytes, measured_fit
 from breastrig.core.errors import BadInput, BadSettings, BreastRigError
+from breastrig.core.documents import json_bytes
 from breastrig.core.output_files import Output, OutputSet, check_output
 from breastrig.core.private_files import private_folder, read_ordinary, write_private
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
+from breastrig.files.result import FIT_FILES, RESULT, RESULT_SCHEMA
 from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES
 from breastrig.scan.limits import FILE_BYTES
-from breastrig.workflow.folder.fit_file_names import FIT_FILES, RESULT, RESULT_SCHEMA
-from breastrig.workflow.folder.fit_files import json_bytes
 
 SPARE = 8  # scans at most that wait beside the workers; a large cluster needs no more to be kept busy
 LOOK_S = 0.2  # between two looks whether to stop

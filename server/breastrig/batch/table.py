@@ -1,7 +1,6 @@
 """batch.csv: what became of each row, with the numbers of its result.json and of its measures.csv."""
 
 import csv
-import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,7 +8,7 @@ from typing import Any
 
 from breastrig.core.documents import csv_table
 from breastrig.core.private_files import write_private
-from breastrig.workflow.folder.fit_file_names import DRAWING_MISSING
+from breastrig.files.result import ResultFile
 
 NUMBERS = {  # column -> its place in result.json
     "stance": ("stance",),
@@ -27,11 +26,11 @@ NUMBERS = {  # column -> its place in result.json
     "verdict": ("verdict", "level"),
     "model_alone_mean_mm": ("model_alone", "surface_distance_mm", "mean"),
 }
-BEFORE = {"verdict": {"level": None}, "model_alone": {"surface_distance_mm": {"mean": None}}}  # earlier results
 
 TIMES = ("solve_s", "total_s")  # all other columns are the same wherever and however often a fit runs
+MISSING = "drawing_missing"
 FIRST = ("name", "state", "reason")
-COLUMNS = (*FIRST, *NUMBERS, DRAWING_MISSING)
+COLUMNS = (*FIRST, *NUMBERS, MISSING)
 FILE = "batch.csv"
 MEASURES = "measures.csv"  # of each result, as `breastrig report` writes it
 KINDS = {"straight": "straight_", "along the skin": "skin_", "in height": "height_"}  # other measures have one kind
@@ -53,7 +52,7 @@ class Outcome:
     @property
     def missing(self) -> str | None:
         """Why its drawing lacks what was asked for; None: it lacks nothing."""
-        return self.numbers.get(DRAWING_MISSING)
+        return self.numbers.get(MISSING)
 
 
 def is_table(file: Path) -> bool:
@@ -67,15 +66,15 @@ def is_table(file: Path) -> bool:
 
 
 def numbers_of(result_json: bytes, measures_csv: bytes) -> dict[str, Any]:
-    """The columns' values from the two files of a result.  Raises ValueError, KeyError or TypeError for other files."""
-    result = json.loads(result_json)
+    """The columns' values from the two files of a result.  Raises ValueError or KeyError for other files."""
+    result = ResultFile.model_validate_json(result_json)
     numbers = {}
     for column, place in NUMBERS.items():
-        value: Any = BEFORE | dict(result)
+        value: Any = result
         for key in place:
-            value = value[key]
+            value = value[key] if isinstance(value, dict) else getattr(value, key, None)
         numbers[column] = value
-    numbers[DRAWING_MISSING] = " ".join(result.get(DRAWING_MISSING, ())) or None
+    numbers[MISSING] = " ".join(result.drawing_missing) or None
     return numbers | _measures(measures_csv)
 
 

@@ -32,8 +32,8 @@ from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
 from breastrig.execution.pool import Pool
 from breastrig.execution.worker import preload
+from breastrig.files.result import FIT_FILES
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.workflow.folder.fit_file_names import DRAWING_MISSING, FIT_FILES
 
 EXAMPLE = """example of a manifest:
   scan,landmarks,name,stance,tumour
@@ -159,7 +159,7 @@ def _run(batch: Batch, executor: Executor, silent: bool, stop: Event, done: dict
             bar.update()
             if in_lines:
                 line: dict[str, object] = {"name": outcome.name, "state": outcome.state, "reason": outcome.reason}
-                numbers = {name: outcome.numbers.get(name) for name in ("mean_mm", "verdict", DRAWING_MISSING)}
+                numbers = {name: outcome.numbers.get(name) for name in ("mean_mm", "verdict", "drawing_missing")}
                 line |= {**numbers, "row": len(done), "of": len(batch.rows)}
                 print(json.dumps(line), flush=True)
             if (said := outcome.reason or outcome.missing) is not None:

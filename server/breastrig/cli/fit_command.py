@@ -10,7 +10,6 @@ import argparse
 import sys
 from datetime import date
 from pathlib import Path
-from typing import Any
 
 from tqdm import tqdm
 
@@ -22,13 +21,12 @@ from breastrig.core.output_files import Output, all_or_nothing
 from breastrig.core.stances import STANCES
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.patterns import pattern_help
+from breastrig.files.result import ResultFile, fit_set, write_patient
 from breastrig.interface.fit_result import Fit
 from breastrig.interface.pair import PAIR_SETS, FitPair, pair_iterates
 from breastrig.interface.run import FitRun, Iterate, iterates
 from breastrig.interface.scan import Scan, read_coloured
 from breastrig.report.bands import margin_text, margins_text
-from breastrig.workflow.folder.fit_file_names import DRAWING_MISSING, fit_set
-from breastrig.workflow.folder.patient import write_patient
 from breastrig.workflow.jobs import FIRST
 
 
@@ -153,11 +151,11 @@ def _run(options: argparse.Namespace) -> FitRun[Iterate, Fit] | FitRun[tuple[Ite
     )
 
 
-def _notes(result: dict[str, Any]) -> list[str]:
+def _notes(result: ResultFile) -> list[str]:
     """What reading found and lost, and what was done to a scan that its file does not show."""
-    cut_away = result["scan"].get("cut_away_cm2")
+    cut_away = result.scan.cut_away_cm2
     around = [f"What stood around the body was cut away: {cut_away:,} cm²."] if cut_away else []
-    return [*result["notes"], *around]
+    return [*result.notes, *around]
 
 
 def _to_check(reason: str) -> str:
@@ -186,25 +184,25 @@ def run(options: argparse.Namespace) -> int:
         found.write(out)
         folders = [out] if isinstance(found, Fit) else [out / "first", out / "second"]
         code = write_patient(folders, options.code, [options.scanned, options.with_scanned][: len(folders)])
-    results = [found.result] if isinstance(found, Fit) else [found.first.result, found.second.result]
-    for which, result in enumerate(results):
-        scan = f"{(options.scan, options.other)[which]}: " if len(results) > 1 else ""
+    fits = (found,) if isinstance(found, Fit) else (found.first, found.second)
+    for which, fit in enumerate(fits):
+        result, verdict = fit.in_metres.result, fit.verdict
+        scan = f"{(options.scan, options.other)[which]}: " if len(fits) > 1 else ""
         for note in _notes(result):
             print(f"breastrig: {scan}{note}", file=sys.stderr)
-        verdict = result["verdict"]
-        for reason in verdict["reasons"]:
-            print(f"breastrig: {scan}{LEVELS[verdict['level']]}: {reason}", file=sys.stderr)
-        for pick in result["landmarks_not_followed"]:
-            print(f"breastrig: {scan}{pick['reason']}", file=sys.stderr)
-        for pick in result["landmarks_unusual"]:
-            print(f"breastrig: {scan}{_to_check(pick['reason'])}", file=sys.stderr)
-        for missing in result.get(DRAWING_MISSING, ()):
+        for reason in verdict.reasons:
+            print(f"breastrig: {scan}{LEVELS[verdict.level]}: {reason}", file=sys.stderr)
+        for pick in result.landmarks_not_followed:
+            print(f"breastrig: {scan}{pick.reason}", file=sys.stderr)
+        for pick in result.landmarks_unusual:
+            print(f"breastrig: {scan}{_to_check(pick.reason)}", file=sys.stderr)
+        for missing in result.drawing_missing:
             print(f"breastrig: {scan}{missing}", file=sys.stderr)
         if sys.stdout.isatty():
             print(f"{scan}{summary(result)}; patient {code}, results in {options.output}")
-    if any(result["verdict"]["level"] == "unusable" for result in results):
+    if any(fit.verdict.level == "unusable" for fit in fits):
         return UNUSABLE
-    return 2 if any(DRAWING_MISSING in result for result in results) else 0
+    return 2 if any(fit.drawing_missing for fit in fits) else 0
 
 
 def _mm(distance: float | None) -> str:
@@ -212,16 +210,16 @@ def _mm(distance: float | None) -> str:
     return "no distance" if distance is None else f"{distance:.2f} mm"
 
 
-def summary(result: dict[str, Any]) -> str:
+def summary(result: ResultFile) -> str:
     """What a result.json says in one line: first what it is good for, distances to the skin after that."""
-    level, radii = result["verdict"]["level"], result["landmark_uncertainty_mm"]
-    lines = "" if result["line_error_mm"] is None else f": lines on the breasts {margin_text(result['line_error_mm'])}"
-    agreed = len(result["landmarks_agreed"])
+    level, radii = result.verdict.level if result.verdict else "check", result.landmark_uncertainty_mm
+    lines = "" if result.line_error_mm is None else f": lines on the breasts {margin_text(result.line_error_mm)}"
+    agreed = len(result.landmarks_agreed)
     only = f", {agreed} of them only agreed to" if agreed else ""
     points = f", landmarks {margins_text(list(radii.values()))}{only}" if radii else ""
     sure = "" if level == "unusable" else lines + points
-    found, alone = (_mm(each["surface_distance_mm"]["mean"]) for each in (result, result["model_alone"]))
-    to_scan = f"{found} to the scan" + (f" (the model alone {alone})" if result["refined"] else "")
-    picks = result["landmark_distance_mm"]["mean"]
+    found, alone = (_mm(each.surface_distance_mm.mean) for each in (result, result.distances))
+    to_scan = f"{found} to the scan" + (f" (the model alone {alone})" if result.refined else "")
+    picks = result.landmark_distance_mm.mean
     to_picks = "" if picks is None else f", {picks:.2f} mm to the landmarks"
     return f"{SAID[level]}{sure}; {to_scan}{to_picks}"

@@ -6,11 +6,11 @@ from pathlib import Path
 
 from breastrig.cli.commands import COMMANDS
 from breastrig.cli.output_options import add_output_options, output_file
+from breastrig.core.documents import json_bytes
 from breastrig.core.output_files import all_or_nothing, check_output
 from breastrig.core.private_files import write_private
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.interface.ink import find_ink
-from breastrig.workflow.folder.fit_files import json_bytes
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from breastrig.cli.interruption import raise_if_asked
 from breastrig.core.output_files import Output, OutputSet, single_file
-from breastrig.workflow.folder.fit_file_names import FIT_FILES
+from breastrig.files.result import FIT_FILES
 
 
 def add_output_options(parser: argparse.ArgumentParser, metavar: str, what: str) -> None:

@@ -10,8 +10,8 @@ from breastrig.cli.output_options import add_output_options, files_of_fit, files
 from breastrig.core import wall_clock
 from breastrig.core.identity import SAYS_NOTHING, Identity, file_name, random_code
 from breastrig.core.output_files import OutputSet, all_or_nothing
+from breastrig.files.result import ResultPatient, read_result
 from breastrig.report.document import SCHEMA
-from breastrig.workflow.folder.patient import patient_of
 from breastrig.workflow.jobs import ReportJob
 from breastrig.workflow.lines.transfer import drawing_document
 from breastrig.workflow.report import MEASURES_TABLE, REPORT_RECORD, write_report
@@ -43,14 +43,15 @@ def run(options: argparse.Namespace) -> int:
     fit, other = _stances(options)
     inputs = [options.plan, *files_of_fit(fit), *files_of_fit(other), *files_of_model(options.model)]
     plan = None if options.plan is None else drawing_document(options.plan)
-    known = [patient_of(folder) for folder in (fit, other) if folder is not None]
+    results = [read_result(folder) for folder in (fit, other) if folder is not None]
+    known = [result.patient or ResultPatient() for result in results]
     code = options.code or next((each.code for each in known if each.given), known[0].code) or random_code()
-    scanned = tuple(each.scanned for each in known)
+    scanned = tuple(each.scanned.isoformat() if each.scanned else "" for each in known)
     version = 0 if plan is None else plan.get("version", 0)
     identity = Identity(code, wall_clock.now(), scanned, plan_version=version if isinstance(version, int) else 0)
     codes = {each.code for each in known if each.given}
     doubts = (f"The fits carry two codes ({', '.join(sorted(codes))}); {SAYS_NOTHING}",) if len(codes) > 1 else ()
-    pdf = file_name(code, " ".join(each.stance for each in known), identity.day, "report.pdf")
+    pdf = file_name(code, " ".join(each.stance for each in results), identity.day, "report.pdf")
     files = OutputSet(Path(), (MEASURES_TABLE, pdf, REPORT_RECORD), REPORT_RECORD, SCHEMA, varying=True)
     with threadpool_limits(1), all_or_nothing(output_folder(options, [files], inputs)) as out:
         job = ReportJob(fit, other, options.model, plan=plan, identity=identity, doubts=doubts)

@@ -25,6 +25,11 @@ def indented(document: Any) -> str:
     return _indented(document, "\n")
 
 
+def json_bytes(document: Any) -> bytes:
+    """A file of it, indented by one; ValueError for a number that is not finite."""
+    return (indented(document) + "\n").encode()
+
+
 def _indented(value: Any, line: str) -> str:
     """`line` is the line break with the indentation of the value's own first line."""
     if not isinstance(value, _CONTAINERS) or not value:

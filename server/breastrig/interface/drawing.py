@@ -10,9 +10,9 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from breastrig.core.arrays import Array, Booleans, frozen
 from breastrig.core.errors import BadDrawing
+from breastrig.core.documents import json_bytes
 from breastrig.core.output_files import all_or_nothing, single_file
 from breastrig.core.private_files import write_private
-from breastrig.workflow.folder.fit_files import json_bytes
 
 BLACK = "#101010"
 

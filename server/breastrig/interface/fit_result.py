@@ -1,7 +1,7 @@
 """A finished fit as programs hold it, save it and load it.
 
-A `Fit` says what its files say, to the last digit: whether it was just made or loaded, measures and transfers of it
-agree with those of the command line.  Its files are made when they are asked for, and can be saved anywhere.
+A `Fit` says what its files say: whether it was just made or loaded, measures and transfers of it agree with those of
+the command line to the digits that files have.  Its files are made when asked for, and can be saved anywhere.
 """
 
 import json
@@ -11,15 +11,15 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, FiniteFloat, ValidationError
 
 from breastrig.core.arrays import Array, Integers, frozen
 from breastrig.core.errors import BadDrawing, BadInput
 from breastrig.core.output_files import Output as FolderOutput
 from breastrig.core.output_files import all_or_nothing
+from breastrig.files.result import FIT_FILES, RESULT, UNCERTAINTY, DoubtedPick, damaged, fit_set, folder_name
 from breastrig.fitting.verdicts.verdict import Verdict
 from breastrig.interface.drawing import Drawing, drawing_of
 from breastrig.interface.model import Model, loaded
@@ -27,22 +27,13 @@ from breastrig.interface.one_thread import one_thread
 from breastrig.interface.posterior import Posterior, posterior_of
 from breastrig.rig.model import Rig
 from breastrig.rig.named_parameters import Parameters, parameters_by_name
+from breastrig.scan.clean import Surface
 from breastrig.workflow.fit_outcome import FitOutcome
-from breastrig.workflow.folder.fit_file_names import (
-    DRAWING_MISSING,
-    FIT_FILES,
-    LANDMARKS_SEEN,
-    RESULT,
-    UNCERTAINTY,
-    fit_set,
-)
-from breastrig.workflow.folder.fit_files import fit_file, json_bytes, write_files
-from breastrig.workflow.folder.fit_folder import FitFolder, fit_of_files, read_fit_files
+from breastrig.workflow.folder.fit_files import fit_file, result_of, write_files
+from breastrig.workflow.folder.fit_folder import FitFolder, fit_of_files, fitted, read_fit_files
 
 if TYPE_CHECKING:
     import trimesh
-
-THIS_FIT = "this fit"  # as an error calls one that no folder holds
 
 
 class FitFiles:
@@ -95,11 +86,15 @@ class Fit:
     iterations: int
     drawing_missing: tuple[str, ...]  # why a pattern that was asked for is not in the drawing, a text each
     notes: tuple[str, ...]  # what reading and cleaning the scan found, one sentence each
-    result: dict[str, Any]  # the document of result.json
     files: FitFiles
     in_metres: FitFolder  # what measures and transfers work on
     inputs: tuple[Path, ...]  # files that the fit was made from; saving replaces none of them
     known_posterior: Posterior | None = field(default=None, repr=False)
+
+    @cached_property
+    def result(self) -> dict[str, Any]:
+        """The document of result.json."""
+        return self.in_metres.result.document()
 
     @cached_property
     def distances(self) -> Array:
@@ -168,7 +163,13 @@ class Fit:
         the scan's unit and frame.  Raises BadInput with one sentence.
         """
         place = Path(folder)
-        return fit_of(read_fit_files(place), loaded(model), place.resolve().name[:100])
+        contents, shown = read_fit_files(place), folder_name(place)
+        found = fit_of_files(contents, loaded(model), shown)
+        verdict = found.result.verdict
+        if verdict is None:
+            raise damaged(shown, "verdict")
+        files = FitFiles(contents | {RESULT: found.result.content()})
+        return _fit(files, found, Verdict(verdict.level, verdict.reasons))
 
     def _repr_html_(self) -> str:
         """The same with a picture from the front, as notebooks show it: model coloured by its distance to the scan."""
@@ -179,71 +180,34 @@ class Fit:
         return f'<figure><img alt="fitted model" src="data:image/png;base64,{image}"><p>{said}</p></figure>'
 
     def __repr__(self) -> str:
-        mean = self.result["surface_distance_mm"]["mean"]
+        mean = self.in_metres.result.surface_distance_mm.mean
         far = "no pair" if mean is None else f"{mean:.2f} mm to the scan"
         return f"<Fit: {self.stance}, {self.verdict.level}, {far}, {self.iterations} iterations, in {self.unit}>"
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="ignore", frozen=True, defer_build=True)
-
-
-class _Verdict(_Part):
-    level: Literal["good", "uncalibrated", "check", "unusable"]
-    reasons: tuple[str, ...]
-
-
-class _Doubted(_Part):
-    names: tuple[str, ...]
-    reason: str
-
-
-class _Distance(_Part):
-    mean: FiniteFloat | None
-
-
-class _Result(_Part):
-    """The part of result.json that a Fit shows and that the folder's reader has not checked."""
-
-    landmarks: dict[str, tuple[FiniteFloat, FiniteFloat, FiniteFloat]]
-    landmarks_picked: dict[str, tuple[FiniteFloat, FiniteFloat, FiniteFloat]]
-    landmarks_not_followed: tuple[_Doubted, ...]
-    landmarks_unusual: tuple[_Doubted, ...] = ()  # results of versions before have none
-    verdict: _Verdict
-    converged: bool
-    stop_reason: str
-    iterations: int
-    refined: bool = True
-    notes: tuple[str, ...]
-    surface_distance_mm: _Distance
-
-
 def fit_of_outcome(outcome: FitOutcome, inputs: tuple[Path, ...]) -> Fit:
     """The Fit of a fit that has just ended."""
-    files = FitFiles({}, outcome)
-    needed = files.several(("scan.ply", "fitted.ply", UNCERTAINTY, RESULT))
-    made = _fit(files, fit_of_files(needed, outcome.rig, THIS_FIT), inputs, THIS_FIT)
-    return replace(made, known_posterior=posterior_of(outcome.rig, outcome.parameters, outcome.covariance))
+    target, radii = outcome.target, outcome.radii
+    with one_thread():
+        result = result_of(outcome)
+        found = fitted(
+            outcome.rig,
+            result,
+            Surface(target.vertices, target.faces, ()),
+            outcome.vertices,
+            outcome.parameters,
+            None if radii is None else radii.vertices,
+        )
+        made = _fit(FitFiles({RESULT: result.content()}, outcome), found, outcome.verdict, inputs)
+        return replace(made, known_posterior=posterior_of(outcome.rig, outcome.parameters, outcome.covariance))
 
 
-def fit_of(contents: dict[str, bytes], rig: Rig, shown: str) -> Fit:
-    """The Fit of files that have been read; `shown` names them in errors."""
-    found = fit_of_files(contents, rig, shown)
-    contents = contents | {RESULT: json_bytes(found.result)}
-    return _fit(FitFiles(contents), found, (), shown)
-
-
-def _by_name(doubted: tuple[_Doubted, ...]) -> dict[str, str]:
+def _by_name(doubted: Sequence[DoubtedPick]) -> dict[str, str]:
     return {name: each.reason for each in doubted for name in each.names}
 
 
-def _fit(files: FitFiles, found: FitFolder, inputs: tuple[Path, ...], shown: str) -> Fit:
-    try:
-        result = _Result.model_validate(found.result)
-    except ValidationError as error:
-        where = ".".join(map(str, error.errors(include_url=False, include_input=False)[0]["loc"]))
-        raise BadInput(f"{shown}/{RESULT} is damaged or of another version ({where}); fit the scan again.") from error
-    per_unit = found.metres_per_unit
+def _fit(files: FitFiles, found: FitFolder, verdict: Verdict, inputs: tuple[Path, ...] = ()) -> Fit:
+    result, per_unit = found.result, found.metres_per_unit
     return Fit(
         model=found.rig,
         unit=found.unit,
@@ -253,7 +217,7 @@ def _fit(files: FitFiles, found: FitFolder, inputs: tuple[Path, ...], shown: str
         scan_vertices=frozen(found.surface.vertices / per_unit),
         scan_faces=frozen(found.surface.faces, np.int64),
         landmarks={name: frozen(place) for name, place in result.landmarks.items()},
-        seen=dict(found.result.get(LANDMARKS_SEEN, {})),
+        seen=dict(result.landmarks_seen),
         picked={name: frozen(place) for name, place in result.landmarks_picked.items()},
         not_followed=_by_name(result.landmarks_not_followed),
         unusual=_by_name(result.landmarks_unusual),
@@ -261,13 +225,12 @@ def _fit(files: FitFiles, found: FitFolder, inputs: tuple[Path, ...], shown: str
             found.rig, found.parameters, per_unit, found.vertices if result.refined else None
         ),
         stance=found.stance,
-        verdict=Verdict(result.verdict.level, result.verdict.reasons),
+        verdict=verdict,
         converged=result.converged,
         stop_reason=result.stop_reason,
         iterations=result.iterations,
-        drawing_missing=tuple(found.result.get(DRAWING_MISSING, ())),
-        notes=result.notes,
-        result=found.result,
+        drawing_missing=tuple(result.drawing_missing),
+        notes=tuple(result.notes),
         files=files,
         in_metres=found,
         inputs=inputs,

@@ -7,8 +7,8 @@ from typing import Protocol
 from breastrig.interface.fit_result import Fit
 from breastrig.interface.model import Model
 from breastrig.interface.one_thread import one_thread
-from breastrig.interface.picture import stance_of
 from breastrig.report.measures import measures
+from breastrig.workflow.report import stance_of
 
 
 class Value(Protocol):

@@ -7,8 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.core.errors import BadInput
+from breastrig.core.documents import json_bytes
 from breastrig.core.output_files import Output, OutputSet, all_or_nothing
 from breastrig.core.private_files import read_ordinary
+from breastrig.files.result import RESULT, fit_set
 from breastrig.fitting.two_stances import ALIKE, ONE_BODY
 from breastrig.interface.fit_result import Fit, fit_of_outcome
 from breastrig.interface.landmarks import Landmarks
@@ -16,8 +18,7 @@ from breastrig.interface.model import Model, files_of, loaded
 from breastrig.interface.one_thread import one_thread
 from breastrig.interface.run import FitRun, GivenScan, Iterate, Preset, Settings, iterate_of
 from breastrig.interface.scan import ScanLike, ScanSource
-from breastrig.workflow.folder.fit_file_names import RESULT, fit_set
-from breastrig.workflow.folder.fit_files import json_bytes, write_files
+from breastrig.workflow.folder.fit_files import write_files
 from breastrig.workflow.jobs import FIRST
 from breastrig.workflow.run_pair import PAIR_SCHEMA, PairOutcome, pair_document, pair_steps, prepare_pair
 from breastrig.workflow.scan_fit import Clock
@@ -102,7 +103,7 @@ def pair_iterates(
             if isinstance(step, PairOutcome):
                 fits = fit_of_outcome(step.first, inputs), fit_of_outcome(step.second, inputs)
                 places = [f"{name}/{RESULT}" for name in FOLDERS]
-                return FitPair(*fits, pair_document(rig, [each.result for each in fits], places, coupling))
+                return FitPair(*fits, pair_document(rig, [each.in_metres.result for each in fits], places, coupling))
             yield iterate_of(step[0], ready[0]), iterate_of(step[1], ready[1])
         raise AssertionError("a fit ends with its outcome")
 

@@ -1,4 +1,4 @@
-"""A fit as measures and pictures want it, and a small picture of it for notebooks."""
+"""A small picture of a fit, for notebooks."""
 
 import io
 
@@ -6,10 +6,9 @@ from PIL import Image
 
 from breastrig.interface.one_thread import one_thread
 from breastrig.rendering.picture import Layer, Scene, diverging_colours
-from breastrig.report.areolae import areolae_of
 from breastrig.report.pictures import views_of
-from breastrig.report.stance import Stance
 from breastrig.workflow.folder.fit_folder import FitFolder
+from breastrig.workflow.report import stance_of
 
 SIZE = (300, 360)  # pixels
 LIMIT_MM = 5.0  # where the colours end: blue inside the scan's skin, orange outside
@@ -25,20 +24,3 @@ def picture_png(found: FitFolder) -> bytes:
     stream = io.BytesIO()
     Image.fromarray(picture).save(stream, "PNG")
     return stream.getvalue()
-
-
-def stance_of(found: FitFolder) -> Stance:
-    """A fit as measures and pictures want it."""
-    uncertain = found.result.get("landmark_uncertainty_mm", {})
-    return Stance(
-        rig=found.rig,
-        vertices=found.vertices,
-        scan_vertices=found.surface.vertices,
-        scan_faces=found.surface.faces,
-        name=found.stance,
-        picked=found.landmarks,
-        seen=found.seen,
-        landmark_radii={name: 1e-3 * radius for name, radius in uncertain.items()},
-        areolae=areolae_of(found.result, found.metres_per_unit),
-        radii=found.radii,
-    )

@@ -7,12 +7,12 @@ from typing import Any
 
 from breastrig.core.errors import BadInput
 from breastrig.core.scratch import scratch_folder
+from breastrig.files.result import FIT_FILES, RESULT, UNCERTAINTY
 from breastrig.interface.drawing import Drawing, Line, document_of, drawing_of
 from breastrig.interface.fit_result import Fit
 from breastrig.interface.model import Model, loaded
 from breastrig.interface.one_thread import one_thread
 from breastrig.rig.model import Rig
-from breastrig.workflow.folder.fit_file_names import FIT_FILES, RESULT, UNCERTAINTY
 from breastrig.workflow.folder.fit_files import write_files
 from breastrig.workflow.jobs import TransferJob
 from breastrig.workflow.lines.transfer import drawing_document, transfer_with

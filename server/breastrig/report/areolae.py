@@ -6,15 +6,12 @@ scans without a texture have no such entry.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, TypeAdapter, ValidationError
 
 from breastrig.core.arrays import Array
-from breastrig.core.errors import BadInput
+from breastrig.files.result import ResultAreola, ResultFile
 
-AREOLAE = "areolae"  # of result.json
 RIM_DIGITS = 6  # of m, as landmarks have
 
 
@@ -27,40 +24,27 @@ class ObservedAreola:
     rim: Array  # (P, 3) m, its border, closed
 
 
-class _Entry(BaseModel):
-    model_config = ConfigDict(extra="ignore", frozen=True)
-
-    diameter_mm: Annotated[FiniteFloat, Field(gt=0.0, lt=300.0)]
-    within_mm: Annotated[FiniteFloat, Field(ge=0.0, lt=300.0)]
-    rim: Annotated[list[tuple[FiniteFloat, FiniteFloat, FiniteFloat]], Field(min_length=3, max_length=1000)]
-
-
-_ENTRIES: TypeAdapter[dict[str, _Entry | None]] = TypeAdapter(dict[str, _Entry | None])
-
-
-def areolae_document(found: Mapping[str, ObservedAreola | None], metres_per_unit: float) -> dict[str, Any]:
-    """Side -> what result.json says, its border in the scan's unit."""
+def areolae_document(
+    found: Mapping[str, ObservedAreola | None], metres_per_unit: float
+) -> dict[str, ResultAreola | None]:
+    """By side what result.json says, its border in the scan's unit."""
     return {
         side: None
         if each is None
-        else {
-            "diameter_mm": round(1e3 * each.diameter, 2),
-            "within_mm": round(1e3 * each.half, 2),
-            "rim": np.round(each.rim / metres_per_unit, RIM_DIGITS).tolist(),
-        }
+        else ResultAreola(
+            diameter_mm=round(1e3 * each.diameter, 2),
+            within_mm=round(1e3 * each.half, 2),
+            rim=np.round(each.rim / metres_per_unit, RIM_DIGITS).tolist(),
+        )
         for side, each in found.items()
     }
 
 
-def areolae_of(result: Mapping[str, Any], metres_per_unit: float) -> dict[str, ObservedAreola | None]:
-    """What a result.json says, empty where it says nothing; BadInput where it is damaged."""
-    try:
-        entries = _ENTRIES.validate_python(result.get(AREOLAE, {}))
-    except ValidationError as error:
-        raise BadInput("The areolae in result.json are damaged; fit the scan again.") from error
+def areolae_of(result: ResultFile, metres_per_unit: float) -> dict[str, ObservedAreola | None]:
+    """What a result.json says, empty where it says nothing."""
     return {
         side: None
         if each is None
         else ObservedAreola(1e-3 * each.diameter_mm, 1e-3 * each.within_mm, metres_per_unit * np.array(each.rim))
-        for side, each in entries.items()
+        for side, each in result.areolae.items()
     }

@@ -5,6 +5,7 @@
 the rays of the fit.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -129,7 +130,7 @@ def surface_summary_mm(model: Array) -> dict[str, float | None]:
     return {**summary_mm(model), "coverage": round(float(np.isfinite(model).mean()), 4)}
 
 
-def landmark_summary_mm(model: dict[str, Array], picked: dict[str, Array]) -> dict[str, object]:
+def landmark_summary_mm(model: Mapping[str, Array], picked: Mapping[str, Array]) -> dict[str, object]:
     """mean, std, max, min and each distance between the model's and the picked landmarks (m)."""
     each = {name: float(1e3 * np.linalg.norm(model[name] - picked[name])) for name in picked}
     if not each:

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from breastrig import __version__
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.files.result import ResultFile
 from breastrig.report.stance import Stance
 from breastrig.report.table import Row, flat_rows
 
@@ -36,7 +36,7 @@ class Reported:
 
     name: str  # as the report calls it
     stance: Stance
-    result: dict[str, Any]  # its result.json
+    result: ResultFile
     rows: tuple[Row, ...]
     plan: tuple[PlannedItem, ...] = ()
     doubts: tuple[str, ...] = ()  # about the stances together: whether they are of one patient
@@ -56,7 +56,9 @@ def report_document(stances: Sequence[Reported]) -> dict[str, object]:
         "notice": LIMITS_OF_USE,
         "breastrig": __version__,
         "stances": [
-            {"name": one.name} | {key: one.result[key] for key in FROM_RESULT if key in one.result} for one in stances
+            {"name": one.name} | {key: said[key] for key in FROM_RESULT if key in said}
+            for one in stances
+            for said in [one.result.document()]
         ],
         "doubts": list(stances[0].doubts),
         "signs": SIGNS,

@@ -5,7 +5,6 @@ process's memory and on no disk, and goes with the deletion of the scan.  Nothin
 fit or a plan like any other, which is asked for when it has ended.
 """
 
-import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -21,6 +20,7 @@ from breastrig.storage.rows.events import events_of_kind
 from breastrig.storage.rows.fits import FitRow, get_fit
 from breastrig.storage.rows.scans import Points, get_scan
 from breastrig.storage.storage import Storage
+from breastrig.workflow.events import Done
 from breastrig.workflow.jobs import FollowJob, LengthsQuestion, LiveQuestion
 from breastrig.workflow.tasks import follow_landmarks, live_pattern, moved_landmarks, read_and_live_pattern
 
@@ -76,8 +76,8 @@ class Moving:
 
     def _not_followed(self, fit: FitRow) -> tuple[str, ...]:
         (done,) = events_of_kind(self._storage, fit.id, "done")
-        doubted = json.loads(done.json)["result"].get("landmarks_not_followed", [])
-        return tuple(name for each in doubted for name in each["names"])
+        result = Done.model_validate_json(done.json).result
+        return tuple(name for each in result.landmarks_not_followed for name in each.names)
 
     @contextmanager
     def dropped_if_deleted(self, fit_id: str) -> Iterator[None]:

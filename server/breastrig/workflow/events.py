@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from breastrig.core.stances import Stance
+from breastrig.files.result import DoubtedPick, ResultFile
 
 
 class EventPart(BaseModel):
@@ -27,13 +28,6 @@ class NodePose(EventPart):
     rotation: list[float] | None = Field(None, description="quaternion x y z w, relative to the parent node")
     scale: list[float] | None = Field(None, description="scale per local axis (on the nodes *_scale)")
     weights: list[float] | None = Field(None, description="blendshape weights in the model's order (on the mesh node)")
-
-
-class DoubtedPick(EventPart):
-    """Picked landmarks that are asked about: not followed, or unusual."""
-
-    names: list[str] = Field(description="which ones")
-    reason: str = Field(description="one sentence")
 
 
 class Started(Event):
@@ -64,7 +58,7 @@ class Iterated(Event):
 
 class Done(Event):
     kind: Literal["done"] = "done"
-    result: dict[str, object] = Field(
+    result: ResultFile = Field(
         description="result.json; `verdict` says whether to trust it, `landmarks_not_followed` and `landmarks_unusual` "
         "name every pick that is asked about"
     )

@@ -3,13 +3,13 @@
 from pathlib import Path
 from typing import Any
 
+from breastrig.core.documents import json_bytes
 from breastrig.gltf.lines.lines_glb import lines_glb
 from breastrig.report.files.exported import closed_model, vertex_sets
 from breastrig.report.files.line_files import obj_lines, ply_lines, rgb
 from breastrig.report.files.surface_files import surface_ply, surface_stl
-from breastrig.workflow.folder.fit_files import json_bytes
 from breastrig.workflow.folder.fit_folder import read_fit_folder
-from breastrig.workflow.report import laid_plan, stance_of, write_all
+from breastrig.workflow.report import laid_plan, planned_lines, stance_of, write_all
 
 EXPORT_RECORD = "surface.json"
 EXPORT_FILES = ("drawing.glb", "drawing.obj", "drawing.ply", "surface.ply", "surface.stl", EXPORT_RECORD)
@@ -27,7 +27,8 @@ def export_files(
     """
     fit = read_fit_folder(folder, model)
     fits = [fit] if other is None else [fit, read_fit_folder(other, model)]
-    stance = stance_of(folder, fit, None if plan is None else laid_plan(fit.rig, plan, fits)[0])
+    laid = None if plan is None else laid_plan(fit.rig, plan, fits)[0]
+    stance = stance_of(fit, planned_lines(folder, fit.unit, laid))
     per_unit, unit = fit.metres_per_unit, fit.unit
     files = {}
     if stance.lines:

@@ -53,8 +53,6 @@ def body_doubt(a: FitFolder, b: FitFolder) -> str | None:
 
 def _landmarks(fit: FitFolder) -> tuple[dict[str, Array], dict[str, float]]:
     """(3,) m places, as picked or seen, else of the model; and m, the radii that hold the true ones with 90 %."""
-    model = {name: fit.metres_per_unit * np.array(place) for name, place in fit.result["landmarks"].items()}
-    radii = fit.result.get("landmark_uncertainty_mm", {})
-    return model | fit.seen | fit.landmarks, {
-        name: 1e-3 * radius for name, radius in radii.items() if radius is not None
-    }
+    model = {name: fit.metres_per_unit * np.array(place) for name, place in fit.result.landmarks.items()}
+    radii = fit.result.landmark_uncertainty_mm
+    return model | fit.seen | fit.landmarks, {name: 1e-3 * radius for name, radius in radii.items()}

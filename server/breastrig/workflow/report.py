@@ -4,15 +4,15 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
-
-from pydantic import BaseModel, FiniteFloat, ValidationError
+from typing import Any
 
 from breastrig.core.errors import BadDrawing, BadInput
 from breastrig.core.identity import Identity
+from breastrig.core.documents import json_bytes
 from breastrig.core.private_files import private_folder, read_ordinary, write_private
 from breastrig.drawings.drawing_file import FILE_BYTES, lines_on_scan, planned_on_scan
 from breastrig.drawings.plan_schema import PLAN_SCHEMA, checked_plan
+from breastrig.files.result import Distances, ResultFile, damaged, folder_name
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.areolae import areolae_of
@@ -21,7 +21,6 @@ from breastrig.report.measures import measures
 from breastrig.report.stance import Stance
 from breastrig.report.table import contradictions, csv_bytes, flat_rows
 from breastrig.rig.model import Rig
-from breastrig.workflow.folder.fit_files import json_bytes
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of, still_visible
 from breastrig.workflow.jobs import PlanLines, ReportJob
 from breastrig.workflow.lines.plan_on_fit import plan_document, plan_on_folders
@@ -30,62 +29,6 @@ from breastrig.workflow.one_body import body_doubt
 
 REPORT_RECORD = "report.json"
 MEASURES_TABLE = "measures.csv"
-
-
-class _Distances(BaseModel):
-    mean: FiniteFloat | None
-    p95: FiniteFloat | None
-    max: FiniteFloat | None
-    coverage: FiniteFloat | None = None
-
-
-class _Landmarks(BaseModel):
-    mean: FiniteFloat | None
-    max: FiniteFloat | None
-    each: dict[str, FiniteFloat]
-
-
-class _Scan(BaseModel):
-    vertices: int
-    triangles: int
-    unit: str
-    sha256: str
-
-
-class _Model(BaseModel):
-    name: str
-    bones: int
-    blendshapes: int
-    sha256: str
-
-
-class _Doubt(BaseModel):
-    reason: str
-
-
-class _Verdict(BaseModel):
-    level: Literal["good", "uncalibrated", "check", "unusable"]
-    reasons: list[str]
-
-
-class _Result(BaseModel):
-    """The part of result.json that is shown."""
-
-    scan: _Scan
-    model: _Model
-    stance: str
-    preset: str
-    verdict: _Verdict | None = None
-    stop_reason: str
-    iterations: int
-    surface_distance_mm: _Distances
-    scan_to_model_mm: _Distances
-    landmark_distance_mm: _Landmarks
-    landmarks_not_followed: list[_Doubt]
-    landmarks_unusual: list[_Doubt] = []
-    landmark_uncertainty_mm: dict[str, FiniteFloat] = {}
-    notes: list[str]
-    versions: dict[str, str]
 
 
 def drawn_lines(folder: Path, unit: str) -> tuple[Polyline, ...]:
@@ -137,8 +80,8 @@ def _in_words(job: ReportJob, plan: PlanLines | None, fit: FitFolder) -> tuple[P
     return planned_items(checked_plan(document).items, plan[0], missing, fit)
 
 
-def stance_of(folder: Path, fit: FitFolder, plan: PlanLines | None = None) -> Stance:
-    """A fit's folder as measures, pictures and exports want it."""
+def stance_of(fit: FitFolder, lines: tuple[Polyline, ...] = ()) -> Stance:
+    """A fit as measures, pictures and exports want it."""
     return Stance(
         rig=fit.rig,
         vertices=fit.vertices,
@@ -147,8 +90,8 @@ def stance_of(folder: Path, fit: FitFolder, plan: PlanLines | None = None) -> St
         name=fit.stance,
         picked=fit.landmarks,
         seen=fit.seen,
-        lines=planned_lines(folder, fit.unit, plan),
-        landmark_radii={n: 1e-3 * radius for n, radius in fit.result.get("landmark_uncertainty_mm", {}).items()},
+        lines=lines,
+        landmark_radii={name: 1e-3 * radius for name, radius in fit.result.landmark_uncertainty_mm.items()},
         areolae=areolae_of(fit.result, fit.metres_per_unit),
         radii=fit.radii,
     )
@@ -160,10 +103,13 @@ def reported(job: ReportJob) -> list[Reported]:
     folders = [job.fit] if job.other is None else [job.fit, job.other]
     whole = [fit_folder_of(folder, rig) for folder in folders]
     fits = [still_visible(fit, cuts) for fit, cuts in zip(whole, job.cuts or ((),) * len(whole), strict=True)]
-    for folder, fit in zip(folders, fits, strict=True):
-        _check_shown(folder, fit.result)
     plans = laid_plan(rig, job.plan, fits) if job.plan is not None else (job.plans or (None,) * len(fits))
-    stances = [stance_of(folder, fit, plan) for folder, fit, plan in zip(folders, fits, plans, strict=True)]
+    for folder, fit in zip(folders, fits, strict=True):
+        _check_distances(folder, fit.result)
+    stances = [
+        stance_of(fit, planned_lines(folder, fit.unit, plan))
+        for folder, fit, plan in zip(folders, fits, plans, strict=True)
+    ]
     doubt = body_doubt(*fits) if len(fits) == 2 else None
     doubts = (*job.doubts, *((doubt,) if doubt else ()))
     names = stance_names([stance.name for stance in stances])
@@ -175,13 +121,15 @@ def reported(job: ReportJob) -> list[Reported]:
     ]
 
 
-def _check_shown(folder: Path, result: dict[str, Any]) -> None:
-    try:
-        _Result.model_validate(result)
-    except ValidationError as error:
-        where = ".".join(map(str, error.errors(include_url=False, include_input=False)[0]["loc"]))
-        shown = f"{folder.resolve().name}/result.json"
-        raise BadInput(f"{shown} is damaged or of another version ({where}); fit the scan again.") from error
+def _check_distances(folder: Path, result: ResultFile) -> None:
+    """BadInput where a mean stands alone: its page shows the largest and the 95th percentile as well."""
+    for name in ("surface_distance_mm", "scan_to_model_mm"):
+        for said in (result, result.distances):
+            found: Distances = getattr(said, name)
+            if found.mean is not None and None in (found.p95, found.max):
+                raise damaged(folder_name(folder), name)
+    if result.landmark_distance_mm.mean is not None and result.landmark_distance_mm.max is None:
+        raise damaged(folder_name(folder), "landmark_distance_mm")
 
 
 def _pdf(stances: list[Reported], identity: Identity) -> bytes:
@@ -206,7 +154,7 @@ def measures_csv_of(job: ReportJob) -> bytes:
 
 
 def _measures_csv(stances: list[Reported]) -> bytes:
-    verdicts = {each.name: (each.result.get("verdict") or {}).get("level", "") for each in stances}
+    verdicts = {each.name: each.result.verdict.level if each.result.verdict else "" for each in stances}
     return csv_bytes(flat_rows([(each.name, each.rows) for each in stances]), verdicts)
 
 

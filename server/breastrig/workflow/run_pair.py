@@ -10,7 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.core.errors import BadScan, BadSettings
+from breastrig.core.documents import json_bytes
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.files.result import RESULT, ResultFile
 from breastrig.fitting.picks.checked_fit import agreeing_picks
 from breastrig.fitting.two_stances import ALIKE, Coupling, SharedBody, fit_pair_iterates
 from breastrig.rig.model import Rig
@@ -18,8 +20,7 @@ from breastrig.scan.scan import Scan
 from breastrig.workflow.events import Done, Event
 from breastrig.workflow.fit_outcome import FitOutcome
 from breastrig.workflow.fit_recorder import FitRecorder, RecordedIterate
-from breastrig.workflow.folder.fit_file_names import RESULT
-from breastrig.workflow.folder.fit_files import json_bytes, write_files, write_fit_files
+from breastrig.workflow.folder.fit_files import write_files, write_fit_files
 from breastrig.workflow.jobs import FitJob
 from breastrig.workflow.scan_fit import (
     Clock,
@@ -100,33 +101,28 @@ def run_pair(
             yield from enumerate(each.event for each in step)
 
 
-def shared_body(rig: Rig, result: dict[str, Any]) -> dict[str, Any]:
+def shared_body(rig: Rig, result: ResultFile) -> dict[str, Any]:
     """What both stances have in common, as result.json has it: the bones' scales and the body's shapes."""
     shared = SharedBody(rig).body_shapes
-    parameters = result["parameters"]
+    shapes = zip(rig.shape_names, shared, strict=True)
     return {
-        "bone_scales": {bone["name"]: bone["scale"] for bone in parameters["bones"]},
-        "blendshapes": {
-            name: parameters["blendshapes"][name]
-            for name, is_shared in zip(rig.shape_names, shared, strict=True)
-            if is_shared
-        },
+        "bone_scales": {bone.name: bone.scale for bone in result.parameters.bones},
+        "blendshapes": {name: result.parameters.blendshapes[name] for name, is_shared in shapes if is_shared},
     }
 
 
-def pair_document(
-    rig: Rig, results: Sequence[dict[str, Any]], places: Sequence[str], coupling: Coupling
-) -> dict[str, Any]:
+def pair_document(rig: Rig, results: Sequence[ResultFile], places: Sequence[str], coupling: Coupling) -> dict[str, Any]:
     """The document breastrig/pair@1 of two result.json's, which are found at `places`."""
+    first, second = results
     return {
         "schema": PAIR_SCHEMA,
         "notice": LIMITS_OF_USE,
         "results": dict(zip(("first", "second"), places, strict=True)),
-        "stances": [result["stance"] for result in results],
+        "stances": [first.stance, second.stance],
         "bodies": "one" if coupling.exact else "alike",
-        "shared": shared_body(rig, results[0]) if coupling.exact else None,
-        "converged": results[0]["converged"],
-        "stop_reason": results[0]["stop_reason"],
-        "iterations": results[0]["iterations"],
-        "timing_s": {"solve": results[1]["timing_s"]["solve"], "total": results[1]["timing_s"]["total"]},
+        "shared": shared_body(rig, first) if coupling.exact else None,
+        "converged": first.converged,
+        "stop_reason": first.stop_reason,
+        "iterations": first.iterations,
+        "timing_s": {"solve": second.timing_s["solve"], "total": second.timing_s["total"]},
     }

@@ -17,6 +17,7 @@ from breastrig.core.stances import AUTO, STANCES, Stance
 from breastrig.core.units import BEYOND, distance_text
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.patterns import AskedDrawing, asked_drawing
+from breastrig.files.result import DoubtedPick
 from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.fit import FitIterate, FitTask
 from breastrig.fitting.observed.landmarks import colour_observations, with_observations
@@ -35,7 +36,7 @@ from breastrig.scan.hand_cuts import without_hand_cuts
 from breastrig.scan.landmarks.landmark_files import checked_certain
 from breastrig.scan.landmarks.names import by_known_names, known_name
 from breastrig.scan.scan import Scan
-from breastrig.workflow.events import DoubtedPick, Started
+from breastrig.workflow.events import Started
 from breastrig.workflow.fit_start import with_earlier_start, with_stance, with_start
 from breastrig.workflow.jobs import DEFAULT, FIRST, FitJob, FitSettings
 from breastrig.workflow.kept.kept_scan import prepared_scan

@@ -7,7 +7,6 @@ was picked on it, and the plan's lines where they lie on that model.
 """
 
 import json
-from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -15,9 +14,11 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Booleans
 from breastrig.core.errors import BadInput, BreastRigError
+from breastrig.core.documents import json_bytes
 from breastrig.core.private_files import read_ordinary, write_private
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.drawing_file import FILE_BYTES, planned_on_scan
+from breastrig.files.result import RESULT, ResultFile, ResultScan
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.gltf.lines.with_lines import with_lines
 from breastrig.gltf.link_mesh import coloured_mesh, plain_mesh
@@ -28,18 +29,15 @@ from breastrig.report.files.surface_files import surface_ply
 from breastrig.rig.skinning import Posed
 from breastrig.scan.hand_cuts import are_cut
 from breastrig.scan.read import read_scan
-from breastrig.workflow.folder.fit_file_names import RESULT
-from breastrig.workflow.folder.fit_files import json_bytes
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of, still_visible
 from breastrig.workflow.jobs import ReportJob, SnapshotJob
 from breastrig.workflow.report import report_pdf_of
 
-OF_THE_MODEL = (  # of result.json: what is known without a look at her skin, or only as means
-    "schema", "notice", "model", "stance", "stance_reason", "preset", "converged", "stop_reason", "verdict",
+OF_THE_MODEL = (  # of result.json
+    "notice", "model", "stance", "stance_reason", "preset", "converged", "stop_reason", "verdict",
     "iterations", "timing_s", "landmarks_not_followed", "landmarks_unusual", "landmark_uncertainty_mm", "line_error_mm",
     "landmarks_agreed", "parameters", "drawing_missing", "notes", "versions",
 )  # fmt: skip
-DISTANCES = ("surface_distance_mm", "scan_to_model_mm", "landmark_distance_mm")  # of the model alone, when refined
 DIGITS = 6  # of a place, in the scan's unit
 
 
@@ -68,7 +66,7 @@ def snapshot_files(job: SnapshotJob) -> dict[str, bytes]:
         search = ClosestPointSearch(alone, rig.faces)
         plan, own = (_laid_on(search, document, fit.unit) for document in (plan, own))
     files = {
-        RESULT: json_bytes(fit.result if job.shows_scan else _result_of_model(fit, alone)),
+        RESULT: (fit.result if job.shows_scan else _result_of_model(fit, alone)).content(),
         "fitted.ply": surface_ply(surface, rig.faces, fit.metres_per_unit),
         "fitted.glb": _fitted_glb(fit, surface, plan, own),
         "drawing.json": json_bytes(own),
@@ -128,23 +126,27 @@ def _fitted_glb(fit: FitFolder, surface: Array, plan: dict[str, Any], own: dict[
     planned = planned_on_scan(plan)
     names = {line.name for line in planned}
     lines = [*(line for line in planned_on_scan(own) if line.name not in names), *planned]
-    refined = fit.result.get("refined") and not np.array_equal(surface, Posed(fit.rig, fit.parameters).vertices)
-    extras = {"preset": fit.result.get("preset")}
+    refined = fit.result.refined and not np.array_equal(surface, Posed(fit.rig, fit.parameters).vertices)
+    extras = {"preset": fit.result.preset}
     glb = fitted_glb(fit.rig, [fit.parameters], [0.0], None, extras, surface if refined else None)
     return with_lines(glb, [(line.name, line.points, line.closed, rgb(line.color)) for line in lines])
 
 
-def _result_of_model(fit: FitFolder, alone: Array) -> dict[str, Any]:
-    """Of result.json what the model alone says."""
-    result: Mapping[str, Any] = fit.result
-    scan = {name: fact for name, fact in result["scan"].items() if name in ("vertices", "triangles", "unit")}
+def _result_of_model(fit: FitFolder, alone: Array) -> ResultFile:
+    """What the model alone says: what is known without a look at her skin, or only as means."""
+    result = fit.result
     places = fit.rig.landmark_points().positions(alone, fit.rig.faces) / fit.metres_per_unit
-    distances = result.get("model_alone") if result.get("refined") else result
-    return {
-        **{name: result[name] for name in OF_THE_MODEL if name in result},
-        "scan": scan | {"sha256": ""},
+    distances = result.distances if result.refined else result
+    said = {name: value for name, value in result if name in OF_THE_MODEL} | {
+        "schema": result.schema_,
+        "scan": ResultScan(
+            vertices=result.scan.vertices, triangles=result.scan.triangles, unit=result.scan.unit, sha256=""
+        ),
         "refined": False,
-        **{name: value for name, value in (distances or {}).items() if name in DISTANCES},
+        "surface_distance_mm": distances.surface_distance_mm,
+        "scan_to_model_mm": distances.scan_to_model_mm,
+        "landmark_distance_mm": distances.landmark_distance_mm,
         "landmarks": dict(zip(fit.rig.landmark_names, np.round(places, DIGITS).tolist(), strict=True)),
         "landmarks_picked": {},
     }
+    return ResultFile.model_validate(said)

@@ -81,7 +81,7 @@ export type Distances = {
 export type Done = {
   kind?: "done";
   /** result.json; `verdict` says whether to trust it, `landmarks_not_followed` and `landmarks_unusual` name every pick that is asked about */
-  result: Record<string, unknown>;
+  result: ResultFile;
 };
 
 /** Picked landmarks that are asked about: not followed, or unusual. */
@@ -531,7 +531,7 @@ export type MeasuresFile = {
 /** Points p with normal · p = offset, in the scan's unit and frame. */
 export type MedianPlane = {
   /** unit vector to the patient's left */
-  normal: number[];
+  normal: [number, number, number];
   offset: number;
 };
 
@@ -963,16 +963,27 @@ export type Readiness = {
   status: "ready";
 };
 
+/** An areola in the scan's colours. */
+export type ResultAreola = {
+  /** of the circle of its area, along the skin */
+  diameter_mm: number;
+  /** half the band that holds the true one with 90 % */
+  within_mm: number;
+  /** its border, closed */
+  rim: [number, number, number][];
+};
+
 export type ResultBone = {
   name: string;
-  rotation_xyzw: number[];
-  translation_m: number[];
-  scale: number[];
+  rotation_xyzw: [number, number, number, number];
+  translation_m: [number, number, number];
+  scale: [number, number, number];
 };
 
 /** result.json; also the `result` of a done event. */
 export type ResultFile = {
   schema: "breastrig/result@1";
+  notice?: string;
   scan: ResultScan;
   model: ModelSummary;
   stance: "standing" | "supine" | "prone";
@@ -980,16 +991,16 @@ export type ResultFile = {
   preset: string;
   /** whether surface, drawing and distances are those of the free-form layer */
   refined: boolean;
-  /** whether to trust the fit; null in results of versions before */
-  verdict?: Verdict | null;
   converged: boolean;
   stop_reason: string;
+  /** whether to trust the fit; null in results of versions before */
+  verdict?: Verdict | null;
   iterations: number;
   timing_s: Record<string, number>;
   surface_distance_mm: SurfaceDistances;
   scan_to_model_mm: Distances;
   landmark_distance_mm: LandmarkDistances;
-  /** the distances without the free-form layer; null in results of versions before */
+  /** without the free-form layer; absent where they are the only ones */
   model_alone?: ModelAlone | null;
   /** picks that cannot be right, by name */
   landmarks_not_followed?: DoubtedPick[];
@@ -1010,12 +1021,16 @@ export type ResultFile = {
   /** what shows each landmark that the scan's colours place, by name; none where any was picked */
   landmarks_seen?: Record<string, string>;
   /** as given, in the scan's frame and unit */
-  landmarks_picked?: Record<string, [number, number, number]>;
+  landmarks_picked: Record<string, [number, number, number]>;
+  /** by side, null where none is seen; absent for a scan without texture */
+  areolae?: Record<string, ResultAreola | null>;
   parameters: ResultParameters;
   /** why a pattern that was asked for is not in the drawing, a sentence or two for each */
   drawing_missing?: string[];
   notes: string[];
   versions: Record<string, string>;
+  /** whose scan it is; absent in the service */
+  patient?: ResultPatient | null;
 };
 
 export type ResultParameters = {
@@ -1023,14 +1038,28 @@ export type ResultParameters = {
   blendshapes: Record<string, number>;
 };
 
+export type ResultPatient = {
+  code?: string;
+  /** by a person; otherwise it is random */
+  given?: boolean;
+  scanned?: string | null;
+};
+
 export type ResultScan = {
   vertices: number;
   /** of the file, with what was cut away */
   triangles: number;
+  unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
+  unit_reason?: string;
+  sha256: string;
+  /** of these, cut away as table */
+  table_triangles?: number;
   /** of these, cut away by a person; absent without any */
   cut_by_hand_triangles?: number | null;
-  unit: string;
-  sha256: string;
+  /** the file held points without triangles; absent for others */
+  reconstructed_from_points?: boolean;
+  /** floors and walls; absent without any */
+  cut_away_cm2?: number;
 };
 
 export type Scan = {

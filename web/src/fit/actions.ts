@@ -132,7 +132,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
       const said = [text.fit.announceDone(formatMm(body.result.surface_distance_mm.mean)), verdictWords(body.result)].join(" ").trim();
       const upright = straightenedByFit(store.get(), frameOfRig(body.result));
       // A fit that was opened by its address: the landmarks that it was given are those in its result, not those of today.
-      const given = fit?.isOpened && body.result.landmarks_picked ? { picks: picksOf({ landmarks: body.result.landmarks_picked, unit: body.result.scan.unit }) } : {};
+      const given = fit?.isOpened ? { picks: picksOf({ landmarks: body.result.landmarks_picked, unit: body.result.scan.unit }) } : {};
       change({ state: "done", result: body.result, ...given }, { ...upright, step: stepAfter ?? "result" });
       stepAfter = null;
       const list = store.get().meta?.landmarks ?? [];

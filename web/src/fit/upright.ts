@@ -13,6 +13,6 @@ export function frameOfRig(result: Pick<Result, "parameters"> | { readonly param
   const bones = (result.parameters?.bones ?? []).filter(({ name }) => !/_[LR]$/.test(name));
   if (bones.length === 0) return null;
   const along = (axis: Vector): Vector =>
-    bones.map(({ rotation_xyzw: q }) => turned(q as [number, number, number, number], axis)).reduce<Vector>((sum, each) => [sum[0] + each[0], sum[1] + each[1], sum[2] + each[2]], [0, 0, 0]);
+    bones.map(({ rotation_xyzw: q }) => turned(q, axis)).reduce<Vector>((sum, each) => [sum[0] + each[0], sum[1] + each[1], sum[2] + each[2]], [0, 0, 0]);
   return tidyFrame({ up: along([0, 1, 0]), front: along([0, 0, 1]) });
 }

@@ -2,11 +2,13 @@ import { expect, test } from "vitest";
 import { frameOfRig } from "../../src/fit/upright";
 import { standing, straightened, straightenedByFit } from "../../src/landmarks/straighten";
 import type { Session } from "../../src/app/session";
+import type { ResultBone } from "../../src/api/types.gen";
 import type { Picks } from "../../src/landmarks/picks";
 
-const bone = (name: string, axis: readonly [number, number, number], degrees: number) => {
+const bone = (name: string, [x, y, z]: readonly [number, number, number], degrees: number): ResultBone => {
   const half = (degrees * Math.PI) / 360;
-  return { name, rotation_xyzw: [...axis.map((value) => value * Math.sin(half)), Math.cos(half)], translation_m: [0, 0, 0], scale: [1, 1, 1] };
+  const sine = Math.sin(half);
+  return { name, rotation_xyzw: [x * sine, y * sine, z * sine, Math.cos(half)], translation_m: [0, 0, 0], scale: [1, 1, 1] };
 };
 const result = (...bones: ReturnType<typeof bone>[]) => ({ parameters: { bones, blendshapes: {} } });
 

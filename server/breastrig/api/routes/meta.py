@@ -12,6 +12,7 @@ from breastrig.api.wire import meta as wire_meta
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.drawings.pattern_parameters import pattern_forms
 from breastrig.drawings.patterns import offered_patterns
+from breastrig.files.result import ModelSummary
 from breastrig.fitting.presets.preset_files import preset_names
 
 meta = APIBlueprint("meta", __name__, tag={"name": "meta", "description": "Version, limits, examples."})
@@ -33,7 +34,7 @@ def about() -> wire_meta.Meta:
             upload_bytes=uploads.file_bytes, triangles=uploads.triangles, keep_days=context.config.keep_days
         ),
         units=list(wire.UNITS),
-        model=wire.ModelSummary(
+        model=ModelSummary(
             name=rig.name,
             sha256=rig.sha256,
             vertices=len(rig.template),

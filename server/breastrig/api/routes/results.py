@@ -13,13 +13,12 @@ from flask import Response
 from breastrig.api.answers import BINARY, GLB, JSON, ZIP, file_of, in_memory, opened
 from breastrig.api.app_context import app_context
 from breastrig.api.routes.fits import FITS_TAG
-from breastrig.api.wire import files as wire_files
 from breastrig.core.errors import Conflict, NotFound
 from breastrig.drawings.drawing_schema import DrawingFile
+from breastrig.files.result import FIT_FILES, ResultFile
 from breastrig.service.kept_models import LONG_AGO
 from breastrig.storage.files import OpenedFile, fit_place
 from breastrig.storage.rows.fits import FitRow, get_fit
-from breastrig.workflow.folder.fit_file_names import FIT_FILES
 
 results = APIBlueprint("results", __name__, url_prefix="/api/fits", tag=FITS_TAG)
 
@@ -34,7 +33,7 @@ MEDIA_TYPES = {
 
 
 @results.get("/<fit_id>/result.json")
-@results.output(wire_files.ResultFile, description="Numbers and parameters")
+@results.output(ResultFile, description="Numbers and parameters")
 @results.doc(operation_id="getResult", responses={409: "Not done"})
 def show_result(fit_id: str) -> Response:
     """result.json, as the command line writes it"""

@@ -18,7 +18,6 @@ Units = Literal["auto", "m", "dm", "cm", "mm", "in", "ft"]
 StanceWish = Literal["auto", "standing", "supine", "prone"]
 StanceName = OneStance
 FitState = Literal["queued", "running", "done", "failed", "cancelled"]
-VerdictLevel = Literal["good", "uncalibrated", "check", "unusable"]
 Point = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
 Three = Annotated[list[float], Field(min_length=3, max_length=3)]
 Number = Annotated[FiniteFloat, Field(ge=-1e9, le=1e9)]
@@ -395,14 +394,6 @@ class ScanQuery(Limited):
 
 class PageQuery(Limited):
     before: int | None = Field(None, ge=0, le=2**31, description="as the link to the next page says")
-
-
-class ModelSummary(Wire):
-    name: str
-    sha256: str
-    vertices: int
-    bones: int
-    blendshapes: int
 
 
 class ModelDrawnShape(Wire):

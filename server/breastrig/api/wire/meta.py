@@ -4,7 +4,8 @@ from typing import Literal
 
 from pydantic import Field
 
-from breastrig.api.wire.common import LandmarkFile, ModelSummary, Scan, Wire
+from breastrig.api.wire.common import LandmarkFile, Scan, Wire
+from breastrig.files.result import ModelSummary
 
 
 class ExampleEntry(Wire):

@@ -4,9 +4,11 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from breastrig.api.wire.common import FitState, Name, PageQuery, Point, StanceName, VerdictLevel, Wire
+from breastrig.api.wire.common import FitState, Name, PageQuery, Point, Wire
+from breastrig.core.stances import Stance
 from breastrig.drawings.drawing_schema import Colour, DrawnShape, LineUnit
 from breastrig.drawings.plan_schema import ITEMS, PlanItem, ScanOfPlan
+from breastrig.files.result import VerdictLevel
 
 CODE = 60  # characters
 PLAIN = r"^[^\x00-\x1f\x7f]*$"  # no control characters: not every database takes them
@@ -42,7 +44,7 @@ class PatientFit(Wire):
 
 class PatientScan(Wire):
     id: str
-    stance: StanceName = Field(description="as fitted, else as the service proposes")
+    stance: Stance = Field(description="as fitted, else as the service proposes")
     created_at: str = Field(description="ISO 8601, UTC")
     delete_at: str | None = Field(description="ISO 8601, UTC: kept until then; null: until it is deleted by hand")
     thumbnail: str = Field(description="address of a small picture, PNG")

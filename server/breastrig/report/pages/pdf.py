@@ -5,7 +5,7 @@ then a tape sheet of each stance.  The same stances and the same identity give t
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from importlib import resources
 from typing import Any
@@ -15,6 +15,7 @@ import typst
 from breastrig import __version__
 from breastrig.core.identity import UNNAMED, Identity
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.files.result import Distances, ResultFile, SurfaceDistances
 from breastrig.report.bands import KNOWN_MM, margin_text, margins_text
 from breastrig.report.document import PlannedItem, Reported
 from breastrig.report.measures import OUTLINE
@@ -90,7 +91,7 @@ def report_pdf(stances: Sequence[Reported], identity: Identity = UNNAMED) -> byt
 def report_content(stances: Sequence[Reported], identity: Identity) -> dict[str, Any]:
     """All that the template shows."""
     made = identity.made
-    levels = [(one.result.get("verdict") or {}).get("level", "good") for one in stances]
+    levels = [one.result.verdict.level if one.result.verdict else "good" for one in stances]
     warned = [
         f"{WARNINGS[level]} ({one.name})" for one, level in zip(stances, levels, strict=True) if level in WARNINGS
     ]
@@ -211,8 +212,8 @@ def _landmarks(stances: Sequence[Reported]) -> Table:
     for name in names:
         cells = []
         for one, found in zip(stances, placed, strict=True):
-            gap = one.result["landmark_distance_mm"]["each"].get(name)
-            radius = one.result.get("landmark_uncertainty_mm", {}).get(name)
+            gap = one.result.landmark_distance_mm.each.get(name)
+            radius = one.result.landmark_uncertainty_mm.get(name)
             texts = ["-" if gap is None else f"{gap:.1f}", "-" if radius is None else _margin(radius)]
             cells.append([found[name].source if name in found else "-", *texts])
         rows.append([spoken(name), cells])
@@ -247,40 +248,39 @@ def _margin(radius: float) -> str:
 def _verdict(one: Reported) -> str:
     """What the fit is good for: how far off a line may be, then the landmarks; results of earlier versions say less."""
     result = one.result
-    level = VERDICTS.get((result.get("verdict") or {}).get("level", ""), VERDICTS["check"])
-    lines, radii = result.get("line_error_mm"), list(result.get("landmark_uncertainty_mm", {}).values())
-    agreed = len(result.get("landmarks_agreed", ()))
+    level = VERDICTS[result.verdict.level if result.verdict else "check"]
+    lines, radii = result.line_error_mm, list(result.landmark_uncertainty_mm.values())
+    agreed = len(result.landmarks_agreed)
     said = [] if lines is None else [f"lines on the breasts {margin_text(lines)}"]
     said += [f"landmarks {margins_text(radii)}"] if radii else []
     said += [f"{agreed} of {len(radii)} landmarks only agreed to where they were proposed"] if agreed else []
     return f"{one.name.capitalize()}: {': '.join([level, *([', '.join(said)] if said else [])])}."
 
 
-def _making(result: Mapping[str, Any]) -> dict[str, str]:
+def _making(result: ResultFile) -> dict[str, str]:
     """How the fit was made."""
-    scan, model, landmarks = result["scan"], result["model"], result["landmark_distance_mm"]
-    mean, most, count = landmarks["mean"], landmarks["max"], len(landmarks["each"])
+    scan, model, landmarks = result.scan, result.model, result.landmark_distance_mm
+    mean, most, count = landmarks.mean, landmarks.max, len(landmarks.each)
     picked = "no landmarks were picked" if mean is None else f"mean {mean:.1f} mm, largest {most:.1f} mm, of {count}"
-    alone = result.get("model_alone", result)["surface_distance_mm"]
+    alone = result.distances.surface_distance_mm
     return {
         "Model to picked landmarks": picked,
-        "Model to scan": _distances(result["surface_distance_mm"]),
-        "Without the free-form layer": _distances(alone) if result.get("refined") else "the same",
-        "Scan to model": _distances(result["scan_to_model_mm"]),
-        "End of the fit": f"{result['stop_reason'].rstrip('.')}; {result['iterations']} steps",
-        "Preset": f"{result['preset']}{', on the skin' if result.get('refined') else ''}",
-        "Scan": f"{scan['vertices']:,} points, {scan['triangles']:,} triangles, {scan['unit']}; {scan['sha256'][:12]}",
-        "Model": f"{model['name']}, {model['bones']} bones, {model['blendshapes']} shapes; {model['sha256'][:12]}",
-        "Versions": ", ".join(f"{name} {version}" for name, version in result["versions"].items()),
+        "Model to scan": _distances(result.surface_distance_mm),
+        "Without the free-form layer": _distances(alone) if result.refined else "the same",
+        "Scan to model": _distances(result.scan_to_model_mm),
+        "End of the fit": f"{result.stop_reason.rstrip('.')}; {result.iterations} steps",
+        "Preset": f"{result.preset}{', on the skin' if result.refined else ''}",
+        "Scan": f"{scan.vertices:,} points, {scan.triangles:,} triangles, {scan.unit}; {scan.sha256[:12]}",
+        "Model": f"{model.name}, {model.bones} bones, {model.blendshapes} shapes; {model.sha256[:12]}",
+        "Versions": ", ".join(f"{name} {version}" for name, version in result.versions.items()),
     }
 
 
-def _distances(found: Mapping[str, float | None]) -> str:
-    if found["mean"] is None:
+def _distances(found: Distances) -> str:
+    if found.mean is None:
         return "none: the scan shows no skin near the model"
-    words = f"mean {found['mean']:.2f} mm, 95 % {found['p95']:.2f} mm, largest {found['max']:.1f} mm"
-    coverage = found.get("coverage")
-    return words if coverage is None else f"{words}; {100 * coverage:.0f} % seen"
+    words = f"mean {found.mean:.2f} mm, 95 % {found.p95:.2f} mm, largest {found.max:.1f} mm"
+    return f"{words}; {100 * found.coverage:.0f} % seen" if isinstance(found, SurfaceDistances) else words
 
 
 def _remarks(stances: Sequence[Reported]) -> list[str]:
@@ -291,10 +291,10 @@ def _remarks(stances: Sequence[Reported]) -> list[str]:
 
 def _doubts(one: Reported) -> list[str]:
     """Why to check the fit, unusual picks and those not followed, patterns that do not fit, what reading found."""
-    reasons = [str(reason) for reason in (one.result.get("verdict") or {}).get("reasons", ())]
-    for picks in ("landmarks_not_followed", "landmarks_unusual"):
-        reasons += [str(pick["reason"]) for pick in one.result.get(picks, ())]
-    reasons += [str(note) for notes in ("drawing_missing", "notes") for note in one.result.get(notes, ())]
+    result = one.result
+    reasons = list(result.verdict.reasons) if result.verdict else []
+    reasons += [pick.reason for pick in (*result.landmarks_not_followed, *result.landmarks_unusual)]
+    reasons += [*result.drawing_missing, *result.notes]
     named = dict.fromkeys(name for row in one.rows for name in row.landmarks)
     unpicked = [name.removesuffix(" (model)") for name in named if name.endswith(" (model)") and name != OUTLINE]
     if unpicked:

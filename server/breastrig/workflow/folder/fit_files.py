@@ -1,26 +1,43 @@
 """What a finished fit leaves on disk (paragraph 5 of the specification)."""
 
-import json
 from collections.abc import Callable, Mapping
 from functools import cache
 from importlib.metadata import distribution
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 
 from breastrig import __version__
 from breastrig.core.arrays import Array
-from breastrig.core.documents import indented
+from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.private_files import private_folder, write_private
+from breastrig.core.stances import Stance
 from breastrig.drawings.drawing_file import shape_document
+from breastrig.files.result import (
+    FIT_FILES,
+    RESULT,
+    UNCERTAINTY,
+    DoubtedPick,
+    MedianPlane,
+    ModelAlone,
+    ModelSummary,
+    ResultBone,
+    ResultFile,
+    ResultParameters,
+    ResultScan,
+    Unit,
+    Verdict,
+)
 from breastrig.fitting.doubt import Doubt
 from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.replay import fitted_glb
 from breastrig.least_squares.newton import Status
-from breastrig.report.areolae import AREOLAE, areolae_document
+from breastrig.report.areolae import areolae_document
 from breastrig.report.body_frame import body_frame
+from breastrig.report.distances import SurfaceDistances as FoundDistances
 from breastrig.report.distances import (
     landmark_summary_mm,
     summary_mm,
@@ -29,22 +46,14 @@ from breastrig.report.distances import (
 from breastrig.report.files.surface_files import surface_ply
 from breastrig.rig.known import NOT_CALIBRATED
 from breastrig.workflow.fit_outcome import FitOutcome
-from breastrig.workflow.folder.fit_file_names import (
-    DRAWING_MISSING,
-    FIT_FILES,
-    LANDMARKS_SEEN,
-    RESULT,
-    RESULT_SCHEMA,
-    UNCERTAINTY,
-)
 
 
 def _rounded(values: Array, digits: int = 6) -> list[float]:
     return [round(float(value), digits) for value in np.asarray(values).ravel()]
 
 
-def _doubted(doubt: Doubt) -> dict[str, object]:
-    return {"names": list(doubt.names), "reason": doubt.reason}
+def _doubted(doubt: Doubt) -> DoubtedPick:
+    return DoubtedPick(names=list(doubt.names), reason=doubt.reason)
 
 
 def _in_mm(values: Mapping[str, float]) -> dict[str, float]:
@@ -58,8 +67,8 @@ def library_versions() -> dict[str, str]:
     return {name: head.partition("\nVersion: ")[2].partition("\n")[0].strip() for name, head in heads.items()}
 
 
-def result_json(outcome: FitOutcome) -> dict[str, object]:
-    """The document breastrig/result@1."""
+def result_of(outcome: FitOutcome) -> ResultFile:
+    """What the fit says of itself."""
     rig, x, scan = outcome.rig, outcome.parameters, outcome.scan
     per_unit = scan.metres_per_unit
     model_landmarks, alone_landmarks = (
@@ -68,79 +77,81 @@ def result_json(outcome: FitOutcome) -> dict[str, object]:
     )
     seen = {name: each.place for name, each in outcome.seen.items()}
     quaternions = quaternion_from_rotation(x.rotations)
-    return {
-        "schema": RESULT_SCHEMA,
-        "notice": LIMITS_OF_USE,
-        "scan": {
-            "vertices": len(scan.vertices),
-            "triangles": len(scan.faces) + scan.cut_by_hand,
-            "unit": scan.unit,
-            "unit_reason": scan.unit_reason,
-            "sha256": scan.sha256,
-            "table_triangles": outcome.table_triangles,
-            **({"cut_by_hand_triangles": scan.cut_by_hand} if scan.cut_by_hand else {}),
-            **({"reconstructed_from_points": True} if scan.from_points else {}),
-            **({"cut_away_cm2": round(1e4 * outcome.cut_away)} if outcome.cut_away else {}),
-        },
-        "model": {
-            "name": rig.name,
-            "sha256": rig.sha256,
-            "vertices": len(rig.template),
-            "bones": len(rig.bones),
-            "blendshapes": len(rig.shapes),
-        },
-        "stance": outcome.stance,
-        "stance_reason": outcome.stance_reason,
-        "preset": outcome.preset,
-        "refined": outcome.refined,
-        "converged": outcome.status is Status.CONVERGED,
-        "stop_reason": outcome.status.value,
-        "verdict": {"level": outcome.verdict.level, "reasons": list(outcome.verdict.reasons)},
-        "iterations": outcome.log[-1].iteration,
-        "timing_s": {name: round(seconds, 4) for name, seconds in outcome.timing_s.items()},
-        "surface_distance_mm": surface_summary_mm(outcome.distances.model),
-        "scan_to_model_mm": summary_mm(outcome.distances.scan),
-        "landmark_distance_mm": landmark_summary_mm(model_landmarks, outcome.landmarks),
-        "model_alone": {
-            "surface_distance_mm": surface_summary_mm(outcome.model_alone.distances.model),
-            "scan_to_model_mm": summary_mm(outcome.model_alone.distances.scan),
-            "landmark_distance_mm": landmark_summary_mm(alone_landmarks, outcome.landmarks),
-        },
-        "landmarks_not_followed": [_doubted(doubt) for doubt in outcome.doubts if not doubt.followed],
-        "landmarks_unusual": [_doubted(doubt) for doubt in outcome.doubts if doubt.followed],
-        **({} if outcome.radii else {"not_calibrated": f"{NOT_CALIBRATED}: how far off its fits are is not known."}),
-        "median_plane": _median_plane(outcome),
-        "landmark_uncertainty_mm": {} if outcome.radii is None else _in_mm(outcome.radii.landmarks),
-        "line_error_mm": None if outcome.radii is None else round(1e3 * outcome.radii.lines, 1),
-        "landmarks_agreed": list(outcome.agreed),
-        "landmarks": {name: _rounded(place / per_unit) for name, place in (model_landmarks | seen).items()},
-        **({LANDMARKS_SEEN: {name: each.reason for name, each in outcome.seen.items()}} if seen else {}),
-        "landmarks_picked": {name: _rounded(place / per_unit) for name, place in outcome.landmarks.items()},
-        **({AREOLAE: areolae_document(outcome.areolae, per_unit)} if outcome.areolae else {}),
-        "parameters": {
-            "bones": [
-                {
-                    "name": name,
-                    "rotation_xyzw": _rounded(quaternions[j], 9),
-                    "translation_m": _rounded(x.translations[j], 9),
-                    "scale": _rounded(x.scales[j], 9),
-                }
+    return ResultFile(
+        schema="breastrig/result@1",
+        notice=LIMITS_OF_USE,
+        scan=ResultScan(
+            vertices=len(scan.vertices),
+            triangles=len(scan.faces) + scan.cut_by_hand,
+            unit=cast(Unit, scan.unit),
+            unit_reason=scan.unit_reason,
+            sha256=scan.sha256,
+            table_triangles=outcome.table_triangles,
+            cut_by_hand_triangles=scan.cut_by_hand,
+            reconstructed_from_points=scan.from_points,
+            cut_away_cm2=round(1e4 * outcome.cut_away),
+        ),
+        model=ModelSummary(
+            name=rig.name,
+            sha256=rig.sha256,
+            vertices=len(rig.template),
+            bones=len(rig.bones),
+            blendshapes=len(rig.shapes),
+        ),
+        stance=cast(Stance, outcome.stance),
+        stance_reason=outcome.stance_reason,
+        preset=outcome.preset,
+        refined=outcome.refined,
+        converged=outcome.status is Status.CONVERGED,
+        stop_reason=outcome.status.value,
+        verdict=Verdict(level=outcome.verdict.level, reasons=outcome.verdict.reasons),
+        iterations=outcome.log[-1].iteration,
+        timing_s={name: round(seconds, 4) for name, seconds in outcome.timing_s.items()},
+        **_distances(outcome.distances, model_landmarks, outcome.landmarks),
+        model_alone=ModelAlone(**_distances(outcome.model_alone.distances, alone_landmarks, outcome.landmarks)),
+        landmarks_not_followed=[_doubted(doubt) for doubt in outcome.doubts if not doubt.followed],
+        landmarks_unusual=[_doubted(doubt) for doubt in outcome.doubts if doubt.followed],
+        not_calibrated=None if outcome.radii else f"{NOT_CALIBRATED}: how far off its fits are is not known.",
+        median_plane=_median_plane(outcome),
+        landmark_uncertainty_mm={} if outcome.radii is None else _in_mm(outcome.radii.landmarks),
+        line_error_mm=None if outcome.radii is None else round(1e3 * outcome.radii.lines, 1),
+        landmarks_agreed=list(outcome.agreed),
+        landmarks={name: _rounded(place / per_unit) for name, place in (model_landmarks | seen).items()},
+        landmarks_seen={name: each.reason for name, each in outcome.seen.items()},
+        landmarks_picked={name: _rounded(place / per_unit) for name, place in outcome.landmarks.items()},
+        areolae=areolae_document(outcome.areolae, per_unit),
+        parameters=ResultParameters(
+            bones=[
+                ResultBone(
+                    name=name,
+                    rotation_xyzw=_rounded(quaternions[j], 9),
+                    translation_m=_rounded(x.translations[j], 9),
+                    scale=_rounded(x.scales[j], 9),
+                )
                 for j, name in enumerate(rig.bone_names)
             ],
-            "blendshapes": dict(zip(rig.shape_names, _rounded(x.weights, 9), strict=True)),
-        },
-        **({DRAWING_MISSING: list(outcome.drawing_missing)} if outcome.drawing_missing else {}),
-        "notes": list(outcome.notes),
-        "versions": {"breastrig": __version__} | library_versions(),
+            blendshapes=dict(zip(rig.shape_names, _rounded(x.weights, 9), strict=True)),
+        ),
+        drawing_missing=list(outcome.drawing_missing),
+        notes=list(outcome.notes),
+        versions={"breastrig": __version__} | library_versions(),
+    )
+
+
+def _distances(found: FoundDistances, model: Mapping[str, Array], picked: Mapping[str, Array]) -> dict[str, Any]:
+    """Between scan and model, both ways, and between landmarks (m)."""
+    return {
+        "surface_distance_mm": surface_summary_mm(found.model),
+        "scan_to_model_mm": summary_mm(found.scan),
+        "landmark_distance_mm": landmark_summary_mm(model, picked),
     }
 
 
-def _median_plane(outcome: FitOutcome) -> dict[str, object]:
-    """Points p with normal · p = offset in the scan's unit and frame; the normal points to the patient's left."""
+def _median_plane(outcome: FitOutcome) -> MedianPlane:
     frame = body_frame(outcome.rig, outcome.vertices)
     normal = frame.axes[:, 0]
     offset = float(normal @ frame.middle) / outcome.scan.metres_per_unit
-    return {"normal": _rounded(normal, 9), "offset": round(offset, 6)}
+    return MedianPlane(normal=_rounded(normal, 9), offset=round(offset, 6))
 
 
 def drawing_json(outcome: FitOutcome) -> dict[str, object]:
@@ -171,21 +182,15 @@ def uncertainty_bin(outcome: FitOutcome) -> bytes:
     return (1e3 * (unknown if outcome.radii is None else outcome.radii.vertices)).astype("<f4").tobytes()
 
 
-def json_bytes(document: object) -> bytes:
-    """Indented by one; ValueError for a number that is not finite."""
-    return (indented(document) + "\n").encode()
-
-
 def fit_file(outcome: FitOutcome, name: str) -> bytes:
     """The content of one of FIT_FILES."""
     return MAKERS[name](outcome)
 
 
-def write_fit_files(outcome: FitOutcome, folder: Path) -> dict[str, object]:
-    """Writes all FIT_FILES and returns result.json's document; BadInput when the folder cannot be written."""
-    files = {name: fit_file(outcome, name) for name in FIT_FILES}
-    write_files(files, folder)
-    result: dict[str, object] = json.loads(files[RESULT])
+def write_fit_files(outcome: FitOutcome, folder: Path) -> ResultFile:
+    """Writes all FIT_FILES; what the fit says of itself.  BadInput when the folder cannot be written."""
+    result = result_of(outcome)
+    write_files({name: result.content() if name == RESULT else fit_file(outcome, name) for name in FIT_FILES}, folder)
     return result
 
 
@@ -228,6 +233,6 @@ MAKERS: dict[str, Callable[[FitOutcome], bytes]] = {
     "distances.bin": distances_bin,
     UNCERTAINTY: uncertainty_bin,
     "fit.log.jsonl": _log,
-    RESULT: lambda outcome: json_bytes(result_json(outcome)),
+    RESULT: lambda outcome: result_of(outcome).content(),
 }
 assert tuple(MAKERS) == FIT_FILES

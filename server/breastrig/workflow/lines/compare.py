@@ -10,6 +10,7 @@ from PIL import Image
 
 from breastrig.core.documents import csv_table
 from breastrig.core.errors import BadDrawing, BadInput
+from breastrig.core.documents import json_bytes
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.private_files import private_folder, write_private
 from breastrig.core.units import distance_text
@@ -21,7 +22,6 @@ from breastrig.drawings.superimposition_picture import body_frame, superimposed
 from breastrig.drawings.transfer import fitted_scan
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import ModelDrawing
-from breastrig.workflow.folder.fit_files import json_bytes
 from breastrig.workflow.folder.fit_folder import fit_folder_of
 from breastrig.workflow.lines.transfer import drawing_document
 

@@ -54,7 +54,7 @@ def plan_on_folders(rig: Rig, plan: Plan, fits: Sequence[tuple[FitFolder, str]],
 
 def scan_of_plan(plan: Plan, fit: FitFolder) -> str:
     """What the plan calls the fit's scan: by its hash, else by its stance; empty where it names no such scan."""
-    sha256 = fit.result["scan"].get("sha256")
+    sha256 = fit.result.scan.sha256
     table = {scan.id: scan for scan in plan.scans}
     by_hash = [name for name, scan in table.items() if scan.sha256 is not None and scan.sha256 == sha256]
     by_stance = [name for name, scan in table.items() if scan.stance == fit.stance]

@@ -18,7 +18,7 @@ const AWAY_MM = 60; // in any direction: as far as a breast stands out from a ch
 
 /** The fitted body's own, in which the service measures too; null in results of earlier versions. */
 export function mirrorPlane({ median_plane: plane, scan }: Pick<Result, "median_plane" | "scan">): MirrorPlane | null {
-  return plane ? { normal: plane.normal as Vector, offset: mmFrom(plane.offset, isUnit(scan.unit) ? scan.unit : "mm") } : null;
+  return plane ? { normal: plane.normal, offset: mmFrom(plane.offset, isUnit(scan.unit) ? scan.unit : "mm") } : null;
 }
 
 export function mirroredPoint({ normal, offset }: MirrorPlane, point: Vector): Vector {

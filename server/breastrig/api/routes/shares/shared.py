@@ -21,12 +21,12 @@ from breastrig.api.routes.shares.share_credential import (
     visit_of,
 )
 from breastrig.api.routes.shares.shares import SHARES_TAG
-from breastrig.api.wire import files as wire_files
 from breastrig.api.wire import shares as wire_shares
 from breastrig.api.wire.patients import PlanOnScan
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import NotFound
 from breastrig.drawings.drawing_schema import DrawingFile
+from breastrig.files.result import ResultFile
 from breastrig.storage.files import OpenedFile, share_place
 from breastrig.storage.rows.shares import ShareRow
 
@@ -109,7 +109,7 @@ def show_shared(share_id: str) -> wire_shares.SharedResult:
 
 
 @shared.get("/<share_id>/result.json")
-@shared.output(wire_files.ResultFile, description="Numbers and parameters")
+@shared.output(ResultFile, description="Numbers and parameters")
 @shared.doc(operation_id="getSharedResult", responses={401: NOT_OPEN, 410: ENDED})
 def show_result(share_id: str) -> Response:
     """The shared fit's result.json"""

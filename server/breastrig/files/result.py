@@ -1,0 +1,272 @@
+"""result.json (breastrig/result@1): what a fit says of itself.  One model for all who write, read or serve it.
+
+Lengths named _mm are millimetres; places are in the scan's frame and unit.  What is not said is left out of the file.
+Fields that later versions or other programs add are kept.
+"""
+
+from collections.abc import Sequence
+from datetime import date
+from operator import not_
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+
+from breastrig.core.errors import BadInput
+from breastrig.core.identity import CODE_CHARACTERS, random_code
+from breastrig.core.documents import json_bytes
+from breastrig.core.output_files import OutputSet
+from breastrig.core.private_files import read_ordinary, write_private
+from breastrig.core.stances import Stance
+
+RESULT = "result.json"
+UNCERTAINTY = "uncertainty.bin"
+RESULT_SCHEMA = "breastrig/result@1"
+RESULT_BYTES = 4_000_000  # a result.json has some ten thousand
+FIT_FILES = (
+    "scan.ply",
+    "fitted.ply",
+    "fitted.glb",
+    "drawing.json",
+    "distances.bin",
+    UNCERTAINTY,
+    "fit.log.jsonl",
+    RESULT,  # the last one: where it stands, the others are there
+)
+
+Unit = Literal["m", "dm", "cm", "mm", "in", "ft"]
+VerdictLevel = Literal["good", "uncalibrated", "check", "unusable"]
+Three = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
+Four = Annotated[list[FiniteFloat], Field(min_length=4, max_length=4)]
+Code = Annotated[str, Field(max_length=CODE_CHARACTERS)]
+
+
+class Document(BaseModel):
+    """A part of it; may hold more than is named here."""
+
+    model_config = ConfigDict(extra="allow", frozen=True, defer_build=True, serialize_by_alias=True)
+
+
+class Distances(Document):
+    mean: FiniteFloat | None
+    std: FiniteFloat | None
+    max: FiniteFloat | None
+    p95: FiniteFloat | None
+
+
+class SurfaceDistances(Distances):
+    coverage: FiniteFloat = Field(description="share of the model's vertices with an accepted pair")
+
+
+class LandmarkDistances(Document):
+    mean: FiniteFloat | None
+    std: FiniteFloat | None
+    max: FiniteFloat | None
+    min: FiniteFloat | None
+    each: dict[str, FiniteFloat]
+
+
+class ResultScan(Document):
+    vertices: int
+    triangles: int = Field(description="of the file, with what was cut away")
+    unit: Unit
+    unit_reason: str = ""
+    sha256: str
+    table_triangles: int = Field(default=0, description="of these, cut away as table")
+    cut_by_hand_triangles: int | None = Field(
+        default=None, description="of these, cut away by a person; absent without any", exclude_if=not_
+    )
+    reconstructed_from_points: bool = Field(
+        default=False, description="the file held points without triangles; absent for others", exclude_if=not_
+    )
+    cut_away_cm2: int = Field(default=0, description="floors and walls; absent without any", exclude_if=not_)
+
+
+class ModelSummary(Document):
+    name: str
+    sha256: str
+    vertices: int
+    bones: int
+    blendshapes: int
+
+
+class ResultBone(Document):
+    name: str
+    rotation_xyzw: Four
+    translation_m: Three
+    scale: Three
+
+
+class ResultParameters(Document):
+    bones: list[ResultBone]
+    blendshapes: dict[str, FiniteFloat]
+
+
+class Verdict(Document):
+    level: VerdictLevel
+    reasons: tuple[str, ...] = Field(description="one sentence each, the strongest first; none when it is good")
+
+
+class DoubtedPick(BaseModel):
+    """Picked landmarks that are asked about: not followed, or unusual."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    names: list[str] = Field(description="which ones")
+    reason: str = Field(description="one sentence")
+
+
+class ModelAlone(Document):
+    """The distances without the free-form layer: those of the rig as its bones and shapes have it."""
+
+    surface_distance_mm: SurfaceDistances
+    scan_to_model_mm: Distances
+    landmark_distance_mm: LandmarkDistances
+
+
+class MedianPlane(Document):
+    """Points p with normal · p = offset, in the scan's unit and frame."""
+
+    normal: Three = Field(description="unit vector to the patient's left")
+    offset: FiniteFloat
+
+
+class ResultAreola(Document):
+    """An areola in the scan's colours."""
+
+    diameter_mm: FiniteFloat = Field(gt=0.0, lt=300.0, description="of the circle of its area, along the skin")
+    within_mm: FiniteFloat = Field(ge=0.0, lt=300.0, description="half the band that holds the true one with 90 %")
+    rim: list[Three] = Field(min_length=3, max_length=1000, description="its border, closed")
+
+
+class ResultPatient(Document):
+    code: Code = ""
+    given: bool = Field(default=False, description="by a person; otherwise it is random")
+    scanned: date | None = Field(default=None, exclude_if=not_)
+
+
+class ResultFile(Document):
+    """result.json; also the `result` of a done event."""
+
+    schema_: Literal["breastrig/result@1"] = Field(alias="schema")
+    notice: str = ""
+    scan: ResultScan
+    model: ModelSummary
+    stance: Stance
+    stance_reason: str
+    preset: str
+    refined: bool = Field(description="whether surface, drawing and distances are those of the free-form layer")
+    converged: bool
+    stop_reason: str
+    verdict: Verdict | None = Field(None, description="whether to trust the fit; null in results of versions before")
+    iterations: int
+    timing_s: dict[str, FiniteFloat]
+    surface_distance_mm: SurfaceDistances
+    scan_to_model_mm: Distances
+    landmark_distance_mm: LandmarkDistances
+    model_alone: ModelAlone | None = Field(
+        None,
+        exclude_if=not_,
+        description="without the free-form layer; absent where they are the only ones",
+    )
+    landmarks_not_followed: list[DoubtedPick] = Field([], description="picks that cannot be right, by name")
+    landmarks_unusual: list[DoubtedPick] = Field([], description="picks that were followed and should be looked at")
+    not_calibrated: str | None = Field(
+        None,
+        exclude_if=not_,
+        description="why there are no radii, and uncertainty.bin is all nan; null where they are known",
+    )
+    median_plane: MedianPlane | None = Field(None, description="of the fitted body; null in results of versions before")
+    landmark_uncertainty_mm: dict[str, FiniteFloat] = Field(
+        {},
+        description="radius that holds the landmark's true place with 90 %, by name; of a fit of this version",
+    )
+    line_error_mm: FiniteFloat | None = Field(
+        None,
+        description="radius that holds nine of ten places of lines on the breasts; null where it is not known",
+    )
+    landmarks_agreed: list[str] = Field([], description="names of those that were proposed and only agreed to")
+    landmarks: dict[str, Three] = Field(
+        description="of the fitted model, or where the scan's colours show them (landmarks_seen), in the scan's frame "
+        "and unit"
+    )
+    landmarks_seen: dict[str, str] = Field(
+        {},
+        exclude_if=not_,
+        description="what shows each landmark that the scan's colours place, by name; none where any was picked",
+    )
+    landmarks_picked: dict[str, Three] = Field(description="as given, in the scan's frame and unit")
+    areolae: dict[str, ResultAreola | None] = Field(
+        {}, exclude_if=not_, description="by side, null where none is seen; absent for a scan without texture"
+    )
+    parameters: ResultParameters
+    drawing_missing: list[str] = Field(
+        [],
+        exclude_if=not_,
+        description="why a pattern that was asked for is not in the drawing, a sentence or two for each",
+    )
+    notes: list[str]
+    versions: dict[str, str]
+    patient: ResultPatient | None = Field(
+        default=None, exclude_if=not_, description="whose scan it is; absent in the service"
+    )
+
+    @property
+    def distances(self) -> "ResultFile | ModelAlone":
+        """Those of the model alone where they are known."""
+        return self if self.model_alone is None else self.model_alone
+
+    def document(self) -> dict[str, Any]:
+        """As JSON has it."""
+        return self.model_dump(mode="json")
+
+    def content(self) -> bytes:
+        """Of the file."""
+        return json_bytes(self.document())
+
+
+def fit_set(folder: Path) -> OutputSet:
+    """The files of a fit, in a folder of an output's."""
+    return OutputSet(folder, FIT_FILES, RESULT, RESULT_SCHEMA)
+
+
+def parsed_result(text: bytes, shown: str) -> ResultFile:
+    """BadInput for what is damaged; `shown` names the folder."""
+    try:
+        return ResultFile.model_validate_json(text)
+    except ValidationError as error:
+        where = ".".join(map(str, error.errors(include_url=False, include_input=False)[0]["loc"]))
+        raise damaged(shown, where or "it is no result of a fit") from error
+
+
+def damaged(shown: str, where: str) -> BadInput:
+    return BadInput(f"{shown}/{RESULT} is damaged or of another version ({where}); fit the scan again.")
+
+
+def result_text(folder: Path) -> bytes:
+    """The bytes of the folder's result.json, none when it is far too large to be one; BadInput when it has none."""
+    try:
+        text = read_ordinary(folder / RESULT, RESULT_BYTES)
+    except OSError as error:
+        raise BadInput(f"There is no fit in {folder.name[:100]}; give a folder that `breastrig fit` wrote.") from error
+    return text if len(text) <= RESULT_BYTES else b""
+
+
+def read_result(folder: Path) -> ResultFile:
+    """What the fit in a folder says of itself; BadInput where there is none."""
+    return parsed_result(result_text(folder), folder_name(folder))
+
+
+def folder_name(folder: Path) -> str:
+    """As a message names a folder: no place outside of it."""
+    return folder.resolve().name[:100]
+
+
+def write_patient(folders: Sequence[Path], code: str, scanned: Sequence[date | None]) -> str:
+    """Writes the code, or a random one for all of them, into each folder's result.json; the code."""
+    given = " ".join(code.split())[:CODE_CHARACTERS]
+    chosen = given or random_code()
+    for folder, day in zip(folders, scanned, strict=True):
+        patient = ResultPatient(code=chosen, given=bool(given), scanned=day)
+        write_private(folder / RESULT, read_result(folder).model_copy(update={"patient": patient}).content())
+    return chosen

@@ -1,0 +1,40 @@
+"""result.json of a fit that found nothing, for tests that need one without a fit."""
+
+from typing import Any
+
+from breastrig.files.result import ResultFile
+
+NOTHING = {"mean": None, "std": None, "max": None, "p95": None}
+TO_LANDMARKS = {"mean": None, "std": None, "max": None, "min": None, "each": {}}
+
+
+def result_document(**changes: Any) -> dict[str, Any]:
+    """The document with these entries; of the scan, the model and the verdict what is named of them."""
+    plain: dict[str, Any] = {
+        "schema": "breastrig/result@1",
+        "scan": {"vertices": 204, "triangles": 384, "unit": "mm", "sha256": "ab" * 32},
+        "model": {"name": "toy", "sha256": "cd" * 32, "vertices": 204, "bones": 4, "blendshapes": 4},
+        "stance": "standing",
+        "stance_reason": "A test said so.",
+        "preset": "default",
+        "refined": False,
+        "converged": False,
+        "stop_reason": "Stalled.",
+        "iterations": 3,
+        "timing_s": {"solve": 0.5, "total": 1.0},
+        "surface_distance_mm": NOTHING | {"coverage": 0.0},
+        "scan_to_model_mm": NOTHING,
+        "landmark_distance_mm": TO_LANDMARKS,
+        "landmarks": {},
+        "landmarks_picked": {},
+        "parameters": {"bones": [], "blendshapes": {}},
+        "notes": [],
+        "versions": {"breastrig": "0"},
+    }
+    nested = {name: plain[name] | value for name, value in changes.items() if name in ("scan", "model")}
+    return plain | changes | nested
+
+
+def result_file(**changes: Any) -> ResultFile:
+    """The same as the package has it."""
+    return ResultFile.model_validate(result_document(**changes))
