@@ -26,8 +26,8 @@ from breastrig import __version__
 from breastrig.batch.manifest import INPUTS, INPUTS_SCHEMA, BatchRow
 from breastrig.batch.table import MEASURES, Outcome, numbers_of
 from breastrig.batch.task import FitOfBytes, Runner, fit_of_bytes, measured_fit
-from breastrig.core.errors import BadInput, BadSettings, BreastRigError
 from breastrig.core.documents import json_bytes
+from breastrig.core.errors import BadInput, BadSettings, BreastRigError
 from breastrig.core.output_files import Output, OutputSet, check_output
 from breastrig.core.private_files import private_folder, read_ordinary, write_private
 from breastrig.execution.executor import Executor

@@ -12,9 +12,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
+from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput
 from breastrig.core.identity import CODE_CHARACTERS, random_code
-from breastrig.core.documents import json_bytes
 from breastrig.core.output_files import OutputSet
 from breastrig.core.private_files import read_ordinary, write_private
 from breastrig.core.stances import Stance

@@ -9,8 +9,8 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from breastrig.core.arrays import Array, Booleans, frozen
-from breastrig.core.errors import BadDrawing
 from breastrig.core.documents import json_bytes
+from breastrig.core.errors import BadDrawing
 from breastrig.core.output_files import all_or_nothing, single_file
 from breastrig.core.private_files import write_private
 

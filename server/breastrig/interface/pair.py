@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from breastrig.core.errors import BadInput
 from breastrig.core.documents import json_bytes
+from breastrig.core.errors import BadInput
 from breastrig.core.output_files import Output, OutputSet, all_or_nothing
 from breastrig.core.private_files import read_ordinary
 from breastrig.files.result import RESULT, fit_set

@@ -6,9 +6,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadDrawing, BadInput
 from breastrig.core.identity import Identity
-from breastrig.core.documents import json_bytes
 from breastrig.core.private_files import private_folder, read_ordinary, write_private
 from breastrig.drawings.drawing_file import FILE_BYTES, lines_on_scan, planned_on_scan
 from breastrig.drawings.plan_schema import PLAN_SCHEMA, checked_plan

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.documents import json_bytes
+from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.files.result import RESULT, ResultFile
 from breastrig.fitting.picks.checked_fit import agreeing_picks

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from breastrig.core.arrays import Array, Booleans
-from breastrig.core.errors import BadInput, BreastRigError
 from breastrig.core.documents import json_bytes
+from breastrig.core.errors import BadInput, BreastRigError
 from breastrig.core.private_files import read_ordinary, write_private
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.drawing_file import FILE_BYTES, planned_on_scan

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from breastrig.core.documents import csv_table
+from breastrig.core.documents import csv_table, json_bytes
 from breastrig.core.errors import BadDrawing, BadInput
-from breastrig.core.documents import json_bytes
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.private_files import private_folder, write_private
 from breastrig.core.units import distance_text
