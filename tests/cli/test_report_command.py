@@ -201,7 +201,7 @@ def test_the_plan_is_shown_with_its_numbers(fits: dict[str, Path], tmp_path: Pat
     texts = [" ".join(page.extract_text().split()) for page in pypdf.PdfReader(pdf_of(out)).pages]
     for words in (
         "Reduction (Wise pattern), left breast New areola 44 mm Angle between the limbs 60°",
-        "As drawn left keyhole and limbs of ",
+        "As drawn left keyhole and short limbs of ",
         "Tumour, right breast Hour 10:30 From the nipple 45 mm Radius 12 mm Below the skin not known",
         "Note Keep the scar of 2019.",
     ):

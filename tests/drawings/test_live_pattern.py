@@ -25,7 +25,7 @@ from breastrig.workflow.folder.fit_folder import fit_folder_of
 
 TUMOUR: Parameters = {"side": "L", "clock": 10.0, "distance_mm": 45.0, "radius_mm": 12.0}
 PATTERNS: dict[str, Parameters] = {
-    "reduction": {"limb_mm": 27.5},
+    "reduction": {"limb_mm": 30.0, "areola_mm": 36.0},  # which leaves room to drag on this breast
     "vertical": {},
     "periareolar": {},
     "ellipse": {},
@@ -170,11 +170,11 @@ def test_a_drag_ends_at_the_parameters_limit_and_says_so(live: LiveSkin) -> None
 
 
 def test_a_drag_ends_where_the_pattern_no_longer_fits_and_says_why(live: LiveSkin) -> None:
-    limb = handle(live.drawn("reduction", {"limb_mm": 27.5}), "limb_first_R")
+    limb = handle(live.drawn("reduction", {"limb_mm": 30.0}), "limb_first_R")
     found = live.drawn(
-        "reduction", {"limb_mm": 27.5}, drag=Drag("limb_first_R", tuple(limb.at + 0.02 * limb.handle.grows))
+        "reduction", {"limb_mm": 30.0}, drag=Drag("limb_first_R", tuple(limb.at + 0.02 * limb.handle.grows))
     )
-    assert 27.5 < float(found.parameters["limb_mm"]) < 40.0
+    assert 30.0 < float(found.parameters["limb_mm"]) < 40.0
     assert "reach the fold" in found.limit
     assert found.lines
 

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.clock import FittedSkin, angle_of, on_clock
+from breastrig.drawings.constructions.reduction import Reduction, ends
 from breastrig.drawings.constructions.tumour import Tumour
 from breastrig.drawings.patterns import asked_drawing, known_drawings, offered_patterns, pattern_help, tumour_text
 from breastrig.geometry import geodesic
@@ -280,7 +281,41 @@ def test_limbs_that_reach_the_fold_are_refused_when_asked_for_and_shortened_when
     with pytest.raises(BadDrawing, match="limbs of 75 mm reach the fold of the left breast; choose shorter limbs"):
         drawn(torso, torso.template, "reduction:limb_mm=75")
     shortened = drawn(torso, torso.template, "reduction")["wise_L"]
-    assert shortened.label == "left keyhole and limbs of 37.5 mm"  # and the drawing says how long they became
+    assert shortened.label == "left keyhole and short limbs of 37.5 mm"  # and the drawing says how long they became
+
+
+SIZES = {  # what differs from the mean body, and whether a Wise pattern fits on it
+    "small": ({"volume_large": -1.2}, False),
+    "flat": ({"volume_small": 2.0}, False),
+    "small and hanging": ({"volume_large": -1.0, "ptosis": 1.2}, False),
+    "mean": ({}, True),
+    "large": ({"volume_large": 1.0}, True),
+    "hanging": ({"volume_large": 1.5, "ptosis": 1.5, "nipple_vertical": -1.2}, True),
+}
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("side", ["L", "R"])
+def test_a_wise_pattern_looks_like_one_or_says_that_the_breast_is_too_small(torso: Rig, size: str, side: str) -> None:
+    shapes, fits = SIZES[size]
+    weights = rest_parameters(torso).weights.copy()
+    for name, weight in shapes.items():
+        weights[[torso.shape_names.index(f"{name}_{each}") for each in "LR"]] = weight
+    skin = FittedSkin(torso, shaped(torso, weights))
+    pattern = Reduction(side=side)
+    if not fits:
+        word = {"L": "left", "R": "right"}[side]
+        with pytest.raises(BadDrawing, match=f"^The {word} breast is too small for a Wise pattern: .*vertical"):
+            pattern.constructed(skin)
+        return
+    breast = pattern.constructed(skin)[side]
+    radius = skin.geodesics.distance(breast.new, one(breast.arc, 0))  # of the keyhole
+    limbs = [length(limb) for limb in breast.limbs]
+    assert min(limbs) > radius
+    assert min(limbs) > 0.03 - 1e-4
+    first, last = skin.at(breast.lower)
+    assert np.linalg.norm(first - last) > np.linalg.norm(np.diff(skin.at(ends(breast.arc)), axis=0))  # they diverge
+    assert min(map(length, breast.outer)) > radius  # and the horizontal limbs are no stubs
 
 
 def test_another_rig_without_the_needed_marks_says_which(toy_rig: Rig) -> None:
@@ -296,8 +331,8 @@ def test_a_new_fold_lies_below_her_own_by_a_tapes_length_and_the_limbs_end_on_it
     torso: Rig, side: str, below: float
 ) -> None:
     skin = FittedSkin(torso, torso.template)
-    own = drawn(torso, torso.template, f"reduction:side={side},limb_mm=27.5")
-    new = drawn(torso, torso.template, f"reduction:side={side},limb_mm=27.5,fold_below_mm={below}")
+    own = drawn(torso, torso.template, f"reduction:side={side},limb_mm=30")
+    new = drawn(torso, torso.template, f"reduction:side={side},limb_mm=30,fold_below_mm={below}")
     before, after = (shapes[f"wise_fold_{side}"].points for shapes in (own, new))
     assert len(before) == len(after)
     tapes = [1e3 * skin.geodesics.distance(one(before, k), one(after, k)) for k in range(0, len(before), 5)]

@@ -33,7 +33,9 @@ CUT, FOLD = "#2c5282", "#b83280"
 MARK = 0.003  # m, radius of the small circle that marks the new nipple
 ARC_STEPS = 24  # of the keyhole
 ARC_ROUNDS = 3  # of adjusting its radius; each leaves about a tenth of the difference
-LIMBS = (50.0, 47.5, 45.0, 42.5, 40.0, 37.5, 35.0, 32.5, 30.0, 27.5, 25.0)  # mm, tried when no length is asked for
+LIMBS = (50.0, 47.5, 45.0, 42.5, 40.0, 37.5, 35.0, 32.5, 30.0)  # mm, tried when no length is asked for
+LEAST_LIMB = LIMBS[-1]  # mm: about the keyhole's radius (28 for an areola of 42); below it no inverted T is left
+SHORT_LIMB = 40.0  # mm: shorter ones are called short; 45 to 60 is usual, 50 to 80 in large breasts
 FOLD_GAP = 0.005  # m that must stay between a limb and the fold, so that the horizontal limbs have a wedge to close
 FOLD_STEP = 0.001  # m between the points that are compared
 WIDEST = 2.0  # of the areola's radius: as far as a keyhole's rim is from its centre, on all but the roundest breast
@@ -59,7 +61,7 @@ class Reduction(WrittenNumbers):
     limb_mm: float | None = Field(
         None,
         title="Vertical limbs",
-        ge=25.0,
+        ge=LEAST_LIMB,
         le=80.0,
         description="vertical limbs; 45 to 60 is usual; if not said 50, less over a near fold",
     )
@@ -82,7 +84,8 @@ class Reduction(WrittenNumbers):
         shapes: list[DrawnShape] = []
         for side, breast in self.constructed(skin).items():
             word = SIDES[side]
-            label = f"{word} keyhole and limbs of {1e3 * length(breast.limbs[0]):.1f} mm"
+            limb = 1e3 * length(breast.limbs[0])
+            label = f"{word} keyhole and {'short ' if limb < SHORT_LIMB else ''}limbs of {limb:.1f} mm"
             rim = 0.5e-3 * self.areola_mm
             kept, mark = circle_around(skin, breast.nipple, rim), circle_around(skin, breast.new, MARK)
             shapes += [
@@ -177,6 +180,12 @@ class Reduction(WrittenNumbers):
                 lower = ends_clear(lengths[middle])
                 too_long, clear, found = (middle, clear, found) if lower is None else (too_long, middle, lower)
             return found
+        if self.limb_mm is None:
+            raise BadDrawing(
+                f"The {SIDES[side]} breast is too small for a Wise pattern: there is no room for limbs of "
+                f"{LEAST_LIMB:g} mm between areola and fold (45 to 60 is usual); choose the vertical pattern, "
+                "a smaller areola (areola_mm) or a lower fold (fold_below_mm)."
+            )
         raise BadDrawing(
             f"The limbs of {lengths[-1]:g} mm reach the fold of the {SIDES[side]} breast; choose shorter limbs "
             "(limb_mm), a narrower angle (limb_angle_deg) or a smaller areola (areola_mm)."
