@@ -113,7 +113,20 @@ test("the new nipple is dragged: line and number follow, the plan keeps them, un
 
 test("while the service draws, only the newest place waits; Escape puts everything back; a tumour's centre follows the finger", async ({ page, base, troubles }) => {
   await fitted(page, base);
-  await page.locator(".pattern summary").click();
+  await test.step("the chosen pattern and all its numbers are seen at once on a laptop; it is one row of the plan", async () => {
+    await page.locator(".pattern summary").click();
+    for (const viewport of [{ width: 1440, height: 900 }, { width: 1280, height: 720 }]) {
+      await page.setViewportSize(viewport);
+      await page.locator(".pattern select").first().selectOption("");
+      await page.locator(".pattern select").first().selectOption("reduction");
+      const fields = page.locator(".pattern .parameters [data-parameter]");
+      await expect(fields).toHaveCount(8);
+      await expect(page.locator(".plan-summary dt")).toHaveText(["Reduction (Wise pattern)"]);
+      await expect(page.locator("[data-layer=reference] > li")).toHaveCount(1);
+      await expect(page.locator(".pattern select").first()).toBeInViewport({ ratio: 1 });
+      for (const field of await fields.all()) await expect(field).toBeInViewport({ ratio: 1 });
+    }
+  });
   await page.locator(".pattern select").first().selectOption("");
   await page.getByLabel("Tumour by the clock").check();
   const name = "tumour/centre_L";

@@ -53,6 +53,10 @@ function itemsOf(shapes: readonly Shape[], asLine: (shape: Shape) => Line, label
   return [...items.values()];
 }
 
+/** What a pattern or tumour is called that was asked for by this drawing. */
+export const plannedLabel = (kind: string, drawing: string, labels: ReadonlyMap<string, string>): string =>
+  kind === "tumour" ? (labels.get(kind) ?? words.tumourItem) : requestLabel(drawing.split("+tumour:")[0]!, labels) || words.patternItem;
+
 export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
   const own = el("ul", { class: "layers", "data-layer": "own" });
   const none = el("p", { class: "muted small" }, words.none);
@@ -153,12 +157,11 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
       const shapes = patterns?.shapes ?? known?.shapes ?? [];
       const labels = drawingLabels(state);
       const label = requestLabel(state.drawn.onScan ? state.drawing : (fit?.drawingName ?? ""), labels);
-      const planned = (kind: string, drawing: string): string => (kind === "tumour" ? (labels.get(kind) ?? words.tumourItem) : requestLabel(drawing.split("+tumour:")[0]!, labels) || words.patternItem);
       const asRow = (shape: { name: string; label?: string; color?: string; kind?: string }): Line => ({ name: shape.name, label: shape.kind === "line" ? (labelOf(shape.name, shape.label) ?? shape.name) : nameOf(shape.name, shape.label), color: ownColour(shape.color) });
-      reference.set(fit && label !== "" ? words.reference(label) : "", itemsOf(shapes, asRow, (kind) => planned(kind, state.drawn.onScan ? state.drawing : (fit?.drawingName ?? ""))), hidden);
+      reference.set(fit && label !== "" ? words.reference(label) : "", itemsOf(shapes, asRow, (kind) => plannedLabel(kind, state.drawn.onScan ? state.drawing : (fit?.drawingName ?? ""), labels)), hidden);
       const from = state.drawn.onScan;
       const brought = from?.carried.shapes ?? [];
-      carried.set(brought.length > 0 ? words.carried(from!.from) : "", itemsOf(brought, asRow, (kind) => planned(kind, "")), hidden);
+      carried.set(brought.length > 0 ? words.carried(from!.from) : "", itemsOf(brought, asRow, (kind) => plannedLabel(kind, "", labels)), hidden);
       show(ofBands, [...(patterns?.shapes ?? []), ...brought].some((shape) => shape.error_mm?.some((mm) => mm !== null)));
       bands.checked = !hidden.has(BANDS);
       const hasBridge = [...(patterns?.shapes ?? []), ...brought, ...lines.present].some((shape) => shape.bridged?.includes(true));

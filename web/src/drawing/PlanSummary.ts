@@ -1,16 +1,19 @@
 // While she draws: what is planned on this scan, and how far off each part of it may be.
+import { drawingLabels } from "../fit/requestedDrawing";
 import type { FitSlice } from "../fit/state";
 import { marginOf } from "../fit/verdict";
 import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
 import { el, fill, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
+import { plannedLabel } from "./DrawingLayers";
 import { type DrawingSlice, type Laid, laidPatterns } from "./state";
 import * as text from "./text";
 
 const words = text.summary;
 
-type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "step" | "fit" | "drawn">;
-type Shape = Pick<Laid["shapes"][number], "name" | "error_mm"> & { readonly label?: string };
+type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "step" | "fit" | "drawing" | "drawn">;
+type Shape = Pick<Laid["shapes"][number], "name" | "error_mm"> & { readonly label?: string; readonly kind?: string };
 
 /** mm: the radius that holds nine of ten places of all of it; null where it is not known. */
 export function marginOfAll(shapes: readonly Pick<Shape, "error_mm">[]): number | null {
@@ -24,21 +27,24 @@ export function createPlanSummary(): Panel<Shown> {
   const element = el("section", { class: "plan-summary block", "aria-label": words.title, title: words.hint, hidden: true }, el("h3", {}, words.title), list, none);
 
   /** Lines of one item are in one row. */
-  function rows({ drawn, fit }: Shown): readonly [name: string, value: string][] {
+  function rows(state: Shown): readonly [name: string, value: string][] {
+    const { drawn, fit } = state;
+    const labels = drawingLabels(state);
     const own = drawn.lines.present.map(({ name }): [string, string] => [name, words.own]);
-    const laid = (shapes: readonly Shape[], where: string): [string, string][] => {
-      const names = [...new Set(shapes.map(itemOf))];
-      return names.map((name) => {
+    const laid = (shapes: readonly Shape[], drawing: string, where: string): [string, string][] => {
+      const itemOf = (shape: Shape): string => (["pattern", "tumour"].includes(shape.kind ?? "pattern") ? plannedLabel(shape.kind ?? "pattern", drawing, labels) : lineName(shape));
+      return [...new Set(shapes.map(itemOf))].map((name) => {
         const mm = marginOfAll(shapes.filter((shape) => itemOf(shape) === name));
         return [name, [mm === null ? "" : marginOf(mm), where].filter((part) => part !== "").join(", ")];
       });
     };
-    return [...own, ...laid(laidPatterns({ fit, drawn })?.shapes ?? [], ""), ...laid(drawn.onScan?.carried.shapes ?? [], words.carried)];
+    const drawing = drawn.onScan ? state.drawing : (fit?.drawingName ?? "");
+    return [...own, ...laid(laidPatterns({ fit, drawn })?.shapes ?? [], drawing, ""), ...laid(drawn.onScan?.carried.shapes ?? [], "", words.carried)];
   }
 
   return {
     element,
-    select: ({ step, fit, drawn }) => ({ step, fit, drawn }),
+    select: only("meta", "step", "fit", "drawing", "drawn"),
     update(state: Shown): void {
       const shown = rows(state);
       show(element, state.step === "drawing" && state.fit !== null);
@@ -48,8 +54,8 @@ export function createPlanSummary(): Panel<Shown> {
   };
 }
 
-/** What is said of a shape: its label, without the side that its name ends with. */
-const itemOf = ({ name, label }: Shape): string => {
+/** Its label, else its name without the side that it ends with. */
+const lineName = ({ name, label }: Shape): string => {
   const spoken = (label ?? "") === "" ? name.replace(/_[LR]$/, "").replaceAll("_", " ") : label!;
   return spoken.charAt(0).toUpperCase() + spoken.slice(1);
 };

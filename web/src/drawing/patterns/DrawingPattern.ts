@@ -33,7 +33,10 @@ export function createDrawingPattern(drawing: Pick<DrawingActions, "choosePatter
   const choose = (change: Partial<DrawingRequest>): void => {
     if (state) drawing.choosePattern(requestText({ ...readRequest(state.drawing), ...change }));
   };
-  const base = select<string>(words.base, (value) => choose({ base: value, values: {} }));
+  const base = select<string>(words.base, (value) => {
+    choose({ base: value, values: {} });
+    if (!parameters.element.hidden) element.scrollIntoView({ block: "start" }); // its numbers come in below it
+  });
   const parameters = createFields("values", (values) => choose({ values }));
   const box = el("input", { type: "checkbox", onchange: () => choose({ tumour: box.checked ? startValues(tumourOf(state)!) : null }) });
   const hasTumour = el("label", { class: "check" }, box, el("span", {}, words.tumour));
