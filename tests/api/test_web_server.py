@@ -251,7 +251,7 @@ def test_one_client_cannot_take_all_readers(
     serve: Serve, service: Service, torso: bytes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     readers = service._readers
-    monkeypatch.setattr(service.pool, "_per_client", 1)
+    monkeypatch.setattr(readers, "per_client", 1)
     file = UPLOAD.replace(b"no scan", torso)
     with serve() as served, ExitStack() as stack:
         before = client_key.set("127.0.0.2")

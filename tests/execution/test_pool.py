@@ -26,15 +26,15 @@ GIB = 2**30
 
 @pytest.fixture
 def pool() -> Iterator[Pool]:
-    pool = Pool(kept=2, per_client=3)
+    pool = Pool(kept=2)
     yield pool
     pool.stop()
 
 
 @pytest.fixture
 def lane(pool: Pool) -> Lane:
-    """One place."""
-    return pool.lane(1, 4 * GIB)
+    """One place, and three tasks a client."""
+    return pool.lane(1, 4 * GIB, 3)
 
 
 @contextmanager
@@ -184,7 +184,7 @@ def test_a_client_with_one_task_does_not_wait_for_all_of_anothers(lane: Lane, tm
     assert order.read_text().split()[-1] == "busy1"
 
 
-def test_a_client_has_so_many_and_the_program_itself_any_number(lane: Lane, tmp_path: Path) -> None:
+def test_a_client_has_so_many_and_the_program_itself_any_number(pool: Pool, lane: Lane, tmp_path: Path) -> None:
     with asking("busy"):
         running, _ = at_rest(lane, tmp_path / "running")
         tasks = [lane.schedule(in_worker.rest, (0.0,), 30.0) for _ in range(2)]
@@ -192,6 +192,8 @@ def test_a_client_has_so_many_and_the_program_itself_any_number(lane: Lane, tmp_
             lane.schedule(in_worker.rest, (0.0,), 30.0)
         assert refused.value.retry_after_s == 2
         assert lane.answer(1.0)  # which is nobody's task
+        other = pool.lane(1, 4 * GIB)  # where nobody is counted, as in that of the queue of fits
+        tasks += [other.schedule(in_worker.rest, (0.0,), 30.0) for _ in range(4)]
     with asking(None):
         tasks += [lane.schedule(in_worker.rest, (0.0,), 30.0) for _ in range(5)]
     running.cancel()
@@ -202,8 +204,8 @@ def test_a_client_has_so_many_and_the_program_itself_any_number(lane: Lane, tmp_
 
 def test_no_client_holds_all_places_while_another_waits(tmp_path: Path) -> None:
     """Two lanes of two places, a client whose four tasks of each kind take for ever, and two others who come later."""
-    pool = Pool(per_client=9)
-    lanes = [pool.lane(2, 4 * GIB) for _ in range(2)]
+    pool = Pool()
+    lanes = [pool.lane(2, 4 * GIB, 9) for _ in range(2)]
     files = [tmp_path / str(number) for number in range(8)]
     try:
         with asking("slow"):

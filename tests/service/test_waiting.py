@@ -1,10 +1,14 @@
 """A place in the queue that is told, and a share of the queue that nobody exceeds."""
 
+from dataclasses import replace
+
 import pytest
 from helpers import fake_fit
 from helpers.waiting import ended, until
 
 from breastrig.core.errors import TooMany
+from breastrig.execution.limits import UploadLimits
+from breastrig.execution.pool import client_key
 from breastrig.service.events.feeds import Queued
 from breastrig.service.service import Service
 from breastrig.storage.rows.events import StoredEvent
@@ -65,6 +69,17 @@ def test_nobody_has_more_fits_waiting_than_a_share(serving, scan_id: str) -> Non
         ask(service, scan_id, "a")
         with pytest.raises(TooMany):
             ask(service, scan_id, "a")
+
+
+def test_a_fit_is_no_task_of_the_client_whose_request_starts_it(serving, scan_id: str) -> None:
+    uploads = replace(UploadLimits(), waiting_per_client=0)
+    with serving(fake_fit.quick, uploads=uploads) as service:
+        before = client_key.set("a")
+        try:
+            fits = [ask(service, scan_id, "a") for _ in range(3)]
+        finally:
+            client_key.reset(before)
+        assert [ended(service, fit).state for fit in fits] == ["done"] * 3
 
 
 def test_a_refused_fit_leaves_no_folder_and_takes_no_place(serving, scan_id: str) -> None:

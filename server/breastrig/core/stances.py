@@ -1,4 +1,4 @@
-"""How a patient may be scanned."""
+"""How a patient may be scanned, and the sides of the body, which are the patient's own."""
 
 from typing import Literal, get_args
 
@@ -7,3 +7,10 @@ Stance = Literal["standing", "supine", "prone"]  # prone: of a breast MRI, on th
 AUTO = "auto"  # it is to be found
 STANDING = "standing"
 STANCES = (AUTO, *get_args(Stance))
+
+SIDES = {"L": "left", "R": "right"}
+
+
+def sides_of(asked: str) -> tuple[str, ...]:
+    """L, R or both of them."""
+    return tuple(SIDES) if asked == "both" else (asked,)

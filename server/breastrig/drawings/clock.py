@@ -23,7 +23,6 @@ from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
 
 ROUND = 48  # points of a drawn circle: its chords are off by 0.2 % of the radius
-SIDES = {"L": "left", "R": "right"}
 KEPT_CONSTRUCTIONS = 4  # the pattern that a drag began with, and the last ones that it became
 SAME = 1e-12  # m: radii that differ by less are one circle, of which each costs some milliseconds
 NO_DIRECTION = 1e-4  # m from the centre, under which a place has no hour

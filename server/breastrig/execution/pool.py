@@ -44,8 +44,8 @@ class _Call(Task):
 class Lane:
     """An Executor: places for tasks of one kind."""
 
-    def __init__(self, pool: "Pool", workers: int, memory_bytes: int) -> None:
-        self.pool, self.workers, self.memory_bytes = pool, workers, memory_bytes
+    def __init__(self, pool: "Pool", workers: int, memory_bytes: int, per_client: int | None) -> None:
+        self.pool, self.workers, self.memory_bytes, self.per_client = pool, workers, memory_bytes, per_client
         self.waiting: list[_Call] = []
         self.running: Counter[str] = Counter()  # by client
         self.turns: dict[str, int] = {}  # when each client was last served, while others wait
@@ -55,7 +55,7 @@ class Lane:
     ) -> "Future[Any]":
         """As Executor says; `timeout` counts from the start of the task.
 
-        Raises TooMany when the client that asks has as many tasks in the pool as one may have.
+        Raises TooMany when the client that asks has as many tasks in this lane as one may have.
         """
         return self._scheduled(client_key.get(), function, args, timeout, key)
 
@@ -66,7 +66,7 @@ class Lane:
         return self.schedule(function, args, timeout, key).result()
 
     def warm_up(self) -> None:
-        self.result(_nothing, (), 60.0)
+        self._scheduled(None, _nothing, (), 60.0).result()
 
     def answer(self, wait_s: float) -> bool:
         """Taken for granted while all are at work."""
@@ -98,9 +98,9 @@ class Lane:
 class Pool:
     """May be used from any thread."""
 
-    def __init__(self, kept: int = 0, per_client: int | None = None, large_bytes: int = LARGE_BYTES) -> None:
-        """`kept` processes rest at most; `per_client` counts the tasks that a client has under way or waiting."""
-        self._most_kept, self._per_client, self._large_bytes = kept, per_client, large_bytes
+    def __init__(self, kept: int = 0, large_bytes: int = LARGE_BYTES) -> None:
+        """`kept` processes rest at most."""
+        self._most_kept, self._large_bytes = kept, large_bytes
         self._lock = threading.RLock()
         self._lanes: list[Lane] = []
         self._running: set[_Call] = set()
@@ -108,9 +108,9 @@ class Pool:
         self._turn = count()
         self.is_stopped = False
 
-    def lane(self, workers: int, memory_bytes: int) -> Lane:
-        """`memory_bytes` is of address space, for each task."""
-        self._lanes.append(Lane(self, workers, memory_bytes))
+    def lane(self, workers: int, memory_bytes: int, per_client: int | None = None) -> Lane:
+        """`memory_bytes` is of address space, for each task; a client may have `per_client` tasks at once."""
+        self._lanes.append(Lane(self, workers, memory_bytes, per_client))
         return self._lanes[-1]
 
     @property
@@ -141,8 +141,9 @@ class Pool:
         with self._lock:
             if self.is_stopped:
                 raise RuntimeError(STOPPED)
-            most = self._per_client if counts else None
-            if most is not None and sum(each.client == task.client for each in self._tasks()) >= most:
+            most = task.lane.per_client if counts else None
+            own = sum((each.lane, each.client) == (task.lane, task.client) for each in self._tasks())
+            if most is not None and own >= most:
                 raise TooMany(
                     f"{most} of your tasks on scans and reports are being worked on, as many as one client may have; "
                     f"ask again in {RETRY_S} s.",

@@ -20,6 +20,7 @@ from functools import partial
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.core.stances import SIDES
 from breastrig.geometry.geodesic import Geodesics, length
 from breastrig.geometry.polyline import resampled
 from breastrig.geometry.surface_points import SurfacePoints, joined
@@ -34,7 +35,6 @@ from breastrig.report.volume import METHOD as VOLUME_METHOD
 from breastrig.report.volume import breast_outline, breast_volume
 from breastrig.rig.model import DrawnShape, Length
 
-SIDES = ("L", "R")
 STRAIGHT, ALONG_SKIN = "straight", "along the skin"
 SPACING = 0.002  # m between points of a line to which a distance is taken
 NAMES = {"L": "left", "R": "right"}

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.core.stances import SIDES
 from breastrig.report.bands import half_width
 from breastrig.report.body_frame import BodyFrame
 from breastrig.report.calibration import Heights, measure_calibration
@@ -36,7 +37,6 @@ AT_CONTOUR = 0.010  # m of the nipple above the breast's lowest point: it is at 
 GLANDULAR_DROP = 0.020  # m of the lowest point below the fold; a breast that hangs over its fold by less is usual
 LEAN = 0.05  # rad; nine of ten body axes of warped standing bodies are within it of the true upright
 GLANDULAR = 4.0  # among the grades 0 (none) to 3
-SIDES = {"L": "left", "R": "right"}
 OUTLINE = "model inside its breast base outline"
 
 

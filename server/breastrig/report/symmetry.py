@@ -14,6 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.core.stances import SIDES
 from breastrig.report.bands import OF_RATIO, banded, half_width, ratio_half_width
 from breastrig.report.body_frame import BodyFrame
 from breastrig.report.stance import Place, Stance
@@ -41,7 +42,7 @@ def symmetry(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> It
     yield _row(
         "M3", "nipple to midline", *_ratio(across, at), names, how + "nipple to median plane, across", to_midline
     )
-    members = [vertices_within(stance.rig, side) for side in ("L", "R")]
+    members = [vertices_within(stance.rig, side) for side in SIDES]
     if any(part is None for part in members):
         return
     places = [stance.vertices[part] for part in members]

@@ -91,9 +91,9 @@ class Service:
         self._uploads = uploads or UploadLimits()
         fit_limits = fits or FitLimits()
         preload(TASK_MODULES)
-        self.pool = Pool(KEPT, self._uploads.waiting_per_client)
+        self.pool = Pool(KEPT)
         self._readers, self._others, hands = (
-            self.pool.lane(places, self._uploads.memory_bytes)
+            self.pool.lane(places, self._uploads.memory_bytes, self._uploads.waiting_per_client)
             for places in (self._uploads.workers, self._uploads.workers, HANDS)
         )
         self._workers = executor or self.pool.lane(fit_limits.workers, fit_limits.memory_bytes)

@@ -12,7 +12,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.fitting.observed.areolae import SIDES
+from breastrig.fitting.observed.areolae import NIPPLES
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.propose import Proposal, propose_landmarks
 from breastrig.fitting.recipe import Recipe
@@ -43,9 +43,9 @@ def colour_landmarks(cases: tuple[Case, ...], rig: Rig, recipe: Recipe) -> dict[
         "coloured": _gaps(coloured, true),
         "held": {name: _held(coloured[name], place) for name, place in true.items()},
         "seen": {name: each.reason for name, each in coloured.items() if each.reason not in (None, form[name].reason)},
-        "states": {name: str(states.get(name, NATURAL)) for name in SIDES},
+        "states": {name: str(states.get(name, NATURAL)) for name in NIPPLES},
         "exchanged": exchanged(coloured, true),
-        "areolae": _areolae(case, {name: coloured[name].areola for name in SIDES}),
+        "areolae": _areolae(case, {name: coloured[name].areola for name in NIPPLES}),
         "time_s": round((ended - middle) - (middle - began), 3),
     }
 
@@ -60,7 +60,7 @@ def _held(found: Proposal, true: Array) -> bool | None:
 
 def exchanged(found: Mapping[str, Proposal], true: Mapping[str, Array]) -> bool:
     """Whether a nipple lies nearer to the other side's true place."""
-    left, right = (name for name in SIDES)
+    left, right = (name for name in NIPPLES)
     if left not in true or right not in true:
         return False
     own = [np.linalg.norm(found[name].point - true[name]) for name in (left, right)]
@@ -77,7 +77,7 @@ def _areolae(case: Case, found: Mapping[str, ObservedAreola | None]) -> dict[str
     metres = METRES_PER_UNIT[document["unit"]]
     rims = {shape["name"]: metres * np.array(shape["points"]) for shape in document["shapes"]}
     result: dict[str, dict[str, float | None]] = {}
-    for name, side in SIDES.items():
+    for name, side in NIPPLES.items():
         if f"areola_{side}" not in rims:
             continue
         seen = found.get(name)

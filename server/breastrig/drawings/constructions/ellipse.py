@@ -8,7 +8,8 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from breastrig.drawings.clock import SIDES, FittedSkin, on_clock
+from breastrig.core.stances import SIDES, sides_of
+from breastrig.drawings.clock import FittedSkin, on_clock
 from breastrig.drawings.constructions.written_numbers import WrittenNumbers
 from breastrig.geometry.geodesic import MARGIN
 from breastrig.geometry.surface_points import joined
@@ -36,7 +37,7 @@ class MastectomyEllipse(WrittenNumbers):
 
     def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
         """`mastectomy_L`, `mastectomy_R`; BadDrawing when the skin ends before."""
-        sides = ("L", "R") if self.side == "both" else (self.side,)
+        sides = sides_of(self.side)
         nipples = {side: skin.landmark(f"nipple_{side}") for side in sides}
         reach = 0.5e-3 * max(self.length_mm, self.width_mm)
         skin.geodesics.look_from(joined(list(nipples.values())), MARGIN * reach)

@@ -9,7 +9,8 @@ from typing import Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from breastrig.drawings.clock import SIDES, FittedSkin, circle_around, on_clock
+from breastrig.core.stances import SIDES, sides_of
+from breastrig.drawings.clock import FittedSkin, circle_around, on_clock
 from breastrig.drawings.constructions.written_numbers import WrittenNumbers
 from breastrig.geometry.geodesic import MARGIN
 from breastrig.geometry.surface_points import joined
@@ -41,7 +42,7 @@ class Periareolar(WrittenNumbers):
 
     def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
         """Two rings for each side; BadDrawing when the skin ends before."""
-        sides = ("L", "R") if self.side == "both" else (self.side,)
+        sides = sides_of(self.side)
         nipples = {side: skin.landmark(f"nipple_{side}") for side in sides}
         half = 0.5e-3 * self.outer_mm
         skin.geodesics.look_from(joined(list(nipples.values())), MARGIN * (half + 1e-3 * self.lift_mm))

@@ -21,7 +21,8 @@ from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
-from breastrig.drawings.clock import SIDES, FittedSkin, circle_around, on_clock
+from breastrig.core.stances import SIDES, sides_of
+from breastrig.drawings.clock import FittedSkin, circle_around, on_clock
 from breastrig.drawings.constructions.new_fold import fold_line
 from breastrig.drawings.constructions.written_numbers import WrittenNumbers
 from breastrig.geometry.geodesic import MARGIN, length
@@ -105,7 +106,7 @@ class Reduction(WrittenNumbers):
         return known
 
     def _constructed(self, skin: FittedSkin) -> dict[str, "WiseBreast"]:
-        sides = ("L", "R") if self.side == "both" else (self.side,)
+        sides = sides_of(self.side)
         # both sides in step, so that what is measured from several places is measured at once
         rim = 0.5e-3 * self.areola_mm
         nipples = {side: skin.landmark(f"nipple_{side}") for side in sides}

@@ -6,8 +6,9 @@ import numpy as np
 from pydantic import AfterValidator, Field
 
 from breastrig.core.errors import BadDrawing
+from breastrig.core.stances import SIDES
 from breastrig.core.units import BEYOND, distance_text
-from breastrig.drawings.clock import SIDES, FittedSkin, angle_of, circle_around, on_clock
+from breastrig.drawings.clock import FittedSkin, angle_of, circle_around, on_clock
 from breastrig.drawings.constructions.written_numbers import WrittenNumbers
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import DrawnShape

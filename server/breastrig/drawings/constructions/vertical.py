@@ -12,7 +12,8 @@ from pydantic import Field
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
-from breastrig.drawings.clock import SIDES, FittedSkin, circle_around
+from breastrig.core.stances import SIDES, sides_of
+from breastrig.drawings.clock import FittedSkin, circle_around
 from breastrig.drawings.constructions.reduction import CUT, FOLD, MARK, NIPPLE_OUTWARD, WIDEST, Reduction, ends
 from breastrig.drawings.constructions.written_numbers import WrittenNumbers
 from breastrig.geometry.geodesic import length
@@ -65,7 +66,7 @@ class Vertical(WrittenNumbers):
         return known
 
     def _constructed(self, skin: FittedSkin) -> dict[str, "VerticalBreast"]:
-        sides = ("L", "R") if self.side == "both" else (self.side,)
+        sides = sides_of(self.side)
         wise = Reduction.model_validate(
             self.model_dump(include={"areola_mm", "nipple_above_fold_mm", "nipple_outward_mm"})
         )

@@ -15,7 +15,8 @@ from pydantic import BaseModel
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing, unknown_name
 from breastrig.core.lru_cache import LruCache
-from breastrig.drawings.clock import SIDES, FittedSkin
+from breastrig.core.stances import SIDES
+from breastrig.drawings.clock import FittedSkin
 from breastrig.drawings.constructions.ellipse import MastectomyEllipse
 from breastrig.drawings.constructions.periareolar import Periareolar
 from breastrig.drawings.constructions.reduction import Reduction

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from breastrig.core.stances import sides_of
 from breastrig.drawings.clock import FittedSkin, clock_place, on_clock
 from breastrig.drawings.constructions.ellipse import MastectomyEllipse
 from breastrig.drawings.constructions.periareolar import Periareolar
@@ -15,7 +16,7 @@ ASIDE = np.radians(30.0)  # from the lateral end of the long axis, upwards: wher
 def periareolar_handles(pattern: Periareolar, skin: FittedSkin) -> list[Handle]:
     """Areola, outer ring (laterally and below), lift (above)."""
     found = []
-    for side in _sides(pattern.side):
+    for side in sides_of(pattern.side):
         nipple = skin.landmark(f"nipple_{side}")
         ring = ("outer_mm", side, nipple, pattern.outer_mm)
         found += [
@@ -40,7 +41,7 @@ def _lift(pattern: Periareolar, skin: FittedSkin, side: str, nipple: SurfacePoin
 def ellipse_handles(pattern: MastectomyEllipse, skin: FittedSkin) -> list[Handle]:
     """Both ends of both axes, and a place of the rim by which it is turned; its centre is the nipple."""
     found = []
-    for side in _sides(pattern.side):
+    for side in sides_of(pattern.side):
         nipple, out = skin.landmark(f"nipple_{side}"), (1.0 if side == "L" else -1.0)
         axis = out * (np.pi / 2.0 - np.radians(pattern.axis_deg))
         long, wide = (
@@ -68,7 +69,3 @@ def _axis(pattern: MastectomyEllipse, skin: FittedSkin, side: str, nipple: Surfa
         return {"axis_deg": (over + 90.0) % 180.0 - 90.0}
 
     return Handle(f"axis_{side}", side, {"axis_deg": pattern.axis_deg}, at, towards(at, higher), values_at)
-
-
-def _sides(asked: str) -> tuple[str, ...]:
-    return ("L", "R") if asked == "both" else (asked,)

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Integers
+from breastrig.core.stances import SIDES
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.recipe import Hanging, Recipe, Stage
 from breastrig.geometry.normals import vertex_normals
@@ -20,7 +21,6 @@ from breastrig.rig.similarity import umeyama
 from breastrig.rig.skinning import pose
 
 TOP, BOTTOM, DEPTH = "mid_sternum", "umbilicus", "xiphoid"  # landmarks around the front of the trunk
-SIDES = {"L": "nipple_L", "R": "nipple_R"}
 BESIDE, BEHIND, OVER_NAVEL = 0.05, 0.04, 0.01  # m beyond the nipples to the sides, behind the xiphoid, above the navel
 POINTS = 4000  # of the scan
 DOWN = -0.2  # upward part of a normal: 12 degrees below level
@@ -39,7 +39,7 @@ def opening_of(recipe: Recipe) -> tuple[Stage, ...]:
 def unexplained_overhang(rig: Rig, target: ScanTarget, x: RigParameters) -> dict[str, float]:
     """By side L and R the share of the scan's skin in front of the trunk that faces down and that the model posed by
     `x` does not show; nothing for a rig without the landmarks that say where that is."""
-    wanted = (TOP, BOTTOM, DEPTH, *SIDES.values())
+    wanted = (TOP, BOTTOM, DEPTH, *(f"nipple_{side}" for side in SIDES))
     if not {*wanted} <= {*rig.landmark_names}:
         return {}
     vertices, points = pose(rig, x), rig.landmark_points(wanted)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from breastrig.core.arrays import Array
+from breastrig.core.stances import SIDES
 from breastrig.fitting.observed.landmarks import areola_of, expectations
 from breastrig.report.areolae import ObservedAreola
 from breastrig.rig.model import Rig
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from breastrig.colour.features.observe import Observation
 
 KNOWN = 0.006  # m, root mean square error of a fitted or picked nipple
-SIDES = {"nipple_L": "L", "nipple_R": "R"}
+NIPPLES = {f"nipple_{side}": side for side in SIDES}
 
 
 def observed_areolae(
@@ -30,7 +31,7 @@ def observed_areolae(
 
     `vertices` (V, 3) m is the fitted model; landmarks count as `picked`.  `observed` is what was seen before the fit.
     """
-    sides = {name: side for name, side in SIDES.items() if name in rig.landmark_names}
+    sides = {name: side for name, side in NIPPLES.items() if name in rig.landmark_names}
     if scan.colour_kind != "texture" or not sides:
         return {}
     from breastrig.colour.features.observe import observed_landmarks  # loads image filters

@@ -9,7 +9,8 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
-from breastrig.fitting.body.hanging_start import SIDES, hanging_shapes, hanging_start, opening_of, unexplained_overhang
+from breastrig.core.stances import SIDES
+from breastrig.fitting.body.hanging_start import hanging_shapes, hanging_start, opening_of, unexplained_overhang
 from breastrig.fitting.fit import InitialPoint, OneScan, Problem, iterates
 from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.recipe import Stage

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from breastrig.core.stances import SIDES
 from breastrig.report.distances import Comparison
 from breastrig.rig.body_statistics import body_statistics
 from breastrig.rig.model import Rig
@@ -75,5 +76,5 @@ def fit_signals(rig: Rig, x: RigParameters, compared: Comparison, clearness: flo
 
 def _hanging(rig: Rig, x: RigParameters) -> dict[str, float]:
     """Weight of the shape by side; of a rig without it nothing."""
-    names = {side: f"{HANGING}_{side}" for side in ("L", "R")}
+    names = {side: f"{HANGING}_{side}" for side in SIDES}
     return {side: float(x.weights[rig.shape_names.index(n)]) for side, n in names.items() if n in rig.shape_names}

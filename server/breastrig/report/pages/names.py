@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+from breastrig.core.stances import SIDES
+
 LINES = {  # lines of the patterns, and of the plan, without their side
     "wise": "Wise pattern",
     "wise_fold": "New fold",
@@ -12,13 +14,12 @@ LINES = {  # lines of the patterns, and of the plan, without their side
     "periareolar": "Outer ring",
     "mastectomy": "Mastectomy ellipse",
 }
-SIDES = {"_L": "left", "_R": "right"}
 
 
 def sided(name: str) -> tuple[str, str]:
     """wise_fold_L: (wise_fold, left); xiphoid: (xiphoid, "")."""
     stem, dot, more = name.partition(" ")  # "tumour_L 2", "cut (standing)"
-    side = SIDES.get(stem[-2:], "")
+    side = SIDES.get(stem[-1:], "") if stem[-2:-1] == "_" else ""
     return (stem[:-2] if side else stem) + dot + more, side
 
 

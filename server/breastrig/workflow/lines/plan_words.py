@@ -4,6 +4,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from breastrig.core.stances import SIDES
 from breastrig.drawings.pattern_parameters import Parameter, parameters_of
 from breastrig.drawings.patterns import LABELS, PATTERNS, drawing_with
 from breastrig.drawings.plan_schema import PlanItem, PlanLesion, PlanLine, PlanNote, PlanPattern, PlanTumour, asked_of
@@ -11,7 +12,6 @@ from breastrig.report.document import PlannedItem
 from breastrig.report.pages.names import spoken
 from breastrig.workflow.folder.fit_folder import FitFolder
 
-SIDES = {"L": "left breast", "R": "right breast", "both": "both breasts"}
 UNITS = {"mm": " mm", "deg": "°"}
 PARAMETER = re.compile(r" \([a-z]+(?:_[a-z]+)+\)")  # which a sentence names for programs: (limb_mm)
 
@@ -43,12 +43,12 @@ def _name(item: PlanItem, fit: FitFolder) -> str:
     if isinstance(item, PlanNote):
         return "Note"
     if isinstance(item, PlanTumour):
-        return f"Tumour, {SIDES[item.side]}"
+        return f"Tumour, {SIDES[item.side]} breast"
     fixed = next((drawing.label for drawing in fit.rig.drawings if drawing.name == item.name), None)
     if fixed is not None or item.name not in PATTERNS:
         return fixed or spoken(item.name)
     side = str(item.parameters.get("side", "both"))
-    return f"{LABELS[item.name]}, {SIDES.get(side, side)}"
+    return f"{LABELS[item.name]}, {'both breasts' if side == 'both' else f'{SIDES[side]} breast'}"
 
 
 def _values(item: PlanItem, fit: FitFolder | None) -> tuple[tuple[str, str], ...]:
