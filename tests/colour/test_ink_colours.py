@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from breastrig.colour.ink.markers import MARKERS, markers_of
+from breastrig.colour.ink.find_ink import MARKERS, markers_of
 from breastrig.colour.ink.pieces import Ink, Measured, Piece, _measured, ink_of
 from breastrig.colour.ink.ridges import OFFSETS
 

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 from helpers.toy_rig import toy_rig
 
-from breastrig.fitting.doubt import Doubt
+from breastrig.fitting.task import Doubt
 from breastrig.fitting.verdicts.fit_signals import FitSignals
-from breastrig.fitting.verdicts.reasons import GivenLandmarks
-from breastrig.fitting.verdicts.repeated import picked_names
+from breastrig.fitting.verdicts.reasons import GivenLandmarks, picked_names
 from breastrig.fitting.verdicts.verdict import Verdict, shows_a_part, verdict, verdict_limits
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status

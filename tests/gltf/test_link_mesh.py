@@ -9,8 +9,7 @@ from PIL import Image
 
 from breastrig.core.glb import split_glb
 from breastrig.core.gltf_arrays import GltfArrays
-from breastrig.gltf.covered_texture import covered_texture
-from breastrig.gltf.link_mesh import coloured_mesh, plain_mesh
+from breastrig.gltf.link_mesh import coloured_mesh, covered_texture, plain_mesh
 from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.scan.clean import Surface, clean, compact
 from breastrig.scan.scan import Scan

@@ -10,8 +10,7 @@ from breastrig.geometry.normals import vertex_normals
 from breastrig.gltf.lines.drawing_node import drawing_node
 from breastrig.gltf.lines.ribbon import LIFT, ribbons
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.gltf.replay import fitted_glb
-from breastrig.gltf.skin_layer import SKIN_LAYER
+from breastrig.gltf.replay import SKIN_LAYER, fitted_glb
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose

@@ -5,7 +5,7 @@ import pytest
 
 from breastrig.core.arrays import Array
 from breastrig.relief.limits import relief
-from breastrig.relief.lying_shoulder import lying_tip
+from breastrig.relief.shoulder import lying_tip
 
 RULES = relief().lying_shoulder
 NOTCH = np.array([0.01, 1.2, 0.05])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from breastrig.core.errors import BadScan
-from breastrig.scan.cut_file import MOST_CORNERS, MOST_CUTS, read_cuts
+from breastrig.scan.hand_cuts import MOST_CORNERS, MOST_CUTS, read_cuts
 
 PICTURE = np.eye(4).ravel().tolist()
 CUT = {"to_picture": PICTURE, "lasso": [[0.0, -9.0], [9.0, -9.0], [9.0, 9.0]]}

@@ -26,7 +26,7 @@ from breastrig_studies import command as evaluate_command
 from breastrig_studies.cohort import Case, read_cohort
 from breastrig_studies.page import charts, publish
 from breastrig_studies.page.pictures import signed_distances_mm
-from breastrig_studies.studies import accuracy, landmarks, plan
+from breastrig_studies.studies import landmarks, plan, registry
 from breastrig_studies.studies import result_cache as work
 from breastrig_studies.studies.case import read_scene
 from breastrig_studies.studies.sensitivity import TERMS
@@ -47,7 +47,7 @@ def fewer_fits() -> Iterator[None]:
         for module in (plan, studies):
             patch.setattr(module, "FACTORS", FACTORS)
         patch.setattr(landmarks, "CLICKERS", 2)
-        patch.setattr(accuracy, "REPEATS", 1)
+        patch.setattr(registry, "REPEATS", 1)
         patch.setattr(charts, "DPI", 40)
         free_form = partial(trimesh.registration.nricp_amberg, steps=[[0.01, 10, 0.5, 2], [0.01, 0, 0.0, 2]])
         patch.setattr(trimesh.registration, "nricp_amberg", free_form)

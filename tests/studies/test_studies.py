@@ -15,7 +15,7 @@ from breastrig.rig.model import Rig
 from breastrig_studies.cohort import read_cohort
 from breastrig_studies.page.charts import has_numbers
 from breastrig_studies.page.figures import reliability_figure
-from breastrig_studies.page.verdicts_section import verdicts_section
+from breastrig_studies.page.study_sections import verdicts_section
 from breastrig_studies.studies.case import read_scene
 from breastrig_studies.studies.measures import measures_study
 from breastrig_studies.studies.orientation import turned, without_table, wrong_way

@@ -22,7 +22,7 @@ from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.geometry.rays import RayCaster
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.write_rig import write_rig
-from breastrig.report.thumbnail import thumbnail_png
+from breastrig.report.pictures import thumbnail_png
 from breastrig.scan import background
 from breastrig.scan.clean import Surface
 from breastrig.scan.hand_cuts import HandCut, cut_triangles

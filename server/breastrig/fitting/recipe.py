@@ -134,7 +134,7 @@ class LandmarkErrors(_Part):
     misfit: Positive  # m on each axis, what the model cannot show of real bodies there
     hanging: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m outwards, up, front; more where breasts hang ...
     hanging_shift: tuple[float, float, float] = (0.0, 0.0, 0.0)  # ... and from the model's place (body/hanging.py)
-    standing_shift: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m outwards, up, front; see body/standing.py
+    standing_shift: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m outwards, up, front; see body/expected_shifts.py
     unusual: Positive | None = None  # see Outliers; absent: that of all
     mirrored: Positive | None = None  # m on each axis, of one side from the other's pick; absent: not used
 

@@ -7,11 +7,32 @@ one the model is fitted as if she stood and, unless the arms hang, as if she lay
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from breastrig.fitting.picks.checked_fit import checked_iterates
 from breastrig.fitting.starts.supine_or_standing import arm_angles, likely_stance, measured_signs
-from breastrig.fitting.starts.wall_behind import TABLE, WALL, may_be_wall
 from breastrig.fitting.task import FitIterate, FitTask
+from breastrig.rig.similarity import umeyama
+from breastrig.rig.skinning import pose
 from breastrig.scan.orient import Frame
+
+WALL = "An upright plane is close behind her, and the arms hang: a wall. If it is a table, say that she lies."
+TABLE = "An upright plane is close behind her, but the arms are away: a table. If it is a wall, say that she stands."
+SCANNERS_UP = np.array([0.0, 1.0, 0.0])  # as scan/orient.py has it
+UPRIGHT = np.radians(15.0)  # people lean, and apps level to a few degrees
+
+
+def may_be_wall(task: FitTask, frame: Frame) -> bool:
+    """Whether the plane behind the body is upright in the scanner's own axes, and the body at its start as well."""
+    if frame.table is None:
+        return False
+    points = task.rig.landmark_points()
+    at_rest, placed = (
+        points.positions(each, task.rig.faces) for each in (task.rig.template, pose(task.rig, task.start))
+    )
+    body = umeyama(at_rest, placed).rotation[:, 1]
+    return bool(abs(frame.table[0] @ SCANNERS_UP) < np.sin(UPRIGHT) and body @ SCANNERS_UP > np.cos(UPRIGHT))
+
 
 ARMS_HANG = "There is no table in the scan, and the arms hang."
 ARMS_HANG_BUT = "Without a table it is not clear: arms hang, breasts look lying. If she lies, say that she lies."

@@ -7,12 +7,21 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.recipe import Recipe
 from breastrig.least_squares.newton import Status
 from breastrig.relief.observe import ReliefObservation
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """Picks that belong together in one question, and why they are asked about, as a sentence."""
+
+    names: tuple[str, ...]
+    reason: str
+    followed: bool = False  # True: unusual, but followed all the same
+    exchanged: bool = False  # left and right of these look exchanged
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from breastrig.core.arrays import Array, Integers
-from breastrig.relief.limits import Shoulder
+from breastrig.relief.limits import LyingShoulder, Shoulder
 
 ROUNDS = 12  # each goes half of the way, so that a thousandth is left
 
@@ -64,3 +64,14 @@ def _cut(vertices: Array, faces: Integers, axis: int, level: float) -> Array:
     through = np.flatnonzero(before * behind < 0.0)
     share = (before[through] / (before[through] - behind[through]))[:, None]
     return np.asarray((1.0 - share) * one[through] + share * other[through])
+
+
+def lying_tip(notch: Array, tip: Array, arm: Array, rules: LyingShoulder) -> Array | None:
+    """(3,) m, where the tip is expected of whose form has it at `tip`; (3,) m each, with the notch and the most
+    frontal place of the upper `arm`.
+
+    The axes are outwards on this side, up and front.  None where the lengths are none of a lying body.
+    """
+    lengths = np.array([1.0, tip[0] - notch[0], tip[2] - notch[2], arm[2] - notch[2]])
+    step = np.array([lengths @ rules.outwards, 0.0, lengths @ rules.front])
+    return tip + step if np.linalg.norm(step) <= rules.farthest else None

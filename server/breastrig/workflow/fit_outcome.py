@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.observed.landmarks import ObservedLandmark
+from breastrig.fitting.task import Doubt
 from breastrig.fitting.uncertainty.radii import Radii
 from breastrig.fitting.verdicts.verdict import Verdict
 from breastrig.geometry.polyline import Polyline

@@ -22,8 +22,7 @@ from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.refine import refined
 from breastrig.fitting.uncertainty.radii import radii
 from breastrig.fitting.verdicts.fit_signals import fit_signals
-from breastrig.fitting.verdicts.reasons import GivenLandmarks
-from breastrig.fitting.verdicts.repeated import picked_names
+from breastrig.fitting.verdicts.reasons import GivenLandmarks, picked_names
 from breastrig.fitting.verdicts.verdict import shows_a_part, verdict, verdict_limits
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.least_squares.newton import Status

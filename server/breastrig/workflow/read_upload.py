@@ -16,7 +16,7 @@ from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.scan_orientation import scan_orientation
 from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.report.thumbnail import thumbnail_png
+from breastrig.report.pictures import thumbnail_png
 from breastrig.scan.read import read_scan
 from breastrig.scan.stored_scan import write_stored
 from breastrig.scan.units import extent, size_doubt

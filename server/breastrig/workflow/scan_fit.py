@@ -18,7 +18,6 @@ from breastrig.core.units import BEYOND, distance_text
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.patterns import AskedDrawing, asked_drawing
 from breastrig.files.result import DoubtedPick
-from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.fit import FitIterate, FitTask
 from breastrig.fitting.observed.landmarks import colour_observations, with_observations
 from breastrig.fitting.picks.mistakes import sides_exchanged
@@ -26,6 +25,7 @@ from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.scan_orientation import ScanOrientation, orientation_from
 from breastrig.fitting.starts.second_start import iterates_with_second_start
+from breastrig.fitting.task import Doubt
 from breastrig.fitting.verdicts.reasons import GivenLandmarks
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.blocks import block

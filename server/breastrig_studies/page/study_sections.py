@@ -4,15 +4,141 @@ from collections.abc import Sequence
 
 from breastrig_studies.cohort import Case
 from breastrig_studies.evaluate import Results
-from breastrig_studies.page import certainty_section, ink_section, sections, transfer_sections, unseen_sections
-from breastrig_studies.page.colour_section import colour_section
-from breastrig_studies.page.measures_section import measures_section
+from breastrig_studies.page import ink_section, sections, transfer_sections, unseen_sections
 from breastrig_studies.page.section import Section, capital, mm
-from breastrig_studies.page.verdicts_section import verdicts_section
-from breastrig_studies.tables.accuracy import FAMILIES
+from breastrig_studies.studies.result_cache import Record
+from breastrig_studies.tables.accuracy import FAMILIES, of
 from breastrig_studies.tables.breasts import of_all
+from breastrig_studies.tables.certainty import KINDS, covered
+from breastrig_studies.tables.measures import PICKS as MEASURED_WITH
 from breastrig_studies.tables.studies import PICKS
 from breastrig_studies.tables.table import Row, Table, mean
+
+
+def verdicts_section(table: Table) -> Section:
+    """Of whole scans that are fitted rightly, and of all that are not."""
+    place = {column.name: index for index, column in enumerate(table.columns)}
+
+    def counted(truth: str, extent: str | None, kinds: tuple[str, ...]) -> tuple[float, int]:
+        """Of these fits: how many are called good, and how many there are."""
+        good, total = 0.0, 0
+        for row in table.rows:
+            kind, scan, true, n, share, *_ = row.cells
+            if true == truth and extent in (None, scan) and kind in kinds:
+                assert isinstance(n, int)
+                assert isinstance(share, float)
+                good, total = good + n * share / 100.0, total + n
+        return good, total
+
+    kinds = tuple(dict.fromkeys(str(row.cells[place["fit"]]) for row in table.rows))
+    right, rights = counted("right", "whole", ("landmarks given", "none given"))
+    wrong, wrongs = counted("wrong", None, kinds)
+    answers = []
+    if rights:
+        answers.append(f"Of {rights} right fits of whole scans {right:.0f} are called good.")
+    if wrongs:
+        answers.append(f"Of {wrongs} wrong fits {wrongs - wrong:.0f} are to be checked or unusable.")
+    return Section(
+        "verdicts",
+        "Does the verdict tell right fits from wrong ones?",
+        "Each scan is fitted with all landmarks, with none, with the proposals accepted as they are, and from a start "
+        "that is turned head down.",
+        tuple(answers),
+        (),
+        ("verdicts",),
+    )
+
+
+def measures_section(table: Table, ptosis: Table | None = None) -> Section:
+    """Of lengths and volumes; the table has the ratios too."""
+    place = {column.name: index for index, column in enumerate(table.columns)}
+    parts = []
+    for unit, words in (("mm", "lengths"), ("ml", "volumes")):
+        rows = [row.cells for row in table.rows if row.cells[place["unit"]] == unit]
+        for kind, picks in MEASURED_WITH.items():
+            errors, shares = (
+                [value for row in rows if isinstance(value := row[place[f"{kind}_{name}"]], float)]
+                for name in ("error", "held")
+            )
+            if errors and shares:
+                mean, held = sum(errors) / len(errors), sum(shares) / len(shares)
+                parts.append(f"{words}, {picks}: {mean:.1f} {unit} off on average, {held:.0f} % within the band")
+    return Section(
+        "measures",
+        "Are the report's measures right?",
+        "Each measure is compared with the same measure on the whole true surface, between the true landmarks.",
+        ("; ".join(parts).capitalize() + ".",) if parts else (),
+        (),
+        ("measures",) if ptosis is None else ("measures", "ptosis"),
+    )
+
+
+def colour_section(landmarks: Table, areolae: Table | None) -> Section:
+    """What colour brings to proposed landmarks, and the areolae's diameters."""
+    answers = []
+    for row in landmarks.rows:
+        number = _by_name(landmarks, row)
+        if number["landmark"] == "nipple":
+            coloured, p95, form = (mm(_float(number[name])) for name in ("coloured_mm", "p95_mm", "form_mm"))
+            answers.append(
+                f"Nipples are proposed within {coloured} (95 %: {p95}) where the form alone gives {form}; left and "
+                f"right are exchanged on {number['exchanged']} scans."
+            )
+    for row in [] if areolae is None else areolae.rows:
+        number = _by_name(areolae, row) if areolae is not None else {}
+        if row.mean and number["bias_mm"] is not None:
+            answers.append(
+                f"Diameters of areolae are off by {_float(number['bias_mm']):+.1f} mm in the mean, with a deviation of "
+                f"{mm(_float(number['deviation_mm']))}."
+            )
+    return Section(
+        "colour_landmarks",
+        "What do colours say of the landmarks?",
+        "Areolae are looked for near the place that the form of the body expects, on painted virtual skins: "
+        "photographs of real skin may give other numbers. What is not seen, covered or reconstructed, stays with the "
+        "form.",
+        tuple(answers),
+        (),
+        ("colour_landmarks", *(("areolae",) if areolae is not None else ())),
+    )
+
+
+def _by_name(table: Table, row: Row) -> dict[str, str | int | float | None]:
+    return dict(zip((column.name for column in table.columns), row.cells, strict=True))
+
+
+def _float(cell: str | int | float | None) -> float:
+    return float(cell or 0.0)
+
+
+def certainty_section(records: Sequence[Record]) -> Section:
+    answers = []
+    for family in FAMILIES:
+        found = [record for record in of(records, "certainty") if record.case.family == family and not record.failed]
+        if not found:
+            continue
+        parts = []
+        for kind, words in KINDS.items():
+            shares = [covered(found, kind, part) for part in ("landmarks", "skin")]
+            if all(total for _, total in shares):
+                marks, skin = (100 * good / total for good, total in shares)
+                parts.append(f"{words}: {marks:.0f} % of landmarks, {skin:.0f} % of the skin")
+        trials = [trial for record in found for trial in record.answer.values()]
+        picks, dropped, asked = (sum(trial[key] for trial in trials) for key in ("picks", "dropped", "unusual"))
+        answers.append(
+            f"{capital(family)}, within the radius: {'; '.join(parts)}. Of {picks} right picks {dropped} were rejected "
+            f"and {asked} asked about."
+        )
+    return Section(
+        "certainty",
+        "Does the program know how far off it is, and does it believe right picks?",
+        "Each landmark and each vertex has a radius that should hold its true place nine times of ten. True places of "
+        "vertices are those of a fit to the whole true surface. The figure: what radii of 50, 80, 90 and 95 % hold; on "
+        "the line “as said” they hold what they say, above it they are too wide, below it too narrow.",
+        tuple(answers),
+        ("reliability",),
+        ("reliability", "certainty", "believed"),
+    )
 
 
 def _over_scans(rows: Sequence[Row], column: int, cases: Sequence[Case]) -> float | None:
@@ -175,7 +301,7 @@ def all_sections(results: Results, tables: dict[str, Table]) -> list[Section]:
     if "unseen" in tables:
         found.append(unseen_sections.unseen_section(results.records))
     if "certainty" in tables:
-        found.append(certainty_section.certainty_section(results.records))
+        found.append(certainty_section(results.records))
     if "measures" in tables:
         found.append(measures_section(tables["measures"], tables.get("ptosis")))
     if "verdicts" in tables:

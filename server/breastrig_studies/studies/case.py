@@ -16,7 +16,6 @@ from breastrig.core.errors import BadScan, FitFailed
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.correspondence.match import match
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.fit import FitTask
 from breastrig.fitting.orientation import best_start
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
@@ -25,6 +24,7 @@ from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.stance import found_stance
+from breastrig.fitting.task import Doubt
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
 from breastrig.report.distances import ACCEPTED, summary_mm

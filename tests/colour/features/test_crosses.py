@@ -17,9 +17,8 @@ from breastrig.colour.features.observe import (
     Observation,
     observed_landmarks,
 )
-from breastrig.colour.ink.find_ink import InkLine
+from breastrig.colour.ink.find_ink import MARKERS, InkLine
 from breastrig.colour.ink.kinds import Kind
-from breastrig.colour.ink.markers import MARKERS
 from breastrig.core.arrays import Array
 from breastrig.geometry.polyline import Polyline
 

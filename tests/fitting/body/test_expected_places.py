@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from breastrig.fitting.body.expected_shifts import standing_shifts
 from breastrig.fitting.body.hanging import hanging_misfit
-from breastrig.fitting.body.standing import standing_shifts
 from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig

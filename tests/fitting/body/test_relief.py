@@ -31,7 +31,7 @@ from breastrig.scan.clean import clean, compact
 from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
 from breastrig_studies.virtual.bodies import read_bodies
-from breastrig_studies.virtual.warped.mastectomy import breast_region, filled
+from breastrig_studies.virtual.warped.body import breast_region, filled
 
 STANDING = asset_folder("example") / "standing"
 HOLLOWS = {"umbilicus", "suprasternal_notch", "inframammary_fold_L", "inframammary_fold_R"}

@@ -7,13 +7,18 @@ import pytest
 
 from breastrig.geometry.normals import face_areas
 from breastrig_studies.virtual.bodies import read_bodies
-from breastrig_studies.virtual.warped.body import WarpedBody, draw_body, warped_body
+from breastrig_studies.virtual.warped.body import (
+    WarpedBody,
+    breast_region,
+    draw_body,
+    is_sound,
+    is_sound_hanging,
+    warped_body,
+)
 from breastrig_studies.virtual.warped.captures import shown
 from breastrig_studies.virtual.warped.make import source_of
-from breastrig_studies.virtual.warped.mastectomy import breast_region
 from breastrig_studies.virtual.warped.numbers import CAPTURES, NAVEL, SEGMENT, Numbers, draw_numbers
 from breastrig_studies.virtual.warped.proportions import with_segments
-from breastrig_studies.virtual.warped.soundness import is_sound, is_sound_hanging
 from breastrig_studies.virtual.warped.sources import Source, read_sources
 
 

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from breastrig.colour.features.areola import Areola
-from breastrig.colour.features.crosses import marked_by_crosses
+from breastrig.colour.features.crosses import between_crosses, marked_by_crosses
 from breastrig.colour.features.limits import Features, features
-from breastrig.colour.features.mid_sternum import between_crosses
 from breastrig.colour.features.navel import find_navel
 from breastrig.colour.features.nipple import NippleObservation, find_nipple
 from breastrig.colour.features.patch import ColouredSkin

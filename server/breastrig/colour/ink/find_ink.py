@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from breastrig.colour.ink import limits
 from breastrig.colour.ink.kinds import Kind, sorted_out
-from breastrig.colour.ink.markers import Marker, markers_of
 from breastrig.colour.ink.pieces import Ink, measured
 from breastrig.colour.ink.ridges import DENSITY, ridge_points
 from breastrig.colour.ink.strokes import Stroke, strokes
@@ -20,6 +19,48 @@ from breastrig.core.arrays import Array
 from breastrig.core.errors import BadScan
 from breastrig.geometry.polyline import Polyline
 from breastrig.scan.scan import Scan
+
+
+@dataclass(frozen=True)
+class Marker:
+    name: str
+    color: str  # "#rrggbb", how it is shown
+    light: tuple[float, float, float]  # linear, of dry ink on paper
+
+
+MARKERS = (
+    Marker("violet", "#5b2a86", (0.07, 0.02, 0.18)),
+    Marker("black", "#1c1c1e", (0.012, 0.012, 0.013)),
+    Marker("blue", "#1f49a5", (0.012, 0.05, 0.31)),
+    Marker("green", "#13694a", (0.006, 0.12, 0.06)),
+    Marker("red", "#b3202a", (0.42, 0.012, 0.02)),
+)
+
+
+DOUBT = 0.012  # likenesses this close say nothing; a faint stroke is then of the marker that drew most
+EXPOSURES = np.geomspace(0.25, 1.0, 9)  # light that white would send back in the picture; 1 is its brightest
+
+
+def markers_of(added: Array, lengths: Array, skin: Array) -> list[Marker]:
+    """Of N strokes that add densities (N, 3) over (N,) m to well-lit skin of densities (3,), red, green, blue.
+
+    How bright the picture is as a whole is not known beforehand; the exposure under which the strokes look most
+    like markers is taken, the same for all.
+    """
+    if not len(added):
+        return []
+    missing = 1.0 - np.exp(-added)
+    missing /= np.maximum(np.linalg.norm(missing, axis=1, keepdims=True), 1e-9)
+    light = np.array([marker.light for marker in MARKERS])
+    inks = 1.0 - EXPOSURES[:, None, None] * light / np.exp(-skin)  # (E, 5, 3)
+    inks /= np.linalg.norm(inks, axis=2, keepdims=True)
+    likeness = np.einsum("eki,ni->enk", inks, missing)
+    exposure = int(np.argmax(likeness.max(axis=2) @ lengths))
+    looks = likeness[exposure]
+    used = np.bincount(looks.argmax(axis=1), lengths, len(MARKERS))
+    possible = looks >= looks.max(axis=1, keepdims=True) - DOUBT
+    return [MARKERS[number] for number in np.where(possible, used, -1.0).argmax(axis=1)]
+
 
 BLACK = "black"
 LIT = 20.0  # percentile of the densities of the scan's triangles; skin is seen well lit there

@@ -1,14 +1,41 @@
 """Where landmarks that nobody picked are expected beside the fitted model's: all that is known of it, together."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+
+import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.fitting.body.hanging import hanging_shifts
-from breastrig.fitting.body.standing import standing_shifts
+from breastrig.core.stances import STANDING
+from breastrig.fitting.body.hanging import OUTWARDS_ON_THE_RIGHT, body_axes, hanging_shifts
 from breastrig.fitting.task import FitTask
-from breastrig.relief.limits import relief
-from breastrig.relief.mid_sternum import mid_sternum_step
+from breastrig.relief.limits import MidSternum, relief
 from breastrig.rig.state import BodyState
+
+
+def mid_sternum_step(notch: Array, xiphoid: Array, middle: Array, rules: MidSternum) -> Array:
+    """(3,) m along the line between the ends, from where a model has the `middle` to where it is expected.
+
+    notch, xiphoid, middle: (3,) m; nothing when the two ends are one place.
+    """
+    length = float((xiphoid - notch) @ (xiphoid - notch))
+    if length == 0.0:
+        return 0.0 * notch
+    step: Array = rules.share * (rules.at - float((middle - notch) @ (xiphoid - notch)) / length) * (xiphoid - notch)
+    return step
+
+
+def standing_shifts(vertices: Array, task: FitTask, names: Sequence[str]) -> Array:
+    """(L, 3) m from the landmarks of a model with (V, 3) m `vertices` to where they are expected; nothing for picks."""
+    moved = np.zeros((len(names), 3))
+    if task.stance != STANDING:
+        return moved
+    axes = body_axes(task.rig, vertices)
+    for shift, name in zip(moved, names, strict=True):
+        if name not in task.landmarks:
+            mirror = OUTWARDS_ON_THE_RIGHT if name.endswith("_R") else np.ones(3)
+            shift += axes @ (mirror * np.array(task.recipe.landmark_errors(name).standing_shift))
+    return moved
+
 
 NOTCH, XIPHOID, MIDDLE = "suprasternal_notch", "xiphoid", "mid_sternum"
 

@@ -19,9 +19,8 @@ from breastrig.geometry.normals import unit_vectors
 from breastrig.least_squares.newton import value
 from breastrig.least_squares.problem import ResidualTerm
 from breastrig.relief.limits import relief as relief_limits
-from breastrig.relief.lying_shoulder import lying_tip
 from breastrig.relief.observe import NOT_SHOWN, Expected, ReliefObservation, relief_observations
-from breastrig.relief.shoulder import shoulder_tip
+from breastrig.relief.shoulder import lying_tip, shoulder_tip
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
 from breastrig.rig.state import BodyState

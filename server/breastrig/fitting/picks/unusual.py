@@ -2,12 +2,11 @@
 
 import numpy as np
 
-from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.picks.leave_one_out import LeaveOneOut
 from breastrig.fitting.picks.refit_without import from_expected, from_observation, on_smooth_skin, refit_without
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
-from breastrig.fitting.task import FitTask
+from breastrig.fitting.task import Doubt, FitTask
 
 
 def unusual(posterior: Posterior) -> tuple[Doubt, ...]:

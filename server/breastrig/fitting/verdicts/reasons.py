@@ -1,10 +1,13 @@
 """Reasons as sentences: what was found and what to do about it, without advice that was given or followed before."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from breastrig.fitting.doubt import Doubt
+import numpy as np
+
+from breastrig.core.arrays import Array
 from breastrig.fitting.orientation import MIN_LANDMARKS
+from breastrig.fitting.task import Doubt
 
 LOOK_AGAIN = "look at what is asked about {}"
 
@@ -17,7 +20,7 @@ class GivenLandmarks:
     left: int  # the others
     followed: int  # as observations
     agreed: int = 0  # proposed, and only agreed to
-    repeated: bool = False  # those that are followed lie where they were proposed (repeated.py)
+    repeated: bool = False  # those that are followed lie where they were proposed
 
     @property
     def placed(self) -> bool:
@@ -81,3 +84,15 @@ def of_doubts(doubts: Sequence[Doubt]) -> tuple[Reason, ...]:
     fact = ", and ".join(parts)
     which = "it" if exchanged + others == 1 else "them"
     return (Reason(fact[:1].upper() + fact[1:], (LOOK_AGAIN.format(which),)),) if parts else ()
+
+
+REPEATED = 0.002  # m; at least three true picks of each of 92 parts lie farther from proposals, 3 mm: of all but 3
+
+
+def picked_names(picks: Mapping[str, Array], proposed: Mapping[str, Array]) -> frozenset[str]:
+    """Names of the picks ((3,) m each) that are not where they were proposed."""
+    return frozenset(
+        name
+        for name, place in picks.items()
+        if name not in proposed or float(np.linalg.norm(place - proposed[name])) > REPEATED
+    )

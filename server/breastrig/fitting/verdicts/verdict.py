@@ -15,7 +15,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from breastrig.core.stances import STANDING
-from breastrig.fitting.doubt import Doubt
+from breastrig.fitting.task import Doubt
 from breastrig.fitting.verdicts.fit_signals import HANGS, FitSignals
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, Reason, of_agreed, of_doubts, sentences
 from breastrig.least_squares.newton import Status

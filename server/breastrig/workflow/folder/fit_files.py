@@ -31,7 +31,7 @@ from breastrig.files.result import (
     Unit,
     Verdict,
 )
-from breastrig.fitting.doubt import Doubt
+from breastrig.fitting.task import Doubt
 from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.replay import fitted_glb
 from breastrig.least_squares.newton import Status

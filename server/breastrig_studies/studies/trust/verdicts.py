@@ -11,17 +11,15 @@ from typing import Any
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.orientation import MIN_LANDMARKS, start_from_scan
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
-from breastrig.fitting.task import FitTask
+from breastrig.fitting.task import Doubt, FitTask
 from breastrig.fitting.uncertainty.radii import radii
 from breastrig.fitting.verdicts.fit_signals import fit_signals
-from breastrig.fitting.verdicts.reasons import GivenLandmarks
-from breastrig.fitting.verdicts.repeated import picked_names
+from breastrig.fitting.verdicts.reasons import GivenLandmarks, picked_names
 from breastrig.fitting.verdicts.verdict import verdict, verdict_limits
 from breastrig.report.distances import Comparison
 from breastrig.rig.model import Rig

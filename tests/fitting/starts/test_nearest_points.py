@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from breastrig.correspondence import nearest_points
-from breastrig.correspondence.nearest_points import NearestPoints
+from breastrig.fitting.starts import rigid_search
+from breastrig.fitting.starts.rigid_search import NearestPoints
 
 ROUNDING = 1e-5  # m; what single precision leaves open a body's size away from the origin
 
@@ -27,7 +27,7 @@ def test_however_many_are_compared_at_once(monkeypatch: pytest.MonkeyPatch, cell
     rng = np.random.default_rng(5)
     points, places = rng.normal(size=(30, 3)), rng.normal(size=(41, 3))
     wanted = NearestPoints(points).query(places, 1.0)
-    monkeypatch.setattr(nearest_points, "CELLS", cells)
+    monkeypatch.setattr(rigid_search, "CELLS", cells)
     for one, other in zip(NearestPoints(points).query(places, 1.0), wanted, strict=True):
         np.testing.assert_array_equal(one, other)
 

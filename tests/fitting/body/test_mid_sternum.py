@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from breastrig.fitting.body.expected_shifts import mid_sternum_step
 from breastrig.relief.limits import relief
-from breastrig.relief.mid_sternum import mid_sternum_step
 
 NOTCH, XIPHOID = np.array([0.0, 0.2, 0.0]), np.array([0.0, 0.0, 0.05])
 
