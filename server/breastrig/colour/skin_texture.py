@@ -1,14 +1,8 @@
-"""The skin's colours as a few pictures of known scale, whatever the scanner's own texture looks like.
+"""The skin's colours as a few pictures of one known scale, without the seams of the scanner's texture atlas.
 
-Textures come as atlases: hundreds of charts, sizes of texels that change from one to the next, seams through everything
-that one looks for, some with one chart a triangle.  So filters do not run in the atlas.  The scan is seen from the six
-directions of its principal axes, orthographically, each time those triangles that face the direction within 60
-degrees: pictures with one size of pixel and without seams, which overlap where the skin turns from one to the next.
-What lies behind other skin in its direction (below a breast, behind an arm) comes into further pictures of the same
-direction.  Colours of vertices are seen in the same way.
-
-A pixel knows its triangle, and with it its place on the skin.  Orthographic pictures shorten what is seen obliquely,
-to the half at worst; `places` gives true ones.
+The scan is projected orthographically along the six directions of its principal axes, each time with the triangles that
+face within 60 degrees; skin behind other skin comes into further pictures.  Colours of vertices are treated alike.  A
+pixel knows its triangle; oblique skin is shortened to half at worst, and `places` gives true ones.
 """
 
 from dataclasses import dataclass

@@ -1,11 +1,7 @@
-"""Prepares drawn polylines for a transfer: their own points and points in between, all on the scan's skin.
+"""Prepares drawn polylines for a transfer: their points and points in between, all on the scan's skin.
 
-Points that are far apart are joined by the shortest path along the fitted model: a straight chord would leave the
-skin, across the cleavage even for the other breast.  The model and not the scan, because a scan's mesh has holes and
-edges of three triangles, over which exact geodesics cannot be measured.
-
-All lines of a drawing are prepared together: a drawing of 200 lines needs 500 paths, and what is computed once for all
-points (the closest skin, the model's normals) costs little more than for those of one line.
+Points that are far apart are joined by the shortest path along the fitted model, as a scan's mesh has holes.  All lines
+of a drawing are prepared together, which shares what is computed for all points.
 """
 
 from collections.abc import Sequence

@@ -1,15 +1,11 @@
 """Projects a drawing of the fitted model onto the scan.
 
-Each polyline is resampled evenly on the posed model; its ends and marked corners stay points of it.  From every point
-rays go along the model's normal, both ways; the nearer hit on skin that faces the same way is taken, else the closest
-such point.  What is stored is the *gap* from the model to the skin, for the drawing itself is smooth and only the gaps
-have the scanner's noise:
+Each polyline is resampled evenly on the posed model; its ends and marked corners stay.  Rays along the model's normal
+find the scan's skin, else the closest point that faces the same way.  The gaps from model to skin are smoothed along
+the line, not the points, which would shrink circles:
 
-* a gap beyond TRUSTED counts only where it grows steadily from trusted neighbours: through a hole the ray may meet
-  an arm or the table behind, and those come with a step;
-* where no gap is known the scan has a hole: it is bridged along the model, the gaps fading from border to border;
-* gaps are smoothed along the line and the points snapped to the skin again, a few times: smoothing the points
-  themselves would shrink circles and cut corners.
+* a gap beyond TRUSTED counts only where it grows steadily from trusted neighbours, else the ray met another surface;
+* over holes of the scan the line follows the model, the gaps fading from border to border.
 """
 
 from collections.abc import Sequence

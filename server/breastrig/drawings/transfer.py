@@ -1,11 +1,8 @@
 """Transfers a drawing from one scan to another.
 
-Between two stances of one patient the skin itself is followed (skin_map.py).  Between two patients nothing is the same
-skin; there "the same place" is the same place of the model, and each fit says where that is on its scan.
-
-In both cases a line keeps its points, gets points in between, and every point ends on the skin of the target where
-that has skin facing the right way; over a hole the line goes on as far above the skin as it does at the hole's
-rims, and is marked as bridged.  Beside each point stands how far the two fits were from their scans there.
+Between two stances of one patient the skin is followed (skin_maps/skin_map.py); between two patients the place on the
+model.  Every point ends on the target's skin; over a hole the line goes on at the height of the hole's rims and is
+marked as bridged.  Each point has the distances of the two fits from their scans there.
 """
 
 from collections.abc import Callable, Sequence

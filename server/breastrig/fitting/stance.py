@@ -1,8 +1,7 @@
-"""Does the patient stand or lie, when no table is in the scan, or what may be one may be a wall as well?
+"""Whether the patient is standing or supine, where the scan has no table or what may be a wall.
 
-A table says it all (scan/orient.py), unless it may be a wall (starts/wall_behind.py): then the arms decide.  Without
-one the model is fitted as if she stood and, unless the arms hang, as if she lay; what the fits show is weighed together
-(starts/supine_or_standing.py).  Where it says little the answer says so, and asks.
+A table decides (scan/orient.py), unless plane and body are both upright in the scanner's axes: then the arms do.
+Without one, fits in both stances are weighed (starts/supine_or_standing.py); an unclear answer asks the user.
 """
 
 from dataclasses import dataclass, replace

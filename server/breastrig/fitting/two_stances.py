@@ -1,15 +1,12 @@
-"""One patient in two stances, fitted together.
+"""One patient in two stances, fitted together (docs/decisions/0007).
 
-Each stance builds its matches and terms as in a fit of its own; their normal equations are added up in one system, and
-one damped Gauss-Newton step moves both.  Loop, stages, stop rule and priors are the single fit's (fit.py).  The body's
-priors count once for each stance, as its data do, so a scan fitted with itself gives the single fit.
-
-ONE_BODY gives both the same bone scales and body shapes, which then stand once in the vector of unknowns:
+Each stance has matches and terms as in a fit of its own; the normal equations are added up, and one damped Gauss-Newton
+step moves both.  Priors of the body count once for each stance.  ONE_BODY shares bone scales and body shapes:
 
     [ first stance's P entries, the body among them | second stance's entries without the body ]
 
-ALIKE gives each its own, and the soft shapes too, held together by springs on their differences d: ½ Σ (d/σ)².  It is
-the default (docs/decisions/0007).  Pose and the shapes of kind "soft" and "gravity" belong to each stance.
+ALIKE, the default, gives each its own, with springs on the differences d: ½ Σ (d/σ)².  Pose and shapes of kind "soft"
+and "gravity" belong to each stance.
 """
 
 from collections.abc import Iterator, Sequence

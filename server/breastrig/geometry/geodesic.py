@@ -1,17 +1,8 @@
-"""Distances, shortest paths and circles along a triangle mesh, exact on the mesh.
+"""Distances, shortest paths and circles along a triangle mesh, exact on the mesh (fields/distance_field.py).
 
-A tape laid on the skin follows the geodesic, and so does a surgeon who draws "45 mm from the nipple".  Distances and
-paths come from fields/distance_field.py; the heat method would be off by 2 % on the model, and up to 19 mm.  Here
-
-* what was measured last is kept (distances from a point, paths, circles), so that a pattern of which one number is
-  changed measures little anew; points that will be asked for can be named together (`look_from`): measuring from
-  eight takes twice as long as measuring from one;
-* a path is looked for where one of its length can run, farther and farther until it is found;
-* a circle is measured on the triangles that it may cross, split flat, and crosses their edges where the distance from
-  a flat fan's centre takes the radius.
-
-Against a smooth body the mesh itself is the error: on a sphere a tape on chords is too short by about
-(edge / radius)² / 12.
+The heat method would be off by 2 % on the model, and up to 19 mm.  Recent distances, paths and circles are cached, and
+points can be named together (`look_from`).  A circle is cut on the triangles that it may cross, split flat.  On a
+sphere a tape on chords is too short by about (edge / radius)² / 12.
 """
 
 from functools import cached_property

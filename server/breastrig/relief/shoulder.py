@@ -1,12 +1,8 @@
-"""The tips of hanging shoulders, by the form of shoulder and upper arm beside and below them.
+"""The tips of shoulders, observed from the form of shoulder and upper arm.
 
-A shoulder is smooth, and a model slides along it: tips that nothing else holds end 10 to 25 mm off, to any side.  But
-they lie above the joint, and the upper arm hangs from the joint: outwards and in front its skin is about as far from
-the tip in every woman.  So a tip is where the arm's outer edge a little below it lies so far out, its front so far in
-front, and the skin above is.  All three depend on the tip's own height, so they are looked up again until it rests.
-
-The form is that of the fitted model, which closes what the scan does not show and has no noise; whether the scan shows
-edge and front is for the caller to see.  With the arms held up neither is where this needs it.
+Standing: the tip is where the arm's outer edge a little below is so far out and its front so far in front; both depend
+on the tip's height and are iterated.  Without this tips end 10 to 25 mm off.  Supine: a line through three lengths from
+the notch, to the form's tip and to the arm's front.  The form is the fitted model's.
 """
 
 from dataclasses import dataclass

@@ -1,16 +1,9 @@
-"""The measures of a breast, with 90 % bands: straight, as callipers give them, and along the skin, as a tape does.
+"""The measures of a breast, with 90 % bands: straight as by callipers, and along the skin as by a tape.
 
 Definitions: notch, midclavicle and fold to nipple, nipple to midline, nipple to nipple and base width as clinics take
-them (Henseler 2023, who gives them for 100 women); the symmetry ratios are in symmetry.py, the volume in volume.py.
-The base's width is taken across, as callipers are held: the outline reaches back to the middle of the side, and a
-straight line through the chest would be 190 mm long where clinics find 130.  Lying breasts have none: their outer
-border slides by up to 8 mm from woman to woman, and clinics measure it on standing ones.
-Landmarks are taken where they were picked, unless the pick was doubted, else from the fitted model; every row says
-which.
-
-Lengths along the skin run on the fitted model: a scan has holes under and beside the breast, just where a tape runs.
-A pick is first put on it.  The tape is exact on the mesh (geometry/geodesic.py) and laid without stretching the skin.
-Every row has the lines that were measured, so that they can be shown on the body.
+them (Henseler 2023); symmetry ratios in symmetry.py, volume in volume.py.  Supine breasts have no base width.  Landmarks
+are the picked ones unless doubted, else the fitted model's; every row says which, and has its measured lines.  Lengths
+along the skin are geodesic on the fitted model, as scans have holes beside and under the breast.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

@@ -1,19 +1,14 @@
-"""How far a breast hangs: its nipple and its lowest point above or below the fold, and Regnault's grade of ptosis.
+"""How far a breast hangs: nipple and lowest point above or below the fold, and Regnault's grade of ptosis.
 
-Regnault 1976 (Clin Plast Surg 3:193): the nipple against the fold's level while the patient stands.  The limits in
-millimetres are the usual reading of the grades:
+Regnault 1976 (Clin Plast Surg 3:193), in the usual reading in millimetres, for standing patients:
 
     I      at the fold or at most 10 mm below it
     II     10 to 30 mm below it, and still above the breast's lowest contour
     III    more than 30 mm below it, or below it and at the lowest contour
     glandular (pseudoptosis): the nipple above the fold, the breast's lowest point well below it
 
-Heights are along the body's own axis (body_frame.py): a scan does not say where the ground is.  A supine patient has
-no ptosis, so these rows are there for a standing one only, and only for breasts whose nipple was picked or is seen in
-the scan's colours: without either the fit places the nipple of a hanging breast 15 mm off on average.
-
-A breast that hangs hides its fold.  Then nobody can pick it, and the model takes the crease under the breast for it,
-which lies deeper; the fold's level is then taken from the xiphoid's, beside which it lies on most women.
+Heights are along the body's axis (body_frame.py).  The nipple has to be picked or observed in colour: else fits of
+hanging breasts are 15 mm off.  The fold of a hanging breast is taken at the xiphoid's height (docs/decisions/0003).
 """
 
 from collections.abc import Iterator, Mapping

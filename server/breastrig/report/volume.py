@@ -1,19 +1,8 @@
-"""Breast volume: what lies between the skin inside the breast's outline and a chest wall that nobody sees.
+"""Breast volume: between the skin inside the breast's outline and an estimated chest wall (docs/decisions/0016).
 
-The wall is the smoothest surface that continues the skin around the breast underneath it: a thin-plate spline
-(Duchon 1977: least bending) of the distance from the body's long axis, unrolled around it because the breast reaches
-far round the chest, through three level lines of the skin: on the outline, 10 mm and 20 mm outside it.  It knows
-heights and slopes of the chest around the breast and nothing of ribs or muscle.  The volume is the flux between skin
-and wall, signed, so that a breast that hangs over its fold counts its tissue and not what is behind it.
-
-The outline is the model's own (`breast_base`), carried by the fit, which places it too far in where the scan ends;
-by how much is known and taken off (measures.toml).  The band holds the volumes with the outline moved in and out by
-its error, widened by the mean distance of fit and scan.  Where nothing is known of the fit the error is what raters
-differ by: they place the outline 3.5 to 6.7 mm apart (Wesselius 2018).
-
-Tried and dropped: the model posed with its breast shapes at their smallest.  A fit also uses other shapes to show a
-breast, and the smallest breast of the model is not flat.  A spline over the plane of the outline: at the side of the
-chest the skin stands upright on that plane.
+The wall is a thin-plate spline (Duchon 1977) of the distance from the body's long axis through three level lines of the
+skin: on the outline, 10 mm and 20 mm outside it.  The volume is the signed flux between skin and wall.  The outline is
+the model's `breast_base`, corrected by measures.toml; the band is that of its error and of the fit's mean distance.
 """
 
 from dataclasses import dataclass

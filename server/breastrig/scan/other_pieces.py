@@ -1,12 +1,8 @@
-"""Pieces beside the body that are none of its skin, such as the hand of whoever helps, cut away before the fit.
+"""Pieces beside the body that are none of its skin, such as a helper's hand, cut away before the fit.
 
-A scan may show the body in several pieces: an arm, an island within a hole, two sides that were never joined.  Such a
-piece continues the body: along much of its border the body's own border runs a few centimetres off, and both lie in
-one surface, so that neither rises above the other's tangent plane.  A hand does not: what faces it across the gap is
-seen across a valley, or lies under it.  What continues the body is body from then on, for the next piece.
-
-Where hand and body touch they are one piece, and nothing is cut.  An arm that was scanned 3 cm and more apart is taken
-for another person's; a fit of the trunk hardly misses it.
+A piece continues the body if much of its border runs within a few centimetres of the body's border and both lie in one
+surface: neither rises above the other's tangent plane.  An arm scanned more than 3 cm apart counts as another person's;
+what touches the body is never cut.
 """
 
 from dataclasses import dataclass

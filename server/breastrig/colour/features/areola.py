@@ -1,13 +1,8 @@
-"""The areola: a round patch of darker or redder skin about where the geometry expects the nipple.
+"""The areola: a round patch of darker or redder skin near the expected nipple.
 
-Searched for in one picture of the breast by the difference of a disc and the ring around it, of several sizes (the box
-form of a difference of Gaussians), which must hold towards every side, so that shade and folds, dark on one side, do
-not count.  Then measured in a second picture along its own normal: the axis in Lab that best parts it from the skin
-around it (Fisher's discriminant), the border on rays from its middle as the change point between both colours, and a
-low Fourier series through the border.
-
-A moment's shade changes lightness and, with it, chroma; so a* and b* are first scaled to the lightness of the skin
-around.  Thin things (ink, hair, scars) and small ones (moles) are taken out by a median.
+It is found by the difference of a disc and the ring around it, at several sizes, towards every side.  Its border is
+then measured along the axis in Lab that best separates it from the skin around (Fisher's discriminant): change points
+on rays, smoothed by a low Fourier series.  a* and b* are scaled to the local lightness; a median removes thin things.
 """
 
 from collections.abc import Iterable

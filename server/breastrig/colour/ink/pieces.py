@@ -1,11 +1,8 @@
 """Unbroken pieces of lines, and whether their colour is that of ink.
 
-A piece is judged by its mean profile across, red, green and blue, against the bare skin on both sides: grain and the
-picture's noise cancel along it.  Each marker adds density in its own way: violet, blue and green most in red, black
-alike in all, red in green and blue.  On dark skin, which is darker than ink in some channel, it turns the hue to blue,
-green or red, as no pigment of the skin does.  What else makes thin lines does otherwise: skin's pigments (moles, veins,
-scars, rims of areolae) add most in blue and least in red; creases and shadows are wider; loose hair is narrower and
-faint; at the edge of cloth or table there is no skin on the other side.
+A piece is judged by its mean optical density across, against the bare skin on both sides: markers add density in red or
+green, skin's pigments most in blue and least in red; creases are wider, hair narrower, and the edge of cloth has skin on
+one side only.  On dark skin ink turns the hue to blue, green or red.
 """
 
 from collections.abc import Sequence

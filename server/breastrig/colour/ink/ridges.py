@@ -1,13 +1,8 @@
 """Middles of thin lines in one picture of the skin, to a fraction of a pixel.
 
-Colours are taken as optical densities, -log of the linear light: a shadow adds the same to all channels, and ink adds
-its own density whatever the skin's tone.  Ink is seen in red and green: skin's own pigments (melanin, blood) absorb
-blue most and red least, while each marker darkens red or green (a red one green and blue).  On the darkest skin ink
-that covers it may be as light as the skin, or lighter: there it is seen by its hue.
-
-A line is where the smoothed density, seen across, has its top (Steger, An unbiased detector of curvilinear structures,
-1998): the Hessian's sharpest direction is across, and the top lies where the first derivative in this direction
-vanishes.
+Colours are optical densities, -log of the linear light, in red and green, where ink differs from skin's pigments; on
+the darkest skin the hue.  A line is where the smoothed density has its maximum across (Steger, An unbiased detector of
+curvilinear structures, 1998).
 """
 
 from collections.abc import Sequence

@@ -1,15 +1,11 @@
 """The Wise pattern (inverted T, keyhole) of a breast reduction, constructed on the patient's own skin.
 
-Its lengths are millimetres of a tape on this patient, so it cannot be a fixed line of the model.  Construction, as
-at the drawing board (Wise, Plast. Reconstr. Surg. 17, 1956), each length geodesic:
+All lengths are geodesic millimetres (Wise, Plast. Reconstr. Surg. 17, 1956), each side from its own landmarks:
 
-* the new nipple lies on the meridian (midclavicle to nipple) at the height of the fold, never below the nipple, or
-  as far beside the meridian as is planned;
-* the keyhole is an arc around it whose length is the new areola's circumference, open below by `opening_deg`;
+* the new nipple is on the meridian (midclavicle to nipple) at the height of the fold, never below the nipple;
+* the keyhole is an arc around it as long as the new areola's circumference, open below by `opening_deg`;
 * two vertical limbs of equal length leave its ends and diverge;
 * horizontal limbs join their lower ends to the ends of the fold, which may be planned above or below her own.
-
-Both sides are drawn each from its own landmarks: real breasts differ.
 """
 
 from dataclasses import dataclass

@@ -1,16 +1,12 @@
-"""Every pick seen as if it had not been given: how far it then is, and how far it may be expected to be.
+"""Leave-one-out residuals of picks, to first order, with their predictive covariance.
 
-A single wrong pick is followed where the skin around it is smooth, so its own distance to the fitted model says
-little.  With the normal equations H of the fitted state, the rows J_i of pick i (in standard deviations) and its
-residual r_i, leaving it out gives to first order the residual and its predictive covariance
+With the normal equations H, the rows J_i of pick i (in standard deviations) and its residual r_i
 
     e_i = (I − h_ii)⁻¹ r_i,    (I − h_ii)⁻¹,    h_ii = J_i H⁻¹ J_iᵀ
 
-(the PRESS residual; Allen, The relationship between variable selection and data augmentation, 1974).  The covariance
-is that of the model's place without the pick plus that of a click; what the model cannot show of real bodies, the
-misfit, is added to it (presets, `landmarks`), and where breasts hang what is known of that (body/hanging.py).  The
-deviation of a pick is the length of e_i in units of all of them: a number without millimetres, the same for a navel on
-a soft belly and for a notch between two bones.
+(the PRESS residual; Allen, The relationship between variable selection and data augmentation, 1974).  The misfit of the
+model (presets, `landmarks`) and the effect of hanging breasts (body/hanging.py) are added to the covariance; the
+deviation of a pick is the length of e_i in its units.
 """
 
 from collections.abc import Collection

@@ -1,17 +1,9 @@
 """Where the rest pose lies on a scan, from the scan alone: rigid tries all around, the best of them followed further.
 
-The front is known to some ten degrees (scan/orient.py reads it from what the camera saw); the turn around it and the
-height are not.  Each try is followed by iterative closest points in both directions, in position and normal at once:
-scan to model, for all skin that was scanned belongs somewhere on the body, and model to scan, so that it covers the
-skin there is.  Pairs that end at the scan's border or at the model's own rim say "beyond here nothing is known" and
-pull nobody; without this rule a half scan draws the model off its half.  Tries are judged by capped distances the same
-two ways, and only the best go on, with more points.
-
-A scan that leaves much of the model without skin shows a part of a body: then the front may be read up to fifty
-degrees wrong and the middle of the scan is not the body's, so tries are made to both sides too.  A scan that shows all
-sides has no known front; then all six directions of its axes are tried.
-
-Of 38 partial scans of warped bodies the right place comes first in 36, turned at random.
+Each try is refined by iterative closest points in both directions, in position and normal at once; pairs at the scan's
+border or the model's rim do not count.  Tries are judged by capped distances the same two ways.  A scan of a part of a
+body is tried to both sides too, one that shows all sides along all six directions of its axes.  Of 38 partial scans of
+warped bodies, turned at random, the right place comes first in 36.
 """
 
 from dataclasses import dataclass

@@ -1,12 +1,8 @@
-"""What a finished fit shows of itself: numbers by which a right fit of a torso differs from any other.
+"""Numbers by which a right fit of a torso differs from any other, taken before the free-form refinement.
 
-A model of 136 parameters nestles up to a plate or a rubber duck with a mean distance under 2 mm, so the mean says
-nothing.  What gives it away is how it lies there: single places stay far, model and scan face different ways, the model
-covers little of what is around it, the body had to be stretched to its limits, and without landmarks another position
-would have done nearly as well.  All of it is looked at before any free-form refinement, which would hide it.
-
-A breast that hangs is a narrow fold: on the model's skin there the scan's turns by a right angle within millimetres, so
-that it faces another way although it lies where it should.  How model and scan face is asked of all other skin then.
+The mean distance is under 2 mm even on a plate.  Others differ: single far places, opposite normals, little coverage,
+scales at their limits, and without landmarks a second position that is nearly as good.  Around hanging breasts, narrow
+folds, normals are not compared.
 """
 
 from dataclasses import dataclass

@@ -1,11 +1,7 @@
 """A zip as scanner apps send it: the one mesh that is meant, and the material and pictures that it names.
 
-Apps pack more than the scan: folders, previews, every photograph with its camera, depth maps, descriptions in JSON, the
-same body coarse, fine and with a picture.  What is not read is not unpacked either: the mesh first, then what it names
-when it is asked for.  Meshes of one folder whose names differ in words such as
-"textured" or "refined" are one scan, and the one with a picture is read; between others nobody guesses.
-
-Nothing is ever unpacked to the disk, so links, absolute names and the like in a zip lead nowhere.
+Only these are unpacked, in memory.  Meshes of one folder whose names differ in words such as "textured" or "refined"
+are one scan, of which the one with a picture is read; any other choice is refused.
 """
 
 import io

@@ -1,13 +1,8 @@
-"""The meshes of an uploaded .glb or .gltf: nothing endless, nothing from elsewhere, nothing left out in silence.
+"""The meshes of an uploaded .glb or .gltf, checked in its JSON before any array is read (docs/decisions/0017).
 
-Such a file can name other files or addresses, hide its geometry in a compression (Draco's and meshopt's are unpacked),
-build a scene that contains itself, claim arrays of any length, or say one small mesh 300,000 times.  All of that is
-found in the JSON alone, before an array is read.  Then only what the scene draws is read: positions, triangles,
-colours, texture coordinates and the picture that colours the skin; names, extras, animations, cameras and what no node
-draws are not looked at.  Of other files only those beside it in its folder or zip are read.
-
-Tried and dropped: trimesh's reader behind such a check.  It ignores sparse accessors and triangle fans without a word,
-reads every accessor whether used or not, and needs a millisecond for each primitive.
+Refused: other addresses, scenes that contain themselves, lengths beyond the limits.  Read: what the scene draws, with
+positions, triangles, colours, texture coordinates and the picture of the skin, also compressed by Draco or meshopt;
+other files only from its own folder or zip.
 """
 
 import re

@@ -1,12 +1,8 @@
 """Landmark files, in and out: ours (JSON), tables, MeshLab's picked points (.pp), 3D Slicer's (.mrk.json, .fcsv).
 
-All hold points in the scan's own frame.  Ours may name its unit; the others are read in the scan's unit,
-because the programs that write them show a mesh's numbers as they are: Slicer writes "mm" even when the mesh
-that it shows is in metres.
-
-Slicer's frame.  Slicer turns mesh files and markup files alike from LPS (x to the left, y to the back, z up)
-into RAS when it reads them and back when it writes: points stored as LPS, its default, are therefore in the
-numbers of the mesh file; points stored as RAS have x and y of the other sign.
+Points are in the scan's frame; ours may name its unit, the others are in the scan's unit, whatever Slicer's "mm" says.
+Slicer turns mesh and markup files alike from LPS into RAS and back: points stored as LPS, its default, have the mesh
+file's numbers, points stored as RAS have x and y of the other sign.
 """
 
 import csv
