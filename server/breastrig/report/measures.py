@@ -1,7 +1,7 @@
 """The measures of a breast, with 90 % bands: straight as by callipers, and along the skin as by a tape.
 
 Definitions: notch, midclavicle and fold to nipple, nipple to midline, nipple to nipple and base width as clinics take
-them (Henseler 2023); symmetry ratios in symmetry.py, volume in volume.py.  Supine breasts have no base width.  Landmarks
+them (Henseler 2023); symmetry ratios in symmetry.py, volume in volume.py.  Supine ones have no base width.  Landmarks
 are the picked ones unless doubted, else the fitted model's; every row says which, and has its measured lines.  Lengths
 along the skin are geodesic on the fitted model, as scans have holes beside and under the breast.
 """

@@ -1,7 +1,7 @@
 """Unbroken pieces of lines, and whether their colour is that of ink.
 
 A piece is judged by its mean optical density across, against the bare skin on both sides: markers add density in red or
-green, skin's pigments most in blue and least in red; creases are wider, hair narrower, and the edge of cloth has skin on
+green, skin's pigments most in blue and least in red; creases are wider, hair narrower, and an edge of cloth has skin on
 one side only.  On dark skin ink turns the hue to blue, green or red.
 """
 
