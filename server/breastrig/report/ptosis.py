@@ -8,7 +8,7 @@ Regnault 1976 (Clin Plast Surg 3:193), in the usual reading in millimetres, for 
     glandular (pseudoptosis): the nipple above the fold, the breast's lowest point well below it
 
 Heights are along the body's axis (body_frame.py).  The nipple has to be picked or observed in colour: else fits of
-hanging breasts are 15 mm off.  The fold of a hanging breast is taken at the xiphoid's height (docs/decisions/0003).
+hanging breasts are 15 mm off.  A hanging breast hides its fold, which is then taken at the xiphoid's height.
 """
 
 from collections.abc import Iterator, Mapping

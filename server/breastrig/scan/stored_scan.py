@@ -1,8 +1,6 @@
-"""What the service keeps of an uploaded scan: triangles, colours and picture, and nothing that the file said beside.
+"""What the service keeps of an uploaded scan: triangles, colours and picture, none of the file's names and comments.
 
-Scanner files carry comments, names of patients as groups, materials and files, serial numbers, and pictures with time
-and place.  So not the upload is kept but a file of our own with the numbers that were read, to the last bit: fits of
-it are those of the upload.  It is numpy's .npz without pickled objects; the sha256 is that of the uploaded bytes.
+A numpy .npz without pickled objects, exact to the last bit; the sha256 is that of the uploaded bytes.
 """
 
 import json
@@ -19,13 +17,12 @@ from breastrig.scan.pictures.texture import written_anew
 from breastrig.scan.scan import Scan
 
 STORED = "stored"  # the file type, for which no upload can pass
-FACTS = ("unit", "metres_per_unit", "unit_reason", "sha256", "notes")
-LATER_FACTS = {"from_points": False}  # those of earlier versions lack them
+FACTS = ("unit", "metres_per_unit", "unit_reason", "sha256", "notes", "from_points")
 
 
 def write_stored(scan: Scan, path: Path) -> None:
     """Writes the scan to the file `path`.  Raises OSError."""
-    facts = {name: getattr(scan, name) for name in (*FACTS, *LATER_FACTS)}
+    facts = {name: getattr(scan, name) for name in FACTS}
     arrays: dict[str, NDArray[Any]] = {
         "facts": np.frombuffer(json.dumps(facts).encode(), np.uint8),
         "vertices": scan.vertices,
@@ -58,7 +55,6 @@ def read_stored(path: Path, texture: bool = True, for_display: bool = True) -> S
                 texture=jpeg,
                 picture=None if jpeg is None else picture,
                 **{name: facts[name] for name in FACTS} | {"notes": tuple(facts["notes"])},
-                **{name: facts.get(name, earlier) for name, earlier in LATER_FACTS.items()},
             )
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
         raise BadScan("The stored scan is damaged; upload it again.") from error
