@@ -8,45 +8,18 @@ Without them the rest pose is tried all around (starts/rigid_search.py), and on 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import dataclass
 
 import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.fit import fit_iterates
-from breastrig.fitting.recipe import Recipe, load_recipe
+from breastrig.fitting.starts.part_of_body import best_height
 from breastrig.fitting.starts.rigid_search import rest_place
-from breastrig.fitting.task import FitTask
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.similarity import Similarity, similar_parameters, umeyama
 from breastrig.rig.skinning import pose
-
-SHIFTS = (0.0, 0.03, 0.06, -0.03, -0.06)  # m along the body; half of the basin, and of what a place on a part is off
-
-
-@cache
-def _judge() -> Recipe:
-    """The settings that every start is judged by, whatever those of the fit: the place belongs to the scan."""
-    recipe = load_recipe("default")
-    return recipe.model_copy(update={"stages": recipe.stages[:2]})
-
-
-def best_height(rig: Rig, target: ScanTarget, place: Similarity) -> Similarity:
-    """The place, moved along the body to where a fit ends with the least energy."""
-    stance = "standing" if target.table is None else "supine"
-
-    def at(shift: float) -> Similarity:
-        return replace(place, translation=place.translation + shift * place.rotation[:, 1])
-
-    def energy(start: Similarity) -> float:
-        *_, last = fit_iterates(FitTask(rig, target, similar_parameters(rig, start), _judge(), {}, stance))
-        return last.energy if last.is_finite else np.inf
-
-    return min(map(at, SHIFTS), key=energy)
-
 
 TRUST = 0.04  # m; patients' landmarks lie within about 3 cm of a similarity of the model's
 ADULT_SCALE = (0.75, 1.3)  # of the model
