@@ -22,7 +22,7 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.files.result import ResultFile
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.scan.pictures.companions import MISSING
+from breastrig.scan.pictures.companions import NO_MATERIAL
 from breastrig.workflow.fit_outcome import Doubt
 from breastrig.workflow.fit_recorder import FitRecorder
 
@@ -423,4 +423,4 @@ def test_what_was_lost_of_a_scan_is_said_on_stderr(tmp_path: Path, capsys: pytes
         str(tmp_path / "out"),
     ]
     assert main(["fit", *arguments]) == 0
-    assert capsys.readouterr().err.splitlines() == [f"breastrig: {MISSING}", *OF_EXAMPLE]
+    assert capsys.readouterr().err.splitlines() == [f"breastrig: {NO_MATERIAL}", *OF_EXAMPLE]

@@ -5,7 +5,7 @@ import { tmpdir } from "node:os";
 import { delimiter, join, resolve } from "node:path";
 
 export const REPOSITORY = resolve(import.meta.dirname, "../..");
-const PATIENCE_MS = 60_000;
+const PATIENCE_MS = 180_000; // a busy machine
 
 /** The Python of the environment that has breastrig: of the one that runs us, else of the checkout's own. */
 export function findPython(): string {
