@@ -127,7 +127,7 @@ def test_a_fit_follows_the_skin_unless_it_is_asked_not_to(client: FlaskClient, s
             '"mona_lisa" is not a drawing of this model; known are: lumpectomy, reduction, vertical, periareolar, '
             "ellipse, tumour, tumour_at.",
         ),
-        ({"stance": "sitting"}, "stance: Input should be 'auto', 'standing' or 'supine'."),
+        ({"stance": "sitting"}, "stance: Input should be 'auto', 'standing', 'supine' or 'prone'."),
         ({"landmarks": {"elbow": [0, 0, 0]}}, '"elbow" is not a landmark'),
         ({"landmarks": {"nipple_L": [0, 0, 9000]}}, "nipple_L lies"),
         ({"landmarks": {}, "certain": ["nipple_L"]}, '"certain" names nipple_L, which is not among these landmarks'),

@@ -136,10 +136,10 @@ def test_unknown_addresses_and_methods_say_so(client: FlaskClient) -> None:
         "/%ff",
     ):
         assert problem(client.get(address), 404).startswith("There is nothing at this address")
-    for method in ("GET", "PATCH"):
+    for method in ("PUT", "PATCH"):
         answer = client.open("/api/fits", method=method)
         assert method in problem(answer, 405)
-        assert set(answer.headers["Allow"].split(", ")) == {"POST", "OPTIONS"}
+        assert set(answer.headers["Allow"].split(", ")) == {"GET", "HEAD", "POST", "OPTIONS"}
 
 
 @pytest.mark.parametrize(

@@ -19,6 +19,7 @@ from breastrig.api.config import checked_token
 from breastrig.cli import interruption, serve_command
 from breastrig.cli.main import main
 from breastrig.cli.serve_command import _stop_on_signals
+from breastrig.execution.pool import Lane
 from breastrig.gltf.write_rig import write_rig
 
 
@@ -57,8 +58,9 @@ def test_no_process_of_the_service_inherits_its_secrets(tmp_path: Path, model: P
             == 200
         )
         below = children(process.pid)
+        commands = [Path(f"/proc/{pid}/cmdline").read_bytes() for pid in below]
         environments = [Path(f"/proc/{pid}/environ").read_bytes() for pid in below]
-    assert len(environments) > 2  # a fork server, and processes for scans and fits
+    assert any(b"forkserver" in command for command in commands)  # every task's process is made of it
     assert all(b"PATH=" in environment for environment in environments)
     assert not any(token.encode() in environment for environment in environments)
 
@@ -152,12 +154,12 @@ def handlers() -> Iterator[None]:
 def test_a_signal_that_python_swallows_while_the_service_starts_still_stops_it(
     tmp_path: Path, model: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def interrupted() -> None:
+    def interrupted(_lane: Lane) -> None:
         with suppress(KeyboardInterrupt):
             signal.raise_signal(signal.SIGTERM)
 
     interruption.watch()
-    monkeypatch.setattr(serve_command, "start_fork_server", interrupted)
+    monkeypatch.setattr(Lane, "warm_up", interrupted)
     assert main(["serve", "--port", "0", "--data", str(tmp_path / "data"), "--model", str(model)]) == 143
     said = capsys.readouterr()
     assert said.out == ""

@@ -36,9 +36,9 @@ def test_all_sides_exchanged_are_named_before_the_first_step_and_at_the_end(pick
     [doubt] = started.landmarks_not_followed
     assert doubt.names == list(exchanged)
     assert "exchanged" in doubt.reason
-    assert done.result["landmarks_not_followed"] == [doubt.model_dump()]
+    assert done.result.document()["landmarks_not_followed"] == [doubt.model_dump()]
     said = "12 landmarks look exchanged between left and right; look at what is asked about them."
-    assert said in done.result["verdict"]["reasons"]
+    assert said in done.result.document()["verdict"]["reasons"]
 
 
 @pytest.mark.parametrize("middle", [("umbilicus",), ("suprasternal_notch", "umbilicus")])
@@ -48,14 +48,14 @@ def test_of_few_picks_the_skin_tells_why_their_fit_has_failed(picks, middle, tmp
         events(exchanged_sides(few), tmp_path)
     assert "check the scan's unit" in str(failed.value)
     _, done = events(few, tmp_path)
-    assert done.result["landmarks_not_followed"] == []
+    assert done.result.document()["landmarks_not_followed"] == []
 
 
 def test_of_a_few_more_the_verdict_says_so_before_all_that_follows_from_it(picks, tmp_path: Path) -> None:
     five = {name: picks[name] for name in ("nipple_L", "nipple_R", "suprasternal_notch", "umbilicus", "xiphoid")}
     _, done = events(exchanged_sides(five), tmp_path)
-    assert done.result["verdict"]["level"] == "unusable"
-    assert done.result["verdict"]["reasons"][0].startswith("Left and right of the landmarks look exchanged;")
+    assert done.result.document()["verdict"]["level"] == "unusable"
+    assert done.result.document()["verdict"]["reasons"][0].startswith("Left and right of the landmarks look exchanged;")
 
 
 def exchanged_sides(picks: dict[str, list[float]]) -> dict[str, list[float]]:

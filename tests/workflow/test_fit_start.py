@@ -64,8 +64,8 @@ def test_after_one_pick_was_moved(rig: Rig, tmp_path: Path) -> None:
     assert gaps.mean() < 5e-4
     assert gaps.mean() < 0.2 * shift.mean()
     assert len(again) < len(fresh)
-    assert again[-1].result["surface_distance_mm"]["mean"] == pytest.approx(
-        fresh[-1].result["surface_distance_mm"]["mean"], abs=0.05
+    assert again[-1].result.document()["surface_distance_mm"]["mean"] == pytest.approx(
+        fresh[-1].result.document()["surface_distance_mm"]["mean"], abs=0.05
     )
 
 

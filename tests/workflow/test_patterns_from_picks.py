@@ -31,7 +31,7 @@ def fitted_with(nipple: np.ndarray, out: Path) -> dict[str, object]:
     asked = FitJob(scan=EXAMPLE / "scan.ply", out=out, landmarks_mm=picks, drawing="periareolar")
     *_, last = run_fit(asked)
     assert isinstance(last, Done)
-    return last.result
+    return last.result.document()
 
 
 def areola(out: Path) -> np.ndarray:

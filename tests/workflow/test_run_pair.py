@@ -40,7 +40,7 @@ def test_both_stories_are_whole_and_end_together(told: tuple[Path, list[tuple[in
         assert story[0].stance == stance
         assert [event.iteration for event in story[1:-1] if isinstance(event, Iterated)] == list(range(len(story) - 2))
         assert isinstance(story[-1], Done)
-        assert story[-1].result["converged"]
+        assert story[-1].result.document()["converged"]
     assert len(stories[0]) == len(stories[1])
     assert [type(event) for _, event in told[1][-2:]] == [Done, Done]
 
@@ -105,7 +105,7 @@ def test_who_stops_listening_stops_both(tmp_path: Path) -> None:
 def test_a_wrong_pick_on_one_scan_is_named_there_and_followed_nowhere(tmp_path: Path) -> None:
     right, wrong = job("standing", tmp_path / "a"), job("supine", tmp_path / "b")
     wrong.landmarks_mm["suprasternal_notch"] = wrong.landmarks_mm["nipple_L"]
-    first, second = [event.result for _, event in run_pair(right, wrong) if isinstance(event, Done)]
+    first, second = [event.result.document() for _, event in run_pair(right, wrong) if isinstance(event, Done)]
     assert first["landmarks_not_followed"] == []
     assert [doubt["names"] for doubt in second["landmarks_not_followed"]] == [["suprasternal_notch"]]
     assert first["surface_distance_mm"]["mean"] < 0.78

@@ -107,7 +107,7 @@ def test_with_stance_auto_the_fit_that_shows_the_stance_is_the_fit(
     assert "arms hang" in auto[0].stance_reason
     assert [each.nodes for each in auto[1:-1]] == [each.nodes for each in asked[1:-1]]
     names = ("surface_distance_mm", "landmark_distance_mm", "parameters", "iterations", "stop_reason")
-    assert [auto[-1].result[name] for name in names] == [asked[-1].result[name] for name in names]
+    assert [auto[-1].result.document()[name] for name in names] == [asked[-1].result.document()[name] for name in names]
 
 
 def test_the_time_that_finding_the_stance_takes_is_time_of_solving(
@@ -117,7 +117,7 @@ def test_the_time_that_finding_the_stance_takes_is_time_of_solving(
     now = iter(range(10**6))
     monkeypatch.setattr("breastrig.workflow.scan_fit.time.perf_counter", lambda: float(next(now)))
     done = events_of(EXAMPLE / "scan.ply", tmp_path, PICKS)[-1]
-    timing = done.result["timing_s"]
+    timing = done.result.document()["timing_s"]
     assert set(timing) == {"read", "prepare", "align", "solve", "refine", "total"}
     assert timing["align"] <= 2.0
     assert timing["solve"] > timing["read"] + timing["prepare"] + timing["align"]
@@ -151,7 +151,7 @@ def test_proposals_and_fits_begin_with_what_the_upload_found(
         point, there = proposal.pop("point"), anew[name].pop("point")
         assert point == pytest.approx(there, abs=1e-3), name  # mm
         assert proposal == anew[name]
-    first, second = (events[-1].result for events in (fitted, fitted_anew))
+    first, second = (events[-1].result.document() for events in (fitted, fitted_anew))
     assert first["stance"] == second["stance"] == stance
     assert first["stance_reason"] == second["stance_reason"]
     assert first["scan"] == second["scan"]
@@ -167,7 +167,12 @@ def test_a_coloured_scan_is_not_fitted_again_to_see_where_its_landmarks_are_expe
     for name, facts in (("fitted", known), ("to be fitted", {k: v for k, v in known.items() if k != "fitted"})):
         proposed = propose_on_file(ProposeJob(EXAMPLE / "scan.ply", "ply", "m", None, facts))
         events = events_of(EXAMPLE / "scan.ply", tmp_path / name, {}, orientation=facts)
-        results[name] = (proposed, [each.nodes for each in events[1:-1]], events[-1].result["landmarks"], {**calls})
+        results[name] = (
+            proposed,
+            [each.nodes for each in events[1:-1]],
+            events[-1].result.document()["landmarks"],
+            {**calls},
+        )
         calls.update(fits=0)
     assert results["fitted"][:3] == results["to be fitted"][:3]
     assert (results["fitted"][3]["fits"], results["to be fitted"][3]["fits"]) == (2, 4)
@@ -233,7 +238,7 @@ def test_what_was_cut_as_table_or_by_hand_is_in_the_result(tmp_path: Path) -> No
     """Said or found: a lying patient's table goes, and result.json says how much of the scan that was."""
     picks = json.loads((SUPINE / "landmarks.json").read_text())["landmarks"]
     for stance in ("auto", "supine"):
-        result = events_of(SUPINE / "scan.ply", tmp_path / stance, picks, stance=stance)[-1].result
+        result = events_of(SUPINE / "scan.ply", tmp_path / stance, picks, stance=stance)[-1].result.document()
         cut = result["scan"]["table_triangles"]
         assert 0.3 < cut / result["scan"]["triangles"] < 0.45
         assert f"{cut} triangles of the table under the patient were left out." in result["notes"]
@@ -243,7 +248,7 @@ def test_what_was_cut_as_table_or_by_hand_is_in_the_result(tmp_path: Path) -> No
     cut = int(np.count_nonzero(cut_triangles(scan.vertices, scan.faces, [HandCut.of(corner)])))
     assert cut > 200
     standing = events_of(SUPINE / "scan.ply", tmp_path / "standing", picks, stance="standing", cuts=(corner,))
-    result = standing[-1].result
+    result = standing[-1].result.document()
     assert result["scan"]["table_triangles"] == 0
     assert result["scan"]["cut_by_hand_triangles"] == cut
     assert result["scan"]["triangles"] == len(scan.faces)

@@ -37,7 +37,7 @@ def verdict(
     *_, last = run_fit(FitJob(scan=scan, out=out, landmarks_mm=picks, units=units, preset=preset, drawing=None))
     assert isinstance(last, Done)
     written = json.loads((out / "result.json").read_text())["verdict"]
-    assert written == last.result["verdict"]
+    assert written == last.result.document()["verdict"]
     return dict(written)
 
 
@@ -63,7 +63,7 @@ def test_agreeing_to_every_proposal_makes_no_fit_surer(stance: str, tmp_path: Pa
     )
     *_, last = run_fit(job)
     assert isinstance(last, Done)
-    result = last.result
+    result = last.result.document()
     factor = 1e3 * METRES_PER_UNIT[scan.unit]
     errors = {n: np.linalg.norm(factor * np.array(result["landmarks"][n]) - p) for n, p in picks_mm(stance).items()}
     radii = result["landmark_uncertainty_mm"]

@@ -28,7 +28,7 @@ def picks() -> dict[str, list[float]]:
 def result(landmarks: dict[str, list[float]], out: Path) -> dict:
     *_, last = run_fit(FitJob(scan=EXAMPLE / "scan.ply", out=out, landmarks_mm=landmarks))
     assert isinstance(last, Done)
-    return last.result
+    return last.result.document()
 
 
 def distances_to_true(found: dict) -> np.ndarray:
@@ -83,7 +83,7 @@ def test_a_mirrored_scan_is_flagged_and_its_landmarks_are_not_followed(tmp_path:
     places = {name: [-place[0], *place[1:]] for name, place in picks().items()}
     *_, last = run_fit(FitJob(scan=tmp_path / "mirrored.ply", out=tmp_path / "out", landmarks_mm=places))
     assert isinstance(last, Done)
-    (doubt,) = last.result["landmarks_not_followed"]
+    (doubt,) = last.result.document()["landmarks_not_followed"]
     assert "mirrored" in doubt["reason"]
     assert set(doubt["names"]) == set(places)
 
@@ -105,7 +105,7 @@ def test_a_certain_pick_is_not_asked_about(tmp_path: Path) -> None:
     wrong["xiphoid"] = [wrong["xiphoid"][0] + 50.0, *wrong["xiphoid"][1:]]
     *_, last = run_fit(FitJob(scan=EXAMPLE / "scan.ply", out=tmp_path, landmarks_mm=wrong, certain=("xiphoid",)))
     assert isinstance(last, Done)
-    assert last.result["landmarks_unusual"] == last.result["landmarks_not_followed"] == []
+    assert last.result.document()["landmarks_unusual"] == last.result.document()["landmarks_not_followed"] == []
 
 
 @pytest.mark.parametrize("stance", ["standing", "supine"])
@@ -126,6 +126,6 @@ def test_three_picks_nearly_on_a_line_do_not_turn_the_patient(
     three = {name: [value + 4.0 * rng.normal() for value in true[name]] for name in names}
     *_, last = run_fit(FitJob(scan=place / "scan.ply", out=tmp_path, landmarks_mm=three))
     assert isinstance(last, Done)
-    per_mm = {"m": 1e3, "mm": 1.0}[last.result["scan"]["unit"]]
-    gaps = [np.linalg.norm(per_mm * np.array(last.result["landmarks"][n]) - true[n]) for n in true]
+    per_mm = {"m": 1e3, "mm": 1.0}[last.result.document()["scan"]["unit"]]
+    gaps = [np.linalg.norm(per_mm * np.array(last.result.document()["landmarks"][n]) - true[n]) for n in true]
     assert np.mean(gaps) < 20.0
