@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from breastrig.rig.model import Rig
     from breastrig.rig.named_parameters import BonePose, Parameters
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 __all__ = [
     "BadDrawing",
