@@ -82,7 +82,7 @@ LONGEST = (
     "colour/test_find_ink.py",
     "fitting/test_propose.py",
     "studies/virtual/test_warped_bodies.py",
-    "report/test_areolae.py",
+    "colour/test_areolae.py",
     "api/test_drawing_limits.py",
     "service/test_proposals.py",
     "scan/test_fuzz_inside.py",

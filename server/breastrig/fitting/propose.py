@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from breastrig.colour.areolae import ObservedAreola
 from breastrig.core.arrays import Array
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.fitting.body.expected_shifts import expected_shifts
@@ -22,7 +23,6 @@ from breastrig.fitting.scan_orientation import ScanOrientation, orientation_task
 from breastrig.fitting.starts.second_start import iterates_with_second_start
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.geometry.normals import vertex_normals
-from breastrig.report.areolae import ObservedAreola
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose

@@ -1,1 +1,1 @@
-"""The use case "measure": how far the fitted model is from the scan and from the picked landmarks."""
+"""What a fitted body measures, as numbers, pictures, tables and sheets."""

@@ -9,13 +9,13 @@ from functools import cached_property
 
 import numpy as np
 
+from breastrig.colour.areolae import ObservedAreola
 from breastrig.core.arrays import Array, Integers
+from breastrig.correspondence.distances import signed_distances
 from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.surface_points import SurfacePoints
-from breastrig.report.areolae import ObservedAreola
-from breastrig.report.distances import signed_distances
 from breastrig.rig.model import DrawnShape, Rig
 
 

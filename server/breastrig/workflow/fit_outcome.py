@@ -3,7 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from breastrig.colour.areolae import ObservedAreola
 from breastrig.core.arrays import Array
+from breastrig.correspondence.distances import SurfaceDistances
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.observed.landmarks import ObservedLandmark
 from breastrig.fitting.task import Doubt
@@ -11,8 +13,6 @@ from breastrig.fitting.uncertainty.radii import Radii
 from breastrig.fitting.verdicts.verdict import Verdict
 from breastrig.geometry.polyline import Polyline
 from breastrig.least_squares.newton import Status
-from breastrig.report.areolae import ObservedAreola
-from breastrig.report.distances import SurfaceDistances
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.scan.scan import Scan

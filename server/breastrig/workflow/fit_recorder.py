@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from breastrig.core.errors import BreastRigError, FitFailed
+from breastrig.correspondence.distances import Comparison
 from breastrig.drawings.line_error import with_errors
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.fitting.body.trunk_depth import skin_behind
@@ -26,7 +27,6 @@ from breastrig.fitting.verdicts.reasons import GivenLandmarks, picked_names
 from breastrig.fitting.verdicts.verdict import shows_a_part, verdict, verdict_limits
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.least_squares.newton import Status
-from breastrig.report.distances import Comparison
 from breastrig.rig.model import Rig
 from breastrig.workflow.events import Iterated, NodePose
 from breastrig.workflow.fit_outcome import FitOutcome, ModelAlone

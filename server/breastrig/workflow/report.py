@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from breastrig.colour.areolae import areolae_of
 from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadDrawing, BadInput
 from breastrig.core.identity import Identity
@@ -15,7 +16,6 @@ from breastrig.drawings.plan_schema import PLAN_SCHEMA, checked_plan
 from breastrig.files.result import Distances, ResultFile, damaged, folder_name
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.report.areolae import areolae_of
 from breastrig.report.document import PlannedItem, Reported, report_document, stance_names
 from breastrig.report.measures import measures
 from breastrig.report.stance import Stance

@@ -13,13 +13,13 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from breastrig.core.arrays import Array
+from breastrig.correspondence.distances import ACCEPTED
 from breastrig.correspondence.match import match
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.polyline import Polyline
 from breastrig.rendering.picture import Layer, Line, camera, diverging_colours
 from breastrig.rendering.picture import Scene as Meshes
-from breastrig.report.distances import ACCEPTED
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
 from breastrig_studies.studies.case import Scene, read_scene

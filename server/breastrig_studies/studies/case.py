@@ -14,6 +14,7 @@ import numpy as np
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan, FitFailed
 from breastrig.core.units import METRES_PER_UNIT
+from breastrig.correspondence.distances import ACCEPTED, summary_mm
 from breastrig.correspondence.match import match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import FitTask
@@ -27,7 +28,6 @@ from breastrig.fitting.stance import found_stance
 from breastrig.fitting.task import Doubt
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
-from breastrig.report.distances import ACCEPTED, summary_mm
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from breastrig.correspondence.distances import landmark_summary_mm, summary_mm, surface_distances, surface_summary_mm
 from breastrig.fitting.body.trunk_depth import skin_behind
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.refine import refined
 from breastrig.geometry.normals import turned_triangles
-from breastrig.report.distances import landmark_summary_mm, summary_mm, surface_distances, surface_summary_mm
 from breastrig.rig.model import Rig
 from breastrig_studies.cohort import Case
 from breastrig_studies.studies import landmarks as landmark_study

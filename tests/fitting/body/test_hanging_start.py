@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from breastrig.core.arrays import Array
+from breastrig.correspondence.distances import Comparison
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.body.hanging import hanging_shifts
 from breastrig.fitting.body.hanging_start import hanging_shapes, hanging_start, opening_of, unexplained_overhang
@@ -28,7 +29,6 @@ from breastrig.fitting.uncertainty.radii import radii
 from breastrig.fitting.verdicts.fit_signals import fit_signals
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
-from breastrig.report.distances import Comparison
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.skinning import pose

@@ -8,6 +8,7 @@ import pytest
 import trimesh
 
 from breastrig.core.units import METRES_PER_UNIT
+from breastrig.correspondence.distances import surface_distances
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import FitTask, fit_iterates
 from breastrig.fitting.orientation import start_from_landmarks
@@ -15,7 +16,6 @@ from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.boundary import boundary_edges
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.report.distances import surface_distances
 from breastrig.rig.skinning import pose
 from breastrig.scan.clean import clean
 from breastrig.scan.read import read_scan

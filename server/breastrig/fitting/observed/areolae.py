@@ -6,10 +6,10 @@ Colours of vertices are left out: their triangles are as large as the difference
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from breastrig.colour.areolae import ObservedAreola
 from breastrig.core.arrays import Array
 from breastrig.core.stances import SIDES
 from breastrig.fitting.observed.landmarks import areola_of, expectations
-from breastrig.report.areolae import ObservedAreola
 from breastrig.rig.model import Rig
 from breastrig.scan.scan import Scan
 

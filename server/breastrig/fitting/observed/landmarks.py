@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from breastrig.colour.areolae import ObservedAreola
 from breastrig.core.arrays import Array
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.geometry.normals import unit_vectors, vertex_normals
-from breastrig.report.areolae import ObservedAreola
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.similarity import umeyama

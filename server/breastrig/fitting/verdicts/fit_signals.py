@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from breastrig.core.stances import SIDES
-from breastrig.report.distances import Comparison
+from breastrig.correspondence.distances import Comparison
 from breastrig.rig.body_statistics import body_statistics
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters

@@ -9,12 +9,19 @@ from typing import Any, cast
 import numpy as np
 
 from breastrig import __version__
+from breastrig.colour.areolae import areolae_document
 from breastrig.core.arrays import Array
 from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.private_files import private_folder, write_private
 from breastrig.core.stances import Stance
+from breastrig.correspondence.distances import SurfaceDistances as FoundDistances
+from breastrig.correspondence.distances import (
+    landmark_summary_mm,
+    summary_mm,
+    surface_summary_mm,
+)
 from breastrig.drawings.drawing_file import shape_document
 from breastrig.files.result import (
     FIT_FILES,
@@ -35,14 +42,7 @@ from breastrig.fitting.task import Doubt
 from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.replay import fitted_glb
 from breastrig.least_squares.newton import Status
-from breastrig.report.areolae import areolae_document
 from breastrig.report.body_frame import body_frame
-from breastrig.report.distances import SurfaceDistances as FoundDistances
-from breastrig.report.distances import (
-    landmark_summary_mm,
-    summary_mm,
-    surface_summary_mm,
-)
 from breastrig.report.files.surface_files import surface_ply
 from breastrig.rig.known import NOT_CALIBRATED
 from breastrig.workflow.fit_outcome import FitOutcome

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.correspondence.distances import Comparison
 from breastrig.fitting.orientation import MIN_LANDMARKS, start_from_scan
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.picks.unusual import unusual
@@ -21,7 +22,6 @@ from breastrig.fitting.uncertainty.radii import radii
 from breastrig.fitting.verdicts.fit_signals import fit_signals
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, picked_names
 from breastrig.fitting.verdicts.verdict import verdict, verdict_limits
-from breastrig.report.distances import Comparison
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.similarity import Similarity, similar_parameters

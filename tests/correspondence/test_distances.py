@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 from helpers.surfaces import sphere
 
-from breastrig.correspondence.target import ScanTarget
-from breastrig.report import distances as module
-from breastrig.report.distances import (
+from breastrig.correspondence import distances as module
+from breastrig.correspondence.distances import (
     Comparison,
     landmark_summary_mm,
     summary_mm,
     surface_distances,
     surface_summary_mm,
 )
+from breastrig.correspondence.target import ScanTarget
 
 
 def test_two_spheres_are_as_far_apart_as_their_radii_both_ways() -> None:

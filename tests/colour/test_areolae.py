@@ -10,9 +10,9 @@ from helpers.painted_body import PaintedBody, painted_body
 from helpers.results import result_document, result_file
 
 import breastrig
+from breastrig.colour.areolae import ObservedAreola, areolae_document, areolae_of
 from breastrig.core.errors import BadInput
 from breastrig.files.result import parsed_result
-from breastrig.report.areolae import ObservedAreola, areolae_document, areolae_of
 from breastrig_studies.virtual.painted.files import scan_zip
 
 
