@@ -19,8 +19,8 @@ from breastrig.api.config import checked_token
 from breastrig.cli import interruption, serve_command
 from breastrig.cli.main import main
 from breastrig.cli.serve_command import _stop_on_signals
-from breastrig.execution.pool import Lane
 from breastrig.gltf.write_rig import write_rig
+from breastrig.service.events.feeds import Notifier
 
 
 @pytest.mark.parametrize(
@@ -154,12 +154,12 @@ def handlers() -> Iterator[None]:
 def test_a_signal_that_python_swallows_while_the_service_starts_still_stops_it(
     tmp_path: Path, model: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def interrupted(_lane: Lane) -> None:
+    def interrupted(_notifier: Notifier) -> None:
         with suppress(KeyboardInterrupt):
             signal.raise_signal(signal.SIGTERM)
 
     interruption.watch()
-    monkeypatch.setattr(Lane, "warm_up", interrupted)
+    monkeypatch.setattr(Notifier, "start", interrupted)
     assert main(["serve", "--port", "0", "--data", str(tmp_path / "data"), "--model", str(model)]) == 143
     said = capsys.readouterr()
     assert said.out == ""

@@ -110,8 +110,9 @@ def quick(job: FitJob) -> Iterator[Event]:
             "blendshapes": dict(zip(rig.shape_names, x.weights.tolist(), strict=True)),
         },
     )
-    (job.out / "result.json").write_text(json.dumps(result))
-    yield Done(result=ResultFile.model_validate(result))
+    last = ResultFile.model_validate(result)
+    (job.out / "result.json").write_bytes(last.content())
+    yield Done(result=last)
 
 
 def scan_of(job: FitJob) -> Scan:

@@ -1,4 +1,4 @@
-// Asks before a scan is deleted and says what goes with it; afterwards, for ten seconds, the way to take it back.
+// Asks before a scan is deleted and says what goes with it.
 import { drawingLabels, readRequest, TUMOUR } from "../fit/requestedDrawing";
 import { pickCount } from "../landmarks/state";
 import { only } from "../store/store";
@@ -51,19 +51,6 @@ export function createDeleteDialog(actions: DeletionActions): Panel<Shown> {
       show(other, state.stances.other !== null);
       if (isOpen && !element.open) element.showModal();
       if (!isOpen && element.open) element.close();
-    },
-  };
-}
-
-export function createDeletionNotice(actions: DeletionActions): Panel<Pick<Session, "deletion">> {
-  const what = el("p", {});
-  const element = el("div", { class: "notice-bar", hidden: true }, what, button(words.undo, () => void actions.undo(), "outlined"));
-  return {
-    element,
-    select: only("deletion"),
-    update({ deletion }): void {
-      show(element, deletion !== null);
-      if (deletion) setText(what, words.soon(deletion.title));
     },
   };
 }

@@ -35,8 +35,8 @@ import { createViewBar, type ViewBarShown } from "../viewer/ViewBar";
 import type { Stage } from "../viewer/Viewer";
 import type { Actions } from "./actions";
 import { addressOfPatient } from "./address";
-import { createDeleteDialog, createDeletionNotice } from "./DeleteDialog";
-import { createLeaveDialog } from "./LeaveDialog";
+import { createDeletionNotice } from "./DeletionNotice";
+import { createLeaveDialog } from "./LeaveDialog"; // not loaded later: it comes when the service does not answer
 import { createNextButton } from "./NextButton";
 import type { Session } from "./session";
 import { createSteps } from "./Steps";
@@ -113,7 +113,11 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
     async () => (await import("../share/ShareDialog")).createShareDialog(actions.share, () => dismiss("share")),
   );
   const leave = createLeaveDialog(actions.leaving);
-  const deleting = createDeleteDialog(actions.deletion);
+  const deleting = later(
+    only("isAskingToDelete", "scan", "picks", "drawn", "drawing", "fit", "meta", "stances"),
+    ({ isAskingToDelete }: Pick<Session, "isAskingToDelete" | "scan" | "picks" | "drawn" | "drawing" | "fit" | "meta" | "stances">) => isAskingToDelete,
+    async () => (await import("./DeleteDialog")).createDeleteDialog(actions.deletion),
+  );
   const deleted = createDeletionNotice(actions.deletion);
   const changed = createPlanNotice(actions.plan);
   host.append(deleted.element, changed.element);
