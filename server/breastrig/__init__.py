@@ -11,6 +11,8 @@ The names below come from `breastrig.interface` and `breastrig.core.errors`, and
 neither `import breastrig` nor `breastrig --version` waits for NumPy.
 """
 
+from breastrig.core.version import __version__
+
 TYPE_CHECKING = False  # type checkers take it as true; importing `typing` would double the time of the import
 
 if TYPE_CHECKING:
@@ -30,16 +32,13 @@ if TYPE_CHECKING:
     from breastrig.interface.ink import Ink, InkLine, find_ink
     from breastrig.interface.landmarks import Proposal, propose_landmarks
     from breastrig.interface.measure import Measure, Number, measure
-    from breastrig.interface.model import load_model
+    from breastrig.interface.model import Rig, load_model
     from breastrig.interface.pair import FitPair, fit_pair, pair_iterates
     from breastrig.interface.posterior import Posterior
     from breastrig.interface.run import FitRun, Iterate, fit, iterates
     from breastrig.interface.scan import Scan, read_scan
     from breastrig.interface.transfer import transfer
-    from breastrig.rig.model import Rig
     from breastrig.rig.named_parameters import BonePose, Parameters
-
-__version__ = "0.2.0"
 
 __all__ = [
     "BadDrawing",
@@ -87,14 +86,13 @@ _MODULES = {
     "interface.ink": "Ink InkLine find_ink",
     "interface.landmarks": "Proposal propose_landmarks",
     "interface.measure": "Measure Number measure",
-    "interface.model": "load_model",
+    "interface.model": "Rig load_model",
     "interface.pair": "FitPair fit_pair pair_iterates",
     "rig.named_parameters": "BonePose Parameters",
     "interface.posterior": "Posterior",
     "interface.run": "FitRun Iterate fit iterates",
     "interface.scan": "Scan read_scan",
     "interface.transfer": "transfer",
-    "rig.model": "Rig",
 }
 _PLACES = {name: module for module, names in _MODULES.items() for name in names.split()}
 

@@ -13,6 +13,7 @@ import breastrig
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.fitting.recipe import load_recipe
+from breastrig.interface.model import public
 
 STANDING = asset_folder("example") / "standing" / "scan.ply"
 PICKS = asset_folder("example") / "standing" / "landmarks.json"
@@ -62,7 +63,7 @@ def test_a_layer_moves_with_the_bone_that_carries_it(arm_fit: breastrig.Fit) -> 
 
 
 def test_bodies_that_are_drawn_keep_limits_and_joints_and_come_again_with_their_seed() -> None:
-    for rig in (breastrig.load_model(), forearm_rig()):
+    for rig in (breastrig.load_model(), public(forearm_rig())):
         drawn = [rig.sample(np.random.default_rng(seed)) for seed in (1, 1, 2)]
         skins = [rig.pose(each) for each in drawn]
         np.testing.assert_array_equal(skins[0], skins[1])

@@ -5,7 +5,6 @@ from typing import Any
 from apiflask import APIFlask
 from flask.json.provider import DefaultJSONProvider
 
-from breastrig import __version__
 from breastrig.api.access.security import register_security
 from breastrig.api.app_context import KEY, AppContext
 from breastrig.api.config import Config
@@ -32,6 +31,7 @@ from breastrig.api.routes.sign_in import sign_in
 from breastrig.api.routes.transfers import transfers
 from breastrig.api.served_model import serve_model
 from breastrig.api.trusted_proxy import BehindProxy
+from breastrig.core.version import __version__
 from breastrig.service.service import Service
 
 

@@ -22,7 +22,6 @@ from pathlib import Path
 from threading import Event
 from typing import Any
 
-from breastrig import __version__
 from breastrig.batch.manifest import INPUTS, INPUTS_SCHEMA, BatchRow
 from breastrig.batch.table import MEASURES, Outcome, numbers_of
 from breastrig.batch.task import FitOfBytes, Runner, fit_of_bytes, measured_fit
@@ -30,6 +29,7 @@ from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput, BadSettings, BreastRigError
 from breastrig.core.output_files import Output, OutputSet, check_output
 from breastrig.core.private_files import private_folder, read_ordinary, write_private
+from breastrig.core.version import __version__
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
 from breastrig.files.result import FIT_FILES, RESULT, RESULT_SCHEMA

@@ -10,12 +10,12 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from breastrig import __version__
 from breastrig.cli import interruption
 from breastrig.cli.commands import COMMANDS, further_commands, further_module, own_module
 from breastrig.core.errors import BadInput, BreastRigError
 from breastrig.core.notice import LIMITS_OF_USE, RESEARCH_USE_ONLY
 from breastrig.core.private_files import shown
+from breastrig.core.version import __version__
 
 
 def parser(command: str | None = None) -> argparse.ArgumentParser:

@@ -14,7 +14,7 @@ import pickle
 import threading
 from concurrent.futures import wait
 
-from breastrig import __version__
+from breastrig.core.version import __version__
 from breastrig.execution.pool import Lane, Pool
 from breastrig.execution.worker import Answer, answered
 

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from breastrig import __version__
 from breastrig.core.arrays import Array
 from breastrig.core.glb import pack_glb
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.core.version import __version__
 from breastrig.gltf.document import (
     FLOAT,
     UNSIGNED_BYTE,

@@ -22,10 +22,9 @@ from breastrig.core.output_files import all_or_nothing
 from breastrig.files.result import FIT_FILES, RESULT, UNCERTAINTY, DoubtedPick, damaged, fit_set, folder_name
 from breastrig.fitting.verdicts.verdict import Verdict
 from breastrig.interface.drawing import Drawing, drawing_of
-from breastrig.interface.model import Model, loaded
+from breastrig.interface.model import Model, Rig, loaded, public
 from breastrig.interface.one_thread import one_thread
 from breastrig.interface.posterior import Posterior, posterior_of
-from breastrig.rig.model import Rig
 from breastrig.rig.named_parameters import Parameters, parameters_by_name
 from breastrig.scan.clean import Surface
 from breastrig.workflow.fit_outcome import FitOutcome
@@ -209,7 +208,7 @@ def _by_name(doubted: Sequence[DoubtedPick]) -> dict[str, str]:
 def _fit(files: FitFiles, found: FitFolder, verdict: Verdict, inputs: tuple[Path, ...] = ()) -> Fit:
     result, per_unit = found.result, found.metres_per_unit
     return Fit(
-        model=found.rig,
+        model=public(found.rig),
         unit=found.unit,
         metres_per_unit=per_unit,
         vertices=frozen(found.vertices / per_unit),

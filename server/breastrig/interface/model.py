@@ -1,11 +1,35 @@
 """The model as programs load it."""
 
+from dataclasses import fields
 from pathlib import Path
 
-from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.rig.model import Rig
+import numpy as np
 
-Model = Rig | str | Path | None  # loaded, its .glb, or None for the torso of the package
+from breastrig.core.arrays import Array
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig import model
+from breastrig.rig.named_parameters import Parameters, posed, sampled
+
+
+class Rig(model.Rig):
+    """A rigged model that can be posed and sampled by name."""
+
+    def pose(self, parameters: Parameters) -> Array:
+        """(V, 3) the skin in this pose and shape, in the parameters' unit and frame; with `fit.parameters` the fit's.
+
+        Parameters are changed with dataclasses.replace.  Raises BadSettings for those of another rig.
+        """
+        return posed(self, parameters)
+
+    def sample(self, rng: np.random.Generator) -> Parameters:
+        """A body drawn by what is known of bodies (or by the shapes' sigmas), its joints turned; in metres.
+
+        The joints hold, limits are kept, the root bone is at rest.
+        """
+        return sampled(self, rng)
+
+
+Model = model.Rig | str | Path | None  # loaded, its .glb, or None for the torso of the package
 
 
 def load_model(path: str | Path | None = None) -> Rig:
@@ -17,14 +41,19 @@ def load_model(path: str | Path | None = None) -> Rig:
 
     Raises BadModel with one sentence.
     """
-    return read_rig(default_rig_path() if path is None else Path(path))
+    return public(read_rig(default_rig_path() if path is None else Path(path)))
 
 
-def loaded(model: Model) -> Rig:
+def public(rig: model.Rig) -> Rig:
+    """The same model as programs hold it."""
+    return rig if isinstance(rig, Rig) else Rig(**{each.name: getattr(rig, each.name) for each in fields(rig)})
+
+
+def loaded(given: Model) -> Rig:
     """The model itself, loaded where it is not yet."""
-    return model if isinstance(model, Rig) else load_model(model)
+    return public(given) if isinstance(given, model.Rig) else load_model(given)
 
 
-def files_of(model: Model) -> tuple[Path, ...]:
+def files_of(given: Model) -> tuple[Path, ...]:
     """The .glb and its side file, where the model was given as a file."""
-    return (Path(model), Path(model).with_suffix(".json")) if isinstance(model, str | Path) else ()
+    return (Path(given), Path(given).with_suffix(".json")) if isinstance(given, str | Path) else ()

@@ -17,10 +17,9 @@ from breastrig.drawings.patterns import tumour_text
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.interface.fit_result import Fit, fit_of_outcome
 from breastrig.interface.landmarks import Landmarks, landmarks_in_mm
-from breastrig.interface.model import Model, files_of, loaded
+from breastrig.interface.model import Model, Rig, files_of, loaded, public
 from breastrig.interface.one_thread import one_thread
 from breastrig.interface.scan import ScanLike, ScanSource
-from breastrig.rig.model import Rig
 from breastrig.rig.named_parameters import Parameters, in_metres, parameters_by_name
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
@@ -271,7 +270,7 @@ def iterate_of(step: RecordedIterate, ready: ReadyScan) -> Iterate:
         landmark_distance_mm=event.landmark_distance_mm,
         coverage=event.coverage,
         elapsed_s=event.elapsed_s,
-        model=ready.task.rig,
+        model=public(ready.task.rig),
         in_metres=step.iterate.parameters,
         metres_per_unit=ready.scan.metres_per_unit,
     )

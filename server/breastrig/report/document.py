@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from breastrig import __version__
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.core.version import __version__
 from breastrig.files.result import ResultFile
 from breastrig.report.stance import Stance
 from breastrig.report.table import Row, flat_rows

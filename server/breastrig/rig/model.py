@@ -15,16 +15,12 @@ R_j = Q_j, T_j = o_j, s_j = 1, which is the identity.
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from breastrig.core.arrays import Array, Integers, frozen
 from breastrig.geometry.normals import VertexNormals
 from breastrig.geometry.surface_points import ChordalDeviation, SurfacePoints
-
-if TYPE_CHECKING:
-    from breastrig.rig.named_parameters import Parameters
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,24 +189,6 @@ class Rig:
         """Whether it has each of these, as it is called or on both sides."""
         known = {*self.landmark_names}
         return all(name in known or {f"{name}_L", f"{name}_R"} <= known for name in names)
-
-    def pose(self, parameters: "Parameters") -> Array:
-        """(V, 3) the skin in this pose and shape, in the parameters' unit and frame; with `fit.parameters` the fit's.
-
-        Parameters are changed with dataclasses.replace.  Raises BadSettings for those of another rig.
-        """
-        from breastrig.rig.named_parameters import posed  # which is built on this module
-
-        return posed(self, parameters)
-
-    def sample(self, rng: np.random.Generator) -> "Parameters":
-        """A body drawn by what is known of bodies (or by the shapes' sigmas), its joints turned; in metres.
-
-        The joints hold, limits are kept, the root bone is at rest.
-        """
-        from breastrig.rig.named_parameters import sampled
-
-        return sampled(self, rng)
 
     def landmark_points(self, names: tuple[str, ...] | None = None) -> SurfacePoints:
         """The surface points of the named landmarks (all by default), in the given order."""

@@ -13,8 +13,8 @@ import numpy
 import scipy
 from jinja2 import Environment, StrictUndefined
 
-from breastrig import __version__
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.core.version import __version__
 from breastrig.rig.model import Rig
 from breastrig_studies.evaluate import Results
 from breastrig_studies.page.figures import HEADINGS, spaced

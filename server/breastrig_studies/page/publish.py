@@ -4,8 +4,8 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-from breastrig import __version__
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.core.version import __version__
 from breastrig.gltf.read_rig import read_rig
 from breastrig_studies.evaluate import Results, all_tables
 from breastrig_studies.page.charts import DARK, LIGHT, as_png, have_plots

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from breastrig import __version__
+from breastrig.core.version import __version__
 from breastrig_studies.virtual.bodies import Bodies, VirtualPatient, read_bodies
 from breastrig_studies.virtual.case_files import UNITS, write_case, write_json
 from breastrig_studies.virtual.scan import scan_body

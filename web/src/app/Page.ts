@@ -35,7 +35,7 @@ import { createViewBar, type ViewBarShown } from "../viewer/ViewBar";
 import type { Stage } from "../viewer/Viewer";
 import type { Actions } from "./actions";
 import { addressOfPatient } from "./address";
-import { createDeletionNotice } from "./DeletionNotice";
+import { createDeletionNotice } from "./deletion/DeletionNotice";
 import { createLeaveDialog } from "./LeaveDialog"; // not loaded later: it comes when the service does not answer
 import { createNextButton } from "./NextButton";
 import type { Session } from "./session";
@@ -116,7 +116,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const deleting = later(
     only("isAskingToDelete", "scan", "picks", "drawn", "drawing", "fit", "meta", "stances"),
     ({ isAskingToDelete }: Pick<Session, "isAskingToDelete" | "scan" | "picks" | "drawn" | "drawing" | "fit" | "meta" | "stances">) => isAskingToDelete,
-    async () => (await import("./DeleteDialog")).createDeleteDialog(actions.deletion),
+    async () => (await import("./deletion/DeleteDialog")).createDeleteDialog(actions.deletion),
   );
   const deleted = createDeletionNotice(actions.deletion);
   const changed = createPlanNotice(actions.plan);

@@ -17,7 +17,7 @@ import { stancesActions } from "../stances/actions";
 import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import { viewActions } from "../viewer/actions";
-import { deletionActions } from "./deletion";
+import { deletionActions } from "./deletion/actions";
 import { exportActions } from "./exportActions";
 import { leavingActions } from "./leaving";
 import { pageActions } from "./pageActions";

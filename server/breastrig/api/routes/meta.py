@@ -4,12 +4,12 @@ from dataclasses import asdict
 
 from apiflask import APIBlueprint
 
-from breastrig import __version__
 from breastrig.api.app_context import app_context
 from breastrig.api.routes.scans import scan_answer
 from breastrig.api.wire import common as wire
 from breastrig.api.wire import meta as wire_meta
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.core.version import __version__
 from breastrig.drawings.pattern_parameters import pattern_forms
 from breastrig.drawings.patterns import offered_patterns
 from breastrig.files.result import ModelSummary

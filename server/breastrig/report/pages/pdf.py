@@ -12,9 +12,9 @@ from typing import Any
 
 import typst
 
-from breastrig import __version__
 from breastrig.core.identity import UNNAMED, Identity
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.core.version import __version__
 from breastrig.files.result import Distances, ResultFile, SurfaceDistances
 from breastrig.report.bands import KNOWN_MM, margin_text, margins_text
 from breastrig.report.document import PlannedItem, Reported

@@ -8,7 +8,6 @@ from typing import Any, cast
 
 import numpy as np
 
-from breastrig import __version__
 from breastrig.colour.areolae import areolae_document
 from breastrig.core.arrays import Array
 from breastrig.core.documents import json_bytes
@@ -16,6 +15,7 @@ from breastrig.core.errors import BadInput
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.private_files import private_folder, write_private
 from breastrig.core.stances import Stance
+from breastrig.core.version import __version__
 from breastrig.correspondence.distances import SurfaceDistances as FoundDistances
 from breastrig.correspondence.distances import (
     landmark_summary_mm,

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from breastrig import __version__
 from breastrig.core.arrays import Integers
+from breastrig.core.version import __version__
 from breastrig_studies.virtual.bodies import Bodies, VirtualBody, read_bodies
 from breastrig_studies.virtual.case_files import UNITS, write_json
 from breastrig_studies.virtual.painted.albedo import Albedo

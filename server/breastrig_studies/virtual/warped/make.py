@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from breastrig import __version__
+from breastrig.core.version import __version__
 from breastrig_studies.virtual.case_files import UNITS, write_case, write_json
 from breastrig_studies.virtual.warped.body import draw_body
 from breastrig_studies.virtual.warped.captures import scan_captured

@@ -1,13 +1,13 @@
 // Asks before a scan is deleted and says what goes with it.
-import { drawingLabels, readRequest, TUMOUR } from "../fit/requestedDrawing";
-import { pickCount } from "../landmarks/state";
-import { only } from "../store/store";
-import { button } from "../ui/controls";
-import { el, setText, show } from "../ui/dom";
-import type { Panel } from "../ui/Panel";
-import type { DeletionActions } from "./deletion";
-import type { Session } from "./session";
-import * as text from "./text";
+import { drawingLabels, readRequest, TUMOUR } from "../../fit/requestedDrawing";
+import { pickCount } from "../../landmarks/state";
+import { only } from "../../store/store";
+import { button } from "../../ui/controls";
+import { el, setText, show } from "../../ui/dom";
+import type { Panel } from "../../ui/Panel";
+import type { DeletionActions } from "./actions";
+import type { Session } from "../session";
+import * as text from "../text";
 
 const words = text.deletion;
 

@@ -1,11 +1,11 @@
 // After a scan was deleted, for ten seconds: the way to take it back.
-import { only } from "../store/store";
-import { button } from "../ui/controls";
-import { el, setText, show } from "../ui/dom";
-import type { Panel } from "../ui/Panel";
-import type { DeletionActions } from "./deletion";
-import type { Session } from "./session";
-import { deletion as words } from "./text";
+import { only } from "../../store/store";
+import { button } from "../../ui/controls";
+import { el, setText, show } from "../../ui/dom";
+import type { Panel } from "../../ui/Panel";
+import type { DeletionActions } from "./actions";
+import type { Session } from "../session";
+import { deletion as words } from "../text";
 
 export function createDeletionNotice(actions: DeletionActions): Panel<Pick<Session, "deletion">> {
   const what = el("p", {});

@@ -1,13 +1,13 @@
 // Deleting the scan on the page with all that belongs to it.  The service forgets at once and for good; so it is informed
 // ten seconds later, or when the page is left, and until then the person can take it back.
-import type { Client } from "../api/client";
-import type { FitActions } from "../fit/actions";
-import type { ScanActions } from "../scan/actions";
-import type { StancesActions } from "../stances/actions";
-import { messageOf, withProblem } from "../store/problems";
-import type { Store } from "../store/store";
-import type { Deletion, Session } from "./session";
-import * as text from "./text";
+import type { Client } from "../../api/client";
+import type { FitActions } from "../../fit/actions";
+import type { ScanActions } from "../../scan/actions";
+import type { StancesActions } from "../../stances/actions";
+import { messageOf, withProblem } from "../../store/problems";
+import type { Store } from "../../store/store";
+import type { Deletion, Session } from "../session";
+import * as text from "../text";
 
 export const UNDO_MS = 10_000;
 
