@@ -90,7 +90,7 @@ def test_the_side_file_holds_drawings_and_the_order_of_shapes(client: FlaskClien
 
 def test_buffers_are_named_by_their_model_and_never_change(client: FlaskClient) -> None:
     sha256 = client.get("/api/meta").json["model"]["sha256"]
-    for place in ("torso.bin", "drawings/lumpectomy.bin"):
+    for place in ("torso.glb", "torso.json", "torso.bin", "drawings/lumpectomy.bin"):
         answer = client.get(f"/api/models/{sha256}/{place}")
         assert answer.status_code == 200
         assert len(answer.data) > 100

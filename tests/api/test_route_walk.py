@@ -34,7 +34,7 @@ OPEN_TO_ALL = {  # everything outside of /api: health, the sign-in page, the emp
 SHOW_NOBODY = {  # the page and its description, the model: what browsers may keep
     "/", "/s/share.js", "/sign-in/style.css", "/api/docs", "/api/docs/style.css", "/api/openapi.json",
     "/api/models/torso.glb", "/api/models/torso.json", "/api/models/<sha256>/torso.bin",
-    "/api/models/<sha256>/drawings/<name>.bin",
+    "/api/models/<sha256>/torso.glb", "/api/models/<sha256>/torso.json", "/api/models/<sha256>/drawings/<name>.bin",
 }  # fmt: skip
 NOT_SHOWN = ("mesh.glb", "report.pdf", "distances.bin")  # of a share without the scan
 Call = tuple[str, str]  # method, pattern of the route

@@ -48,10 +48,12 @@ def test_all_of_a_fit_is_answered_after_a_restart_with_another_model(tmp_path: P
         seen = {"If-Match": client.get(place).headers["ETag"]}
         assert client.put(place, json=plan, headers=seen).status_code == 200
         first = f"{fit['links']['self']}/iterations/1.gltf"
+        own = read_rig(default_rig_path()).sha256
         asked = [
             *(("GET", fit["links"][name], None) for name in ("result", "plan", "measures", "report", "fitted_glb")),
             ("GET", first, None),
             ("GET", json.loads(client.get(first).data)["buffers"][0]["uri"], None),
+            *(("GET", f"/api/models/{own}/torso.{kind}", None) for kind in ("glb", "json")),
             ("POST", f"{fit['links']['self']}/pattern", {"name": "reduction"}),
             ("POST", fit["links"]["moved"], {"landmarks": picked}),
         ]
@@ -60,13 +62,17 @@ def test_all_of_a_fit_is_answered_after_a_restart_with_another_model(tmp_path: P
     with serving(tmp_path, toy) as (service, client):
         assert client.get("/api/meta").json["model"]["name"] == "toy"
         after = [client.open(address, method=method, json=body, buffered=True) for method, address, body in asked]
+        newest = client.get(f"/api/models/{read_rig(toy).sha256}/torso.glb")
+        assert newest.data == client.get("/api/models/torso.glb").data == toy.read_bytes()
+        assert "immutable" in newest.headers["Cache-Control"]
+        assert client.get(f"/api/models/{'0' * 64}/torso.glb").status_code == 404
         for (_, address, _), one, other in zip(asked, before, after, strict=True):
             assert other.status_code == 200, (address, other.data[:300])
             assert one.data == other.data or address.endswith(("report.pdf", "measures.json", "moved")), address
         for number, part in ((2, "measures"), (-1, "nodes")):  # beside these stand times
             assert json.loads(after[number].data)[part] == json.loads(before[number].data)[part]
         kept = sorted((tmp_path / "models").iterdir())
-        assert {path.stem for path in kept} == {read_rig(toy).sha256, read_rig(default_rig_path()).sha256}
+        assert {path.stem for path in kept} == {read_rig(toy).sha256, own}
         assert max(path.stat().st_size for path in kept) < 5_000_000
 
 

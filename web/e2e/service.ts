@@ -40,9 +40,9 @@ export interface Running {
   readonly stop: () => Promise<void>;
 }
 
-/** Starts the service, without a token unless `environment`, which is added to ours, or `access` says so. */
-export async function startService(environment: Record<string, string> = {}, access = "BREASTRIG_TOKEN" in environment ? [] : ["--no-token"]): Promise<Running> {
-  const data = mkdtempSync(join(tmpdir(), "breastrig-e2e-"));
+/** Starts the service, without a token unless `environment`, which is added to ours, or `access` says so; in a `folder` that stays, where one is given. */
+export async function startService(environment: Record<string, string> = {}, access = "BREASTRIG_TOKEN" in environment ? [] : ["--no-token"], folder?: string): Promise<Running> {
+  const data = folder ?? mkdtempSync(join(tmpdir(), "breastrig-e2e-"));
   const options = ["serve", "--port", "0", "--data", data, ...access];
   const { path, env } = helper("serve_browser_tests.py");
   const service = spawn(findPython(), [path, ...options], { env: { ...env, ...environment } });
@@ -61,7 +61,7 @@ export async function startService(environment: Record<string, string> = {}, acc
   const stop = async (): Promise<void> => {
     service.kill("SIGTERM");
     await ended;
-    rmSync(data, { recursive: true, force: true });
+    if (folder === undefined) rmSync(data, { recursive: true, force: true });
   };
   try {
     const address = await untilReady(() => hasEnded, () => said);

@@ -15,6 +15,7 @@ import type {
   LandmarkFile,
   MeasuresFile,
   Meta,
+  Model,
   ModelSide,
   Patient,
   MovedModel,
@@ -114,8 +115,11 @@ export const client = {
   meta: () => askJson<Meta>("/api/meta"),
   examples: async () => (await askJson<{ examples: Example[] }>("/api/examples")).examples,
   importExample: (name: string) => askJson<ExampleScan>(`/api/examples/${id(name)}`, "POST"),
-  modelGlb: () => bytes("/api/models/torso.glb"),
-  modelSide: () => askJson<ModelSide>("/api/models/torso.json"),
+  model: async (sha256: string): Promise<Model> => {
+    const place = `/api/models/${id(sha256)}`;
+    const [glb, side] = await Promise.all([bytes(`${place}/torso.glb`), askJson<ModelSide>(`${place}/torso.json`)]);
+    return { glb, side };
+  },
   scan: (scan: string) => askJson<ExampleScan>(`/api/scans/${id(scan)}`),
   /** With all that was made of it; arrives although the page is being closed. */
   deleteScan: async (scan: Scan): Promise<void> => {

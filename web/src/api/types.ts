@@ -78,3 +78,8 @@ export type ModelSide = wire.ModelSide & {
   bones: { name: string; scale_min: Vector; scale_max: Vector }[];
   shapes: { name: string; label: string; min: number; max: number }[];
 };
+/** A rig: its file, and what is known of it. */
+export interface Model {
+  readonly glb: ArrayBuffer;
+  readonly side: ModelSide;
+}

@@ -2,6 +2,7 @@
 import "../style.css";
 import { client, onSignedOut } from "../api/client";
 import { mayShowInk } from "../ink/state";
+import { followModels } from "../stances/followModels";
 import type { Place } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
 import { createStore, only } from "../store/store";
@@ -70,13 +71,7 @@ async function begin(): Promise<void> {
     store.set((state) => withProblem(state, "service", messageOf(error)));
     return;
   }
-  // The model is nearly a megabyte, which a list of patients does not need.
-  let isModelAsked = false;
-  store.select(only("scan", "loading"), ({ scan, loading }) => {
-    if (isModelAsked || !(scan ?? loading)) return;
-    isModelAsked = true;
-    void loadModel();
-  });
+  followModels(store, client);
   // Whenever no patient is on the page, the list of all is, as the service has it now.
   store.select(only("scan"), ({ scan }) => {
     if (scan === null) queueMicrotask(() => void actions.patients.read());
@@ -89,13 +84,4 @@ async function begin(): Promise<void> {
   if (!unsaved || unsaved.scan !== store.get().scan?.info.id) return;
   if (unsaved.picks) actions.landmarks.restore(unsaved.picks, unsaved.certain);
   if (unsaved.lines) actions.drawing.restore(unsaved.lines);
-}
-
-async function loadModel(): Promise<void> {
-  try {
-    const [glb, side] = await Promise.all([client.modelGlb(), client.modelSide()]);
-    store.set({ model: { glb, side } });
-  } catch (error) {
-    store.set((state) => withProblem(state, "model", messageOf(error)));
-  }
 }

@@ -51,7 +51,7 @@ import type { Session } from "./session";
 
 /** What of the state the view shows; when something else changes it is not drawn again. */
 const SEEN = [
-  ...(["meta", "model", "theme", "step", "overlay", "swipe", "view", "loading", "scan", "showColours", "showLoose", "showRelief", "showMirror", "stances"] as const),
+  ...(["meta", "models", "theme", "step", "overlay", "swipe", "view", "loading", "scan", "showColours", "showLoose", "showRelief", "showMirror", "stances"] as const),
   ...(["picks", "certain", "proposals", "active", "fit", "handPose", "followed", "showDistances", "drawing", "drawn", "ink", "inkPointed", "pointedCut"] as const),
 ];
 type Seen = Pick<Session, (typeof SEEN)[number]>;
@@ -180,7 +180,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
   });
   const other = openOtherView(store, viewer, stages.other, prefersStill, foundLoose, (error) => store.set((state) => withProblem(state, "stances", messageOf(error))));
   actions.files.setPicture(async () => (await import("./exportPicture")).exportPicture(panesOf(viewer, other.viewer(), store.get()), store.get()));
-  offerTestHook(() => ({ ...store.get(), model: null }), viewer, scan, fitted, other);
+  offerTestHook(() => ({ ...store.get(), models: {} }), viewer, scan, fitted, other);
 }
 
 /** From left to right, as they stand on the stage. */

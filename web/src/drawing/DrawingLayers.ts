@@ -1,6 +1,6 @@
 // The legend: every line on the body with its stroke, switched on and off; the own ones can be named, closed and erased.
 import { drawingLabels, requestLabel } from "../fit/requestedDrawing";
-import type { FitSlice } from "../fit/state";
+import { type FitSlice, modelOf } from "../fit/state";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
 import { button, iconButton } from "../ui/controls";
@@ -16,7 +16,7 @@ const words = text.drawing;
 const plainStart = (label: string): string => label.charAt(0).toUpperCase() + label.slice(1);
 const cm = (mm: number): string => (mm / 10).toFixed(1);
 
-type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "model" | "fit" | "drawing" | "drawn">;
+type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "models" | "fit" | "drawing" | "drawn">;
 
 /** What the file calls a line; null where it says no more than its name does. */
 const labelOf = (name: string, label: string | undefined): string | null => (label === undefined || label === "" || label === name ? null : label);
@@ -140,7 +140,7 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
 
   return {
     element,
-    select: only("meta", "model", "fit", "drawing", "drawn"),
+    select: only("meta", "models", "fit", "drawing", "drawn"),
     update(state: Shown): void {
       const { lines, hidden, chosen } = state.drawn;
       show(none, lines.present.length === 0);
@@ -148,8 +148,8 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
       fill(own, [mayMirror, lines.present.map((line) => [line.name, line.closed, Math.round(lengthOf(line)), line.color])], () => lines.present.map((line) => ownRow(line, mayMirror)));
       check(own, "own", hidden);
       for (const row of own.querySelectorAll<HTMLElement>("li")) row.classList.toggle("is-chosen", row.dataset.line === chosen);
-      const { fit, model } = state;
-      const drawings = model?.side.drawings ?? [];
+      const { fit } = state;
+      const drawings = modelOf(state)?.side.drawings ?? [];
       const known = drawings.find((each) => each.name === fit?.drawingName);
       const onModel = [...(known?.shapes ?? []), ...drawings.flatMap((each) => each.shapes)];
       const nameOf = (name: string, label?: string): string => plainStart(labelOf(name, label) ?? onModel.find((each) => each.name === name)?.label ?? words.shapeName(name));

@@ -10,7 +10,7 @@ import { createShapeSliders } from "./hand_pose/ShapeSliders";
 import type { FitSlice } from "./state";
 import * as text from "./text";
 
-type Shown = Pick<PageSlice & LandmarksSlice & FitSlice, "meta" | "model" | "picks" | "certain" | "fit" | "handPose" | "followed"> & Pick<Asked, "scan">;
+type Shown = Pick<PageSlice & LandmarksSlice & FitSlice, "meta" | "models" | "picks" | "certain" | "fit" | "handPose" | "followed"> & Pick<Asked, "scan">;
 
 export function createResultPanel(handPose: HandPoseActions): Panel<Shown> {
   const sliders = createShapeSliders(handPose);
@@ -21,7 +21,7 @@ export function createResultPanel(handPose: HandPoseActions): Panel<Shown> {
   const element = el("div", { class: "panel" }, warnings, sliders.element, downloads);
   return {
     element,
-    select: only("meta", "model", "scan", "picks", "certain", "fit", "handPose", "followed"),
+    select: only("meta", "models", "scan", "picks", "certain", "fit", "handPose", "followed"),
     update(state: Shown): void {
       const fit = state.fit;
       const isDone = fit?.state === "done";

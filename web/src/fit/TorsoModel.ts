@@ -1,8 +1,8 @@
-// The rigged model: loaded once, then posed by whatever the service says, live or replayed.
+// The rigged model that the fit was made with: loaded once, then posed by whatever the service says, live or replayed.
 // Over the scan it is translucent clay, see viewer/overlaid.ts.  A first pass fills the depth only, so that it never shows
 // its own inside.
 import { DoubleSide, FrontSide, type Material, MeshStandardMaterial, type Object3D, SkinnedMesh, Vector3 } from "three";
-import type { NodePose } from "../api/types";
+import type { Model, ModelSide, NodePose } from "../api/types";
 import type { ScanSlice } from "../scan/state";
 import { disposeTree, readGltf } from "../viewer/gltf";
 import { lidMaterial, tintLid, withLids } from "../viewer/openings";
@@ -10,7 +10,7 @@ import { bringNearer, depthMaterial, MODEL_SHARE, ORDER } from "../viewer/overla
 import { isBeside, type ViewSlice } from "../viewer/state";
 import type { VertexAt } from "../viewer/lines/surfacePoints";
 import type { Part, Viewer } from "../viewer/Viewer";
-import { type Shown, shownPoses, showsFittedSurface } from "./state";
+import { modelOf, type Shown, shownPoses, showsFittedSurface } from "./state";
 
 type State = Shown & Pick<ViewSlice & ScanSlice, "overlay" | "scan">;
 
@@ -18,7 +18,8 @@ export class TorsoModel implements Part<State> {
   mesh: SkinnedMesh | null = null;
   private root: Object3D | null = null;
   private readonly nodes = new Map<string, Object3D>();
-  private wanted: ArrayBuffer | null = null;
+  private wanted: Model | null = null;
+  private model: Model | null = null; // that the mesh is of
   private applied: readonly NodePose[] | null = null;
   private readonly clay = new MeshStandardMaterial({ roughness: 0.75, metalness: 0, transparent: true, side: FrontSide });
   private readonly depthOnly = depthMaterial(false);
@@ -36,13 +37,14 @@ export class TorsoModel implements Part<State> {
   }
 
   update(state: State): void {
-    const bytes = (state.scan && state.model?.glb) ?? null; // without a body nobody looks at it
-    if (bytes && bytes !== this.wanted) {
-      this.wanted = bytes;
-      void this.load(bytes);
+    const model = state.scan && modelOf(state); // without a body nobody looks at it
+    if (model && model !== this.wanted) {
+      this.wanted = model;
+      void this.load(model);
     }
-    const poses = shownPoses(state);
     if (!this.mesh || !this.root) return;
+    const poses = model === this.model ? shownPoses(state) : null;
+    if (model !== this.model) this.applied = null;
     if (poses && poses !== this.applied) this.apply(poses);
     this.root.visible = poses !== null && state.overlay !== "scan" && !showsFittedSurface(state);
     this.viewer.inHalf(this.root, isBeside(state.overlay) ? "model" : null);
@@ -78,16 +80,19 @@ export class TorsoModel implements Part<State> {
     return (vertex, target) => mesh.getVertexPosition(vertex, target).applyMatrix4(mesh.matrix);
   }
 
-  private async load(bytes: ArrayBuffer): Promise<void> {
+  private async load(model: Model): Promise<void> {
     try {
-      const { scene } = await readGltf(bytes);
-      if (bytes !== this.wanted) return;
+      const { scene } = await readGltf(model.glb);
+      if (model !== this.wanted) return;
       let mesh: SkinnedMesh | null = null;
+      this.nodes.clear();
       scene.traverse((node) => {
         this.nodes.set(node.name, node);
         if (node instanceof SkinnedMesh) mesh = node;
       });
       this.adopt(scene, mesh);
+      this.model = model;
+      this.applied = null;
       this.onReady(null);
     } catch (error) {
       this.onReady(error);
@@ -120,6 +125,10 @@ export class TorsoModel implements Part<State> {
     this.mesh = mesh;
     this.root = scene;
     this.viewer.body.add(scene);
+  }
+
+  get side(): ModelSide | null {
+    return this.model?.side ?? null;
   }
 
   /** Rest positions as they are in the file: body frame, metres. */

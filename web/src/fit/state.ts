@@ -1,5 +1,5 @@
 // A fit on the page: what was asked for, its iterations as they came, its result, and how the model is shown.
-import type { DrawingFile, FitLinks, Iterated, NodePose, Result, StanceChoice, Started } from "../api/types";
+import type { DrawingFile, FitLinks, Iterated, Model, NodePose, Result, StanceChoice, Started } from "../api/types";
 import type { Picks } from "../landmarks/picks";
 import { cropsOf } from "../scan/crop";
 import type { ScanSlice } from "../scan/state";
@@ -79,12 +79,18 @@ export const isPosedByHand = ({ fit, handPose }: Pick<FitSlice, "fit" | "handPos
 /** The model follows a landmark of this fit, or waits for the fit with the landmark where it is now. */
 export const isFollowing = ({ fit, followed }: Pick<FitSlice, "fit" | "followed">): boolean => fit !== null && followed?.fit === fit.id && isAtRest(fit);
 
+/** Of the model that the shown fit was made with; of the service's own without a fit. */
+export const modelHash = ({ meta, fit }: Pick<FitSlice & PageSlice, "meta" | "fit">): string | null => fit?.started?.model_sha256 ?? fit?.result?.model.sha256 ?? meta?.model.sha256 ?? null;
+
+/** That model, once it is here: a fit's parameters mean nothing to another one. */
+export const modelOf = (state: Pick<FitSlice & PageSlice, "meta" | "models" | "fit">): Model | null => state.models[modelHash(state) ?? ""] ?? null;
+
 /** How the rig stands on the screen: as it follows a landmark, as posed by hand, else as in the shown iteration. */
 export const shownPoses = (state: Pick<FitSlice, "fit" | "handPose" | "followed">): readonly NodePose[] | null =>
   isFollowing(state) ? state.followed!.nodes : isPosedByHand(state) ? state.handPose!.nodes : (shownIteration(state.fit)?.nodes ?? null);
 
 /** What decides which surface stands for the model. */
-export type Shown = Pick<FitSlice & PageSlice, "fit" | "handPose" | "followed" | "model" | "showDistances">;
+export type Shown = Pick<FitSlice & PageSlice, "meta" | "fit" | "handPose" | "followed" | "models" | "showDistances">;
 
 /** Something of the model is on the stage. */
 export const hasModelShown = (state: Shown): boolean => (state.fit !== null && state.fit.shown >= 0) || showsFittedSurface(state);
@@ -92,8 +98,10 @@ export const hasModelShown = (state: Shown): boolean => (state.fit !== null && s
 /** At rest the surface that the service wrote stands for the posed rig: coloured, or bent onto the skin beyond what a rig can show. */
 export const showsFittedSurface = (state: Shown): boolean => !isFollowing(state) && !isPosedByHand(state) && hasFittedSurface(state);
 
-const hasFittedSurface = ({ fit, model, showDistances }: Shown): boolean =>
-  Boolean(fit?.surface && fit.result && isAtRest(fit) && (!model || fit.result.refined || (showDistances && fit.distances)));
+const hasFittedSurface = (state: Shown): boolean => {
+  const { fit, showDistances } = state;
+  return Boolean(fit?.surface && fit.result && isAtRest(fit) && (!modelOf(state) || fit.result.refined || (showDistances && fit.distances)));
+};
 
 /** Scan and model are there, so that there is something to choose between. */
 export const hasBoth = ({ scan, fit }: Pick<ScanSlice & FitSlice, "scan" | "fit">): boolean => scan !== null && fit !== null;

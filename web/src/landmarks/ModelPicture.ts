@@ -1,6 +1,6 @@
 // The little picture beside the instruction: the model at rest, seen from the front, with the wanted point lit.
 import { Box3, Mesh, MeshStandardMaterial, OrthographicCamera, Scene, Vector3 } from "three";
-import type { PageSlice } from "../store/page";
+import type { ModelSide } from "../api/types";
 import { addLights } from "../viewer/lights";
 import { Snapshot } from "../viewer/Snapshot";
 import { surfacePosition } from "../viewer/lines/surfacePoints";
@@ -10,11 +10,12 @@ import type { LandmarksSlice } from "./state";
 /** The model's mesh; null until it is there. */
 export interface RestingModel {
   readonly mesh: Mesh | null;
+  readonly side: ModelSide | null;
   /** Rest positions as they are in the file: body frame, metres. */
   restVertex(vertex: number): Vector3;
 }
 
-type Shown = Pick<PageSlice & LandmarksSlice, "model" | "active">;
+type Shown = Pick<LandmarksSlice, "active">;
 
 const MARGIN = 1.08;
 
@@ -23,6 +24,7 @@ export class ModelPicture implements Part<Shown> {
   private readonly camera = new OrthographicCamera();
   private readonly clay = new MeshStandardMaterial({ roughness: 0.8, metalness: 0 });
   private scene: Scene | null = null;
+  private stood: Mesh | null = null; // that the scene shows
   private painted = "";
 
   constructor(
@@ -35,11 +37,11 @@ export class ModelPicture implements Part<Shown> {
   }
 
   update(state: Shown): void {
-    const wanted = state.model?.side.landmarks.find((entry) => entry.name === state.active);
+    const wanted = this.torso.side?.landmarks.find((entry) => entry.name === state.active);
     this.light.hidden = !wanted;
     if (!wanted || !this.torso.mesh) return;
     const look = this.viewer.palette.clay.getHexString() + this.viewer.palette.canvas.getHexString();
-    if (look !== this.painted) this.paint(look);
+    if (look !== this.painted || this.stood !== this.torso.mesh) this.paint(look);
     const at = new Vector3();
     const vertexAt = (vertex: number, target: Vector3): Vector3 => target.copy(this.torso.restVertex(vertex));
     surfacePosition(wanted, this.torso.mesh.geometry.index!.array, vertexAt, at, new Vector3());
@@ -50,7 +52,8 @@ export class ModelPicture implements Part<Shown> {
 
   private paint(look: string): void {
     this.painted = look;
-    this.scene ??= this.stage();
+    if (!this.scene || this.stood !== this.torso.mesh) this.scene = this.stage();
+    this.stood = this.torso.mesh;
     this.clay.color.copy(this.viewer.palette.clay);
     this.snapshot.draw(this.scene, this.camera, this.viewer.palette.canvas, this.canvas);
   }

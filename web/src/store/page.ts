@@ -1,6 +1,6 @@
 // The part of the state that belongs to the page as a whole: every feature reads it, and says in it which step is open,
 // what went wrong and what a screen reader announces.
-import type { Example, Meta, ModelSide } from "../api/types";
+import type { Example, Meta, Model } from "../api/types";
 
 export type Step = "scan" | "landmarks" | "fit" | "drawing" | "result";
 
@@ -12,7 +12,7 @@ export type Place = "service" | "scan" | "landmarks" | "fit" | "model" | "distan
 export interface PageSlice {
   readonly meta: Meta | null;
   readonly examples: readonly Example[];
-  readonly model: { readonly glb: ArrayBuffer; readonly side: ModelSide } | null;
+  readonly models: Readonly<Record<string, Model>>; // by their hashes: the service's own, and those that older fits were made with
   readonly theme: Theme;
   readonly step: Step;
   readonly problems: Readonly<Partial<Record<Place, string>>>;
@@ -20,4 +20,4 @@ export interface PageSlice {
   readonly undone: { readonly says: string } | null; // what undo or redo has just changed: shown, and read out
 }
 
-export const initialPage: PageSlice = { meta: null, examples: [], model: null, theme: "system", step: "scan", problems: {}, announcement: "", undone: null };
+export const initialPage: PageSlice = { meta: null, examples: [], models: {}, theme: "system", step: "scan", problems: {}, announcement: "", undone: null };

@@ -36,7 +36,7 @@ test("while an answer is awaited only the newest place of the mark is kept, and 
   expect(moved.mock.calls.map(([, picks]) => picks)).toEqual([{ nipple_L: [1, 0, 0], umbilicus: [0, 0, 0] }, { nipple_L: [4, 0, 0], umbilicus: [0, 0, 0] }]);
   await answer();
   expect(shownPoses(store.get())).toEqual(nodesAt(4).nodes);
-  expect(showsFittedSurface({ ...store.get(), model: null }), "the rig stands for the surface").toBe(false);
+  expect(showsFittedSurface({ ...store.get(), models: {} }), "the rig stands for the surface").toBe(false);
   expect(store.get().picks.present.nipple_L, "the state learns of it at the end").toEqual([1, 0, 0]);
   expect(waiting()).toBe(0);
 });

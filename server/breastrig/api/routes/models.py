@@ -29,6 +29,21 @@ def show_side() -> Response:
     return public_answer(app_context().model.side_json, JSON, CHECK_AGAIN)
 
 
+@models.get("/<sha256>/torso.glb")
+@models.doc(operation_id="getModelVersion", responses={200: file_of(GLB, "Never changes")})
+def show_version(sha256: str) -> Response:
+    """The model that a fit was made with: its `started` event and its result.json name the hash"""
+    return public_answer(_model_with(sha256).glb, GLB, FOR_EVER)
+
+
+@models.get("/<sha256>/torso.json")
+@models.output(wire.ModelSide, description="Never changes")
+@models.doc(operation_id="getModelVersionSide")
+def show_version_side(sha256: str) -> Response:
+    """What is known of that model"""
+    return public_answer(_model_with(sha256).side_json, JSON, FOR_EVER)
+
+
 @models.get("/<sha256>/torso.bin")
 @models.doc(operation_id="getModelBuffer", responses={200: file_of(BINARY, "Never changes")})
 def show_buffer(sha256: str) -> Response:

@@ -3,7 +3,7 @@ import { Vector3 } from "three";
 import type { DrawingFile, ModelShape, PlannedShape } from "../../api/types";
 import type { FittedSurface } from "../../fit/distances/FittedSurface";
 import { hasPattern, shapesOnModel } from "../../fit/modelLines";
-import { type FitSlice, isAtRest, isPosedByHand, type Shown, shownPoses } from "../../fit/state";
+import { type FitSlice, isAtRest, isPosedByHand, modelOf, type Shown, shownPoses } from "../../fit/state";
 import type { TorsoModel } from "../../fit/TorsoModel";
 import type { ScanMesh } from "../../scan/ScanMesh";
 import { mmFrom } from "../../ui/units";
@@ -37,7 +37,7 @@ export class ReferenceLines implements Part<State> {
     const { palette } = this.viewer;
     this.lines.paint(palette.line, palette["line-outline"]);
     const fit = state.fit;
-    const side = state.model?.side ?? null;
+    const side = modelOf(state)?.side ?? null;
     const drawing = shownPatterns(state);
     const asked = fit?.drawingName ?? state.drawing;
     const isOnScan = fit !== null && drawing !== null && !isPosedByHand(state) && isAtRest(fit) && (state.overlay === "model" ? this.fitted.mesh !== null && (this.fitted.mesh.visible || hasPattern(side, asked)) : this.scan.bvh !== null);

@@ -16,7 +16,7 @@ const words = text.distances;
 
 export const signedMm = (mm: number): string => (mm > 0 ? `+${mm}` : mm < 0 ? `\u2212${-mm}` : "0");
 
-type Shown = Pick<PageSlice & ViewSlice & FitSlice, "overlay" | "model" | "fit" | "handPose" | "followed" | "showDistances">;
+type Shown = Pick<PageSlice & ViewSlice & FitSlice, "overlay" | "meta" | "models" | "fit" | "handPose" | "followed" | "showDistances">;
 
 export function createColourBar(): Panel<Shown> {
   const canvas = el("canvas", { width: WIDTH, height: HEIGHT, role: "img", "aria-label": words.bar(SCALE_MM, SCANNER_MM) });
@@ -40,7 +40,7 @@ export function createColourBar(): Panel<Shown> {
   paintColourScale(canvas);
   return {
     element,
-    select: only("overlay", "model", "fit", "handPose", "followed", "showDistances"),
+    select: only("overlay", "meta", "models", "fit", "handPose", "followed", "showDistances"),
     update(state: Shown): void {
       element.classList.toggle("is-small", isBeside(state.overlay)); // there the body stands where the large one would be
       show(element, state.showDistances && showsFittedSurface(state) && state.overlay !== "scan");

@@ -7,7 +7,7 @@ import { el, fill, setText, show } from "../../ui/dom";
 import type { Panel } from "../../ui/Panel";
 import { type Axis, scaleOf, weightOf } from "./handPose";
 import type { HandPoseActions } from "./handPoseActions";
-import { type FitSlice, isAtRest, isPosedByHand, shownPoses } from "../state";
+import { type FitSlice, isAtRest, isPosedByHand, modelOf, shownPoses } from "../state";
 import * as text from "../text";
 
 const words = text.handPose;
@@ -18,7 +18,7 @@ interface Row {
   update(nodes: readonly NodePose[]): void;
 }
 
-type Shown = Pick<PageSlice & FitSlice, "model" | "fit" | "handPose" | "followed">;
+type Shown = Pick<PageSlice & FitSlice, "meta" | "models" | "fit" | "handPose" | "followed">;
 
 export function createShapeSliders(actions: HandPoseActions): Panel<Shown> {
   let rows: Row[] = [];
@@ -31,14 +31,14 @@ export function createShapeSliders(actions: HandPoseActions): Panel<Shown> {
 
   function update(state: Shown): void {
     last = state;
-    const side = state.model?.side;
+    const side = modelOf(state)?.side;
     const nodes = shownPoses(state);
     const isThere = Boolean(side && nodes && state.fit?.state === "done" && isAtRest(state.fit));
     show(element, isThere);
     if (!isThere || !element.open) return;
     show(note, isPosedByHand(state));
     reset.disabled = !isPosedByHand(state);
-    fill(groups, side!.name, () => {
+    fill(groups, side, () => {
       const made = groupsOf(side!, actions);
       rows = made.flatMap((group) => group.rows);
       return made.map((group) => el("details", {}, el("summary", {}, group.title), el("div", {}, ...group.rows.map((row) => row.element))));
@@ -46,7 +46,7 @@ export function createShapeSliders(actions: HandPoseActions): Panel<Shown> {
     for (const row of rows) row.update(nodes!);
   }
 
-  return { element, select: only("model", "fit", "handPose", "followed"), update };
+  return { element, select: only("meta", "models", "fit", "handPose", "followed"), update };
 }
 
 function groupsOf(side: ModelSide, actions: HandPoseActions): { title: string; rows: Row[] }[] {

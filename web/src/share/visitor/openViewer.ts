@@ -51,5 +51,5 @@ export function openSharedViewer(store: Store<VisitorState>, stage: Stage, lookF
     viewer.repaint();
     update(store.get());
   });
-  offerTestHook(() => ({ ...store.get(), model: null }), viewer, scan, fitted);
+  offerTestHook(() => ({ ...store.get(), models: {} }), viewer, scan, fitted);
 }
