@@ -92,9 +92,9 @@ def test_on_a_terminal_the_verdict_and_how_sure_it_is_come_before_any_distance(f
     worse = {"verdict": {"level": "unusable", "reasons": []}, "refined": False, "surface_distance_mm": unknown}
     nothing = {"landmark_uncertainty_mm": {}, "landmark_distance_mm": TO_LANDMARKS}
     assert summary(ResultFile.model_validate(result | worse | nothing)) == "not usable; no distance to the scan"
-    guess = {"landmark_uncertainty_mm": {"xiphoid": 177.2, "umbilicus": 12.4}, "landmarks_agreed": ["xiphoid"]}
+    guess = {"landmark_uncertainty_mm": {"xiphoid": 177.2, "umbilicus": 12.4}}
     unsure = result | guess | {"verdict": {"level": "check", "reasons": []}, "line_error_mm": 14.6}
-    start = "a fit to check: lines on the breasts ± 15 mm, landmarks ± 12 mm, 1 not known, 1 of them only agreed to; "
+    start = "a fit to check: lines on the breasts ± 15 mm, landmarks ± 12 mm, 1 not known; "
     assert summary(ResultFile.model_validate(unsure)).startswith(start)
 
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.subdivide import subdivided
 from helpers.surfaces import sphere
 
 from breastrig.core.arrays import Array
@@ -11,8 +12,11 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.plan_on_scan import LESION_COLOR, PlannedScan, plan_on_scan
 from breastrig.drawings.plan_schema import PlanLesion
 from breastrig.drawings.skin_maps.interior_map import InteriorMap
+from breastrig.drawings.skin_maps.lying_motion import lying_motion
 from breastrig.drawings.skin_maps.skin_map import FittedScan
+from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.rotations import exp_so3
+from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 
 TURN, SHIFT = exp_so3(np.array([0.7, -0.4, 1.3])), np.array([0.3, -0.2, 0.5])
@@ -55,6 +59,56 @@ def test_what_is_inside_follows_a_body_that_is_pressed_flat_and_comes_back(ball:
     )
     back = InteriorMap(ball, b, a).moved(there)
     np.testing.assert_allclose(back, INSIDE, atol=2e-4)
+
+
+@pytest.fixture(scope="module")
+def torso() -> Rig:
+    return read_rig(default_rig_path())
+
+
+def scanned(rig: Rig, vertices: Array, stance: str, landmarks: bool) -> FittedScan:
+    places = dict(zip(rig.landmark_names, rig.landmark_points().positions(vertices, rig.faces), strict=True))
+    return FittedScan(ScanTarget(*subdivided(vertices, rig.faces)), vertices, places if landmarks else {}, stance)
+
+
+def inside_the_breasts(rig: Rig, vertices: Array) -> Array:
+    """(2, 3) m, left and right."""
+    return np.array([vertices[rig.regions[f"breast_{side}"]].mean(axis=0) for side in "LR"])
+
+
+def test_tissue_of_the_breasts_follows_the_skin_and_that_of_an_arm_the_fit(torso: Rig) -> None:
+    """The landmarks know that the fit slid along the skin; of an arm that was raised the fit alone knows."""
+    torso = replace(torso, known={"skin_map.toml": "reach = 0.1\n"})
+    places, weight = torso.template, np.zeros(len(torso.template))
+    arm, shoulder = torso.regions["arm_R"], places[torso.regions["arm_R"]].max(axis=0)
+    weight[arm] = np.clip((shoulder[1] - places[arm, 1]) / 0.1, 0.0, 1.0)
+    turn = exp_so3(np.array([0.0, 0.0, -0.3])).T - np.eye(3)
+    raised = places + (weight[:, None] * (places - shoulder)) @ turn
+    a, b = scanned(torso, torso.template, "standing", True), scanned(torso, raised, "standing", True)
+    normals = vertex_normals(raised, torso.faces)
+    slide = np.array([0.0, 0.012, 0.0]) - 0.012 * normals[:, [1]] * normals
+    slide[weight > 0.0] = 0.0
+    b = replace(b, vertices=b.target.search.query(raised + slide).points)
+    beyond = arm[places[arm, 0] < -0.21]
+    breasts = inside_the_breasts(torso, places)
+    found = InteriorMap(torso, a, b).moved(np.array([*breasts, places[beyond].mean(axis=0)]))
+    assert np.linalg.norm(inside_the_breasts(torso, b.vertices) - breasts, axis=1).min() > 5e-3
+    assert np.linalg.norm(found[:2] - breasts, axis=1).max() < 3e-3
+    assert np.linalg.norm((raised - places)[beyond].mean(axis=0)) > 0.02
+    assert np.linalg.norm(found[2] - raised[beyond].mean(axis=0)) < 6e-3
+
+
+def test_tissue_sinks_outwards_on_both_sides_and_comes_back_the_same_way(torso: Rig) -> None:
+    motion = lying_motion(torso)
+    assert motion is not None
+    a = scanned(torso, torso.template, "standing", False)
+    b = scanned(torso, moved(torso.template + motion), "supine", False)
+    breasts = inside_the_breasts(torso, torso.template)
+    there = InteriorMap(torso, a, b).moved(breasts)
+    left, right = (there - SHIFT) @ TURN - breasts
+    np.testing.assert_allclose(right, left * [-1.0, 1.0, 1.0], atol=2e-4)
+    assert left[0] > 1e-3  # both sink outwards
+    np.testing.assert_allclose(InteriorMap(torso, b, a).moved(there), breasts, atol=8e-4)  # left out: 3 mm
 
 
 def lesion(name: str, center: list[float], scan: str = "") -> PlanLesion:

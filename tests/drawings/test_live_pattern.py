@@ -9,6 +9,7 @@ from helpers.example_fits import write_example_fits
 from breastrig.core.errors import BadDrawing
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.clock import FittedSkin, angle_of, clock_place, on_clock
+from breastrig.drawings.handles.handle import nearest_on_way
 from breastrig.drawings.handles.live_pattern import Drag, HandleOnScan, LivePattern, LiveSkin, Parameters
 from breastrig.drawings.line_error import with_errors
 from breastrig.drawings.patterns import asked_drawing
@@ -269,3 +270,53 @@ def test_what_cannot_be_dragged_is_refused_with_a_sentence(
     with pytest.raises(BadDrawing) as refused:
         live.drawn(name, PATTERNS.get(name, {}), drag=drag)
     assert sentence in str(refused.value)
+
+
+@pytest.fixture(scope="module")
+def symmetric(rig: Rig) -> LiveSkin:
+    return LiveSkin(rig, FittedScan(ScanTarget(rig.template, rig.faces), rig.template, {}, "standing"))
+
+
+OTHERS = {"first": "second", "second": "first"}  # what the observer sees on his left comes first
+
+
+@pytest.mark.parametrize("name", [*PATTERNS])
+def test_handles_of_the_right_breast_are_those_of_the_left_in_a_mirror_and_so_are_their_drags(
+    symmetric: LiveSkin, name: str
+) -> None:
+    mirror = np.array([-1.0, 1.0, 1.0])
+    left, right = dict(PATTERNS[name]), dict(PATTERNS[name])
+    if name == "tumour":
+        right |= {"side": "R", "clock": 12.0 - float(left["clock"])}
+    ones = symmetric.drawn(name, left, side="L").handles
+    others = {each.handle.name: each for each in symmetric.drawn(name, right, side="R").handles}
+    partners = {
+        each.handle.name: "_".join(OTHERS.get(word, word) for word in each.handle.name[:-1].split("_")) + "R"
+        for each in ones
+    }
+    assert {*partners.values()} == {*others}
+    for each in ones:
+        handle, other = each.handle, others[partners[each.handle.name]]
+        assert other.at == pytest.approx(mirror * each.at, abs=1.5e-3), handle.name
+        assert other.handle.grows == pytest.approx(mirror * handle.grows, abs=0.1), handle.name
+        way = handle.grows if handle.grows.any() else np.array([0.8, 0.6, 0.0])
+        to = each.at + 0.006 * way + np.array([0.001, 0.0, 0.0])
+        here = symmetric.drawn(name, left, drag=Drag(handle.name, tuple(to))).parameters
+        there = symmetric.drawn(name, right, drag=Drag(other.handle.name, tuple(mirror * to))).parameters
+        for number in each.numbers:
+            one, two = (float(found.get(number.parameter, 0.0)) for found in (here, there))
+            two = 12.0 - two if number.parameter == "clock" else two
+            assert two == pytest.approx(one, abs={"mm": 1.0, "deg": 2.0, "h": 0.1}[number.unit]), handle.name
+
+
+@pytest.mark.parametrize("name", [*PATTERNS])
+def test_a_handle_stands_on_what_it_changes(symmetric: LiveSkin, name: str) -> None:
+    apart = ("new_nipple", "width", "centre")  # in the middle of a circle, or beside a limb
+    found = symmetric.drawn(name, PATTERNS[name])
+    for each in found.handles:
+        if each.handle.name.startswith(apart):
+            continue
+        lines = [line for line, _ in found.lines if line.name.endswith(each.handle.side)]
+        rims = [np.concatenate([line.points, line.points[:1]]) if line.closed else line.points for line in lines]
+        nearest = min(float(np.linalg.norm(nearest_on_way(rim, each.at)[0] - each.at)) for rim in rims)
+        assert nearest < 1e-3, each.handle.name

@@ -9,8 +9,9 @@ from helpers.subdivide import subdivided
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.correspondence.target import ScanTarget
-from breastrig.drawings.skin_maps.skin_map import FittedScan, SkinMap, carried, spread_out
-from breastrig.geometry.normals import vertex_normals
+from breastrig.drawings.skin_maps.settings import skin_map_settings
+from breastrig.drawings.skin_maps.skin_map import FittedScan, SkinMap, carried, spread_out, within_reach
+from breastrig.geometry.normals import unit_vectors, vertex_normals
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
@@ -108,3 +109,15 @@ def test_spread_out_points_are_far_from_each_other() -> None:
     line = np.linspace(0.0, 1.0, 101)[:, None] * [1.0, 0.0, 0.0]
     assert sorted(line[spread_out(line, 3)][:, 0]) == [0.0, 0.5, 1.0]
     assert len(spread_out(line, 500)) == 101
+
+
+def test_skin_is_followed_as_far_from_the_left_breast_as_from_the_right_and_between_them(torso: Rig) -> None:
+    vertices = torso.template @ TURN.T + SHIFT
+    left, right = (vertices[torso.regions[f"breast_{side}"]].mean(axis=0) for side in "LR")
+    outwards, up = unit_vectors(np.array([left - right, np.cross(TURN[:, 2], left - right)]))
+    near, far = (skin_map_settings(torso).reach + gap for gap in (-1e-3, 1e-3))
+    ways = ((left, outwards), (right, -outwards), (left, up), (right, -up), (0.5 * (left + right), up))
+    points = np.array([start + away * way for start, way in ways for away in (near, far)])
+    assert within_reach(torso, vertices, points).tolist() == [True, False] * len(ways)
+    for kept in ("breast_L", "breast_R"):  # of one breast alone the middle of the chest is not known
+        assert within_reach(replace(torso, regions={kept: torso.regions[kept]}), vertices, points).all()

@@ -10,7 +10,7 @@ from helpers.toy_rig import toy_rig
 
 from breastrig.fitting.task import Doubt
 from breastrig.fitting.verdicts.fit_signals import FitSignals
-from breastrig.fitting.verdicts.reasons import GivenLandmarks, picked_names
+from breastrig.fitting.verdicts.reasons import GivenLandmarks, of_agreed, picked_names
 from breastrig.fitting.verdicts.verdict import Verdict, shows_a_part, verdict, verdict_limits
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
@@ -154,7 +154,8 @@ def test_a_fit_is_as_good_as_the_lines_that_it_places() -> None:
         return verdict(RIGHT, Status.CONVERGED, LIMITS, given, line_error=error)
 
     agreed = "12 landmarks were only agreed to where they were proposed; they keep the proposals' errors."
-    assert judged(None, NONE).level == judged(0.009, replace(SOME, agreed=3)).level == "good"
+    assert judged(None, NONE) == Verdict("good", ())
+    assert judged(0.009, replace(SOME, agreed=3)) == Verdict("good", (agreed.replace("12", "3"),))
     assert judged(0.0146, AGREED) == Verdict(
         "check",
         (
@@ -211,7 +212,9 @@ def test_no_verdict_gives_advice_that_was_followed_or_says_a_thing_twice() -> No
         if (text, given, found.level) in seen:
             continue
         seen.add((text, given, found.level))
-        assert (found.level == "good") == (text == "")
+        assert (found.level == "good") == (set(found.reasons) <= {str(each) for each in of_agreed(given)})
+        if found.is_torso and "found no skin" not in text:
+            assert text.count("only agreed to") == (given.agreed > 0), text
         assert given.left or "place " not in text, text
         assert not (given.picked and "at least three" in text), text
         parts = [part for reason in found.reasons for part in reason.rstrip(".").split("; ")]

@@ -98,10 +98,17 @@ def test_a_fit_to_be_checked_is_marked_as_such_on_every_page_in_whatever_letters
 def test_the_plan_stands_on_the_first_page_in_words_and_numbers_each_item_once(toy_stance: Stance) -> None:
     tumour = PlannedItem("t", "Tumour, left breast", (("Hour", "10:30"), ("From the nipple", "45 mm")))
     note = PlannedItem("n", "Note", text="Keep the scar.")
+    lesion = [
+        PlannedItem("m", "Lesion", (("Radius", "8 mm"), ("May be off by", off), ("As drawn", "a"), ("As drawn", "b")))
+        for off in ("0 mm", "9 mm")
+    ]
     both = [replace(shown(toy_stance, name), plan=(tumour, note)) for name in ("standing", "supine")]
     text = " ".join(pages(report_pdf(both))[0].split())
     assert text.count("Tumour, left breast Hour 10:30 From the nipple 45 mm") == 1
     assert text.count("Keep the scar.") == 1
+    both = [replace(one, plan=(*one.plan, item)) for one, item in zip(both, lesion, strict=True)]
+    text = " ".join(pages(report_pdf(both))[0].split())
+    assert "Lesion Radius 8 mm May be off by 0 mm standing, 9 mm supine As drawn a As drawn b" in text
     both[1] = replace(both[1], plan=(replace(tumour, text="It could not be carried."), note))
     assert "45 mm It could not be carried." in " ".join(pages(report_pdf(both))[0].split())
 
@@ -120,9 +127,14 @@ def test_lines_that_are_no_item_of_a_plan_have_their_names_and_no_raw_ids() -> N
 
 def test_unusual_picks_stand_among_the_doubts(toy_stance: Stance) -> None:
     unusual = [{"names": ["nipple_L"], "reason": "nipple_L is unusual: 30 mm from where others have it."}]
-    one = shown(toy_stance, landmarks_unusual=unusual)
-    assert unusual[0]["reason"] in words(report_pdf([one]))
+    missing = ["Not drawn: Wise pattern. Choose shorter limbs (limb_mm); not where nipple_R lies."]
+    one = shown(toy_stance, landmarks_unusual=unusual, drawing_missing=missing)
+    text = words(report_pdf([one]))
+    assert text.count("Left nipple is unusual: 30 mm from where others have it.") == 1
+    assert text.count("Not drawn: Wise pattern. Choose shorter limbs; not where right nipple lies.") == 1
     assert report_document([one])["stances"][0]["landmarks_unusual"] == unusual
+    planned = replace(one, plan=(PlannedItem("n", "Note", text="Keep the scar."),))
+    assert "Not drawn" not in words(report_pdf([planned]))  # that was of what the plan stands for now
 
 
 def test_each_landmark_has_its_source_its_distance_and_the_radius_that_holds_its_true_place(toy_stance: Stance) -> None:

@@ -98,7 +98,12 @@ SAID = {
     "check": "a fit to check",
     "unusable": "not usable",
 }
-LEVELS = {"uncalibrated": "no verdict", "check": "check this fit", "unusable": "this fit is not usable"}
+LEVELS = {
+    "good": "",
+    "uncalibrated": "no verdict: ",
+    "check": "check this fit: ",
+    "unusable": "this fit is not usable: ",
+}
 
 
 def _output(options: argparse.Namespace) -> Output:
@@ -191,7 +196,7 @@ def run(options: argparse.Namespace) -> int:
         for note in _notes(result):
             print(f"breastrig: {scan}{note}", file=sys.stderr)
         for reason in verdict.reasons:
-            print(f"breastrig: {scan}{LEVELS[verdict.level]}: {reason}", file=sys.stderr)
+            print(f"breastrig: {scan}{LEVELS[verdict.level]}{reason}", file=sys.stderr)
         for pick in result.landmarks_not_followed:
             print(f"breastrig: {scan}{pick.reason}", file=sys.stderr)
         for pick in result.landmarks_unusual:
@@ -214,9 +219,7 @@ def summary(result: ResultFile) -> str:
     """What a result.json says in one line: first what it is good for, distances to the skin after that."""
     level, radii = result.verdict.level if result.verdict else "check", result.landmark_uncertainty_mm
     lines = "" if result.line_error_mm is None else f": lines on the breasts {margin_text(result.line_error_mm)}"
-    agreed = len(result.landmarks_agreed)
-    only = f", {agreed} of them only agreed to" if agreed else ""
-    points = f", landmarks {margins_text(list(radii.values()))}{only}" if radii else ""
+    points = f", landmarks {margins_text(list(radii.values()))}" if radii else ""
     sure = "" if level == "unusable" else lines + points
     found, alone = (_mm(each.surface_distance_mm.mean) for each in (result, result.distances))
     to_scan = f"{found} to the scan" + (f" (the model alone {alone})" if result.refined else "")

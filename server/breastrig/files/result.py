@@ -104,7 +104,9 @@ class ResultParameters(Document):
 
 class Verdict(Document):
     level: VerdictLevel
-    reasons: tuple[str, ...] = Field(description="one sentence each, the strongest first; none when it is good")
+    reasons: tuple[str, ...] = Field(
+        description="one sentence each, the strongest first; of a good fit how many picks were only agreed to"
+    )
 
 
 class DoubtedPick(BaseModel):

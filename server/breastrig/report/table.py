@@ -91,7 +91,7 @@ def less(x: Value | None, y: Value | None) -> Value | None:
 
 
 def contradictions(stances: Sequence[tuple[str, Sequence[Row]]]) -> tuple[str, ...]:
-    """Volumes of one breast in two (name, rows) that differ by more than their bands: no breast does."""
+    """Volumes of one breast in two (name, rows) that differ by more than their bands together."""
     if len(stances) != 2:
         return ()
     (first, before), (second, after) = stances
@@ -104,7 +104,7 @@ def contradictions(stances: Sequence[tuple[str, Sequence[Row]]]) -> tuple[str, .
             if change is not None and change.margin is not None and abs(change.value) > change.margin:
                 found.append(
                     f"The {side} breast measures {with_margin(one, 'ml')} ml {first} and {with_margin(other, 'ml')} ml "
-                    f"{second}: the same breast cannot differ by more than both bands; check both fits."
+                    f"{second}: one breast differs by less, nine times of ten; check both fits."
                 )
     return tuple(found)
 

@@ -1330,6 +1330,6 @@ export type TransferRequest = {
 
 export type Verdict = {
   level: "good" | "uncalibrated" | "check" | "unusable";
-  /** one sentence each, the strongest first; none when it is good */
+  /** one sentence each, the strongest first; of a good fit how many picks were only agreed to */
   reasons: string[];
 };

@@ -81,7 +81,7 @@ class Verdict:
     """What is to be thought of a fit."""
 
     level: Level
-    reasons: tuple[str, ...]  # sentences, the strongest first; none when it is good
+    reasons: tuple[str, ...]  # sentences, the strongest first; of a good one how many picks were only agreed to
     is_torso: bool = True  # False: certainly none
 
     def refusal(self, name: str, given: GivenLandmarks) -> str:
@@ -112,7 +112,7 @@ def verdict(
 
     Whoever places landmarks has seen a torso: such a fit is unusable at most.
     """
-    asked, converged = of_doubts(doubts), status is Status.CONVERGED
+    asked, agreed, converged = of_doubts(doubts), of_agreed(given), status is Status.CONVERGED
     stopped = () if converged else (Reason(NOT_CONVERGED, (LOOK_CLOSELY, given.advice)),)
     broken = () if converged else (Reason(NOT_CONVERGED),)
     nothing = not np.isfinite(signals.distance_p95) or not np.isfinite(signals.scan_p95)
@@ -120,7 +120,7 @@ def verdict(
         return Verdict("unusable", sentences((NO_SKIN, *broken, *asked)))
     if limits is None:
         level: Level = "check" if stopped or asked else "uncalibrated"
-        return Verdict(level, sentences((*stopped, *asked, UNKNOWN_MODEL)))
+        return Verdict(level, sentences((*stopped, *asked, UNKNOWN_MODEL, *agreed)))
     strengths = _strengths(signals, limits, given)
     found = _reasons(signals, strengths, limits, given)
     impossible = sum(strength >= 1.0 for strength in strengths.values())
@@ -129,13 +129,13 @@ def verdict(
     if nothing or (impossible >= limits.refused_at and not given.placed):
         return Verdict("unusable", sentences((*((NO_SKIN,) if nothing else ()), *found)), is_torso=False)
     if unknown or impossible >= limits.unusable_at:
-        lines = (Reason(UNKNOWN_LINES, (given.advice,)), *of_agreed(given)) if unknown else ()
-        return Verdict("unusable", sentences((*lines, *found, *broken, *asked)))
+        lines = (Reason(UNKNOWN_LINES, (given.advice,)),) if unknown else ()
+        return Verdict("unusable", sentences((*lines, *agreed, *found, *broken, *asked)))
     lines = (Reason(FAR_LINES.format(1e3 * (line_error or 0.0)), (given.advice, WITH_MARGIN)),) if far else ()
     unlike = () if stance in limits.stances else (Reason(OTHER_STANCE.format(stance), (LOOK_CLOSELY,)),)
     if not (lines or found or stopped or asked or unlike):
-        return Verdict("good", ())
-    return Verdict("check", sentences((*lines, *of_agreed(given), *found, *stopped, *asked, *unlike)))
+        return Verdict("good", sentences(agreed))
+    return Verdict("check", sentences((*lines, *agreed, *found, *stopped, *asked, *unlike)))
 
 
 def _strengths(signals: FitSignals, limits: VerdictLimits, given: GivenLandmarks) -> dict[str, float]:

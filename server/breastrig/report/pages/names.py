@@ -1,6 +1,7 @@
 """Names of lines and landmarks as people say them."""
 
-from collections.abc import Sequence
+import re
+from collections.abc import Collection, Sequence
 
 from breastrig.core.stances import SIDES
 
@@ -30,6 +31,22 @@ def spoken(name: str) -> str:
     words = LINES.get(head) or head.replace("_", " ")
     words = words[:1].upper() + words[1:] + space + more
     return f"{words}, {side}" if side else words
+
+
+PARAMETER = re.compile(r" \([a-z]+(?:_[a-z]+)+\)")  # which a sentence names for programs: (limb_mm)
+
+
+def plainly(sentence: str, landmarks: Collection[str] = ()) -> str:
+    """Without names for programs: no (limb_mm), and Left nipple for nipple_L."""
+
+    def words(found: re.Match[str]) -> str:
+        stem, side = sided(found[0])
+        text = f"{side} {stem}".lstrip().replace("_", " ")
+        return text if found.start() else text[:1].upper() + text[1:]
+
+    names = "|".join(map(re.escape, landmarks))
+    without = PARAMETER.sub("", sentence)
+    return re.sub(rf"\b(?:{names})\b", words, without) if names else without
 
 
 def spoken_together(names: Sequence[str]) -> list[str]:

@@ -6,7 +6,6 @@ then a tape sheet of each stance.  The same stances and the same identity give t
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, replace
 from importlib import resources
 from typing import Any
 
@@ -19,7 +18,7 @@ from breastrig.files.result import Distances, ResultFile, SurfaceDistances
 from breastrig.report.bands import KNOWN_MM, margin_text, margins_text
 from breastrig.report.document import PlannedItem, Reported
 from breastrig.report.measures import OUTLINE
-from breastrig.report.pages.names import spoken, spoken_together
+from breastrig.report.pages.names import plainly, spoken, spoken_together
 from breastrig.report.pages.tape_sheet import tape_sheet
 from breastrig.report.pictures import (
     LEAST_SURE_MM,
@@ -155,13 +154,25 @@ def _pixels(size: tuple[float, float]) -> tuple[int, int]:
 
 
 def _plan(stances: Sequence[Reported]) -> list[Table]:
-    """Each item once, also where both stances show it."""
-    items: dict[str, PlannedItem] = {}
-    for item in (item for one in stances for item in one.plan):
-        known = items.get(item.id, item)
-        text = " ".join(dict.fromkeys(filter(None, (known.text, item.text))))
-        items[item.id] = replace(max(known, item, key=lambda each: len(each.values)), text=text)
-    return [asdict(item) for item in items.values()]
+    """Each item once, also where both stances show it: what differs, a lesion's depth and error, with its stance."""
+    items = dict.fromkeys(item.id for one in stances for item in one.plan)
+    return [_planned([(one.name, item) for one in stances for item in one.plan if item.id == each]) for each in items]
+
+
+def _planned(shown: Sequence[tuple[str, PlannedItem]]) -> Table:
+    """One item as (stance, item) show it."""
+    found: dict[str, dict[str, str]] = {}  # of what, value, stance that has it first
+    for stance, item in shown:
+        for what, value in item.values:
+            found.setdefault(what, {}).setdefault(value, stance)
+    values: list[tuple[str, str]] = []
+    for what, each in found.items():
+        if len({*each.values()}) == 1:
+            values += [(what, value) for value in each]
+        else:
+            values.append((what, ", ".join(f"{value} {stance}" for value, stance in each.items())))
+    text = " ".join(dict.fromkeys(item.text for _, item in shown if item.text))
+    return {"name": shown[0][1].name, "values": values, "text": text}
 
 
 def _lines(stances: Sequence[Reported]) -> str:
@@ -250,10 +261,8 @@ def _verdict(one: Reported) -> str:
     result = one.result
     level = VERDICTS[result.verdict.level if result.verdict else "check"]
     lines, radii = result.line_error_mm, list(result.landmark_uncertainty_mm.values())
-    agreed = len(result.landmarks_agreed)
     said = [] if lines is None else [f"lines on the breasts {margin_text(lines)}"]
     said += [f"landmarks {margins_text(radii)}"] if radii else []
-    said += [f"{agreed} of {len(radii)} landmarks only agreed to where they were proposed"] if agreed else []
     return f"{one.name.capitalize()}: {': '.join([level, *([', '.join(said)] if said else [])])}."
 
 
@@ -294,7 +303,8 @@ def _doubts(one: Reported) -> list[str]:
     result = one.result
     reasons = list(result.verdict.reasons) if result.verdict else []
     reasons += [pick.reason for pick in (*result.landmarks_not_followed, *result.landmarks_unusual)]
-    reasons += [*result.drawing_missing, *result.notes]
+    reasons += [*(() if one.plan else result.drawing_missing), *result.notes]  # a plan says itself what is missing
+    reasons = [plainly(reason, one.stance.rig.landmark_names) for reason in reasons]
     named = dict.fromkeys(name for row in one.rows for name in row.landmarks)
     unpicked = [name.removesuffix(" (model)") for name in named if name.endswith(" (model)") and name != OUTLINE]
     if unpicked:

@@ -1,6 +1,5 @@
 """The items of a plan in words and numbers, as the report shows them."""
 
-import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -9,11 +8,10 @@ from breastrig.drawings.pattern_parameters import Parameter, parameters_of
 from breastrig.drawings.patterns import LABELS, PATTERNS, drawing_with
 from breastrig.drawings.plan_schema import PlanItem, PlanLesion, PlanLine, PlanNote, PlanPattern, PlanTumour, asked_of
 from breastrig.report.document import PlannedItem
-from breastrig.report.pages.names import spoken
+from breastrig.report.pages.names import plainly, spoken
 from breastrig.workflow.folder.fit_folder import FitFolder
 
 UNITS = {"mm": " mm", "deg": "°"}
-PARAMETER = re.compile(r" \([a-z]+(?:_[a-z]+)+\)")  # which a sentence names for programs: (limb_mm)
 
 
 def planned_items(
@@ -90,7 +88,10 @@ def _as_drawn(item: PlanPattern, fit: FitFolder) -> tuple[tuple[str, str], ...]:
 
 
 def _text(item: PlanItem, missing: Mapping[str, str]) -> str:
-    why = f"Not drawn: {PARAMETER.sub('', missing[item.id])}" if item.id in missing else ""
+    why = f"Not drawn: {plainly(missing[item.id])}" if item.id in missing else ""
+    if isinstance(item, PlanPattern) and item.name in PATTERNS:
+        for parameter in parameters_of(PATTERNS[item.name]).values():
+            why = why.replace(f"{parameter.name} of {item.name}", parameter.label)
     return f"{item.text} {why}".rstrip() if isinstance(item, PlanNote) else why
 
 
