@@ -10,6 +10,7 @@ import { type Skin, skinOf } from "../../src/drawing/lines/skin";
 import type { FitState } from "../../src/fit/state";
 import { withScan } from "../fakes";
 import { cut, made, place } from "../shapes";
+import shared from "./median_plane.json" with { type: "json" }; // what the service says of a turned body: tests/report/test_body_frame.py
 
 type Plane = NonNullable<Result["median_plane"]>;
 const result = (median_plane: Plane | null, unit = "mm"): Pick<Result, "median_plane" | "scan"> => ({ median_plane, scan: { unit } as Result["scan"] });
@@ -39,6 +40,11 @@ test("mirrored twice a point is where it was, and each of a pair lies where the 
   const plane = mirrorPlane(result({ normal: [0.6, 0, 0.8], offset: 7 }))!;
   expect(gap(mirroredPoint(plane, [10.2, 5, 13.6]), [-1.8, 5, -2.4])).toBeLessThan(1e-9);
   expect(gap(mirroredPoint(plane, mirroredPoint(plane, [13, -4, 250])), [13, -4, 250])).toBeLessThan(1e-9);
+});
+
+test("a point's mirror image is where the service's own frame of the body has it", () => {
+  const plane = mirrorPlane(result(shared.median_plane as Plane, "m"))!;
+  for (const { point, mirrored } of shared.pairs_mm) expect(gap(mirroredPoint(plane, point as unknown as Vector), mirrored as unknown as Vector)).toBeLessThan(0.005);
 });
 
 test("what is guessed of a line is guessed on the other side", () => {
