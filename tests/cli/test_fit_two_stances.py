@@ -18,6 +18,7 @@ def test_two_folders_of_a_fit_and_what_they_share(tmp_path: Path) -> None:
             *("fit", str(STANDING / "scan.ply"), "--landmarks", str(STANDING / "landmarks.json")),
             *("--with", str(SUPINE / "scan.ply"), "--with-landmarks", str(SUPINE / "landmarks.json")),
             *("--with-stance", "supine", "-o", str(tmp_path / "out")),
+            *("--code", "K-17", "--scanned", "2026-11-20", "--with-scanned", "2026-11-21"),
         ]
     )
     assert code == 0
@@ -28,6 +29,8 @@ def test_two_folders_of_a_fit_and_what_they_share(tmp_path: Path) -> None:
     results = [json.loads((tmp_path / "out" / name).read_text()) for name in pair["results"].values()]
     assert [result["stance"] for result in results] == pair["stances"] == ["standing", "supine"]
     assert results[1]["stance_reason"] == "As asked for."
+    for result, day in zip(results, ("2026-11-20", "2026-11-21"), strict=True):
+        assert result["patient"] == {"code": "K-17", "given": True, "scanned": day}
     for result, surface, landmarks in zip(results, (0.78, 1.05), (1.8, 3.8), strict=True):
         assert result["surface_distance_mm"]["mean"] < surface
         assert result["landmark_distance_mm"]["mean"] < landmarks
@@ -40,10 +43,13 @@ def test_two_folders_of_a_fit_and_what_they_share(tmp_path: Path) -> None:
 def test_without_landmarks_each_scan_finds_its_own_start(tmp_path: Path) -> None:
     scans = [str(STANDING / "scan.ply"), "--with", str(SUPINE / "scan.ply")]
     assert main(["fit", *scans, "--drawing", "none", "-o", str(tmp_path / "out")]) == 0
+    codes = set()
     for name, stance, surface in (("first", "standing", 0.73), ("second", "supine", 0.9)):
         result = json.loads((tmp_path / "out" / name / "result.json").read_text())
+        codes.add(result["patient"]["code"])
         assert result["stance"] == stance
         assert result["surface_distance_mm"]["mean"] < surface
+    assert len(codes) == 1  # a random one, for both
 
 
 def test_one_body_is_shared_where_it_is_asked_for(tmp_path: Path) -> None:

@@ -4,12 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.blank_pictures import blank_pictures
 from scipy.optimize import least_squares
 
 from breastrig.drawings.clock import FittedSkin, circle_around, on_clock
 from breastrig.geometry.polyline import Polyline
+from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.body_frame import body_frame
+from breastrig.report.pages.names import spoken
 from breastrig.report.pages.tape import (
     FOUND,
     LAID,
@@ -20,6 +23,7 @@ from breastrig.report.pages.tape import (
     sharp_turns,
     tape_points,
 )
+from breastrig.report.pages.tape_sheet import ROOM, SIZE, tape_sheet
 from breastrig.report.stance import Place, Stance
 from breastrig.rig.model import Rig
 
@@ -171,3 +175,48 @@ def test_a_drawing_of_nothing_and_a_rig_with_few_landmarks_have_no_sheet(torso: 
         tape_points(Stance(few, few.template, few.template, few.faces, "standing", lines=(line(few.template[:3]),)))
         == []
     )
+
+
+def test_the_picture_has_each_number_where_the_body_has_the_place_and_none_over_another(
+    torso: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Her left is to the right and her head up, whatever the scan's own axes are; one scale, as on the scan."""
+    blank_pictures(monkeypatch)
+    turn = exp_so3(np.array([0.3, -1.1, 0.7]))
+    skin = FittedSkin(torso, torso.template, {})
+    ring = skin.at(circle_around(skin, skin.landmark("nipple_R"), 0.02))
+    places = torso.template[torso.regions["breast_L"][[0, 1, 40]]]
+    lines = [replace(line(place[None] @ turn.T), name=f"cut_{k}_L") for k, place in enumerate(places)]
+    at_rest = known(torso, 0.01, FOUND, *lines, replace(line(ring @ turn.T, closed=True), name="areola_R"))
+    stance = replace(
+        at_rest,
+        vertices=torso.template @ turn.T,
+        scan_vertices=torso.template @ turn.T,
+        picked={name: place @ turn.T for name, place in at_rest.picked.items()},
+    )
+    sheet = tape_sheet("standing", stance)
+    assert sheet is not None
+    assert [row["line"] for row in sheet["rows"]] == [
+        "Cut 0, left",
+        "Cut 1, left",
+        "Cut 2, left",
+        "Areola to keep, right",
+    ]
+    assert [row["point"] for row in sheet["rows"][3:]] == ["around the nipple, right, radius 20 mm"]
+    assert [bool(row["error"]) for row in sheet["rows"]] == [True, True, True, False]
+    letters = {spoken(name): at_rest.picked[name] for name in FOUND}
+    nipple = at_rest.picked["nipple_R"]
+    shown = np.array([*places, nipple, *(letters[name] for _, name, _, _ in sheet["landmarks"])])
+    at = np.array([[dot["x"], dot["y"]] for dot in sheet["dots"]])
+    assert [dot["mark"] for dot in sheet["dots"]] == [False] * 4 + [True] * len(sheet["landmarks"])
+    frame = body_frame(torso, torso.template)
+    from_first = np.stack([frame.lateral(shown), -frame.height(shown)], axis=1)
+    from_first -= from_first[0]
+    scale = np.ptp(at, axis=0) / np.ptp(from_first, axis=0)
+    assert scale[0] == pytest.approx(scale[1], rel=1e-3)
+    np.testing.assert_allclose(at - at[0], scale[0] * from_first, atol=0.3)
+    assert (at > 0.0).all()
+    assert (at < SIZE).all()
+    labels = np.array([[dot["lx"], dot["ly"]] for dot in sheet["dots"]])
+    gaps = np.abs(labels[:, None] - labels)[~np.eye(len(labels), dtype=bool)]
+    assert (gaps > np.array(ROOM) - 0.2).any(axis=1).all()

@@ -9,6 +9,7 @@ STANDING = "standing"
 STANCES = (AUTO, *get_args(Stance))
 
 SIDES = {"L": "left", "R": "right"}
+OUTWARDS = {"L": 1.0, "R": -1.0}  # along the patient's left: away from her median plane
 
 
 def sides_of(asked: str) -> tuple[str, ...]:

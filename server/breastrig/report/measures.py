@@ -30,7 +30,6 @@ from breastrig.rig.model import DrawnShape, Length
 
 STRAIGHT, ALONG_SKIN = "straight", "along the skin"
 SPACING = 0.002  # m between points of a line to which a distance is taken
-NAMES = {"L": "left", "R": "right"}
 OUTLINE = "breast base outline (model)"
 BORDER = "areola's border (colour)"
 CHORD = "distance in space"
@@ -174,9 +173,9 @@ def _areolae(stance: Stance) -> Iterator[Row]:
     if not seen:
         return
     values = {side: _mm(areola.diameter, areola.half) for side, areola in seen.items()}
-    unseen = [f"the {name} one is not seen" for side, name in NAMES.items() if side not in seen]
+    unseen = [f"the {name} one is not seen" for side, name in SIDES.items() if side not in seen]
     method = "; ".join(["diameter of the circle of its area, by the border of its colour on the scan", *unseen])
-    paths = {name: np.concatenate([seen[side].rim, seen[side].rim[:1]]) for side, name in NAMES.items() if side in seen}
+    paths = {name: np.concatenate([seen[side].rim, seen[side].rim[:1]]) for side, name in SIDES.items() if side in seen}
     left, right = values.get("L"), values.get("R")
     yield Row("areola_diameter", "Areola diameter", ALONG_SKIN, "mm", left, right, None, (BORDER,), method, paths)
 
@@ -188,7 +187,7 @@ def _volumes(stance: Stance) -> Iterator[Row]:
     numbers = [Value(*(1e6 * number for number in (v.value, v.low, v.high))) for v in (left, right)]
     seen = f"the scan shows {100.0 * left.seen:.0f} % of the left breast and {100.0 * right.seen:.0f} % of the right"
     method = f"{VOLUME_METHOD}; {seen}"
-    paths = {name: _outline(stance, side) for name, side in (("left", "L"), ("right", "R"))}
+    paths = {name: _outline(stance, side) for side, name in SIDES.items()}
     yield Row("volume", "Volume", "volume", "ml", numbers[0], numbers[1], None, (OUTLINE,), method, paths)
 
 

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from breastrig.core.stances import SIDES, sides_of
+from breastrig.core.stances import OUTWARDS, SIDES, sides_of
 from breastrig.drawings.clock import FittedSkin, on_clock
 from breastrig.drawings.constructions.written_numbers import WrittenNumbers
 from breastrig.geometry.geodesic import MARGIN
@@ -43,8 +43,8 @@ class MastectomyEllipse(WrittenNumbers):
         skin.geodesics.look_from(joined(list(nipples.values())), MARGIN * reach)
         shapes = []
         for side in sides:
-            away = np.pi / 2.0 - np.radians(self.axis_deg)  # clockwise from 12 for the observer: her left is his right
-            axis = away if side == "L" else -away
+            # clockwise from 12 for the observer: her left is his right
+            axis = OUTWARDS[side] * (np.pi / 2.0 - np.radians(self.axis_deg))
             angles = 2.0 * np.pi * np.arange(STEPS) / STEPS
             along, across = np.cos(angles) / self.length_mm, np.sin(angles) / self.width_mm
             radii = 0.5e-3 / np.hypot(along, across)

@@ -2,11 +2,12 @@
 
 import numpy as np
 
+from breastrig.core.stances import OUTWARDS
 from breastrig.drawings.clock import FittedSkin, on_clock
 from breastrig.drawings.handles.handle import Handle, towards
 from breastrig.geometry.surface_points import SurfacePoints
 
-OUTSIDE = {"L": np.pi / 2.0, "R": -np.pi / 2.0}  # rad clockwise from 12: the patient's lateral side
+OUTSIDE = {side: out * np.pi / 2.0 for side, out in OUTWARDS.items()}  # rad clockwise from 12: laterally
 
 
 def areola_handle(skin: FittedSkin, side: str, nipple: SurfacePoints, areola_mm: float) -> Handle:

@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.core.stances import OUTWARDS
 from breastrig.drawings.clock import FittedSkin
 from breastrig.drawings.handles.handle import Handle
 from breastrig.geometry.surface_points import SurfacePoints
@@ -30,7 +31,7 @@ def new_nipple_handle(
     skin: FittedSkin, side: str, new: SurfacePoints, meridian: Array, planned: PlannedNipple
 ) -> Handle:
     """`meridian` is (M, 3) m from the collarbone to the nipple; `new` is where the nipple is planned."""
-    up, outward = skin.axes[:, 1], skin.axes[:, 0] * (1.0 if side == "L" else -1.0)
+    up, outward = skin.axes[:, 1], OUTWARDS[side] * skin.axes[:, 0]
     fold = skin.height(f"inframammary_fold_{side}")
     heights = meridian @ up
     order = np.argsort(heights, kind="stable")

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from breastrig.core.stances import sides_of
+from breastrig.core.stances import OUTWARDS, sides_of
 from breastrig.drawings.clock import FittedSkin, clock_place, on_clock
 from breastrig.drawings.constructions.ellipse import MastectomyEllipse
 from breastrig.drawings.constructions.periareolar import Periareolar
@@ -42,7 +42,7 @@ def ellipse_handles(pattern: MastectomyEllipse, skin: FittedSkin) -> list[Handle
     """Both ends of both axes, and a place of the rim by which it is turned; its centre is the nipple."""
     found = []
     for side in sides_of(pattern.side):
-        nipple, out = skin.landmark(f"nipple_{side}"), (1.0 if side == "L" else -1.0)
+        nipple, out = skin.landmark(f"nipple_{side}"), OUTWARDS[side]
         axis = out * (np.pi / 2.0 - np.radians(pattern.axis_deg))
         long, wide = (
             ("length_mm", side, nipple, pattern.length_mm),
@@ -59,7 +59,7 @@ def ellipse_handles(pattern: MastectomyEllipse, skin: FittedSkin) -> list[Handle
 
 
 def _axis(pattern: MastectomyEllipse, skin: FittedSkin, side: str, nipple: SurfacePoints, axis: float) -> Handle:
-    out = 1.0 if side == "L" else -1.0
+    out = OUTWARDS[side]
     radius = 0.5e-3 / np.hypot(np.cos(ASIDE) / pattern.length_mm, np.sin(ASIDE) / pattern.width_mm)
     at, higher = skin.at(on_clock(skin, nipple, float(radius), axis - out * np.array([ASIDE, ASIDE + 0.05])))
 
