@@ -53,6 +53,15 @@ def test_a_fit_may_leave_no_line_but_none_that_is_not_on_its_scan() -> None:
             lines_on_scan({"shapes": [{"name": "b", "points": LINE}, shape]}, "mm")
 
 
+def test_what_a_fit_has_left_is_read_however_much_it_is(toy_rig: Rig) -> None:
+    """A whole plan of allowed items has more lines and points, and longer names, than one request may bring."""
+    shapes = [{"name": f"{k % 500} {'x' * 300}", "label": "y" * 300, "points": LINE * 40} for k in range(700)]
+    document = {"name": "n" * 2_000, "unit": "mm", "shapes": shapes}
+    assert sum(len(line.points) for line in lines_on_scan(document, "m")) == 56_000
+    with pytest.raises(BadDrawing):
+        parsed_drawing(document, toy_rig, "m")
+
+
 @pytest.mark.parametrize(
     ("content", "sentence"),
     [
@@ -66,8 +75,8 @@ def test_a_fit_may_leave_no_line_but_none_that_is_not_on_its_scan() -> None:
         ({"shapes": [{"name": "cut", "points": LINE, "bridged": [True]}]}, "bridged"),
         ({"shapes": [{"name": "cut", "points": LINE}] * 2}, 'Two shapes of this drawing are called "cut"'),
         ({"shapes": [{"name": "cut", "points": LINE * 30_000}]}, "60000 points; at most 50000"),
-        ({"shapes": [{"name": "cut", "points": LINE, "error_mm": [1.0]}]}, "2 points but says of 1 how far off"),
         ({"shapes": [{"name": str(k), "points": LINE * 13_000} for k in range(2)]}, "52000 points; at most 50000"),
+        ({"shapes": [{"name": "cut", "points": LINE, "error_mm": [1.0]}]}, "2 points but says of 1 how far off"),
         ({"shapes": [{"name": "a", "surface_points": [{"face": 10**30, "barycentric": [1, 0, 0]}]}]}, "face"),
         ({"unit": "mile", "shapes": [{"name": "cut", "points": LINE}]}, "unit"),
         ({"shapes": [{"name": "a", "surface_points": [{"face": 99_999, "barycentric": [1, 0, 0]}]}]}, "another model"),

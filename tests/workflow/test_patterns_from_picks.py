@@ -58,7 +58,7 @@ def beside(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_of_a_fit_of_a_plan_and_under_a_hand_alike(beside: Path) -> None:
     rig = read_rig(default_rig_path())
     found = fit_folder_of(beside, rig)
-    pick, model = found.landmarks["nipple_L"], np.array(found.result["landmarks"]["nipple_L"])  # this scan is in metres
+    pick, model = found.landmarks["nipple_L"], np.array(found.result.landmarks["nipple_L"])  # this scan is in metres
     assert np.linalg.norm(pick - model) > 0.002  # the model does not follow all of the way
     circle = areola(beside)
     assert off_centre(circle, pick) < 0.0008

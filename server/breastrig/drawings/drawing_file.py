@@ -6,7 +6,7 @@ sentence.  Which fields it may have and their limits are in drawing_schema.py.
 
 import json
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from pydantic import ValidationError
@@ -14,12 +14,13 @@ from pydantic import ValidationError
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.drawings.drawing_schema import GivenDrawing, GivenShape, PlannedDrawing, PlannedShape
+from breastrig.drawings.drawing_schema import GivenDrawing, GivenShape, ReadDrawing
 from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import DrawnShape, Rig
 
-FILE_BYTES = 20_000_000  # largest drawing file; one that a fit leaves has some thirty thousand
+FILE_BYTES = 400_000_000  # largest drawing file: as a scan; one that a fit leaves has some thirty thousand
+Form = TypeVar("Form", GivenDrawing, ReadDrawing)
 UNIT_SUM, OUTSIDE = 1e-3, 1e-6  # of barycentric weights: files round them
 
 
@@ -33,10 +34,15 @@ class Drawing:
 
 
 def checked_drawing(content: bytes | dict[str, Any]) -> GivenDrawing:
+    """The fields of what others give.  Raises BadDrawing for what is no drawing, and beyond the limits."""
+    return _checked(GivenDrawing, content)
+
+
+def _checked(form: type[Form], content: bytes | dict[str, Any]) -> Form:
     """The fields of a file's bytes or document.  Raises BadDrawing for what is no drawing."""
     try:
         document = json.loads(content) if isinstance(content, bytes) else content
-        return GivenDrawing.model_validate(document)
+        return form.model_validate(document)
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         where = ".".join(map(str, first["loc"])) or "the whole"
@@ -62,7 +68,7 @@ def parsed_drawing(content: bytes | dict[str, Any], rig: Rig, unit: str) -> Draw
 
 def lines_on_scan(content: bytes | dict[str, Any], unit: str) -> tuple[Polyline, ...]:
     """The polylines of a drawing that a fit has left, perhaps none; BadDrawing where a shape is not on the scan."""
-    found = checked_drawing(content)
+    found = _checked(ReadDrawing, content)
     elsewhere = next((shape.name for shape in found.shapes if not shape.points), None)
     if elsewhere is not None:
         raise BadDrawing(f'The shape "{elsewhere}" has no points on the scan; give the drawing.json of a fit.')
@@ -71,8 +77,7 @@ def lines_on_scan(content: bytes | dict[str, Any], unit: str) -> tuple[Polyline,
 
 def planned_on_scan(document: dict[str, Any]) -> tuple[Polyline, ...]:
     """The polylines of a plan on a scan as `plan_document` writes it, in metres."""
-    found = PlannedDrawing.model_validate(document)
-    return _on_scan(found, found.unit)
+    return _on_scan(ReadDrawing.model_validate(document), "mm")
 
 
 def shape_document(line: Polyline, metres_per_unit: float) -> dict[str, Any]:
@@ -94,12 +99,12 @@ def millimetres(lengths: Array) -> list[float | None]:
     return [round(1e3 * float(value), 3) if np.isfinite(value) else None for value in lengths]
 
 
-def _on_scan(drawing: GivenDrawing | PlannedDrawing, unit: str) -> tuple[Polyline, ...]:
+def _on_scan(drawing: GivenDrawing | ReadDrawing, unit: str) -> tuple[Polyline, ...]:
     per_unit = METRES_PER_UNIT[drawing.unit or unit]
     return tuple(_polyline(shape, per_unit) for shape in drawing.shapes if shape.points)
 
 
-def _polyline(shape: GivenShape | PlannedShape, per_unit: float) -> Polyline:
+def _polyline(shape: GivenShape, per_unit: float) -> Polyline:
     points = per_unit * np.array(shape.points, dtype=np.float64)
     bridged = np.array(shape.bridged) if shape.bridged else np.zeros(len(points), dtype=np.bool_)
     error = 1e-3 * np.array(shape.error_mm, dtype=np.float64) if shape.error_mm else None  # null becomes nan

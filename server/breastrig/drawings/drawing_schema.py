@@ -1,7 +1,8 @@
 """What a drawing file may hold (breastrig/drawing@1): its fields, their limits, and what they must have in common.
 
 Files, requests and answers are all checked by these classes, so what one of them takes the others take too.  The
-limits are far beyond a surgeon's drawing, which has some ten lines of some hundred points.
+limits are far beyond a surgeon's drawing, which has some ten lines of some hundred points; what a fit has left has
+none, for a whole plan may be in it.
 """
 
 from collections import Counter
@@ -127,18 +128,20 @@ class GivenDrawing(Part):
         return self
 
 
-class PlannedShape(DrawnShape):
-    """One line of a plan on a scan; its name may have become longer than the one that was given."""
+class ReadShape(GivenShape):
+    """One polyline of such a drawing; its name may have become longer than the one that was given."""
 
     name: str = Field(min_length=1)
     label: str = ""
 
 
-class PlannedDrawing(Part):
-    """A plan on a scan, which this program has made: it has the lines of all items, however many."""
+class ReadDrawing(Part):
+    """A drawing that this program has written: it has the lines of all items, however many."""
 
-    unit: LineUnit
-    shapes: list[PlannedShape]
+    schema_: Literal["breastrig/drawing@1"] = Field(SCHEMA, alias="schema")
+    name: str | None = None
+    unit: LineUnit | None = None
+    shapes: list[ReadShape]
 
 
 def _check_lengths(name: str, points: int, bridged: list[bool] | None, error_mm: list[float | None] | None) -> None:

@@ -11,7 +11,14 @@ from typing import Any
 from breastrig.core.errors import BadDrawing, BadInput, TooLarge
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.private_files import read_ordinary, shown
-from breastrig.drawings.drawing_file import FILE_BYTES, Drawing, millimetres, parsed_drawing, shape_document
+from breastrig.drawings.drawing_file import (
+    FILE_BYTES,
+    Drawing,
+    lines_on_scan,
+    millimetres,
+    parsed_drawing,
+    shape_document,
+)
 from breastrig.drawings.plan_schema import Plan, checked_plan, is_plan
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.transfer import TransferredLine, fitted_scan, transferred
@@ -47,10 +54,9 @@ def transfer(job: TransferJob) -> dict[str, Any]:
 def transfer_with(rig: Rig, job: TransferJob) -> dict[str, Any]:
     """The same with a rig that has been read."""
     source, goal = fit_folder_of(job.from_fit, rig), fit_folder_of(job.to_fit, rig)
-    document = drawing_document(job.from_fit / "drawing.json") if job.drawing is None else job.drawing
-    if is_plan(document):
-        return _plan_on(rig, checked_plan(document), source, goal, job.other_patient)
-    given = parsed_drawing(document, rig, source.unit)
+    if job.drawing is not None and is_plan(job.drawing):
+        return _plan_on(rig, checked_plan(job.drawing), source, goal, job.other_patient)
+    given = _own(job.from_fit, source) if job.drawing is None else parsed_drawing(job.drawing, rig, source.unit)
     a = fitted_scan(source.surface, source.vertices, source.landmarks, source.stance, source.radii, source.seen)
     b = fitted_scan(goal.surface, goal.vertices, goal.landmarks, goal.stance, goal.radii, goal.seen)
     shapes = list(given.on_scan)
@@ -62,6 +68,15 @@ def transfer_with(rig: Rig, job: TransferJob) -> dict[str, Any]:
     except MemoryError as error:
         raise BadInput("Carrying this drawing needs more memory than it may use; give smaller scans.") from error
     return _document(given, goal, carried, job.other_patient)
+
+
+def _own(folder: Path, fit: FitFolder) -> Drawing:
+    """What the fit has left, however much it is."""
+    document = drawing_document(folder / "drawing.json")
+    lines = lines_on_scan(document, fit.unit)
+    if not lines:
+        raise BadDrawing("This fit has left no lines; give a drawing.")
+    return Drawing(str(document.get("name") or "drawing"), lines, ())
 
 
 def _plan_on(rig: Rig, plan: Plan, source: FitFolder, goal: FitFolder, other_patient: bool) -> dict[str, Any]:
