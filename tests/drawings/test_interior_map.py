@@ -142,10 +142,23 @@ def test_a_plan_carries_its_lesions_and_draws_each_on_the_skin_next_to_it(ball: 
         np.testing.assert_allclose(gaps, 0.008, atol=2e-4)
 
 
-def test_the_radius_grows_with_what_either_fit_leaves_open(ball: Rig) -> None:
+def test_a_lesion_a_little_over_the_skin_is_shown_and_one_farther_out_is_not(ball: Rig) -> None:
+    a = fitted(ball, ball.template)
+    items = [lesion("over", [0.0, 108.0, 0.0]), lesion("beyond", [0.0, 0.0, -112.0])]
+    found = plan_on_scan(ball, PlannedScan("standing", a, items), [])
+    assert [(each.item.id, each.is_carried) for each in found.lesions] == [("over", False)]
+    assert found.lesions[0].depth == pytest.approx(-0.008, abs=5e-4)
+    assert [(each.item.id, each.reason) for each in found.missing] == [
+        ("beyond", "beyond lies 12 mm outside the skin; check its frame and unit.")
+    ]
+
+
+def test_the_radius_of_each_is_what_both_fits_leave_open_at_its_own_place(ball: Rig) -> None:
     calibrated = replace(ball, known={"skin_map.toml": "error_skin = 0.003\nerror_share = 0.5\n"})
-    for first, second in ((0.004, 0.004), (0.008, 0.004), (0.004, 0.008)):
-        a, b = (fitted(ball, ball.template, radius=each) for each in (first, second))
-        planned = PlannedScan("standing", a, [lesion("near", [0.0, 80.0, 0.0])])
-        (found,) = plan_on_scan(calibrated, PlannedScan("supine", b, []), [planned]).lesions
-        assert found.error == pytest.approx(np.sqrt(0.003**2 + (0.5 * first) ** 2 + (0.5 * second) ** 2))
+    high, left = ball.template[:, 1], ball.template[:, 0]
+    a = replace(fitted(ball, ball.template), radii=0.004 + 0.02 * (0.1 + high))
+    b = replace(fitted(ball, moved(ball.template), "supine"), radii=0.003 + 0.03 * (0.1 + left))
+    items = [lesion("above", [0.0, 80.0, 0.0]), lesion("aside", [80.0, 0.0, 0.0])]
+    found = plan_on_scan(calibrated, PlannedScan("supine", b, []), [PlannedScan("standing", a, items)]).lesions
+    expected = [np.linalg.norm([0.003, 0.5 * here, 0.5 * there]) for here, there in ((0.008, 0.006), (0.006, 0.009))]
+    assert [each.error for each in found] == pytest.approx(expected, abs=1e-4)

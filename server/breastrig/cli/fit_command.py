@@ -26,7 +26,7 @@ from breastrig.interface.fit_result import Fit
 from breastrig.interface.pair import PAIR_SETS, FitPair, pair_iterates
 from breastrig.interface.run import FitRun, Iterate, iterates
 from breastrig.interface.scan import Scan, read_coloured
-from breastrig.report.bands import margin_text, margins_text
+from breastrig.report.bands import sure_text
 from breastrig.workflow.jobs import FIRST
 
 
@@ -217,12 +217,10 @@ def _mm(distance: float | None) -> str:
 
 def summary(result: ResultFile) -> str:
     """What a result.json says in one line: first what it is good for, distances to the skin after that."""
-    level, radii = result.verdict.level if result.verdict else "check", result.landmark_uncertainty_mm
-    lines = "" if result.line_error_mm is None else f": lines on the breasts {margin_text(result.line_error_mm)}"
-    points = f", landmarks {margins_text(list(radii.values()))}" if radii else ""
-    sure = "" if level == "unusable" else lines + points
+    level = result.verdict.level if result.verdict else "check"
+    sure = "" if level == "unusable" else sure_text(result.line_error_mm, list(result.landmark_uncertainty_mm.values()))
     found, alone = (_mm(each.surface_distance_mm.mean) for each in (result, result.distances))
     to_scan = f"{found} to the scan" + (f" (the model alone {alone})" if result.refined else "")
     picks = result.landmark_distance_mm.mean
     to_picks = "" if picks is None else f", {picks:.2f} mm to the landmarks"
-    return f"{SAID[level]}{sure}; {to_scan}{to_picks}"
+    return f"{SAID[level]}{sure and f': {sure}'}; {to_scan}{to_picks}"

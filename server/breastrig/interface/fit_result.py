@@ -25,6 +25,7 @@ from breastrig.interface.drawing import Drawing, drawing_of
 from breastrig.interface.model import Model, Rig, loaded, public
 from breastrig.interface.one_thread import one_thread
 from breastrig.interface.posterior import Posterior, posterior_of
+from breastrig.report.bands import sure_text
 from breastrig.rig.named_parameters import Parameters, parameters_by_name
 from breastrig.scan.clean import Surface
 from breastrig.workflow.fit_outcome import FitOutcome
@@ -181,7 +182,9 @@ class Fit:
     def __repr__(self) -> str:
         mean = self.in_metres.result.surface_distance_mm.mean
         far = "no pair" if mean is None else f"{mean:.2f} mm to the scan"
-        return f"<Fit: {self.stance}, {self.verdict.level}, {far}, {self.iterations} iterations, in {self.unit}>"
+        sure = sure_text(self.in_metres.result.line_error_mm, ())
+        good = f"{self.verdict.level}{sure and f': {sure}'}"
+        return f"<Fit: {self.stance}, {good}; {far}, {self.iterations} iterations, in {self.unit}>"
 
 
 def fit_of_outcome(outcome: FitOutcome, inputs: tuple[Path, ...]) -> Fit:

@@ -33,6 +33,12 @@ def margins_text(radii: Sequence[float | None]) -> str:
     return f"± {known[0]}{most} mm{unknown}"
 
 
+def sure_text(lines_mm: float | None, landmarks_mm: Sequence[float]) -> str:
+    """What a fit is good for: lines on the breasts ± 6 mm, landmarks ± 2 to 4 mm; empty where nothing is known."""
+    said = [] if lines_mm is None else [f"lines on the breasts {margin_text(lines_mm)}"]
+    return ", ".join([*said, f"landmarks {margins_text(landmarks_mm)}"] if landmarks_mm else said)
+
+
 def half_width(radii: Sequence[float | None], share: float = OF_LENGTH) -> float | None:
     """In the radii's unit; None where one is not known."""
     known = [radius for radius in radii if radius is not None]

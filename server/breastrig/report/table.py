@@ -4,7 +4,7 @@ The same rows are in report.json, measures.csv and the PDF.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -117,17 +117,8 @@ def changes(before: Sequence[Row], after: Sequence[Row]) -> list[Row]:
 
 def _change(a: Row, b: Row) -> Row:
     landmarks = tuple(dict.fromkeys((*a.landmarks, *b.landmarks)))
-    return Row(
-        a.measure,
-        a.label,
-        a.kind,
-        a.unit,
-        less(a.left, b.left),
-        less(a.right, b.right),
-        less(a.value, b.value),
-        landmarks,
-        a.method,
-    )
+    left, right, value = (less(*pair) for pair in ((a.left, b.left), (a.right, b.right), (a.value, b.value)))
+    return replace(a, left=left, right=right, value=value, landmarks=landmarks, paths={})
 
 
 def _flat(stance: str, row: Row) -> dict[str, Cell]:

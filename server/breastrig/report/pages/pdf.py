@@ -15,7 +15,7 @@ from breastrig.core.identity import UNNAMED, Identity
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.version import __version__
 from breastrig.files.result import Distances, ResultFile, SurfaceDistances
-from breastrig.report.bands import KNOWN_MM, margin_text, margins_text
+from breastrig.report.bands import KNOWN_MM, sure_text
 from breastrig.report.document import PlannedItem, Reported
 from breastrig.report.measures import OUTLINE
 from breastrig.report.pages.names import plainly, spoken, spoken_together
@@ -260,10 +260,8 @@ def _verdict(one: Reported) -> str:
     """What the fit is good for: how far off a line may be, then the landmarks; results of earlier versions say less."""
     result = one.result
     level = VERDICTS[result.verdict.level if result.verdict else "check"]
-    lines, radii = result.line_error_mm, list(result.landmark_uncertainty_mm.values())
-    said = [] if lines is None else [f"lines on the breasts {margin_text(lines)}"]
-    said += [f"landmarks {margins_text(radii)}"] if radii else []
-    return f"{one.name.capitalize()}: {': '.join([level, *([', '.join(said)] if said else [])])}."
+    sure = sure_text(result.line_error_mm, list(result.landmark_uncertainty_mm.values()))
+    return f"{one.name.capitalize()}: {level}{sure and f': {sure}'}."
 
 
 def _making(result: ResultFile) -> dict[str, str]:
