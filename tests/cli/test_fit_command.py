@@ -1,9 +1,11 @@
 """`breastrig fit` as a user calls it: the files it leaves, and one clear line for everything it refuses."""
 
+import io
 import json
 import re
 import subprocess
 import sys
+from contextlib import redirect_stderr
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,17 +31,13 @@ from breastrig.workflow.fit_recorder import FitRecorder
 EXAMPLE = asset_folder("example") / "standing"
 
 
-OF_EXAMPLE = [  # what is found in its file
-    "breastrig: One small piece beside the body was left out.",
-    "breastrig: 318 triangles faced inwards and were turned.",
-]
-
-
 @pytest.fixture(scope="module")
 def fitted(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Nothing is said of an ordinary scan, not even of its dust and of triangles that face inwards."""
     out = tmp_path_factory.mktemp("fit")
-    code = main(["fit", str(EXAMPLE / "scan.ply"), "--landmarks", str(EXAMPLE / "landmarks.json"), "-o", str(out)])
-    assert code == 0
+    with redirect_stderr(io.StringIO()) as said:
+        code = main(["fit", str(EXAMPLE / "scan.ply"), "--landmarks", str(EXAMPLE / "landmarks.json"), "-o", str(out)])
+    assert (code, said.getvalue()) == (0, "")
     return out
 
 
@@ -264,7 +262,6 @@ def test_picks_that_were_not_followed_are_named_on_stderr(tmp_path: Path, capsys
     assert main(arguments) == 0
     told = capsys.readouterr().err.splitlines()
     assert told == [
-        *OF_EXAMPLE,
         "breastrig: check this fit: 2 landmarks look exchanged between left and right; look at what is asked about "
         "them.",
         "breastrig: nipple_L and nipple_R look exchanged; they were not followed.",
@@ -304,7 +301,6 @@ def test_unusual_picks_are_named_on_stderr_to_be_checked(
     arguments = ["fit", str(EXAMPLE / "scan.ply"), "--landmarks", str(EXAMPLE / "landmarks.json"), "-o", str(tmp_path)]
     assert main(arguments) == 0
     assert capsys.readouterr().err.splitlines() == [
-        *OF_EXAMPLE,
         "breastrig: nipple_L was let go.",
         "breastrig: umbilicus is 42 mm from where the model expects it; check it.",
         f"breastrig: {question}",
@@ -423,4 +419,4 @@ def test_what_was_lost_of_a_scan_is_said_on_stderr(tmp_path: Path, capsys: pytes
         str(tmp_path / "out"),
     ]
     assert main(["fit", *arguments]) == 0
-    assert capsys.readouterr().err.splitlines() == [f"breastrig: {NO_MATERIAL}", *OF_EXAMPLE]
+    assert capsys.readouterr().err.splitlines() == [f"breastrig: {NO_MATERIAL}"]

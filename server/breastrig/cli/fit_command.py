@@ -156,13 +156,6 @@ def _run(options: argparse.Namespace) -> FitRun[Iterate, Fit] | FitRun[tuple[Ite
     )
 
 
-def _notes(result: ResultFile) -> list[str]:
-    """What reading found and lost, and what was done to a scan that its file does not show."""
-    cut_away = result.scan.cut_away_cm2
-    around = [f"What stood around the body was cut away: {cut_away:,} cm²."] if cut_away else []
-    return [*result.notes, *around]
-
-
 def _to_check(reason: str) -> str:
     """What is said of a pick that was followed, as a question or with what to do."""
     return reason if reason.endswith("?") else f"{reason.removesuffix('.')}; check it."
@@ -193,7 +186,7 @@ def run(options: argparse.Namespace) -> int:
     for which, fit in enumerate(fits):
         result, verdict = fit.in_metres.result, fit.verdict
         scan = f"{(options.scan, options.other)[which]}: " if len(fits) > 1 else ""
-        for note in _notes(result):
+        for note in result.notes:
             print(f"breastrig: {scan}{note}", file=sys.stderr)
         for reason in verdict.reasons:
             print(f"breastrig: {scan}{LEVELS[verdict.level]}{reason}", file=sys.stderr)

@@ -27,7 +27,7 @@ class Surface:
 
     vertices: Array  # (V, 3) m
     faces: Integers  # (F, 3)
-    notes: tuple[str, ...]
+    notes: tuple[str, ...]  # what was cut away around the body
 
 
 def welded(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
@@ -68,25 +68,21 @@ def compact(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
     return vertices[used], index[faces].astype(np.int64)
 
 
-def _left_out(count: int, what: str, which: str) -> str:
-    return f"{count} {what}s {which} were left out." if count > 1 else f"One {what} {which} was left out."
-
-
 def clean(scan: Scan) -> Surface:
-    """The part of a scan that can be fitted, with one sentence for each thing that was done."""
+    """The part of a scan that can be fitted: no dust, no triangles without area, all faces outwards.
+
+    No word is said of these: nobody has to do anything about them, and no fit is another for them.
+    """
     vertices, faces = welded(np.asarray(scan.vertices, dtype=np.float64), np.asarray(scan.faces, dtype=np.int64))
-    notes = []
     crosses = face_crosses(vertices, faces)
     solid = have_area(crosses)
     if not solid.all():
-        notes.append(_left_out(int(np.count_nonzero(~solid)), "triangle", "without area"))
         faces, crosses = faces[solid], crosses[solid]
     if not len(faces):
         raise BadScan("The scan has no triangle with an area; export it again as a mesh.")
     large, dropped = large_pieces(vertices, faces)
     if dropped:
         faces, crosses = faces[large], crosses[large]
-        notes.append(_left_out(dropped, "small piece", "beside the body"))
     if len(faces) < MIN_TRIANGLES:
         raise BadScan(
             f"The scan has only {len(faces)} usable triangles; at least {MIN_TRIANGLES} are needed to show a torso."
@@ -94,5 +90,4 @@ def clean(scan: Scan) -> Surface:
     turned, count = outwards(vertices, faces, crosses)
     if count > INWARD_SHARE * len(faces):
         faces = turned
-        notes.append(f"{count} triangles faced inwards and were turned.")
-    return Surface(*compact(vertices, faces), tuple(notes))
+    return Surface(*compact(vertices, faces), ())
