@@ -11,7 +11,7 @@ help:
 	@echo "make serve   build the page and serve it at http://127.0.0.1:$(PORT)/?token=...   (PORT=... DATA=... to change)"
 	@echo "make test    everything that must hold: check, unit tests of page and package, browser test"
 	@echo "make check   lint and types only"
-	@echo "make room    ROOM=fitting: tests and types of one room of the package, in some seconds"
+	@echo "make room    ROOM=rig: lint, types and tests of one room of the package   (TESTS=tests/fitting/test_stance.py: only these)"
 	@echo "make mutants wrong changes that no test of a numeric room sees   (MUTANTS=\"drawings report --count 40 --seed 1\")"
 	@echo "make docs    build the documentation into dist/docs; warnings are errors"
 	@echo "make bench   measure the hot paths   (BENCH=--benchmark-timer=time.process_time where other work runs)"
@@ -38,13 +38,17 @@ check: web-packages $(VENV)/.stamp-test
 	$(IN_VENV) npm --prefix web run --silent typecheck
 	$(IN_VENV) npm --prefix web run --silent lint
 
-# The inner loop: one room of server/breastrig.
+# The inner loop: one room of server/breastrig, with all of its tests or some (a file, a folder, several).
+TESTS = tests/$(ROOM)
 room: $(VENV)/.stamp-test
-	@[ -d "server/breastrig/$(ROOM)" ] || { echo "error: say which room: make room ROOM=fitting" >&2; exit 2; }
+	@{ [ -n "$(ROOM)" ] && [ -f "server/breastrig/$(ROOM)/__init__.py" ] && [ -d "tests/$(ROOM)" ]; } || \
+	    { echo "error: say which room: make room ROOM=fitting; there are" $$(cd server/breastrig && for room in */; do \
+	    [ -d "../../tests/$$room" ] && echo "$${room%/}"; done) >&2; exit 2; }
 	"$(VENV)/bin/ruff" check "server/breastrig/$(ROOM)" "tests/$(ROOM)"
+	"$(VENV)/bin/ruff" format --check "server/breastrig/$(ROOM)" "tests/$(ROOM)"
 	"$(VENV)/bin/mypy" --package "breastrig.$(ROOM)"
-	"$(VENV)/bin/lint-imports" --no-cache | tail -n 1
-	OPENBLAS_NUM_THREADS=1 "$(VENV)/bin/python" -m pytest -q -n 2 "tests/$(ROOM)"
+	@said="$$("$(VENV)/bin/lint-imports" --no-cache)" || { echo "$$said"; exit 1; }
+	OPENBLAS_NUM_THREADS=1 "$(VENV)/bin/python" -m pytest -q -n 2 $(TESTS)
 
 docs: $(VENV)/.stamp-docs
 	"$(VENV)/bin/sphinx-build" -W --keep-going -q -b html docs dist/docs
