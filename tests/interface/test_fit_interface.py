@@ -291,7 +291,8 @@ def test_what_is_only_proposed_is_no_evidence(scan: breastrig.Scan, proposed: di
     np.testing.assert_array_equal(given.vertices, alone.vertices)
     assert given.result["landmark_uncertainty_mm"] == alone.result["landmark_uncertainty_mm"]
     assert given.picked == {}
-    assert given.notes == (*alone.notes, "12 landmarks are as proposed from this scan, and did not pull at the fit.")
+    note = f"{len(proposed)} landmarks are as proposed from this scan, and did not pull at the fit."
+    assert given.notes == (*alone.notes, note)
 
 
 def test_beside_picks_only_those_proposals_count_that_colour_shows(scan: breastrig.Scan) -> None:

@@ -74,7 +74,7 @@ def test_agreeing_to_every_proposal_makes_no_fit_surer(stance: str, tmp_path: Pa
     assert result["verdict"]["reasons"] == [
         f"Lines on the breasts may be {result['line_error_mm']:.0f} mm off; place at least three landmarks by hand, or "
         "plan with that margin.",
-        "12 landmarks were only agreed to where they were proposed; they keep the proposals' errors.",
+        f"{len(proposed)} landmarks were only agreed to where they were proposed; they keep the proposals' errors.",
     ]
 
 

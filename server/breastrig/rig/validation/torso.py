@@ -22,7 +22,7 @@ BONES = (
     "upper_arm_R",
 )
 SHAPES = 55
-LANDMARKS = (
+LANDMARKS = (  # at least: pages, measures and patterns know these by name
     "suprasternal_notch",
     "mid_sternum",
     "xiphoid",
@@ -95,7 +95,7 @@ def torso_findings(rig: Rig) -> list[Finding]:
     return [
         _size(rig),
         _names("it has the nine bones", rig.bone_names, BONES),
-        _names("it has the twelve landmarks", rig.landmark_names, LANDMARKS),
+        _names("it has the twelve landmarks", rig.landmark_names, LANDMARKS, others=True),
         *_drawings(rig),
         _shape_count(rig),
         _topics(rig),
@@ -113,8 +113,12 @@ def _size(rig: Rig) -> Finding:
     return Finding("the size is right", low <= count <= high, f"{count} vertices, wanted are {low} to {high}")
 
 
-def _names(name: str, found: tuple[str, ...], wanted: tuple[str, ...]) -> Finding:
+def _names(name: str, found: tuple[str, ...], wanted: tuple[str, ...], *, others: bool = False) -> Finding:
+    """`others`: whether it may have more than these."""
     missing, surplus = sorted(set(wanted) - set(found)), sorted(set(found) - set(wanted))
+    if others:
+        detail = f"missing: {named(missing)}." if missing else "all" + (f", and {named(surplus)}" if surplus else "")
+        return Finding(name, not missing, detail)
     detail = f"{len(found)}"
     if missing or surplus:
         detail = f"missing: {named(missing) or 'none'}; not expected: {named(surplus) or 'none'}."
