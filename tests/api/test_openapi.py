@@ -11,7 +11,7 @@ from breastrig.api.write_openapi import FILE
 
 def test_the_committed_document_is_fresh() -> None:
     fresh = FILE.read_bytes() == openapi_bytes(openapi_document())
-    assert fresh, "run: python -m breastrig.api.write_openapi, then make the page's types again"
+    assert fresh, "run: python -m breastrig.api.write_openapi, then: npm --prefix web run types"
 
 
 def test_the_served_document_is_the_committed_one(client: FlaskClient) -> None:

@@ -28,7 +28,7 @@ def test_every_number_of_every_preset_has_a_reason(repository: Path) -> None:
     for path in presets:
         text = path.read_text(encoding="utf-8")
         assert tomllib.loads(text)
-        assert not lines_without_a_reason(text), path.name
+        assert not lines_without_a_reason(text), f"{path.name}: end these lines in a comment that says why: # m; ..."
 
 
 def test_a_bare_number_is_found() -> None:

@@ -35,15 +35,17 @@ def lines_with(pattern: re.Pattern[str], texts: dict[str, str]) -> list[str]:
 
 
 def test_no_file_names_a_registry_host(project_texts: dict[str, str]) -> None:
-    assert not lines_with(REGISTRY_HOSTS, project_texts)
+    assert not lines_with(REGISTRY_HOSTS, project_texts), "leave the host out: it is set where the program is installed"
 
 
 def test_lock_files_do_not_remember_where_packages_came_from(project_texts: dict[str, str]) -> None:
-    assert not lines_with(RESOLVED, {name: text for name, text in project_texts.items() if name.endswith(".json")})
+    assert not lines_with(RESOLVED, {name: text for name, text in project_texts.items() if name.endswith(".json")}), (
+        "call npm install in web/, whose .npmrc leaves addresses out of the lock file"
+    )
 
 
 def test_no_file_holds_a_path_of_one_machine(project_texts: dict[str, str]) -> None:
-    assert not lines_with(MACHINE_PATHS, project_texts)
+    assert not lines_with(MACHINE_PATHS, project_texts), "write the path from the top of the checkout"
 
 
 def test_the_patterns_catch_what_they_are_for() -> None:

@@ -11,6 +11,7 @@ import pytest
 
 from breastrig.cli.main import main
 from breastrig.files.result import FIT_FILES
+from breastrig.gltf.read_rig import default_rig_path, read_rig
 
 
 def python_block(document: Path) -> str:
@@ -82,7 +83,7 @@ def test_every_target_that_is_printed_exists(repository: Path, documents: list[P
     makefile = (repository / "Makefile").read_text()
     printed = "".join(document.read_text() for document in documents)
     for target in set(re.findall(r"(?:^|`)make ([a-z]+)", printed, re.MULTILINE)):
-        assert re.search(rf"^{target}:", makefile, re.MULTILINE), target
+        assert re.search(rf"^{target}:", makefile, re.MULTILINE), f"the Makefile has no target {target}"
 
 
 def test_links_and_pictures_lead_somewhere(documents: list[Path]) -> None:
@@ -93,6 +94,15 @@ def test_links_and_pictures_lead_somewhere(documents: list[Path]) -> None:
 
 def test_the_readme_stays_a_page(repository: Path) -> None:
     assert len((repository / "README.md").read_text().splitlines()) <= 100
+
+
+def test_the_model_has_as_many_parts_as_the_documents_say(repository: Path) -> None:
+    rig = read_rig(default_rig_path())
+    parts = {"bones": len(rig.bones), "blendshapes": len(rig.shapes), "landmarks": len(rig.landmarks)}
+    for name in ("README.md", "docs/model_card.md", "model_assets/README.md"):
+        said = re.findall(r"\b(\d+) (?:scalable )?(bones|blendshapes|landmarks)\b", (repository / name).read_text())
+        assert {part for _, part in said} == set(parts), name
+        assert {part: int(count) for count, part in said} == parts, f"the model has changed: mend the numbers in {name}"
 
 
 def test_every_decision_that_is_named_is_there(repository: Path, project_texts: dict[str, str]) -> None:
