@@ -117,6 +117,8 @@ PLY = {
     "floats to 255 in text": ply(vertex_colours("float", WHOLE), form="ascii"),
     "shares in text that says uchar": ply(vertex_colours("uchar", SHARES), form="ascii"),
     "16 bits": ply(vertex_colours("ushort", WHOLE.astype(int) * 257)),
+    "bytes as long numbers": ply(vertex_colours("int", WHOLE.astype(int))),
+    "bytes as 16 bits": ply(vertex_colours("ushort", WHOLE.astype(int))),
     "diffuse": ply(vertex_colours("uchar", WHOLE, "diffuse_red diffuse_green diffuse_blue")),
     "a prefix": ply(vertex_colours("uchar", WHOLE, "color_red color_green color_blue")),
     "the skin's own before others": ply(
@@ -348,9 +350,10 @@ def test_an_stl_in_text_with_odd_words(change: Callable[[str], str]) -> None:
 
 
 def test_an_stl_with_a_tail_as_long_as_a_triangle() -> None:
-    scan = read_scan(stl(more=b"\xff" * 50), "stl")
-    assert_same_body(scan, coloured=False)
-    assert scan.notes == ()
+    for filler in (b"\xff", b"\0", b"\0\0"):
+        scan = read_scan(stl(more=filler * 50), "stl")
+        assert_same_body(scan, coloured=False)
+        assert scan.notes == ()
 
 
 @pytest.mark.parametrize("count", [0, 2**32 - 1, 100])

@@ -317,14 +317,17 @@ def _faces(face: Columns, strips: Columns) -> tuple[Integers, Integers]:
 
 
 def _colours(columns: Columns) -> NDArray[np.uint8] | None:
-    """(N, 3) of bytes, of larger whole numbers up to their maximum, or of floats up to 1 or 255."""
+    """(N, 3) of whole numbers up to 255, 65,535 or their type's maximum, or of floats up to 1 or 255."""
     firsts = sorted((name for name in columns if COLOURS.fullmatch(name)), key=lambda name: (len(name), name))
     triples = [(name, f"{name[:-3]}green", f"{name[:-3]}blue") for name in firsts]
     names = next((names for names in (*triples, tuple("rgb")) if _are_numbers(columns, names)), None)
     if names is None:
         return None
-    kind = np.asarray(columns[names[0]]).dtype
-    return colour_bytes(_table(columns, names), float(np.iinfo(kind).max) if kind.kind in "iu" else None)
+    kind, values = np.asarray(columns[names[0]]).dtype, _table(columns, names)
+    if kind.kind not in "iu":
+        return colour_bytes(values)
+    most = values.max(initial=0.0)
+    return colour_bytes(values, next((full for full in (255.0, 65535.0) if most <= full), float(np.iinfo(kind).max)))
 
 
 def _are_numbers(columns: Columns, names: tuple[str, ...]) -> bool:

@@ -53,7 +53,8 @@ def _go_on(data: bytes, announced: int, held: int) -> bool:
     """Whether what follows the triangles that are announced are triangles of the same body, and nothing else."""
     corners = np.frombuffer(data, ROW, min(held, TRIANGLES), BINARY_STL_HEADER)["corners"].reshape(-1, 3)
     first, others = corners[: 3 * announced], corners[3 * announced :]
-    if not np.isfinite(others).all():
+    is_filled = len(others) > 0 and not np.ptp(others.reshape(-1, 3, 3), axis=1).any()
+    if is_filled or not np.isfinite(others).all():
         return False
     if not len(first):
         return True
