@@ -7,6 +7,7 @@ import pytest
 from helpers.example_fits import write_example_fits
 
 from breastrig.core.errors import BadDrawing
+from breastrig.core.stances import OUTWARDS
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.clock import FittedSkin, angle_of, clock_place, on_clock
 from breastrig.drawings.handles.handle import nearest_on_way
@@ -301,7 +302,9 @@ def test_handles_of_the_right_breast_are_those_of_the_left_in_a_mirror_and_so_ar
         assert other.handle.grows == pytest.approx(mirror * handle.grows, abs=0.1), handle.name
         way = handle.grows if handle.grows.any() else np.array([0.8, 0.6, 0.0])
         to = each.at + 0.006 * way + np.array([0.001, 0.0, 0.0])
-        here = symmetric.drawn(name, left, drag=Drag(handle.name, tuple(to))).parameters
+        dragged = symmetric.drawn(name, left, drag=Drag(handle.name, tuple(to)))
+        here, first = dragged.parameters, each.numbers[0]
+        assert dragged.limit or not handle.grows.any() or float(here[first.parameter]) > first.value, handle.name
         there = symmetric.drawn(name, right, drag=Drag(other.handle.name, tuple(mirror * to))).parameters
         for number in each.numbers:
             one, two = (float(found.get(number.parameter, 0.0)) for found in (here, there))
@@ -320,3 +323,29 @@ def test_a_handle_stands_on_what_it_changes(symmetric: LiveSkin, name: str) -> N
         rims = [np.concatenate([line.points, line.points[:1]]) if line.closed else line.points for line in lines]
         nearest = min(float(np.linalg.norm(nearest_on_way(rim, each.at)[0] - each.at)) for rim in rims)
         assert nearest < 1e-3, each.handle.name
+
+
+@pytest.mark.parametrize("name", [*PATTERNS])
+@pytest.mark.parametrize("side", ["L", "R"])
+def test_handles_lie_where_their_names_say(symmetric: LiveSkin, rig: Rig, name: str, side: str) -> None:
+    parameters = {**PATTERNS[name], **({"side": side} if name == "tumour" else {})}
+    at = {each.handle.name[:-2]: each.at for each in symmetric.drawn(name, parameters, side=side).handles}
+    nipple = rig.landmark_points((f"nipple_{side}",)).positions(rig.template, rig.faces)[0]
+    pairs = {each: each.replace("first", "second") for each in at if each.endswith("first")}
+    assert all(at[first][0] < at[second][0] for first, second in pairs.items())  # to the observer's left is her right
+    out = {place: OUTWARDS[side] * float((each - nipple)[0]) for place, each in at.items()}
+    up = {place: float((each - nipple)[1]) for place, each in at.items()}
+    assert all(out[place] > 0.01 for place in ("areola", "outer", "length_lateral", "axis") if place in out)
+    assert name != "tumour" or out["radius"] > out["centre"] + 0.003
+    assert all(out[place] < -0.01 for place in ("length_medial",) if place in out)
+    assert all(up[place] > 0.01 for place in ("lift", "width_upper", "axis") if place in up)
+    assert all(up[place] < -0.01 for place in ("outer_below", "width_lower", "fold", "end") if place in up)
+
+
+def test_a_tumour_above_the_nipple_is_at_twelve_and_not_at_zero(symmetric: LiveSkin) -> None:
+    asked = TUMOUR | {"clock": 12.0}
+    start = handle(symmetric.drawn("tumour", asked), "centre_L")
+    for aside, hour in ((0.0, 12.0), (0.006, 12.25), (-0.006, 11.75), (0.02, 0.85)):  # her left is after twelve
+        to = start.at + np.array([aside, 0.0, 0.0])
+        found = symmetric.drawn("tumour", asked, drag=Drag("centre_L", tuple(to))).parameters
+        assert float(found["clock"]) == pytest.approx(hour, abs=0.15)

@@ -12,6 +12,12 @@ SIDES = {"L": "left", "R": "right"}
 OUTWARDS = {"L": 1.0, "R": -1.0}  # along the patient's left: away from her median plane
 
 
+def split_side(name: str) -> tuple[str, str]:
+    """nipple_L: (nipple, L); xiphoid, which has no side: (xiphoid, "")."""
+    stem, _, side = name.rpartition("_")
+    return (stem, side) if stem and side in SIDES else (name, "")
+
+
 def sides_of(asked: str) -> tuple[str, ...]:
     """L, R or both of them."""
     return tuple(SIDES) if asked == "both" else (asked,)

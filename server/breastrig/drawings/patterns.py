@@ -20,6 +20,7 @@ from pydantic import BaseModel, ValidationError
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing, unknown_name
+from breastrig.core.stances import split_side
 from breastrig.drawings.clock import FittedSkin
 from breastrig.drawings.constructions.ellipse import MastectomyEllipse
 from breastrig.drawings.constructions.periareolar import Periareolar
@@ -239,8 +240,9 @@ def _unique(shapes: list[DrawnShape]) -> tuple[DrawnShape, ...]:
         seen[shape.name] += 1
         count = seen[shape.name]
         if count > 1:
-            sided = shape.name[-2:] in ("_L", "_R")
-            stem, side = (shape.name[:-2], shape.name[-2:]) if sided else (shape.name, "")
-            shape = replace(shape, name=f"{stem}_{count}{side}", label=f"{shape.label} {count}")
+            stem, side = split_side(shape.name)
+            shape = replace(
+                shape, name="_".join(filter(None, (stem, str(count), side))), label=f"{shape.label} {count}"
+            )
         result.append(shape)
     return tuple(result)

@@ -14,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from breastrig.core.errors import BadSettings, unknown_name
 from breastrig.core.private_files import is_ordinary, shown
+from breastrig.core.stances import split_side
 from breastrig.fitting.presets.preset_files import changed, preset_names, preset_text
 
 COMMON = "default"  # what a preset is silent about is taken from it:
@@ -179,7 +180,7 @@ class Recipe(_Part):
 
     def landmark_errors(self, name: str) -> LandmarkErrors:
         """What is known of the landmark of this name."""
-        return self.landmarks.get(name.removesuffix("_L").removesuffix("_R"), self.landmarks["other"])
+        return self.landmarks.get(split_side(name)[0], self.landmarks["other"])
 
     @property
     def continued(self) -> "Recipe":

@@ -39,7 +39,7 @@ class Coupling:
 
 
 ONE_BODY = Coupling(exact=True)
-ALIKE = Coupling(exact=False, scale=0.1, body=1.0, soft=0.5)  # best of the table above
+ALIKE = Coupling(exact=False, scale=0.1, body=1.0, soft=0.5)  # the best of docs/decisions/0007
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,6 +23,7 @@ from breastrig.core.errors import BadModel
 from breastrig.core.glb import split_glb
 from breastrig.core.gltf_arrays import GltfArrays, entry
 from breastrig.core.private_files import read_ordinary, shown
+from breastrig.core.stances import split_side
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.gltf.known_files import known_paths, read_known
 from breastrig.gltf.side_file import DrawingFile, FilePart, RigFile, SurfacePointEntry
@@ -185,7 +186,7 @@ def _assembled(side: RigFile, mesh: _SkinnedMesh, drawings: tuple[ModelDrawing, 
     columns = [mesh.bone_names.index(name) for name in names]
     shapes = {shape.name: shape for shape in side.shapes}
     landmark_names = [landmark.name for landmark in side.landmarks]
-    stems = {name.removesuffix("_L").removesuffix("_R") for name in landmark_names}
+    stems = {split_side(name)[0] for name in landmark_names}
     _unique("length", [length.name for length in side.lengths])
     for length in side.lengths:
         for end in (length.start, length.end):

@@ -132,7 +132,7 @@ def fit_pair(
     """Fits two scans of one patient in two stances together; each `Fit` is in its own scan's unit and frame.
 
     Their bodies (the bones' scales, the shapes) are held alike, for chests flatten when lying.  `alike=False` gives
-    both one body instead, which is better only where the body keeps its shape (fitting/two_stances.py has figures).
+    both one body instead, which is better only where the body keeps its shape (docs/decisions/0007 has figures).
     The other arguments are those of `fit`; those whose names begin with `second` are of the second scan,
     drawing, tumours, preset and model of both.  Nothing is written.
 

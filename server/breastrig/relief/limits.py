@@ -7,6 +7,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from breastrig.core.stances import split_side
+
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
 
@@ -94,7 +96,7 @@ class Relief(_Part):
 
     def concavity(self, landmark: str) -> Concavity | None:
         """That of the landmark; None where it lies in none."""
-        return self.concavities.get(landmark.removesuffix("_L").removesuffix("_R"))
+        return self.concavities.get(split_side(landmark)[0])
 
 
 @lru_cache(maxsize=1)

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from breastrig.core.stances import split_side
 from breastrig_studies.studies.result_cache import Record
 from breastrig_studies.tables.accuracy import of
 from breastrig_studies.tables.table import Column, Row, Table
@@ -34,7 +35,7 @@ def colour_landmarks_table(records: Sequence[Record]) -> Table:
     answers = [record.answer for record in of(records, QUESTION) if not record.failed]
     if not answers:
         return table
-    kinds = list(dict.fromkeys(_kind(name) for answer in answers for name in answer["coloured"]))
+    kinds = list(dict.fromkeys(split_side(name)[0] for answer in answers for name in answer["coloured"]))
     swaps = sum(1 for answer in answers if answer["exchanged"])
     for kind in kinds:
         rows = [row for row in _rows(answers) if row["kind"] == kind]
@@ -91,15 +92,11 @@ def console(records: Sequence[Record]) -> str:
     return "\n".join(lines)
 
 
-def _kind(name: str) -> str:
-    return name.removesuffix("_L").removesuffix("_R")
-
-
 def _rows(answers: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """One entry a landmark of a scan."""
     return [
         {
-            "kind": _kind(name),
+            "kind": split_side(name)[0],
             "form": answer["form"][name],
             "coloured": gap,
             "seen": name in answer["seen"],

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from breastrig.fitting.body.expected_shifts import standing_shifts
-from breastrig.fitting.body.hanging import hanging_misfit
+from breastrig.fitting.body.hanging import hanging_misfit, hanging_shifts
 from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -41,7 +41,8 @@ def test_nothing_is_added_to_a_pick_nor_in_another_stance() -> None:
     assert right[0] < -0.003
 
 
-def test_a_hanging_fold_is_expected_farther_out_on_its_own_side_alone() -> None:
+@pytest.mark.parametrize("turn", [np.eye(3), TURN])
+def test_a_hanging_fold_is_expected_farther_out_on_its_own_side_alone(turn: np.ndarray) -> None:
     hanging = RECIPE.hanging
     assert hanging is not None
     known = RECIPE.landmark_errors(FOLDS[0])
@@ -50,9 +51,27 @@ def test_a_hanging_fold_is_expected_farther_out_on_its_own_side_alone() -> None:
     for own, side in enumerate(("_L", "_R")):
         weights = np.zeros(len(RIG.shape_names))
         weights[RIG.shape_names.index(hanging.shape + side)] = 0.5
-        state = BodyState(RIG, replace(rest_parameters(RIG), weights=weights))
+        state = BodyState(RIG, replace(rest_parameters(RIG), weights=weights).moved(turn, np.zeros(3)))
         for number, name in enumerate(FOLDS):
             shift, covariance = hanging_misfit(state, RECIPE, name)
             share = 0.5 if number == own else 0.0
-            np.testing.assert_allclose(shift, share * MIRROR[number] * outwards, atol=2e-4)
-            np.testing.assert_allclose(covariance, share**2 * np.diag(spread**2), atol=2e-6)
+            np.testing.assert_allclose(shift, turn @ (share * MIRROR[number] * outwards), atol=2e-4)
+            np.testing.assert_allclose(covariance, turn @ (share**2 * np.diag(spread**2)) @ turn.T, atol=2e-6)
+
+
+def test_without_picks_only_the_side_that_was_seen_to_hang_counts() -> None:
+    hanging = RECIPE.hanging
+    assert hanging is not None
+    weights = np.zeros(len(RIG.shape_names))
+    weights[[RIG.shape_names.index(f"{hanging.shape}_{side}") for side in "LR"]] = hanging.weight
+    state = BodyState(RIG, replace(rest_parameters(RIG), weights=weights))
+
+    def moved(seen: tuple[str, ...], *picked: str) -> list[bool]:
+        asked = SimpleNamespace(**vars(task("standing", *picked)), hanging=seen)
+        return np.any(hanging_shifts(state, asked, FOLDS) != 0.0, axis=1).tolist()
+
+    assert moved(()) == [False, False]
+    assert moved((f"{hanging.shape}_L",)) == [True, False]
+    assert moved((f"{hanging.shape}_R",)) == [False, True]
+    assert moved((), "xiphoid") == [True, True]
+    assert moved((), FOLDS[0]) == [False, True]

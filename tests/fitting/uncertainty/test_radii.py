@@ -14,7 +14,7 @@ from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.uncertainty import radii as radii_module
 from breastrig.fitting.uncertainty.calibration import calibration
-from breastrig.fitting.uncertainty.radii import HOLDS_90, radii, seen_vertices
+from breastrig.fitting.uncertainty.radii import HOLDS_90, line_error, radii, seen_vertices
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
@@ -168,3 +168,22 @@ def test_every_landmark_without_picks_is_calibrated(torso: Rig) -> None:
 
 def test_of_another_model_nothing_is_said(torso: Rig) -> None:
     assert calibration(replace(torso, known={})) is None
+
+
+def test_lines_are_as_far_off_as_seen_skin_of_the_breast_of_which_less_is_known(torso: Rig) -> None:
+    left, right = (np.array(torso.regions[f"breast_{side}"]) for side in "LR")
+    everything = np.ones(len(torso.template), dtype=np.bool_)
+    for less, more in ((left, right), (right, left)):
+        far, seen = np.full(len(torso.template), 0.05), everything.copy()
+        far[more], far[less[::2]], far[less[1::2]] = 0.004, 0.006, 0.010
+        spread = float(np.sqrt(np.mean(far[less] ** 2)))
+        assert line_error(torso, far, seen) == pytest.approx(spread)
+        seen[less[1::2]] = False
+        assert line_error(torso, far, seen) == pytest.approx(0.006)
+        seen[less] = False
+        assert line_error(torso, far, seen) == pytest.approx(0.004)
+    one = replace(torso, regions={"breast_L": torso.regions["breast_L"]})
+    far[left] = 0.003
+    assert line_error(one, far, everything) == pytest.approx(0.003)
+    none = replace(torso, regions={})
+    assert line_error(none, far, everything) == pytest.approx(float(np.sqrt(np.mean(far**2))))

@@ -6,7 +6,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.stances import STANDING
-from breastrig.fitting.body.hanging import OUTWARDS_ON_THE_RIGHT, body_axes, hanging_shifts
+from breastrig.fitting.body.hanging import body_axes, hanging_shifts, outwards
 from breastrig.fitting.task import FitTask
 from breastrig.relief.limits import MidSternum, relief
 from breastrig.rig.state import BodyState
@@ -32,8 +32,7 @@ def standing_shifts(vertices: Array, task: FitTask, names: Sequence[str]) -> Arr
     axes = body_axes(task.rig, vertices)
     for shift, name in zip(moved, names, strict=True):
         if name not in task.landmarks:
-            mirror = OUTWARDS_ON_THE_RIGHT if name.endswith("_R") else np.ones(3)
-            shift += axes @ (mirror * np.array(task.recipe.landmark_errors(name).standing_shift))
+            shift += axes @ (outwards(name) * np.array(task.recipe.landmark_errors(name).standing_shift))
     return moved
 
 

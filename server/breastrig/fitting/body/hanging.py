@@ -10,21 +10,25 @@ from collections.abc import Sequence
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.core.stances import OUTWARDS, SIDES, split_side
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.task import FitTask
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
 from breastrig.rig.state import BodyState
 
-OUTWARDS_ON_THE_RIGHT = np.array([-1.0, 1.0, 1.0])
+
+def outwards(name: str) -> Array:
+    """(3,) signs that make a left landmark's shift, in the body's axes, that of this one."""
+    return np.array([OUTWARDS.get(split_side(name)[1], 1.0), 1.0, 1.0])
 
 
 def hanging_weight(state: BodyState, recipe: Recipe, landmark: str) -> float:
     """Weight of the shape on the landmark's side, of both in the middle; 0 where it is lifted, or nothing is known."""
     if recipe.hanging is None:
         return 0.0
-    names, sides = state.rig.shape_names, [landmark[-2:]] if landmark[-2:] in ("_L", "_R") else ["_L", "_R"]
-    shapes = [recipe.hanging.shape + side for side in sides]
+    names, side = state.rig.shape_names, split_side(landmark)[1]
+    shapes = [f"{recipe.hanging.shape}_{each}" for each in (side or SIDES)]
     if not {*shapes} <= {*names}:
         return 0.0
     return max(float(np.mean([state.x.weights[names.index(shape)] for shape in shapes])), 0.0)
@@ -56,9 +60,8 @@ def hanging_misfit(state: BodyState, recipe: Recipe, landmark: str) -> tuple[Arr
     if not weight:
         return np.zeros(3), np.zeros((3, 3))
     axes = body_axes(state.rig, state.vertices)
-    mirror = OUTWARDS_ON_THE_RIGHT if landmark.endswith("_R") else np.ones(3)
     spread = axes * (weight * np.array(known.hanging))
-    return axes @ (weight * mirror * np.array(known.hanging_shift)), spread @ spread.T
+    return axes @ (weight * outwards(landmark) * np.array(known.hanging_shift)), spread @ spread.T
 
 
 def body_axes(rig: Rig, vertices: Array) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.stances import STANDING
 from breastrig.energies.landmark_observations import LandmarkObservations
-from breastrig.fitting.body.hanging import OUTWARDS_ON_THE_RIGHT, hanging_shifts, hangs_by
+from breastrig.fitting.body.hanging import hanging_shifts, hangs_by, outwards
 from breastrig.fitting.recipe import Stage
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.geometry.closest_point import ClosestPointSearch
@@ -26,7 +26,7 @@ from breastrig.rig.similarity import umeyama
 from breastrig.rig.state import BodyState
 
 NOTCH = "suprasternal_notch"
-TIPS = {"acromion_L": (np.ones(3), "upper_arm_L"), "acromion_R": (OUTWARDS_ON_THE_RIGHT, "upper_arm_R")}
+TIPS = {"acromion_L": "upper_arm_L", "acromion_R": "upper_arm_R"}
 ARM = 0.9  # share of a vertex that moves with the upper arm; with half of it the shoulder itself is in front
 
 
@@ -38,10 +38,10 @@ def observe_relief(task: FitTask, state: BodyState) -> dict[str, ReliefObservati
     if len(places) < 3 or not np.isfinite(places).all():
         return {}
     covered = np.any(hanging_shifts(state, task, rig.landmark_names) != 0.0, axis=1)
-    outwards = unit_vectors(points.positions(state.normals, rig.faces))
+    normals = unit_vectors(points.positions(state.normals, rig.faces))
     axes = umeyama(points.positions(rig.template, rig.faces), places).rotation
     expected = {
-        name: Expected(places[k], outwards[k])
+        name: Expected(places[k], normals[k])
         for k, name in enumerate(rig.landmark_names)
         if name not in task.landmarks and not covered[k]
     }
@@ -58,10 +58,10 @@ def _lying_tips(
         return {}
     skin = ClosestPointSearch(state.vertices, rig.faces)
     for name in expected.keys() & TIPS.keys():
-        mirror, arm = TIPS[name]
+        arm = TIPS[name]
         if arm not in rig.bone_names:
             continue
-        own = axes * mirror  # (3, 3) columns: outwards, up, front
+        own = axes * outwards(name)  # (3, 3) columns: outwards, up, front
         of_arm = state.vertices[rig.skin_weights[:, rig.bone_names.index(arm)] > ARM]
         if not len(of_arm):
             continue
@@ -92,7 +92,7 @@ def _tips(
     for name, each in expected.items():
         if name not in TIPS:
             continue
-        own = axes * TIPS[name][0]  # (3, 3) columns: outwards, up, front
+        own = axes * outwards(name)  # (3, 3) columns: outwards, up, front
         tip = shoulder_tip(state.vertices @ own, task.rig.faces, each.place @ own, rules)
         if tip is None:
             continue

@@ -9,6 +9,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from breastrig.core.stances import split_side
 from breastrig.rig.known import known_part
 from breastrig.rig.model import Rig
 
@@ -46,7 +47,7 @@ class WithoutPicks(_Part):
 
     def landmark(self, name: str) -> float:
         """m, of the landmark of this name."""
-        return self.landmarks.get(name.removesuffix("_L").removesuffix("_R"), self.landmarks["other"])
+        return self.landmarks.get(split_side(name)[0], self.landmarks["other"])
 
     def lost(self, margin: float) -> float:
         """m, root mean square distance for the chance that the body lies another way."""
@@ -69,11 +70,11 @@ class Calibration(_Part):
 
     def landmark(self, name: str) -> Misfit:
         """Of the landmark of this name."""
-        return self.landmarks.get(name.removesuffix("_L").removesuffix("_R"), self.landmarks["other"])
+        return self.landmarks.get(split_side(name)[0], self.landmarks["other"])
 
     def region(self, name: str) -> Misfit:
         """Of the region of this name."""
-        return self.regions.get(name.removesuffix("_L").removesuffix("_R"), self.regions["other"])
+        return self.regions.get(split_side(name)[0], self.regions["other"])
 
 
 @lru_cache(maxsize=8)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from breastrig.core.arrays import Array, Booleans
+from breastrig.core.stances import split_side
 from breastrig.fitting.body.hanging import hanging_shifts, hangs_by
 from breastrig.fitting.picks.leave_one_out import LeaveOneOut
 from breastrig.fitting.posterior import Posterior
@@ -87,7 +88,7 @@ def radii(posterior: Posterior, margin: float | None = None, *, expected: bool =
 
 def _of_hanging(posterior: Posterior, known: Calibration, name: str) -> float:
     """m, what a hanging breast adds to a landmark's radius."""
-    task, kind = posterior.task, known.hanging.get(name.removesuffix("_L").removesuffix("_R"))
+    task, kind = posterior.task, known.hanging.get(split_side(name)[0])
     if kind is None:
         return 0.0
     misfit = kind.shown if name in task.landmarks else kind.hidden if task.landmarks else kind.without_picks
@@ -104,7 +105,7 @@ def _of_hanging_skin(posterior: Posterior, known: Calibration, seen: Booleans) -
     if not (task.landmarks or task.hanging):
         return added
     for name, vertices in task.rig.regions.items():
-        kind = known.hanging_regions.get(name.removesuffix("_L").removesuffix("_R"))
+        kind = known.hanging_regions.get(split_side(name)[0])
         if kind is not None:
             misfit = np.where(seen[vertices], kind.shown, kind.hidden) if task.landmarks else kind.without_picks
             here = HOLDS_90 * misfit * hangs_by(posterior.state, task.recipe, name)

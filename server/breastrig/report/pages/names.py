@@ -3,7 +3,7 @@
 import re
 from collections.abc import Collection, Sequence
 
-from breastrig.core.stances import SIDES
+from breastrig.core.stances import SIDES, split_side
 
 LINES = {  # lines of the patterns, and of the plan, without their side
     "wise": "Wise pattern",
@@ -20,8 +20,8 @@ LINES = {  # lines of the patterns, and of the plan, without their side
 def sided(name: str) -> tuple[str, str]:
     """wise_fold_L: (wise_fold, left); xiphoid: (xiphoid, "")."""
     stem, dot, more = name.partition(" ")  # "tumour_L 2", "cut (standing)"
-    side = SIDES.get(stem[-1:], "") if stem[-2:-1] == "_" else ""
-    return (stem[:-2] if side else stem) + dot + more, side
+    stem, side = split_side(stem)
+    return stem + dot + more, SIDES.get(side, "")
 
 
 def spoken(name: str) -> str:
