@@ -10,6 +10,7 @@ from breastrig.cli import landmarks_command
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.fitting.propose import Proposal
+from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.landmarks.landmark_files import landmark_confidences, read_landmarks
 
 EXAMPLE = asset_folder("example")
@@ -22,14 +23,14 @@ def test_all_landmarks_are_proposed_near_their_places_and_sides_are_right(stance
     true, true_unit = read_landmarks(EXAMPLE / stance / "landmarks.json")
     per_mm = {"m": 1e3, "mm": 1.0}
     gap = {n: np.linalg.norm(per_mm[str(unit)] * found[n] - per_mm[str(true_unit)] * true[n]) for n in true}
-    assert set(found) == set(true)
+    assert set(found) == set(read_rig(default_rig_path()).landmark_names) >= set(true)
     assert np.mean(list(gap.values())) < 20.0
     assert max(gap[name] for name in ("nipple_L", "nipple_R", "mid_sternum", "xiphoid")) < 25.0
     confidence = json.loads((tmp_path / "guess.json").read_text())["confidence"]
     assert all(0.0 <= value <= 1.0 for value in confidence.values())
     assert confidence["nipple_L"] > confidence["umbilicus"]
     error = json.loads((tmp_path / "guess.json").read_text())["error_mm"]
-    assert set(error) == set(true)
+    assert set(error) == set(found)
     assert sum(gap[name] <= error[name] for name in true) >= 11  # of twelve, at 90 %
     assert max(gap[name] / error[name] for name in true) < 2.0  # none is far beyond its label
 

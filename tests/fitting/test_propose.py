@@ -33,12 +33,12 @@ HOLLOWS = {  # of the standing example
 
 
 def gaps_in_errors(proposals: dict[str, Proposal]) -> np.ndarray:
-    """(L,) distance of each proposal from the true place, in units of its error."""
+    """(L,) distance of the proposal from each true place, in units of its error."""
     true, unit = read_landmarks(STANDING / "landmarks.json")
     per_unit = {"mm": 1e-3, "m": 1.0}[str(unit)]
-    errors = [each.error for each in proposals.values()]
-    assert all(error is not None for error in errors)
-    gaps = [np.linalg.norm(each.point - per_unit * true[name]) for name, each in proposals.items()]
+    assert all(each.error is not None for each in proposals.values())
+    errors = [proposals[name].error for name in true]
+    gaps = [np.linalg.norm(proposals[name].point - per_unit * place) for name, place in true.items()]
     return np.array(gaps) / np.array(errors, dtype=np.float64)
 
 

@@ -5,7 +5,7 @@ import { plainLabel, sideOf } from "./picks";
 const several = (labels: readonly string[]): string => (labels.length > 3 ? plural(labels.length, "landmark", "landmarks") : labels.join("; "));
 
 export const landmarks = {
-  before: "Up to twelve clicks on the body; three are enough to start.",
+  before: "Clicks on the body, one for each place in the list; three are enough to start.",
   /** "nipple, patient's left": as it stands inside a sentence */
   spoken({ name, label }: { name: string; label: string }): string {
     const plain = plainLabel(label);
