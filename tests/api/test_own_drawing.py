@@ -97,14 +97,10 @@ def test_points_that_are_not_finite_are_refused(client: FlaskClient, shared_scan
 
 
 def test_too_much_is_refused_with_what_may_be(client: FlaskClient, shared_scan: str) -> None:
-    many = [LINE | {"name": str(k), "points": [[10.123, 350.123, 120.12]] * 21_000} for k in range(2)]
-    body = json.dumps(DRAWING | {"shapes": many}, separators=(",", ":"))
-    assert len(body) > 1_000_000
-    whole = client.put(place(shared_scan), data=body, content_type="application/json")
-    assert "1 MB" in problem(whole, 413)
+    whole = client.put(place(shared_scan), data=b" " * 20_000_001, content_type="application/json")
+    assert "20 MB" in problem(whole, 413)
     short = [LINE | {"name": str(k), "points": [[0, 9, 0]] * 25_001} for k in range(2)]
     body = json.dumps({"shapes": short}, separators=(",", ":"))
-    assert len(body) < 1_000_000
     answer = client.put(place(shared_scan), data=body, content_type="application/json")
     assert "50002 points; at most 50000" in problem(answer, 422)
 

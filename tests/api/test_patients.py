@@ -1,6 +1,7 @@
 """Patients: whose scan a scan is, the list to work through, and plans that nobody overwrites unseen."""
 
 import io
+import json
 import re
 from collections.abc import Iterator
 from typing import Any
@@ -93,6 +94,25 @@ def test_a_plan_is_kept_whole_with_its_ids_and_versions(client: FlaskClient, add
     earlier = client.get(f"{plan_of(scan)}/versions/1").json
     assert [each["id"] for each in earlier["items"]] == ["a", "t", "p", "n"]
     problem(client.get(f"{plan_of(scan)}/versions/7"), 404)
+
+
+def test_the_longest_plan_that_the_schema_allows_is_kept(client: FlaskClient, add: Any) -> None:
+    """With every digit that a page sends, and notes in letters of three bytes each."""
+    scan = add()
+    points = [[1e3 * x / 3.0, 350.0 + x / 3.0, 120.0 + x / 7.0] for x in (k / 2500 for k in range(250))]
+    more = {"bridged": [False] * 250, "error_mm": [5.0 / 3.0] * 250, "label": "l" * 200, "color": "#123456"}
+    lines = [item(scan, LINE | more | {"points": points, "name": f"{k:0100}"}, f"{k:064}") for k in range(200)]
+    notes = [
+        item(scan, {"kind": "note", "text": "乳" * 2_000, "point": [0.1, 350.2, 120.3]}, f"n{k}") for k in range(300)
+    ]
+    body = json.dumps({"items": lines + notes})
+    assert 5_000_000 < len(body) < 12_000_000
+    headers = {"If-Match": client.get(plan_of(scan)).headers["ETag"]}
+    answer = client.put(plan_of(scan), data=body, headers=headers, content_type="application/json")
+    assert answer.status_code == 200, answer.json
+    kept = client.get(plan_of(scan)).json["items"]
+    assert [each["id"] for each in kept] == [each["id"] for each in lines + notes]
+    assert kept[0]["points"] == points
 
 
 def test_who_has_not_seen_the_plan_does_not_replace_it(client: FlaskClient, add: Any) -> None:

@@ -24,7 +24,7 @@ class Config:
     examples: Path | None = None  # folder of the example patient; None for the packaged one
     keep_days: float | None = KEEP_DAYS  # scans are deleted so long after their upload; None keeps them
     uploads: UploadLimits = field(default_factory=UploadLimits)
-    json_bytes: int = 1_000_000  # largest JSON body; twelve landmarks need 1 kB
+    json_bytes: int = 20_000_000  # largest JSON body: the longest plan, with every digit and long notes, has 12 million
     heartbeat_s: float = 15.0  # proxies close a silent stream after 30 to 60 s
     proposal_wait_s: float = 8.0  # proposals take about 0.7 s; browsers and proxies wait for 30 s and more
     log_requests: bool = False

@@ -45,7 +45,7 @@ HEADERS = {
 }
 USUAL_PORTS = {"http": ":80", "https": ":443"}
 NAME_BYTES = 128  # of one part of an address
-FORM_BYTES = 10_000  # of requests whose body is no JSON and no file: a token is shorter
+FORM_BYTES = 10_000  # of visitors' requests, and of those whose body is no JSON and no file: a token is shorter
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 
 
@@ -152,7 +152,7 @@ def _limit_body(config: Config) -> Response | None:
     expected = getattr(view, "_spec", {}).get("content_type") if view else None
     takes_body = expected is not None and request.method not in SAFE_METHODS
     largest: dict[str | None, int] = {
-        "application/json": config.json_bytes,
+        "application/json": FORM_BYTES if _is_for_visitors() else config.json_bytes,
         "multipart/form-data": config.uploads.file_bytes,
     }
     request.max_content_length = largest.get(expected, FORM_BYTES) if takes_body else FORM_BYTES
