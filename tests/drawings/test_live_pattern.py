@@ -319,6 +319,10 @@ def test_a_handle_stands_on_what_it_changes(symmetric: LiveSkin, name: str) -> N
     for each in found.handles:
         if each.handle.name.startswith(apart):
             continue
+        read = each.handle.values_at(symmetric._skin.nearest(each.handle.at[None]))
+        for number in each.numbers:
+            near = {"mm": 2.0, "deg": 2.0, "h": 0.1}[number.unit]
+            assert read[number.parameter] == pytest.approx(number.value, abs=near), each.handle.name
         lines = [line for line, _ in found.lines if line.name.endswith(each.handle.side)]
         rims = [np.concatenate([line.points, line.points[:1]]) if line.closed else line.points for line in lines]
         nearest = min(float(np.linalg.norm(nearest_on_way(rim, each.at)[0] - each.at)) for rim in rims)

@@ -7,11 +7,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from breastrig.fitting.body.expected_shifts import standing_shifts
+from breastrig.fitting.body.expected_shifts import (
+    MIDDLE,
+    NOTCH,
+    XIPHOID,
+    expected_shifts,
+    mid_sternum_step,
+    standing_shifts,
+)
 from breastrig.fitting.body.hanging import hanging_misfit, hanging_shifts
 from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.relief.limits import relief
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.state import BodyState
 
@@ -75,3 +83,18 @@ def test_without_picks_only_the_side_that_was_seen_to_hang_counts() -> None:
     assert moved((f"{hanging.shape}_R",)) == [False, True]
     assert moved((), "xiphoid") == [True, True]
     assert moved((), FOLDS[0]) == [False, True]
+
+
+def test_the_middle_of_the_breastbone_is_expected_along_the_line_between_its_ends_as_observed() -> None:
+    state = BodyState(RIG, rest_parameters(RIG))
+    places = RIG.landmark_points().positions(state.vertices, RIG.faces)
+    at = dict(zip(RIG.landmark_names, places, strict=True))
+    seen = {XIPHOID: at[XIPHOID] - np.array([0.0, 0.02, 0.0])}
+    for observed in ({}, seen):
+        now = at | observed
+        step = mid_sternum_step(now[NOTCH], now[XIPHOID], now[MIDDLE], relief().mid_sternum)
+        assert np.linalg.norm(step) > 1e-4
+        moved = expected_shifts(places, state, SimpleNamespace(**vars(task("supine")), hanging=()), observed)
+        np.testing.assert_allclose(moved, [step if name == MIDDLE else np.zeros(3) for name in RIG.landmark_names])
+    picked = SimpleNamespace(**vars(task("supine", MIDDLE)), hanging=())
+    assert not expected_shifts(places, state, picked, seen).any()

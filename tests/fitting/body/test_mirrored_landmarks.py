@@ -18,6 +18,7 @@ from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.task import FitIterate, FitTask
+from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.problem import ResidualTerm
 from breastrig.rig.similarity import umeyama
@@ -105,6 +106,17 @@ def test_the_partner_is_expected_as_far_from_the_model_without_picks_as_the_pick
         slide = axes @ (np.array([-1.0, 1.0, 1.0]) * (axes.T @ (true[picked] - without[picked])))
         assert np.linalg.norm(each.place - without[name] - slide) < 0.008  # m; of fits that differ by up to 0.02
         assert each.error == task.recipe.landmark_errors(name).mirrored
+
+
+def test_partners_are_expected_where_they_were_on_a_turned_scan(task: FitTask) -> None:
+    turn = exp_so3(np.array([0.3, -1.1, 0.7]))
+    picks = {name: turn @ place for name, place in task.landmarks.items()}
+    target = ScanTarget(task.target.vertices @ turn.T, task.target.faces)
+    _, there = look(replace(task, target=target, landmarks=picks, start=start_from_landmarks(task.rig, picks)))
+    _, here = look(task)
+    assert set(here) == set(there)
+    for name, each in here.items():
+        np.testing.assert_allclose(turn.T @ there[name].place, each.place, atol=3e-4)
 
 
 def test_an_unsure_pick_tells_as_little_of_its_partner(task: FitTask) -> None:

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +16,7 @@ from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.uncertainty import radii as radii_module
 from breastrig.fitting.uncertainty.calibration import calibration
-from breastrig.fitting.uncertainty.radii import HOLDS_90, line_error, radii, seen_vertices
+from breastrig.fitting.uncertainty.radii import HOLDS_90, line_error, radii, seen_vertices, vertex_misfit
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
@@ -187,3 +189,36 @@ def test_lines_are_as_far_off_as_seen_skin_of_the_breast_of_which_less_is_known(
     assert line_error(one, far, everything) == pytest.approx(0.003)
     none = replace(torso, regions={})
     assert line_error(none, far, everything) == pytest.approx(float(np.sqrt(np.mean(far**2))))
+
+
+def test_careful_picks_say_nothing_of_skin_that_the_scan_does_not_show(
+    torso: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    posterior, far = posterior_of(torso), {}
+    for scatter in (0.5, 1.0, 2.0):
+        monkeypatch.setattr(radii_module, "_scatter", lambda *_, found=scatter: found)
+        known = radii(posterior)
+        assert known is not None
+        far[scatter] = known.vertices
+    seen = seen_vertices(posterior)
+    np.testing.assert_allclose(far[0.5][seen], 0.5 * far[1.0][seen])
+    np.testing.assert_allclose(far[0.5][~seen], far[1.0][~seen])
+    np.testing.assert_allclose(far[2.0], 2.0 * far[1.0])
+
+
+def test_skin_is_as_far_off_as_its_region_where_it_is_seen_and_where_it_is_not(torso: Rig) -> None:
+    known = calibration(torso)
+    assert known is not None
+    count = len(torso.template)
+    regions = np.bincount(np.concatenate([*torso.regions.values()]), minlength=count)
+    kinds = {"back": torso.regions["back"], "arm": torso.regions["arm_R"], "other": np.flatnonzero(regions == 0)}
+    posterior: Any = SimpleNamespace(rig=torso, task=SimpleNamespace(rig=torso))
+    for is_seen in (True, False):
+        seen = np.full(count, is_seen)
+        found = vertex_misfit(posterior, known, seen)
+        for name, vertices in kinds.items():
+            expected = known.region(name)
+            assert found[vertices[regions[vertices] <= 1]] == pytest.approx(
+                expected.shown if is_seen else expected.hidden
+            )
+            assert expected.shown < expected.hidden
