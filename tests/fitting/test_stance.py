@@ -1,6 +1,9 @@
 """Standing or lying, when the scan shows no table, or a plane that may be a table or a wall."""
 
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,6 +20,7 @@ from breastrig.fitting.stance import FoundStance, found_stance
 from breastrig.fitting.starts import supine_or_standing
 from breastrig.fitting.starts.supine_or_standing import stance_signs
 from breastrig.geometry.normals import face_normals
+from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.similarity import umeyama
@@ -130,3 +134,46 @@ def test_a_table_that_a_scanner_sees_upright_is_a_table() -> None:
     answer = scan_orientation(read_rig(default_rig_path()), ready, load_recipe("default"))[0]
     assert answer.stance == "supine"
     assert "a table. If it is a wall, say that she stands." in answer.stance_reason
+
+
+@pytest.mark.parametrize("turn", [np.eye(3), exp_so3(np.array([0.3, -1.1, 0.7]))])
+def test_signs_are_measured_in_the_bodys_own_axes(turn: Array) -> None:
+    rig = read_rig(default_rig_path())
+    vertices = rig.template @ turn.T
+    marks = dict(zip(rig.landmark_names, rig.landmark_points().positions(rig.template, rig.faces), strict=True))
+    bone = np.linalg.norm(marks["suprasternal_notch"] - marks["xiphoid"])
+    apart, forward = marks["nipple_L"] - marks["nipple_R"], 0.5 * (marks["nipple_L"] + marks["nipple_R"])
+    found = supine_or_standing.breast_signs(rig, vertices, ScanTarget(vertices, rig.faces))
+    expected = {"nipples_in_front": (forward - marks["xiphoid"])[2] / bone, "nipples_apart": apart[0] / bone}
+    assert found == pytest.approx(expected, abs=0.01)
+    assert all(value > 0.05 for value in found.values())
+    left = np.flatnonzero(vertices @ turn[:, 0] > -0.03)
+    half = ScanTarget(*compact(vertices, rig.faces[np.isin(rig.faces, left).all(axis=1)]))
+    assert {*supine_or_standing.breast_signs(rig, vertices, half)} == {"nipples_in_front"}  # one nipple is not shown
+
+
+def test_an_arm_is_as_far_from_hanging_as_it_is_raised_on_its_own_side() -> None:
+    rig = read_rig(default_rig_path())
+    x = rest_parameters(rig).moved(exp_so3(np.array([0.3, -1.1, 0.7])), np.zeros(3))
+    rest = supine_or_standing.arm_angles(rig, x)
+    arms = [name for name in rig.bone_names if name.startswith("upper_arm")]
+    for number, name in enumerate(arms):
+        bone = rig.bone_names.index(name)
+        chest = x.rotations[rig.bones[rig.bones[bone].parent or 0].parent or 0]
+        rotations = x.rotations.copy()
+        sideways = np.cross(chest[:, 1], x.rotations[bone][:, 1])
+        rotations[bone] = exp_so3(0.4 * sideways / np.linalg.norm(sideways)) @ rotations[bone]
+        raised = supine_or_standing.arm_angles(rig, replace(x, rotations=rotations))
+        assert raised - rest == pytest.approx(0.4 * (np.arange(len(arms)) == number), abs=1e-6)
+
+
+def test_what_lying_shapes_save_of_the_energy_speaks_for_lying(monkeypatch: pytest.MonkeyPatch) -> None:
+    rig = read_rig(default_rig_path())
+    asked: Any = SimpleNamespace(rig=rig, target=ScanTarget(rig.template, rig.faces))
+    ends: list[Any] = [SimpleNamespace(parameters=rest_parameters(rig), energy=energy) for energy in (9.0, 4.0)]
+    monkeypatch.setattr(supine_or_standing, "energy_without_relief", lambda _, iterate: iterate.energy)
+    seen = supine_or_standing.measured_signs(asked, *ends)
+    assert seen["energy_less"] == pytest.approx(5.0)
+    assert "energy_less" not in supine_or_standing.measured_signs(asked, ends[0])
+    sign = stance_signs().signs["energy_less"]
+    assert sign.weight > 0.0
