@@ -211,7 +211,7 @@ def test_the_new_nipple_leaves_the_meridian_when_it_is_pulled_aside_and_comes_ba
 ) -> None:
     search, parameters = scans["standing"].target.search, PATTERNS[name]
     start = handle(live.drawn(name, parameters, side), f"new_nipple_{side}")
-    outward = FittedSkin(live._rig, scans["standing"].vertices).axes[:, 0] * (1.0 if side == "L" else -1.0)
+    outward = FittedSkin(live._rig, scans["standing"].vertices).axes[:, 0] * OUTWARDS[side]
     for away_mm in (12.0, -12.0):
         asked = search.query((start.at + 1e-3 * away_mm * outward)[None]).points[0]
         found = live.drawn(name, parameters, drag=Drag(f"new_nipple_{side}", tuple(asked)))
@@ -221,6 +221,9 @@ def test_the_new_nipple_leaves_the_meridian_when_it_is_pulled_aside_and_comes_ba
         assert "beside the meridian" in aside.numbers[1].label
         back = live.drawn(name, found.parameters, drag=Drag(f"new_nipple_{side}", tuple(start.at)))
         assert abs(float(back.parameters["nipple_outward_mm"])) < 2.5
+    below = search.query((start.at - 0.012 * outward - 0.008 * start.handle.grows)[None]).points[0]
+    found = live.drawn(name, parameters, drag=Drag(f"new_nipple_{side}", tuple(below)))
+    assert -14.0 < float(found.parameters["nipple_outward_mm"]) < -8.0
     trembling = search.query((start.at + 0.002 * outward)[None]).points[0]
     found = live.drawn(name, parameters, drag=Drag(f"new_nipple_{side}", tuple(trembling)))
     assert "nipple_outward_mm" not in found.parameters

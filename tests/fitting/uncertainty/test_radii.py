@@ -10,6 +10,7 @@ import pytest
 from helpers.rig_patient import patient
 
 from breastrig.core.arrays import Array
+from breastrig.fitting.body.hanging import hanging_shifts
 from breastrig.fitting.fit import FitTask, fit_iterates
 from breastrig.fitting.orientation import start_from_landmarks
 from breastrig.fitting.posterior import Posterior
@@ -222,3 +223,21 @@ def test_skin_is_as_far_off_as_its_region_where_it_is_seen_and_where_it_is_not(t
                 expected.shown if is_seen else expected.hidden
             )
             assert expected.shown < expected.hidden
+
+
+def test_a_radius_around_the_model_grows_by_half_of_the_way_to_where_the_landmark_is_expected(torso: Rig) -> None:
+    task = posterior_of(torso, ("suprasternal_notch", "xiphoid", "acromion_L")).task
+    weights = task.start.weights.copy()
+    weights[torso.shape_names.index("ptosis_R")] = 2.5
+    posterior = Posterior(task, replace(task.start, weights=weights))
+    around, expected = (radii(posterior, expected=each) for each in (False, True))
+    assert around is not None
+    assert expected is not None
+    names = torso.landmark_names
+    shifts = np.linalg.norm(hanging_shifts(posterior.state, task, names), axis=1)
+    moved = {name: shift for name, shift in zip(names, shifts, strict=True) if shift}
+    assert "inframammary_fold_R" in moved
+    assert "inframammary_fold_L" not in moved
+    for name in names:
+        grown = around.landmarks[name] - expected.landmarks[name]
+        assert grown == pytest.approx(0.5 * moved.get(name, 0.0), abs=1e-9)
