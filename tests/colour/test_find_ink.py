@@ -99,7 +99,7 @@ def test_a_scan_of_one_colour_has_no_ink() -> None:
         ("one uv", "does not lie on its triangles"),
         ("one line", "does not lie on its triangles"),
         ("one point", "does not lie on its triangles"),
-        ("huge", "too coarse"),
+        ("huge", "too coarse for lines of a pen .* export it with a finer texture"),
         ("cut off", "cannot be decoded"),
         ("far uv", "does not lie on its triangles"),
     ],

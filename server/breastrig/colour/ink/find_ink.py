@@ -89,9 +89,10 @@ def find_ink(scan: Scan, factor: float = 1.0, image: NDArray[np.uint8] | None = 
     if not np.isfinite(texture.source_texel):
         raise BadScan("The texture of this scan does not lie on its triangles; export it again.")
     if texture.source_texel > limits.FINE_ENOUGH:
+        how = "with a finer texture" if scan.colour_kind == "texture" else "with its texture or with more triangles"
         raise BadScan(
             f"The colours of this scan are {1e3 * texture.source_texel:.1f} mm apart, too coarse for lines of a pen "
-            f"(at most {1e3 * limits.FINE_ENOUGH:.1f} mm); export it with its texture or with more triangles."
+            f"(at most {1e3 * limits.FINE_ENOUGH:.1f} mm); export it {how}."
         )
     found = [ridge_points(picture, texture.owner == number) for number, picture in enumerate(texture.pictures)]
     if not found:
