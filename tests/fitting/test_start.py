@@ -48,6 +48,8 @@ def test_every_preset_loads_and_knows_its_name() -> None:
 
 
 def test_a_wrong_preset_is_named_with_the_right_ones() -> None:
+    with pytest.raises(BadSettings, match=r"shapes\.symetry_sigma is no setting; `breastrig presets show default`"):
+        load_recipe({"shapes": {"symetry_sigma": 0.5}})
     with pytest.raises(BadSettings, match='"fast" is not a preset; known are: default, paper'):
         load_recipe("fast")
 

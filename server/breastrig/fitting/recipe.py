@@ -227,4 +227,7 @@ def _recipe(given: dict[str, Any], name_or_file: str | Path) -> Recipe:
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(map(str, first["loc"]))
-        raise BadSettings(f"The preset {name_or_file} cannot be used: {where}: {first['msg']}.") from error
+        wrong = f"{where}: {first['msg']}."
+        if first["type"] == "extra_forbidden":
+            wrong = f"{where} is no setting; `breastrig presets show {COMMON}` prints the usual ones."
+        raise BadSettings(f"The preset {name_or_file} cannot be used: {wrong}") from error
