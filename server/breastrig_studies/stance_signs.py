@@ -19,10 +19,10 @@ from pathlib import Path
 import numpy as np
 
 from breastrig.core.arrays import Array, Booleans
-from breastrig.fitting.orientation import start_from_scan
 from breastrig.fitting.picks.checked_fit import checked_iterates
 from breastrig.fitting.prepare_scan import PreparedScan, prepared
 from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.starts.orientation import start_from_scan
 from breastrig.fitting.starts.supine_or_standing import Sign, StanceSigns, measured_signs, stance_signs
 from breastrig.fitting.task import FitTask
 from breastrig.gltf.read_rig import default_rig_path, read_rig

@@ -12,8 +12,8 @@ from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import FitTask, fit_iterates
 from breastrig.fitting.observation_weights import observation_weights
-from breastrig.fitting.orientation import start_from_landmarks
 from breastrig.fitting.recipe import Observations, Recipe, load_recipe
+from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.geometry.normals import face_areas
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig

@@ -7,10 +7,10 @@ from helpers.subdivide import subdivided
 
 from breastrig.core.stances import AUTO
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.orientation import start_from_scan
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.scan_orientation import scan_orientation
+from breastrig.fitting.starts.orientation import start_from_scan
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.skinning import pose
 from breastrig.scan.clean import Surface

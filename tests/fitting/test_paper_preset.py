@@ -11,9 +11,9 @@ from breastrig.core.errors import BadSettings
 from breastrig.correspondence.match import Correspondences
 from breastrig.energies.point_to_point import PointToPoint
 from breastrig.fitting import recipe
-from breastrig.fitting.orientation import start_from_landmarks
 from breastrig.fitting.problem import ScanProblem, projected
 from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.task import FitTask
 from breastrig.geometry.rotations import log_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig

@@ -12,12 +12,12 @@ from breastrig.core.arrays import Array
 from breastrig.core.assets import asset_folder
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import FitTask
-from breastrig.fitting.orientation import best_start
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.scan_orientation import scan_orientation
 from breastrig.fitting.stance import FoundStance, found_stance
 from breastrig.fitting.starts import supine_or_standing
+from breastrig.fitting.starts.orientation import best_start
 from breastrig.fitting.starts.supine_or_standing import stance_signs
 from breastrig.geometry.normals import face_normals
 from breastrig.geometry.rotations import exp_so3

@@ -16,8 +16,8 @@ from breastrig.energies.scale_prior import ScalePrior
 from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
 from breastrig.fitting.fit import FitTask, fit_iterates
-from breastrig.fitting.orientation import best_start, start_from_landmarks
 from breastrig.fitting.recipe import Recipe, load_recipe
+from breastrig.fitting.starts.orientation import best_start, start_from_landmarks
 from breastrig.fitting.two_stances import (
     ALIKE,
     ONE_BODY,

@@ -7,8 +7,8 @@ import numpy as np
 from breastrig.core.assets import asset_folder
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import FitTask
-from breastrig.fitting.orientation import start_from_landmarks
 from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.clean import clean
 from breastrig.scan.landmarks.landmark_files import read_landmarks

@@ -8,8 +8,8 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.core.assets import asset_folder
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import FitTask, fit_iterates
-from breastrig.fitting.orientation import start_from_landmarks
 from breastrig.fitting.recipe import Recipe, load_recipe
+from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
 from breastrig.rig.model import Rig

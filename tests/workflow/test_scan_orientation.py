@@ -10,8 +10,8 @@ from helpers.bare_example import write_bare_example
 from helpers.example_patient import EXAMPLE
 from helpers.toy_rig import toy_rig
 
-import breastrig.fitting.orientation as orientation_module
 import breastrig.fitting.stance as stance_module
+import breastrig.fitting.starts.orientation as orientation_module
 import breastrig.workflow.read_upload as read_upload_module
 import breastrig.workflow.run_fit as run_fit_module
 from breastrig.core.assets import asset_folder

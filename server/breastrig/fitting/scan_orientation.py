@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.fitting.orientation import start_from_scan
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.stance import found_stance
+from breastrig.fitting.starts.orientation import start_from_scan
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
@@ -30,7 +30,7 @@ class ScanOrientation:
     model_sha256: str
     frame: Frame  # as seen on the scan, before the model was tried
     start: Similarity  # of the model's rest pose in the scan's frame (m)
-    margin: float  # see fitting/orientation.py: how clear the start is
+    margin: float  # see fitting/starts/orientation.py: how clear the start is
     stance: str  # standing | supine | prone
     stance_reason: str
     fitted: RigParameters | None = None  # where the fit without landmarks ended; None: the stance took none

@@ -15,12 +15,12 @@ from breastrig.fitting.body.trunk_depth import skin_behind
 from breastrig.fitting.fit import FitIterate
 from breastrig.fitting.observed.areolae import observed_areolae
 from breastrig.fitting.observed.landmarks import followed
-from breastrig.fitting.orientation import MIN_LANDMARKS
 from breastrig.fitting.picks.checked_fit import without
 from breastrig.fitting.picks.mistakes import explained
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.refine import refined
+from breastrig.fitting.starts.orientation import MIN_LANDMARKS
 from breastrig.fitting.uncertainty.radii import radii
 from breastrig.fitting.verdicts.fit_signals import fit_signals
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, picked_names

@@ -10,10 +10,10 @@ from dataclasses import replace
 from breastrig.core.errors import BadSettings
 from breastrig.core.stances import AUTO
 from breastrig.fitting.body.hanging_start import hanging_shapes
-from breastrig.fitting.orientation import MIN_LANDMARKS, best_start, start_from_scan
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.scan_orientation import ScanOrientation
 from breastrig.fitting.stance import FoundStance, found_stance
+from breastrig.fitting.starts.orientation import MIN_LANDMARKS, best_start, start_from_scan
 from breastrig.fitting.task import FitTask
 from breastrig.gltf.pose_nodes import posed_by_nodes
 from breastrig.workflow.jobs import EarlierFit

@@ -18,13 +18,13 @@ from breastrig.correspondence.distances import ACCEPTED, summary_mm
 from breastrig.correspondence.match import match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import FitTask
-from breastrig.fitting.orientation import best_start
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.stance import found_stance
+from breastrig.fitting.starts.orientation import best_start
 from breastrig.fitting.task import Doubt
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals

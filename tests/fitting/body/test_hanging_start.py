@@ -14,7 +14,6 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.body.hanging import hanging_shifts
 from breastrig.fitting.body.hanging_start import hanging_shapes, hanging_start, opening_of, unexplained_overhang
 from breastrig.fitting.fit import FitIterate
-from breastrig.fitting.orientation import start_from_landmarks, start_from_scan
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
@@ -22,6 +21,7 @@ from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.problem import body_terms
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.scan_orientation import orientation_from, scan_orientation
+from breastrig.fitting.starts.orientation import start_from_landmarks, start_from_scan
 from breastrig.fitting.starts.second_start import iterates_with_second_start
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.two_stances import ALIKE, ONE_BODY, Coupling, PairIterate, fit_pair_iterates

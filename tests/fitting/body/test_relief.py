@@ -12,13 +12,13 @@ from breastrig.core.assets import asset_folder
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.body.relief import energy_without_relief, relief_terms
 from breastrig.fitting.fit import fit_iterates
-from breastrig.fitting.orientation import start_from_landmarks
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.picks.leave_one_out import LeaveOneOut
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.scan_orientation import scan_orientation
+from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.gltf.read_rig import default_rig_path, read_rig

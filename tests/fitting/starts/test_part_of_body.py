@@ -6,8 +6,8 @@ import pytest
 from breastrig.core.arrays import Array, Booleans
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import fit_iterates
-from breastrig.fitting.orientation import start_from_scan
 from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.starts.orientation import start_from_scan
 from breastrig.fitting.starts.rigid_search import rest_place
 from breastrig.fitting.task import FitTask
 from breastrig.gltf.read_rig import default_rig_path, read_rig

@@ -12,9 +12,9 @@ from helpers.rig_patient import patient
 from breastrig.core.arrays import Array
 from breastrig.fitting.body.hanging import hanging_shifts
 from breastrig.fitting.fit import FitTask, fit_iterates
-from breastrig.fitting.orientation import start_from_landmarks
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.uncertainty import radii as radii_module
 from breastrig.fitting.uncertainty.calibration import calibration
 from breastrig.fitting.uncertainty.radii import HOLDS_90, line_error, radii, seen_vertices, vertex_misfit

@@ -11,8 +11,8 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.correspondence.distances import surface_distances
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import FitTask, fit_iterates
-from breastrig.fitting.orientation import start_from_landmarks
 from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.geometry.boundary import boundary_edges
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.gltf.read_rig import default_rig_path, read_rig

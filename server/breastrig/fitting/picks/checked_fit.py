@@ -7,9 +7,9 @@ the rest of the fit are only named (unusual.py).  Both decide in standard deviat
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from breastrig.fitting.orientation import MIN_LANDMARKS
 from breastrig.fitting.picks.mistakes import mistaken
 from breastrig.fitting.recipe import Recipe
+from breastrig.fitting.starts.orientation import MIN_LANDMARKS
 from breastrig.fitting.starts.second_start import iterates_with_second_start
 from breastrig.fitting.task import Doubt, FitIterate, FitTask
 from breastrig.least_squares.newton import Status

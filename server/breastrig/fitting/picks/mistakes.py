@@ -11,10 +11,10 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.orientation import MIN_LANDMARKS, trusted_similarity
 from breastrig.fitting.picks.leave_one_out import LeaveOneOut
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Outliers
+from breastrig.fitting.starts.orientation import MIN_LANDMARKS, trusted_similarity
 from breastrig.fitting.task import Doubt, FitTask
 from breastrig.geometry.normals import face_normals
 from breastrig.rig.model import Rig

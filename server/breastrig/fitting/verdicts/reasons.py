@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.fitting.orientation import MIN_LANDMARKS
+from breastrig.fitting.starts.orientation import MIN_LANDMARKS
 from breastrig.fitting.task import Doubt
 
 LOOK_AGAIN = "look at what is asked about {}"

@@ -12,11 +12,11 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.distances import Comparison
-from breastrig.fitting.orientation import MIN_LANDMARKS, start_from_scan
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
+from breastrig.fitting.starts.orientation import MIN_LANDMARKS, start_from_scan
 from breastrig.fitting.task import Doubt, FitTask
 from breastrig.fitting.uncertainty.radii import radii
 from breastrig.fitting.verdicts.fit_signals import fit_signals
