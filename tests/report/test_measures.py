@@ -6,9 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from breastrig.core.stances import OUTWARDS, SIDES
+from breastrig.report.body_frame import body_frame
 from breastrig.report.calibration import measure_calibration
 from breastrig.report.measures import measures
-from breastrig.report.stance import Stance
+from breastrig.report.stance import Stance, places
 from breastrig.report.table import (
     Row,
     Value,
@@ -19,6 +21,7 @@ from breastrig.report.table import (
     with_band,
     with_margin,
 )
+from breastrig.report.volume import vertices_within
 from breastrig.rig.model import Rig
 
 LENGTHS = ("notch_nipple", "midclavicle_nipple", "nipple_fold", "nipple_midline", "nipple_nipple", "base_width")
@@ -170,6 +173,10 @@ def test_what_a_fits_outline_is_off_is_taken_off_and_its_error_grows_with_the_ra
         assert (rows[width].left or NONE).value - (plain[width].left or NONE).value == pytest.approx(
             2e3 * known.standing.outwards, abs=1e-6
         )
+        left = body_frame(at_rest.rig, at_rest.vertices).axes[:, 0]
+        for side in ("left", "right"):
+            grown, before = (found[width].paths[side] @ left for found in (rows, plain))
+            assert grown - before == pytest.approx(known.standing.outwards * np.array([-1.0, 1.0]), abs=1e-9)
     half = 1e3 * known.base_width.of(0.012 * np.sqrt(2.0))
     assert (unsure[width].left or NONE).high == pytest.approx((unsure[width].left or NONE).value + half)
     bands = [rows[volume].left or NONE for rows in (plain, sure, unsure)]
@@ -277,3 +284,27 @@ def test_volumes_of_one_breast_that_differ_by_more_than_their_bands_are_said() -
         "The right breast measures 260 ±20 ml standing and 180 ±20 ml supine: one breast differs by less, "
         "nine times of ten; check both fits.",
     )
+
+
+def test_ratios_compare_the_lowest_and_the_most_lateral_point_of_each_breast(
+    asymmetric: Stance, of_the_asymmetric: dict[tuple[str, str], Row]
+) -> None:
+    frame, rows = body_frame(asymmetric.rig, asymmetric.vertices), of_the_asymmetric
+    apart: dict[str, list[float]] = {"M2": [], "M4": [], "M5": [], "M6": []}
+    known = places(asymmetric)
+    for side, word in SIDES.items():
+        skin = asymmetric.vertices[vertices_within(asymmetric.rig, side)]
+        low, far = skin[frame.height(skin).argmin()], skin[(OUTWARDS[side] * frame.lateral(skin)).argmax()]
+        ends = {"M2": (1, low), "M4": (1, far), "M5": (0, low), "M6": (0, far)}
+        for name, (end, place) in ends.items():
+            np.testing.assert_array_equal(rows[name, "ratio"].paths[word][end], place)
+        nipple, notch = known[f"nipple_{side}"].point, known["suprasternal_notch"].point
+        apart["M2"].append(abs(float(frame.height(nipple) - frame.height(low))))
+        apart["M4"].append(abs(float(frame.lateral(nipple) - frame.lateral(far))))
+        apart["M5"].append(float(frame.height(notch) - frame.height(low)))
+        apart["M6"].append(abs(float(frame.lateral(far))))
+    for name, pair in apart.items():
+        value = rows[name, "ratio"].value
+        assert value is not None
+        assert value.value == pytest.approx(min(pair) / max(pair))
+        assert value.value < 0.995

@@ -187,7 +187,7 @@ def test_the_picture_has_each_number_where_the_body_has_the_place_and_none_over_
     ring = skin.at(circle_around(skin, skin.landmark("nipple_R"), 0.02))
     places = torso.template[torso.regions["breast_L"][[0, 1, 40]]]
     lines = [replace(line(place[None] @ turn.T), name=f"cut_{k}_L") for k, place in enumerate(places)]
-    at_rest = known(torso, 0.01, FOUND, *lines, replace(line(ring @ turn.T, closed=True), name="areola_R"))
+    at_rest = known(torso, 0.01, FOUND, *lines, replace(line(ring @ turn.T, True, 0.005), name="areola_R"))
     stance = replace(
         at_rest,
         vertices=torso.template @ turn.T,
