@@ -2,6 +2,7 @@
 
 import csv
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -228,6 +229,23 @@ def test_a_lesion_is_carried_through_the_body(fits: Path, tmp_path: Path) -> Non
     back = carried("supine", "standing", 1e3 * there)
     here = folders["standing"].metres_per_unit * np.array(back["center"])
     assert np.linalg.norm(here - inside("standing")) < 2e-3  # one spline is not quite the inverse of the other
+
+
+def test_what_a_label_map_shows_inside_is_carried_without_being_asked_for(fits: Path, tmp_path: Path) -> None:
+    start = tmp_path / "standing"
+    shutil.copytree(fits / "standing", start)
+    fit = read_fit_folder(start)
+    nipple = fit.rig.landmark_points(("nipple_L",)).positions(fit.vertices, fit.rig.faces)[0]
+    inside = nipple + 0.4 * (fit.vertices[fit.rig.regions["breast_L"]].mean(axis=0) - nipple)
+    result = json.loads((start / "result.json").read_text())
+    found = {"name": "Label 2", "center": (inside / fit.metres_per_unit).tolist(), "radius_mm": 5.0}
+    (start / "result.json").write_text(json.dumps(result | {"lesions": [found]}))
+    drawing = json.loads((start / "drawing.json").read_text())
+    (start / "drawing.json").write_text(json.dumps(drawing | {"shapes": [], "unit": "mm"}))
+    out = tmp_path / "there.json"
+    assert main(["transfer", "--from", str(start), "--to", str(fits / "supine"), "-o", str(out)]) == 0
+    (lesion,) = json.loads(out.read_text())["lesions"]
+    assert (lesion["name"], lesion["radius_mm"], lesion["carried"]) == ("Label 2", 5.0, True)
 
 
 @pytest.mark.parametrize(

@@ -141,6 +141,14 @@ class ResultAreola(Document):
     rim: list[Three] = Field(min_length=3, max_length=1000, description="its border, closed")
 
 
+class ResultLesion(Document):
+    """A ball inside the body that the scan's label map shows, in the scan's frame."""
+
+    name: str
+    center: Three = Field(description="in the scan's unit")
+    radius_mm: FiniteFloat = Field(gt=0.0)
+
+
 class ResultPatient(Document):
     code: Code = ""
     given: bool = Field(default=False, description="by a person; otherwise it is random")
@@ -201,6 +209,7 @@ class ResultFile(Document):
     areolae: dict[str, ResultAreola | None] = Field(
         {}, exclude_if=not_, description="by side, null where none is seen; absent for a scan without texture"
     )
+    lesions: list[ResultLesion] = Field([], exclude_if=not_, description="of a label map")
     parameters: ResultParameters
     drawing_missing: list[str] = Field(
         [],

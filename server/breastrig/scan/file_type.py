@@ -5,13 +5,29 @@ import re
 from breastrig.core.errors import BadScan
 from breastrig.scan.point_clouds.point_table import is_point_table
 
-FILE_TYPES = ("ply", "obj", "stl", "glb", "gltf", "zip", "pcd", "xyz", "usd")
+FILE_TYPES = ("ply", "obj", "stl", "glb", "gltf", "zip", "pcd", "xyz", "usd", "nifti", "dicom")
 POINT_TABLES = ("xyz", "asc", "pts", "txt", "csv", "xyzn", "xyzrgb")
-ENDINGS = ("ply", "obj", "stl", "glb", "gltf", "zip", "pcd", "usdz", "usd", "usda", "usdc", *POINT_TABLES)  # of names
+LABEL_MAPS = ("nii", "gz", "dcm")
+ENDINGS = (
+    "ply",
+    "obj",
+    "stl",
+    "glb",
+    "gltf",
+    "zip",
+    "pcd",
+    "usdz",
+    "usd",
+    "usda",
+    "usdc",
+    *LABEL_MAPS,
+    *POINT_TABLES,
+)  # of names
 USD_LAYERS = (".usd", ".usda", ".usdc")
 USD_STARTS = (b"PXR-USDC", b"#usda")
 BINARY_STL_HEADER = 84  # bytes: a title and the number of triangles
 BINARY_STL_TRIANGLE = 50  # bytes
+NIFTI_1_MARK_AT, DICOM_MARK_AT = 344, 128
 LOOKED_AT = 4096  # bytes in which a text file shows what it is
 PCD_START = re.compile(rb"^(?:\s*#[^\n]*\n|\s*\n)*\s*(?:VERSION|FIELDS|COLUMNS)\s", re.IGNORECASE)
 UTF_8_MARK, UTF_16_MARKS = b"\xef\xbb\xbf", (b"\xff\xfe", b"\xfe\xff")
@@ -36,6 +52,10 @@ def file_type_of(data: bytes, named: str | None = None) -> str:
         return "usd"
     if start.startswith((b"PK\x03\x04", b"PK\x05\x06")):
         return "zip"
+    if data[NIFTI_1_MARK_AT : NIFTI_1_MARK_AT + 4] == b"n+1\0" or data[4:8] == b"n+2\0":
+        return "nifti"
+    if data[DICOM_MARK_AT : DICOM_MARK_AT + 4] == b"DICM":
+        return "dicom"
     if is_binary_stl(data) or is_text_stl(data):
         return "stl"
     if PCD_START.match(start):

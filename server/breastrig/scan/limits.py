@@ -26,3 +26,6 @@ GLTF_ENTRIES = 20_000  # in any one list of the document; our own fitted.glb has
 GLTF_NODES = 10_000  # 0.1 s of work
 GLTF_DEPTH = 100  # nodes above one another; skeletons with fingers have some 25
 GLTF_PRIMITIVES = 2_000  # drawn ones, each as often as nodes draw it: 0.2 s of work; scanner apps write up to some 100
+LABEL_MAP_BYTES = 512 * MEBIBYTE  # unpacked; 512 x 512 x 200 voxels of 8 bytes
+LABEL_MAP_VOXELS = 2**27  # 512 x 512 x 512; a breast MRI has half
+LABELS = 256  # more different values are an image's

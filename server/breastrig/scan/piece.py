@@ -51,6 +51,15 @@ class PointCloud:
 
 
 @dataclass(frozen=True, eq=False)
+class BallInside:
+    """A lesion that a label map shows."""
+
+    name: str
+    center: Array  # (3,) the file's unit
+    radius: float
+
+
+@dataclass(frozen=True, eq=False)
 class Pieces:
     """Everything that a file holds."""
 
@@ -60,6 +69,7 @@ class Pieces:
     cloud: PointCloud | None = None  # where there are points and no triangles at all
     unit: str | None = None  # that the file names
     unit_by_default: bool = False  # that its format means where a file names none
+    lesions: tuple[BallInside, ...] = ()
 
 
 def colour_bytes(values: Array, largest: float | None = None) -> NDArray[uint8]:

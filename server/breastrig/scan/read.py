@@ -21,6 +21,7 @@ from breastrig.scan.clean import MIN_TRIANGLES
 from breastrig.scan.file_type import file_type_of, plain_text
 from breastrig.scan.formats.archive import unpacked
 from breastrig.scan.formats.glb import glb_pieces
+from breastrig.scan.formats.label_map import gunzipped, label_map_pieces
 from breastrig.scan.formats.obj import read_obj
 from breastrig.scan.formats.ply import read_ply
 from breastrig.scan.formats.stl import read_stl
@@ -29,7 +30,7 @@ from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES
 from breastrig.scan.pictures.companions import Companions, beside
 from breastrig.scan.pictures.joined_textures import UNPAINTED, joined_textures
 from breastrig.scan.pictures.texture import written_anew
-from breastrig.scan.piece import PARTLY_COLOURED, UNCOLOURED, Piece, Pieces, PointCloud, part
+from breastrig.scan.piece import PARTLY_COLOURED, UNCOLOURED, BallInside, Piece, Pieces, PointCloud, part
 from breastrig.scan.point_clouds.pcd import pcd_points
 from breastrig.scan.point_clouds.point_table import table_points
 from breastrig.scan.scan import Scan
@@ -40,6 +41,7 @@ BEYOND = 1e30  # no unit has such numbers; their squares are beyond single preci
 BROKEN = 0.05  # share of the triangles that may have such corners
 FARTHEST = 1e7  # m from the origin; coordinates of the Earth reach 6.4e6 m, and double precision is 2e-9 m there
 STRAY = 1e3  # m from the scan's middle; no scanner sees so far, and single precision begins to matter
+GZIP_START = b"\x1f\x8b"
 SHOWN_NAME = 60  # characters of a file's name in a sentence
 
 
@@ -50,7 +52,8 @@ def read_scan(
     texture: bool = True,
     for_display: bool = True,
 ) -> Scan:
-    """Reads PLY, OBJ, STL, GLB, glTF, USD, PCD, a table of points, or a zip of one of them with what it names.
+    """Reads PLY, OBJ, STL, GLB, glTF, USD, PCD, a table of points, a label map (NIfTI, DICOM SEG), or a zip of
+    one of them with what it names.
 
     `file_type` is the name's ending, only used to word errors, or STORED for a file that `write_stored` wrote;
     `units` is auto or m, dm, cm, mm, in, ft; `texture=False` saves the time of decoding the pictures,
@@ -66,7 +69,8 @@ def read_scan(
     data = _bytes(source)
     if file_type is None and isinstance(source, Path):
         file_type = source.suffix
-    mesh, files, sorting = plain_text(data), Companions(), tuple[str, ...]()
+    unpacked_data = gunzipped(data) if data.startswith(GZIP_START) else data
+    mesh, files, sorting = plain_text(unpacked_data), Companions(), tuple[str, ...]()
     found = file_type_of(mesh, file_type)
     if found == "zip":
         packed = unpacked(data)
@@ -96,7 +100,10 @@ def read_scan(
         across = _extent(whole.vertices, whole.faces)
         unit, reason = decide_unit(across, units, pieces.unit, pieces.unit_by_default)
     notes = (*sorting, *notes)
-    return _scan(whole, unit, reason, hashlib.sha256(data).hexdigest(), notes, for_display, from_points)
+    scan = _scan(whole, unit, reason, hashlib.sha256(data).hexdigest(), notes, for_display, from_points)
+    metres = scan.metres_per_unit
+    inside = tuple(BallInside(each.name, metres * each.center, metres * each.radius) for each in pieces.lesions)
+    return replace(scan, lesions=inside) if inside else scan
 
 
 def scan_of_arrays(vertices: Array, faces: Integers, colours: NDArray[np.uint8] | None, units: str) -> Scan:
@@ -147,6 +154,8 @@ def _pieces(data: bytes, kind: str, files: Companions, texture: bool) -> Pieces:
             return glb_pieces(data, files, texture)
         if kind == "usd":
             return usd_pieces(data, texture)
+        if kind in ("nifti", "dicom"):
+            return label_map_pieces(data, kind)
         if kind in ("pcd", "xyz"):
             return Pieces((), has_points=True, cloud=pcd_points(data) if kind == "pcd" else table_points(data))
         return read_stl(data) if kind == "stl" else {"ply": read_ply, "obj": read_obj}[kind](data, files, texture)

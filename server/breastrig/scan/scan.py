@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Integers, frozen
+from breastrig.scan.piece import BallInside
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +30,8 @@ class Scan:
     from_points: bool = False  # the file held points alone, and its triangles were laid through them
     cut_by_hand: int = 0  # triangles that a person has cut away; they are not among the faces
     picture: bytes | None = None  # behind it: the file's own JPEG or PNG, its pixels and nothing else
+
+    lesions: tuple[BallInside, ...] = ()  # that a label map shows, m
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "vertices", frozen(self.vertices))

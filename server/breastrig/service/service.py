@@ -46,7 +46,7 @@ from breastrig.storage.files import MESH, THUMBNAIL, fit_place, scan_place, uplo
 from breastrig.storage.folders import new_id
 from breastrig.storage.rows import scans as scan_rows
 from breastrig.storage.rows.fits import FitRow, NewFit, Once, add_fits, fits_of_scan, made_before
-from breastrig.storage.rows.patients import get_patient, scans_of_patient
+from breastrig.storage.rows.patients import get_patient, put_items_of_scan, scans_of_patient
 from breastrig.storage.rows.scans import Picks, Points, ScanRow
 from breastrig.storage.storage import Storage, Unremoved, utc_now
 from breastrig.workflow.jobs import TransferJob, UploadJob
@@ -173,8 +173,12 @@ class Service:
                 facts = self._read(scan_id, job)
                 upload.unlink()
                 draft.keep()
+            lesions: list[dict[str, Any]] = facts.pop("lesions", [])
             row = ScanRow(scan_id, utc_now(), STORED, sha256, facts)
             scan_rows.add_scan(self.storage, row, patient)
+            if lesions:
+                items = [{"kind": "lesion", "id": new_id(), "scan": scan_id, **each} for each in lesions]
+                put_items_of_scan(self.storage, scan_id, "lesion", items)
         except BaseException:
             self.pool.drop(scan_id)
             discard(self.storage, scan_id, place)
@@ -326,10 +330,10 @@ class Service:
             carried: dict[str, Any] = self._others.result(transfer, (job,), TRANSFER_WALL_S)
         return carried
 
-    def _read(self, scan_id: str, job: UploadJob) -> dict[str, object]:
+    def _read(self, scan_id: str, job: UploadJob) -> dict[str, Any]:
         try:
             task = (read_upload, job)
-            facts: dict[str, object] = self._readers.result(keeping, task, self._uploads.wall_s, scan_id)
+            facts: dict[str, Any] = self._readers.result(keeping, task, self._uploads.wall_s, scan_id)
         except TimeoutError as error:
             raise BadScan(
                 f"Reading this scan took longer than {self._uploads.wall_s:g} s; simplify it first."

@@ -64,6 +64,10 @@ def _read(job: UploadJob) -> dict[str, Any]:
         "colours": scan.colour_kind,
         "reconstructed_from_points": scan.from_points,
         "notes": [*scan.notes, *ready.surface.notes],
+        "lesions": [
+            {"name": each.name, "center": (1e3 * each.center).tolist(), "radius_mm": 1e3 * each.radius}
+            for each in scan.lesions
+        ],
         "cut_away_cm2": round(1e4 * ready.cut_away),
         "background": [{"normal": normal.tolist(), "height_m": height} for normal, height in ready.frame.background],
         "table": None if table is None else {"normal": table.normal.tolist(), "height_m": table.height},

@@ -11,7 +11,7 @@ import { createCropRow } from "./CropRow";
 import type { ScanSlice } from "./state";
 import * as text from "./text";
 
-export const SCAN_FILES = ".ply,.obj,.stl,.glb,.gltf,.zip,.pcd,.usdz,.usd,.usda,.usdc,.xyz,.asc,.pts,.txt,.csv,.xyzn,.xyzrgb";
+export const SCAN_FILES = ".ply,.obj,.stl,.glb,.gltf,.zip,.pcd,.usdz,.usd,.usda,.usdc,.nii,.gz,.dcm,.xyz,.asc,.pts,.txt,.csv,.xyzn,.xyzrgb";
 const TURNS: Turn[] = ["around", "sideways", "forwards"];
 
 export const unitOptions = (): Option<UnitChoice>[] =>

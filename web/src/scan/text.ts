@@ -85,7 +85,7 @@ export const scan = {
 };
 
 export const errors = {
-  notAScan: (name: string) => `“${name}” is not a 3D scan that can be read here: choose a PLY, OBJ, STL, GLB, glTF, USDZ, PCD or XYZ file, a table of points, or a zip.`,
+  notAScan: (name: string) => `“${name}” is not a 3D scan that can be read here: choose a PLY, OBJ, STL, GLB, glTF, USDZ, PCD or XYZ file, a table of points, a label map (NIfTI, DICOM SEG), or a zip.`,
   noScan: "This scan is no longer kept by the service. Load it again.",
   mesh: "The scan cannot be drawn: the service sent a mesh that is not valid glTF.",
 };

@@ -56,7 +56,8 @@ def upload_scan(files_data: wire.ScanUpload) -> tuple[wire.Scan, int, dict[str, 
     suffix = PurePosixPath(files_data.file.filename or "").suffix.lower().lstrip(".")
     if suffix not in ENDINGS:
         raise refuse(
-            415, "This is not a scan file; send PLY, OBJ, STL, GLB, glTF, USDZ, PCD, a table of points, or a zip."
+            415,
+            "This is not a scan file; send PLY, OBJ, STL, GLB, glTF, USDZ, PCD, points, a label map or a zip.",
         )
     row = app_context().service.add_scan(files_data.file.stream, suffix, files_data.units, files_data.patient or None)
     answer = scan_answer(row)

@@ -33,6 +33,7 @@ from breastrig.files.result import (
     ModelSummary,
     ResultBone,
     ResultFile,
+    ResultLesion,
     ResultParameters,
     ResultScan,
     Unit,
@@ -120,6 +121,10 @@ def result_of(outcome: FitOutcome) -> ResultFile:
         landmarks_seen={name: each.reason for name, each in outcome.seen.items()},
         landmarks_picked={name: _rounded(place / per_unit) for name, place in outcome.landmarks.items()},
         areolae=areolae_document(outcome.areolae, per_unit),
+        lesions=[
+            ResultLesion(name=each.name, center=_rounded(each.center / per_unit), radius_mm=round(1e3 * each.radius, 3))
+            for each in outcome.scan.lesions
+        ],
         parameters=ResultParameters(
             bones=[
                 ResultBone(

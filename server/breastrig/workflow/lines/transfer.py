@@ -19,7 +19,7 @@ from breastrig.drawings.drawing_file import (
     parsed_drawing,
     shape_document,
 )
-from breastrig.drawings.plan_schema import Plan, checked_plan, is_plan
+from breastrig.drawings.plan_schema import PLAN_SCHEMA, Plan, checked_plan, is_plan
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.transfer import TransferredLine, fitted_scan, transferred
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -56,6 +56,8 @@ def transfer_with(rig: Rig, job: TransferJob) -> dict[str, Any]:
     source, goal = fit_folder_of(job.from_fit, rig), fit_folder_of(job.to_fit, rig)
     if job.drawing is not None and is_plan(job.drawing):
         return _plan_on(rig, checked_plan(job.drawing), source, goal, job.other_patient)
+    if job.drawing is None and source.result.lesions and not job.other_patient:
+        return _plan_on(rig, _with_lesions(job.from_fit, source), source, goal, other_patient=False)
     given = _own(job.from_fit, source) if job.drawing is None else parsed_drawing(job.drawing, rig, source.unit)
     a = fitted_scan(source.surface, source.vertices, source.landmarks, source.stance, source.radii, source.seen)
     b = fitted_scan(goal.surface, goal.vertices, goal.landmarks, goal.stance, goal.radii, goal.seen)
@@ -77,6 +79,23 @@ def _own(folder: Path, fit: FitFolder) -> Drawing:
     if not lines:
         raise BadDrawing("This fit has left no lines; give a drawing.")
     return Drawing(str(document.get("name") or "drawing"), lines, ())
+
+
+def _with_lesions(folder: Path, fit: FitFolder) -> Plan:
+    """A plan of the fit's own drawing and of what its label map shows inside."""
+    to_mm = 1e3 * fit.metres_per_unit
+    lesions = [
+        {
+            "kind": "lesion",
+            "id": f"lesion-{number}",
+            "name": each.name,
+            "center": [to_mm * value for value in each.center],
+            "radius_mm": each.radius_mm,
+        }
+        for number, each in enumerate(fit.result.lesions, 1)
+    ]
+    lines = [each.model_dump(mode="json") for each in checked_plan(drawing_document(folder / "drawing.json")).items]
+    return checked_plan({"schema": PLAN_SCHEMA, "items": [*lines, *lesions]})
 
 
 def _plan_on(rig: Rig, plan: Plan, source: FitFolder, goal: FitFolder, other_patient: bool) -> dict[str, Any]:

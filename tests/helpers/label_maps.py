@@ -1,0 +1,39 @@
+"""A chest with two half balls for breasts, gland and a lesion inside, as the label map of an MRI."""
+
+import nibabel
+import numpy as np
+
+SIZES = np.array([1.0, 1.1, 2.0])  # mm
+LOW = np.array([-130.0, -100.0, 50.0])  # mm, LPS
+SHAPE = (260, 160, 90)
+CHEST = -0.45  # mm, between two layers of voxels
+BREASTS = np.array([[65.0, -10.0, 140.0], [-65.0, -10.0, 140.0]])
+LESION, RADIUS = np.array([60.0, -35.0, 150.0]), 8.0
+
+
+def places() -> np.ndarray:
+    return np.stack(np.meshgrid(*[LOW[k] + SIZES[k] * np.arange(SHAPE[k]) for k in range(3)], indexing="ij"), axis=-1)
+
+
+def body_labels() -> np.ndarray:
+    """1 for a chest behind y = 0 with two half balls of 60 mm before it, 2 for a ball inside, 3 for gland."""
+    at = places()
+    body = at[..., 1] > CHEST
+    for centre in BREASTS:
+        body |= np.linalg.norm(at - centre, axis=-1) < 60.0
+    labels = body.astype(np.uint8)
+    gland = body & (np.abs(at - BREASTS[1]).max(axis=-1) < 40.0) & (np.abs(at - BREASTS[1]).min(axis=-1) < 2.0)
+    labels[gland & (np.linalg.norm(at - BREASTS[1], axis=-1) < 40.0)] = 3
+    labels[np.linalg.norm(at - LESION, axis=-1) < RADIUS] = 2
+    return labels
+
+
+def nifti(labels: np.ndarray, turned: bool = False) -> bytes:
+    """As NIfTI has it, RAS; `turned` with the voxels stored in another order, which changes nothing."""
+    affine = np.diag([-1.0, -1.0, 1.0, 1.0]) @ np.block(
+        [[np.diag(SIZES), LOW[:, None]], [np.zeros((1, 3)), np.ones((1, 1))]]
+    )
+    image = nibabel.Nifti1Image(labels, affine)
+    if turned:
+        image = image.as_reoriented(nibabel.orientations.axcodes2ornt(("S", "R", "P")))
+    return bytes(image.to_bytes())
