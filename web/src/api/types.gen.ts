@@ -1024,6 +1024,8 @@ export type ResultFile = {
   landmarks_picked: Record<string, [number, number, number]>;
   /** by side, null where none is seen; absent for a scan without texture */
   areolae?: Record<string, ResultAreola | null>;
+  /** of a label map */
+  lesions?: ResultLesion[];
   parameters: ResultParameters;
   /** why a pattern that was asked for is not in the drawing, a sentence or two for each */
   drawing_missing?: string[];
@@ -1031,6 +1033,14 @@ export type ResultFile = {
   versions: Record<string, string>;
   /** whose scan it is; absent in the service */
   patient?: ResultPatient | null;
+};
+
+/** A ball inside the body that the scan's label map shows, in the scan's frame. */
+export type ResultLesion = {
+  name: string;
+  /** in the scan's unit */
+  center: [number, number, number];
+  radius_mm: number;
 };
 
 export type ResultParameters = {
