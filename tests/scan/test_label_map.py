@@ -14,8 +14,8 @@ from pydicom.uid import ExplicitVRLittleEndian, generate_uid
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.geometry.normals import vertex_normals
 from breastrig.scan import read
-from breastrig.scan.formats import label_map
 from breastrig.scan.read import read_scan
+from breastrig.scan.volumes import label_map
 
 
 def off_skin(vertices: np.ndarray) -> np.ndarray:

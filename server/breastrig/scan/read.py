@@ -21,7 +21,6 @@ from breastrig.scan.clean import MIN_TRIANGLES
 from breastrig.scan.file_type import file_type_of, plain_text
 from breastrig.scan.formats.archive import unpacked
 from breastrig.scan.formats.glb import glb_pieces
-from breastrig.scan.formats.label_map import gunzipped, label_map_pieces
 from breastrig.scan.formats.obj import read_obj
 from breastrig.scan.formats.ply import read_ply
 from breastrig.scan.formats.stl import read_stl
@@ -36,6 +35,7 @@ from breastrig.scan.point_clouds.point_table import table_points
 from breastrig.scan.scan import Scan
 from breastrig.scan.stored_scan import STORED, read_stored
 from breastrig.scan.units import decide_unit, extent
+from breastrig.scan.volumes.label_map import gunzipped, label_map_pieces
 
 BEYOND = 1e30  # no unit has such numbers; their squares are beyond single precision
 BROKEN = 0.05  # share of the triangles that may have such corners

@@ -1,0 +1,1 @@
+"""Scans that are volumes: the skin is made here."""
