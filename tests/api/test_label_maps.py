@@ -15,6 +15,7 @@ def test_a_lesion_of_a_label_map_is_an_item_of_the_plan(client: FlaskClient) -> 
     assert answer.json is not None
     scan = answer.json
     assert (scan["unit"], scan["triangles"] > 20_000) == ("mm", True)
+    assert (scan["stance"]["proposed"], "breast MRI" in scan["stance"]["reason"]) == ("prone", True)
     plan = client.get(scan["links"]["plan"]).json
     assert plan is not None
     (lesion,) = plan["items"]

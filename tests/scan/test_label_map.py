@@ -28,7 +28,7 @@ def off_skin(vertices: np.ndarray) -> np.ndarray:
 def test_the_skin_and_the_lesion_lie_where_they_are(turned: bool, packed: bool) -> None:
     data = nifti(body_labels(), turned)
     scan = read_scan(gzip.compress(data) if packed else data)
-    assert scan.unit == "mm"
+    assert (scan.unit, scan.from_label_map) == ("mm", True)
     off = np.abs(off_skin(1e3 * scan.vertices))
     assert np.percentile(off, 95) < 0.4
     assert off.max() < 3.0  # in the crease between ball and plane

@@ -45,7 +45,7 @@ MAY_STAND = "Without a table it is not clear: she seems to stand. If she lies, s
 class FoundStance:
     """A stance, why, and the fit that showed it: all iterates of the task in it, none where no fit was needed."""
 
-    stance: str  # standing | supine
+    stance: str  # standing | supine | prone
     reason: str
     iterates: tuple[FitIterate, ...] = ()
 
@@ -56,8 +56,8 @@ def found_stance(task: FitTask, frame: Frame) -> FoundStance:
     Whoever fits the task next goes on from the iterates, so that nothing is fitted twice.
     """
     rule, wall = task.recipe.stance_rule, may_be_wall(task, frame)
-    lies = frame.stance == "supine" and not wall
-    if lies or not any(shape.kind == "gravity" for shape in task.rig.shapes):
+    is_said = frame.stance == "prone" or (frame.stance == "supine" and not wall)
+    if is_said or not any(shape.kind == "gravity" for shape in task.rig.shapes):
         return FoundStance(frame.stance, frame.stance_reason)
     standing = tuple(checked_iterates(replace(task, stance="standing")))
     arms = arm_angles(task.rig, standing[-1].parameters)

@@ -28,7 +28,7 @@ class Frame:
     front: Array  # (3,) unit, perpendicular to up
     confidence: float  # 0..1
     reason: str
-    stance: str  # standing | supine
+    stance: str  # standing | supine | prone
     stance_reason: str
     fronts: Array  # (N, 3) unit, where the front may be: one direction, or six when the scan shows all sides
     table: tuple[Array, float] | None = None  # (3,) unit normal of a table behind the body, and its height along it (m)
@@ -38,6 +38,17 @@ class Frame:
     def rotation(self) -> Array:
         """(3, 3): columns are the patient's left, up and front in the scan's axes."""
         return np.column_stack([np.cross(self.up, self.front), self.up, self.front])
+
+
+LABEL_MAP_FRAME = Frame(
+    up=np.array([0.0, 0.0, 1.0]),
+    front=np.array([0.0, -1.0, 0.0]),
+    confidence=1.0,
+    reason="A label map says where the patient's front and head are.",
+    stance="prone",
+    stance_reason="The scan is a label map, and a breast MRI is taken prone. If it is not, say how she lies.",
+    fronts=np.array([[0.0, -1.0, 0.0]]),
+)  # LPS
 
 
 def _directions(count: int) -> Array:

@@ -69,6 +69,7 @@ class Pieces:
     cloud: PointCloud | None = None  # where there are points and no triangles at all
     unit: str | None = None  # that the file names
     unit_by_default: bool = False  # that its format means where a file names none
+    is_label_map: bool = False
     lesions: tuple[BallInside, ...] = ()
 
 

@@ -103,7 +103,7 @@ def read_scan(
     scan = _scan(whole, unit, reason, hashlib.sha256(data).hexdigest(), notes, for_display, from_points)
     metres = scan.metres_per_unit
     inside = tuple(BallInside(each.name, metres * each.center, metres * each.radius) for each in pieces.lesions)
-    return replace(scan, lesions=inside) if inside else scan
+    return replace(scan, from_label_map=True, lesions=inside) if pieces.is_label_map else scan
 
 
 def scan_of_arrays(vertices: Array, faces: Integers, colours: NDArray[np.uint8] | None, units: str) -> Scan:

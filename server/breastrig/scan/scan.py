@@ -31,6 +31,7 @@ class Scan:
     cut_by_hand: int = 0  # triangles that a person has cut away; they are not among the faces
     picture: bytes | None = None  # behind it: the file's own JPEG or PNG, its pixels and nothing else
 
+    from_label_map: bool = False  # whose axes are the patient's (LPS)
     lesions: tuple[BallInside, ...] = ()  # that a label map shows, m
 
     def __post_init__(self) -> None:

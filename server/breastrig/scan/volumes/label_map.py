@@ -56,7 +56,7 @@ def label_map_pieces(data: bytes, kind: str) -> Pieces:
     body = _body(found)
     vertices, faces = _surface(body, found.affine)
     said = [f"{each.name} was found in the label map, {2 * each.radius:.0f} mm across." for each in lesions]
-    return Pieces((Piece(vertices, faces),), notes=(FRAME, *said), unit="mm", lesions=lesions)
+    return Pieces((Piece(vertices, faces),), notes=(FRAME, *said), unit="mm", is_label_map=True, lesions=lesions)
 
 
 def gunzipped(data: bytes) -> bytes:

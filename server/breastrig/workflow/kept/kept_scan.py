@@ -15,7 +15,7 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.prepare_scan import PreparedScan, prepared
 from breastrig.geometry.plane import Plane
 from breastrig.scan.clean import Surface, clean
-from breastrig.scan.orient import Frame
+from breastrig.scan.orient import LABEL_MAP_FRAME, Frame
 from breastrig.scan.scan import Scan
 
 
@@ -40,7 +40,7 @@ def keeping(function: Callable[..., Any], *given: Any) -> Any:
 
 def prepared_scan(scan: Scan, stance: str, frame: Frame | None = None) -> PreparedScan:
     """The scan cleaned and prepared (see fitting/prepare_scan.py).  Raises BadScan with a sentence."""
-    ready = prepared(_cleaned(scan), stance, frame)
+    ready = prepared(_cleaned(scan), stance, frame or (LABEL_MAP_FRAME if scan.from_label_map else None))
     if not _kept.keeps:
         return ready
     if _kept.target is None or not _same_target(_kept.target, ready.target):
