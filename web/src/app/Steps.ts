@@ -62,6 +62,8 @@ export function createSteps(actions: Actions, bodies: Record<Step, HTMLElement>,
     return { step, number: i + 1, element, head, badge, note, before, body };
   });
   const list = el("div", { class: "steps-scroll" }, ...sections.map((section) => section.element));
+  list.addEventListener("toggle", ({ target }) => target instanceof HTMLDetailsElement && target.open && target.scrollIntoView({ block: "nearest" }), { capture: true }); // it does not bubble
+  let opened = "";
   const element = el("nav", { class: "steps", "aria-label": text.page.stepsLabel }, list, next);
   return {
     element,
@@ -69,6 +71,7 @@ export function createSteps(actions: Actions, bodies: Record<Step, HTMLElement>,
     update(state: StepsShown): void {
       for (const { step, number, element: section, head, badge, note, before, body } of sections) {
         const isOpen = state.scan !== null && state.step === step;
+        const isNew = isOpen && opened !== `${state.scan.info.id} ${step}`;
         const done = isDone(step, state);
         section.classList.toggle("is-open", isOpen);
         head.setAttribute("aria-expanded", String(isOpen));
@@ -88,6 +91,9 @@ export function createSteps(actions: Actions, bodies: Record<Step, HTMLElement>,
         show(before, !hasContent);
         show(body, isOpen || state.scan === null);
         show(bodies[step], hasContent);
+        if (!isNew) continue;
+        opened = `${state.scan.info.id} ${step}`;
+        list.scrollTop = 0; // the step's head and what it asks first, not where another one was left
       }
     },
   };

@@ -14,7 +14,7 @@ import type { Session } from "./session";
 /** What of the state decides. */
 export type NextShown = Pick<
   Session,
-  "meta" | "step" | "loading" | "scan" | "confirmed" | "picks" | "certain" | "proposals" | "skipped" | "active" | "fit" | "isStarting" | "stance" | "preset" | "refine" | "drawn" | "ink" | "stances"
+  "meta" | "step" | "loading" | "scan" | "confirmed" | "picks" | "certain" | "proposals" | "skipped" | "active" | "fit" | "isStarting" | "stance" | "preset" | "refine" | "drawing" | "drawn" | "ink" | "stances"
 >;
 
 export type NextStep =
@@ -42,13 +42,15 @@ function foundInk(state: NextShown): NextStep | null {
   return there > 0 ? { kind: "ink", count: there, on: stanceNames(state)[1] } : null;
 }
 
+const isPlanned = ({ drawing, drawn }: Pick<NextShown, "drawing" | "drawn">): boolean => drawing !== "" || drawn.lines.present.length > 0 || drawn.lesions.length > 0;
+
 /** What a surgeon does with a fit that holds: look at her own lines, draw, bring the other stance, take the report. */
 function afterFit(state: NextShown): NextStep {
   const { drawn, stances } = state;
   if (levelOf(state.fit?.result) === "unusable") return { kind: "correct" };
   const ink = foundInk(state);
   if (ink) return ink;
-  if (drawn.lines.present.length === 0 && (stances.other?.drawn.lines.present.length ?? 0) === 0) return { kind: "draw", isArmed: drawn.tool !== "none" };
+  if (!isPlanned(state) && !(stances.other && isPlanned(stances.other))) return { kind: "draw", isArmed: drawn.tool !== "none" };
   if (stances.other === null) return { kind: "add", stance: stanceOf(state) === "standing" ? "supine" : "standing" };
   if (stances.other.fit?.state !== "done") return { kind: "change over", to: stanceNames(state)[1] };
   return { kind: "report" };

@@ -70,16 +70,17 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
     el("p", { id: "bands-legend" }, text.bands.legend),
   );
   const dashed = el("p", { class: "muted small", hidden: true }, words.dashed);
-  const element = el("div", { class: "panel" }, el("p", { class: "label" }, words.lines), own, none, carried.element, reference.element, ofBands, dashed);
+  const element = el("div", { class: "panel" }, el("p", { class: "label" }, words.lines), none, reference.element, own, carried.element, ofBands, dashed);
 
   function group(layer: Layer) {
-    const title = el("p", { class: "label" });
+    const title = el("p", { class: "label", hidden: true });
     const list = el("ul", { class: "layers", "data-layer": layer });
     const element = el("div", { class: "panel", hidden: true }, title, list);
     return {
       element,
       set(label: string, items: readonly Item[], hidden: ReadonlySet<string>): void {
-        show(element, label !== "" && items.length > 0);
+        show(element, items.length > 0);
+        show(title, label !== "");
         setText(title, label);
         fill(list, items, () => items.map((item) => (item.lines.length === 1 ? lineRow(layer, item.lines[0]!) : itemRow(layer, item))));
         check(list, layer, hidden);
@@ -143,7 +144,6 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
     select: only("meta", "models", "fit", "drawing", "drawn"),
     update(state: Shown): void {
       const { lines, hidden, chosen } = state.drawn;
-      show(none, lines.present.length === 0);
       const mayMirror = state.fit?.result ? mirrorPlane(state.fit.result) !== null : false;
       fill(own, [mayMirror, lines.present.map((line) => [line.name, line.closed, Math.round(lengthOf(line)), line.color])], () => lines.present.map((line) => ownRow(line, mayMirror)));
       check(own, "own", hidden);
@@ -156,9 +156,11 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
       const patterns = shownPatterns(state);
       const shapes = patterns?.shapes ?? known?.shapes ?? [];
       const labels = drawingLabels(state);
-      const label = requestLabel(state.drawn.onScan ? state.drawing : (fit?.drawingName ?? ""), labels);
+      const drawing = state.drawn.onScan ? state.drawing : (fit?.drawingName ?? "");
+      const label = requestLabel(drawing, labels);
+      show(none, lines.present.length === 0 && label === "");
       const asRow = (shape: { name: string; label?: string; color?: string; kind?: string }): Line => ({ name: shape.name, label: shape.kind === "line" ? (labelOf(shape.name, shape.label) ?? shape.name) : nameOf(shape.name, shape.label), color: ownColour(shape.color) });
-      reference.set(fit && label !== "" ? words.reference(label) : "", itemsOf(shapes, asRow, (kind) => plannedLabel(kind, state.drawn.onScan ? state.drawing : (fit?.drawingName ?? ""), labels)), hidden);
+      reference.set("", fit && label !== "" ? itemsOf(shapes, asRow, (kind) => plannedLabel(kind, drawing, labels)) : [], hidden);
       const from = state.drawn.onScan;
       const brought = from?.carried.shapes ?? [];
       carried.set(brought.length > 0 ? words.carried(from!.from) : "", itemsOf(brought, asRow, (kind) => plannedLabel(kind, "", labels)), hidden);

@@ -35,7 +35,7 @@ export function createPlanSummary(): Panel<Shown> {
       const itemOf = (shape: Shape): string => (["pattern", "tumour"].includes(shape.kind ?? "pattern") ? plannedLabel(shape.kind ?? "pattern", drawing, labels) : lineName(shape));
       return [...new Set(shapes.map(itemOf))].map((name) => {
         const mm = marginOfAll(shapes.filter((shape) => itemOf(shape) === name));
-        return [name, [mm === null ? "" : marginOf(mm), where].filter((part) => part !== "").join(", ")];
+        return [name, [mm === null ? "" : mm === 0 ? words.given : marginOf(mm), where].filter((part) => part !== "").join(", ")];
       });
     };
     const drawing = drawn.onScan ? state.drawing : (fit?.drawingName ?? "");

@@ -16,7 +16,7 @@ import { readDrawing, UnreadableDrawing } from "./lines/files";
 import { freeName, gap, newId, nextName, type OwnLine, TUMOUR_INK, withLine, withoutLine } from "./lines/lines";
 import { mirroredLine, mirrorPlane } from "./mirror/mirror";
 import type { Skin } from "./lines/skin";
-import { type DrawingSlice, type DrawnState, type InkDecided, type Layer, layerKey, lineNamed, type PlanHistory, type PlanStep, stepOf, type Tool, withStep } from "./state";
+import { type DrawingSlice, type DrawnState, handsOff, type InkDecided, type Layer, layerKey, lineNamed, type PlanHistory, type PlanStep, stepOf, type Tool, withStep } from "./state";
 import { circle, freehand } from "./lines/strokes";
 import { type Tape, tapeAsked, tapeBack, tapeFrom, tapeMeasured, tapeTo } from "./tape/tape";
 import * as text from "./text";
@@ -185,8 +185,8 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
       change(withLine(lines(), name, (line) => ({ ...line, color })), {}, words.announceRecoloured(name));
     },
 
-    /** Another pattern or tumour, or other numbers of it: one step to undo. */
-    choosePattern: (drawing: string): void => store.set((state) => (drawing === state.drawing ? {} : { drawing, drawn: { ...state.drawn, lines: withStep(state) } })),
+    /** Another pattern or tumour, or other numbers of it: one step to undo.  The tool is put down, for the handles on the body. */
+    choosePattern: (drawing: string): void => store.set((state) => (drawing === state.drawing ? {} : { drawing, drawn: { ...handsOff(state.drawn), live: state.drawn.live, lines: withStep(state) } })),
 
     /** The clicked line is complete. */
     finish: (): void => put({ start: null, open: null }),

@@ -81,7 +81,7 @@ export const lesions = {
   name: "Name",
   numbered: (number: number) => `Lesion ${number}`,
   center: "Centre",
-  centerHint: "x, y, z in millimetres, in the frame of this scan",
+  centerHint: "x, y, z in mm, in this scan's frame",
   radius: "Radius",
   add: "Add",
   remove: (name: string) => `Remove ${name}`,
@@ -148,7 +148,6 @@ export const drawing = {
   nudge: "Move the point along the skin",
   arrows: { ArrowLeft: "To the left", ArrowUp: "Up", ArrowDown: "Down", ArrowRight: "To the right" },
   arrowSigns: { ArrowLeft: "←", ArrowUp: "↑", ArrowDown: "↓", ArrowRight: "→" },
-  reference: (label: string) => label,
   patternItem: "Pattern",
   tumourItem: "Tumour",
   count: (lines: number) => plural(lines, "line", "lines"),
@@ -206,5 +205,6 @@ export const summary = {
   hint: "± holds nine of ten places of a line.  What was drawn on this scan is where it was drawn.",
   none: "Nothing is drawn yet.",
   own: "as drawn",
+  given: "as given",
   carried: "carried here",
 };

@@ -42,7 +42,6 @@ export const numbers = {
   short: { good: "", uncalibrated: "not calibrated", check: "check", unusable: "not usable" },
   old: "to be done again",
   sure: (range: string) => `landmarks ${range}`,
-  agreed: (count: number, all: number) => `${count} of ${all} only agreed to`,
   unknown: "not known",
   notKnown: (count: number) => `${count} not known`,
   lines: "lines on the breasts",

@@ -95,7 +95,7 @@ function rowOf({ names, exchange }: Question, list: readonly LandmarkDefinition[
 function makeRow(entry: LandmarkDefinition, number: number, actions: LandmarkActions) {
   const side = sideOf(entry.name);
   const status = el("span", { class: "visually-hidden" });
-  const chip = side === "middle" ? null : el("span", { class: `chip side-${side}`, title: text.landmarks.sides[side], "data-short": text.landmarks.sideShort[side] }, text.landmarks.sideWords[side]);
+  const chip = side === "middle" ? null : el("span", { class: `chip side-${side}`, title: text.landmarks.sides[side] }, el("span", { "aria-hidden": "true" }, text.landmarks.sideShort[side]), el("span", { class: "visually-hidden" }, text.landmarks.sideWords[side]));
   const place = el(
     "button",
     {

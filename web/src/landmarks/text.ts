@@ -25,7 +25,7 @@ export const landmarks = {
   remove: (label: string) => `Remove ${label}`,
   undo: "Undo",
   redo: "Redo",
-  stop: "Stop placing",
+  stop: "Stop",
   importFile: "Import",
   importHint: "Read landmarks from JSON, a table (CSV), MeshLab .pp, or 3D Slicer .mrk.json or .fcsv",
   exportHint: "Save the placed landmarks",
@@ -84,7 +84,7 @@ export const questions = {
 
 export const proposals = {
   looking: "Looking for the landmarks on this scan …",
-  found: (count: number) => `${plural(count, "proposal", "proposals")}, shown dashed; ± holds the true place in 90 of 100 cases, in mm. A fit finds them by itself; one that you agree to keeps its error until you move it, or confirm it close up.`,
+  found: (count: number) => `${plural(count, "proposal", "proposals")}, dashed; ± mm holds 90 of 100 true places. One that you agree to keeps its error until you move it, or confirm it close up.`,
   doubtful: (count: number) =>
     count === 1 ? "One is a rough guess: check it by itself." : `${count} are rough guesses: check each.`,
   none: (reason: string) => `No proposals: ${reason}`,

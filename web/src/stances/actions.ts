@@ -98,7 +98,7 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     if (!scan || !patient || scan.patient === patient.patient) return;
     try {
       await client.moveScan(scan.id, patient.patient);
-      const info = { ...scan, patient: patient.patient, links: { ...scan.links, patient: patient.links.patient, plan: patient.links.plan } };
+      const info = { ...scan, patient: patient.patient, patient_code: patient.patient_code, links: { ...scan.links, patient: patient.links.patient, plan: patient.links.plan } };
       const planned = await others.plan.read(info);
       store.set((state) => (state.scan?.info.id === scan.id ? { scan: { ...state.scan, info }, drawing: planned.drawing } : {}));
     } catch (error) {

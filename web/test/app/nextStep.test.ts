@@ -70,7 +70,7 @@ test("as soon as other settings are asked for than the fit was made with, the ne
   for (const other of [{ stance: "supine" }, { preset: "paper" }, { refine: false }] satisfies Partial<Session>[]) {
     expect(nextStep(finished(other)), JSON.stringify(other)).toEqual({ kind: "fit", again: true, landmarks: 3 });
   }
-  expect(nextStep(finished({ drawing: "reduction" })).kind, "a pattern is drawn on the body that is there").toBe("draw");
+  expect(nextStep(finished({ drawing: "reduction" })).kind, "a pattern is drawn on the body that is there: nothing is fitted again").toBe("add");
   const asks = { ...finished().fit!, result: { stance: "standing", landmarks_unusual: [{ names: ["notch"], reason: "notch is unusual." }] } } as unknown as Session["fit"];
   expect(nextStep(finished({ fit: asks })).kind).toBe("check");
   expect(nextStep(finished({ fit: asks, preset: "paper" })).kind, "also while picks are asked about").toBe("fit");

@@ -117,6 +117,14 @@ test("undo and redo say what they changed", async () => {
   expect(says()).toBe("Redone: Line 1, Line 2 drawn.");
 });
 
+test("who chooses a pattern with the pen in the hand puts it down: the pattern's handles are there to drag", async () => {
+  const { actions, store } = await drawing();
+  actions.drawing.take("pen");
+  actions.drawing.click([0, 0, 0]);
+  actions.drawing.choosePattern("reduction");
+  expect(store.get().drawn).toMatchObject({ tool: "none", start: null, open: null });
+});
+
 test("a failed request loses nothing: the lines stay, it is said, and the next try saves all", async () => {
   let fails = true;
   const kept = fakePlans();

@@ -219,7 +219,7 @@ test("a scan that cannot be had leaves the page as it was and says why", async (
 test("both scans are of one patient, and what was planned on the first is not made anew on the second", async () => {
   const { store, moveScan } = await two();
   expect(moveScan).toHaveBeenCalledWith("supine", "of-standing");
-  expect(store.get().scan!.info).toMatchObject({ id: "supine", patient: "of-standing", links: { plan: "/api/patients/of-standing/plan" } });
+  expect(store.get().scan!.info).toMatchObject({ id: "supine", patient: "of-standing", patient_code: "code of standing", links: { plan: "/api/patients/of-standing/plan" } });
   expect(store.get().drawing).toBe("");
   expect(store.get().stances.other!.drawing).toBe("");
 });

@@ -31,7 +31,7 @@ export function createLesions(change: (lesions: readonly PlanLesion[]) => void):
     if (!place) return;
     change([...own, lesionAt(name.value.trim() || words.numbered(own.length + 1), place, radiusMm)]);
     name.value = center.value = "";
-  });
+  }, "quiet outlined");
   const form = [el("label", { class: "field wide" }, el("span", {}, words.name), name), el("label", { class: "field wide" }, el("span", {}, words.center), center), radius.element, wrong, add];
   const element = el("details", { class: "lesions" }, el("summary", {}, words.title), el("div", { class: "panel" }, list, ...form));
 

@@ -161,9 +161,8 @@ export function createNumbersPanel<More extends object = object>(ageing: Ageing<
       setText(oldWords, state.old ? words.outdated[state.old] : "");
       element.classList.toggle("is-outdated", state.old !== null);
       const radii = Object.values(result?.landmark_uncertainty_mm ?? {});
-      const agreed = result?.landmarks_agreed?.length ?? 0;
       show(sure, radii.length > 0);
-      setText(sure, radii.length === 0 ? "" : [words.sure(marginsOf(radii)), ...(agreed > 0 ? [words.agreed(agreed, radii.length)] : [])].join("; "));
+      setText(sure, radii.length === 0 ? "" : words.sure(marginsOf(radii)));
       show(verdict, judged != null);
       verdict.classList.toggle("look-here", judged?.level === "check");
       verdict.classList.toggle("is-wrong", judged?.level === "unusable");
