@@ -59,6 +59,7 @@ export const plannedLabel = (kind: string, drawing: string, labels: ReadonlyMap<
 
 export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
   const own = el("ul", { class: "layers", "data-layer": "own" });
+  const ofHere = el("p", { class: "label" }, words.lines);
   const none = el("p", { class: "muted small" }, words.none);
   const reference = group("reference");
   const carried = group("carried");
@@ -70,7 +71,7 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
     el("p", { id: "bands-legend" }, text.bands.legend),
   );
   const dashed = el("p", { class: "muted small", hidden: true }, words.dashed);
-  const element = el("div", { class: "panel" }, el("p", { class: "label" }, words.lines), none, reference.element, own, carried.element, ofBands, dashed);
+  const element = el("div", { class: "panel" }, ofHere, none, reference.element, own, carried.element, ofBands, dashed);
 
   function group(layer: Layer) {
     const title = el("p", { class: "label", hidden: true });
@@ -158,11 +159,12 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
       const labels = drawingLabels(state);
       const drawing = state.drawn.onScan ? state.drawing : (fit?.drawingName ?? "");
       const label = requestLabel(drawing, labels);
-      show(none, lines.present.length === 0 && label === "");
       const asRow = (shape: { name: string; label?: string; color?: string; kind?: string }): Line => ({ name: shape.name, label: shape.kind === "line" ? (labelOf(shape.name, shape.label) ?? shape.name) : nameOf(shape.name, shape.label), color: ownColour(shape.color) });
       reference.set("", fit && label !== "" ? itemsOf(shapes, asRow, (kind) => plannedLabel(kind, drawing, labels)) : [], hidden);
       const from = state.drawn.onScan;
       const brought = from?.carried.shapes ?? [];
+      show(ofHere, lines.present.length > 0 || label !== "" || brought.length === 0);
+      show(none, lines.present.length === 0 && label === "" && brought.length === 0);
       carried.set(brought.length > 0 ? words.carried(from!.from) : "", itemsOf(brought, asRow, (kind) => plannedLabel(kind, "", labels)), hidden);
       show(ofBands, [...(patterns?.shapes ?? []), ...brought].some((shape) => shape.error_mm?.some((mm) => mm !== null)));
       bands.checked = !hidden.has(BANDS);

@@ -23,7 +23,7 @@ export function createMeasuresDialog(stances: StancesActions, dismiss: () => voi
   const close = (): void => void stances.measures(false);
   let file: StancesSlice["stances"]["measures"]["file"] = null;
   let of: ScanSlice["scan"] = null;
-  const says = el("p", { class: "muted" });
+  const says = el("p", { class: "muted" }, words.one);
   const doubts = el("div", { role: "status" });
   const holder = el("div", { class: "measures-scroll", tabindex: 0, role: "region", "aria-labelledby": "measures-title" });
   const busy = el("div", { class: "muted", role: "status" }, words.busy);
@@ -74,8 +74,8 @@ export function createMeasuresDialog(stances: StancesActions, dismiss: () => voi
       const table = file && measuresTable(file);
       const isOfTwo = table !== null && table.groups.length > 1;
       const doubted = file ? measuredDoubts(file) : [];
-      fill(doubts, doubted, () => doubted.map((doubt) => el("p", { class: "look-here" }, doubt)));
-      setText(says, isOfTwo ? words.two : words.one);
+      fill(doubts, doubted, () => (doubted.length > 0 ? [el("p", { class: "look-here" }, doubted.join(" "))] : [])); // one box: the table needs the room
+      show(says, !isOfTwo); // of two, the signs below the table say what a change is
       element.classList.toggle("of-two", isOfTwo);
       show(holder, table !== null);
       fill(holder, [measures.of, table !== null], () => (table ? [tableOf(table, new Map(state.meta?.landmarks.map(({ name, label }) => [name, label])), (key) => stances.pointAt(key))] : []));

@@ -51,7 +51,6 @@ export const stances = {
   table: {
     title: "Measures",
     one: "This stance. Add and fit the other one to compare both.",
-    two: "Both stances. Changes are the second less the first.",
     measure: "Measure",
     left: "Left",
     right: "Right",

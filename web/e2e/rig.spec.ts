@@ -1,0 +1,67 @@
+// A rig's day in the browser: a forearm, made by data only, served with `--model`; its scan is brought, fitted, drawn on,
+// measured and reported.  The page shows what the rig has, and nothing of breasts or sides.
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { expect } from "@playwright/test";
+import { hook, test, untilFitted } from "./page";
+import { findPython, helper, type Running, startService } from "./service";
+
+const folder = mkdtempSync(join(tmpdir(), "breastrig-rig-"));
+const PICTURES = process.env.BREASTRIG_E2E_PICTURES; // a folder: for whoever wants to look
+let service: Running;
+test.use({ base: async ({}, use) => use(service.base) });
+test.beforeAll(async () => {
+  const { path, env } = helper("forearm.py");
+  execFileSync(findPython(), [path, folder], { env });
+  service = await startService({}, ["--no-token", "--model", join(folder, "forearm.glb")]);
+});
+test.afterAll(async () => {
+  await service.stop();
+  rmSync(folder, { recursive: true });
+});
+
+test("a forearm is fitted, drawn on, measured and reported", async ({ page, base, troubles }) => {
+  await page.goto(base);
+  await page.locator("#scan-file").setInputFiles(join(folder, "scan.ply"));
+  await hook.ready(page);
+  await page.getByRole("button", { name: "Size and direction are right" }).click();
+
+  await test.step("its own landmarks are asked for", async () => {
+    await page.keyboard.press("2");
+    await expect(page.locator(".landmark .label-text")).toHaveText(["Elbow crease", "Tip of the radius", "Tip of the ulna", "Wrist crease", "Knuckle of the middle finger"]);
+    await page.locator("#landmark-file").setInputFiles(join(folder, "landmarks.json"));
+    await expect.poll(() => hook.pickCount(page)).toBe(5);
+  });
+
+  await test.step("fitted, and not judged by what is known of another rig", async () => {
+    await page.getByRole("button", { name: "Fit with 5 landmarks" }).click();
+    await untilFitted(page);
+    await expect(page.locator(".numbers .verdict")).toContainText("Not calibrated for this rig");
+    expect(await page.evaluate(() => document.body.innerText)).not.toMatch(/\bbreasts?\b|nipple/i);
+  });
+
+  await test.step("its drawing lies on the skin", async () => {
+    await page.keyboard.press("4");
+    await page.locator(".pattern summary").click();
+    const drawings = page.locator(".pattern select").first();
+    await expect(drawings.locator("option")).toHaveText(["None", "Incision"]);
+    const before = await hook.picture(page);
+    await drawings.selectOption("incision");
+    await expect(page.locator("[data-line=palmar]")).toHaveCount(1);
+    await expect.poll(async () => (await hook.picture(page)).checksum).not.toBe(before.checksum);
+    if (PICTURES) await page.screenshot({ path: `${PICTURES}/drawn.png` });
+  });
+
+  await test.step("its lengths are measured, and the report is there", async () => {
+    await page.locator("#measures").click();
+    const dialog = page.getByRole("dialog", { name: "Measures" });
+    await expect(dialog.locator("tbody tr[data-measure=radius]")).toHaveCount(2);
+    await expect(dialog.locator("tbody tr[data-measure=radius]").first()).toContainText(/Length of the radius.*23\d/);
+    if (PICTURES) await page.screenshot({ path: `${PICTURES}/measures.png` });
+    const report = await page.request.get(base + (await dialog.locator("#report-both").getAttribute("href"))!);
+    expect((await report.body()).subarray(0, 5).toString()).toBe("%PDF-");
+  });
+  expect(troubles).toEqual([]);
+});
