@@ -3,10 +3,10 @@ import type { FitSlice } from "../fit/state";
 import type { LandmarksSlice } from "../landmarks/state";
 import type { ScanSlice } from "../scan/state";
 import { only } from "../store/store";
-import { el, setText, show } from "../ui/dom";
+import { el, fill, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { StancesActions } from "./actions";
-import { isComparing, stanceNames, type StancesSlice } from "./state";
+import { further, isComparing, stanceNames, type StancesSlice } from "./state";
 import * as text from "./text";
 
 const words = text.stances;
@@ -17,8 +17,9 @@ export function createStancesBar(stances: StancesActions): Panel<Shown> {
   let isSecond = false;
   const tab = (second: boolean): HTMLButtonElement => el("button", { type: "button", onclick: () => isSecond !== second && void stances.swap() });
   const tabs = [tab(false), tab(true)];
-  const both = el("div", { class: "segmented", role: "group", "aria-label": words.label }, ...tabs);
-  const add = el("button", { type: "button", class: "button quiet outlined", title: words.addHint, id: "add-stance", onclick: () => stances.dialog(true) }, words.add);
+  const more = el("span", {}); // of her further scans
+  const both = el("div", { class: "segmented", role: "group", "aria-label": words.label }, ...tabs, more);
+  const add = el("button", { type: "button", class: "button quiet outlined", title: words.addHint, id: "add-stance", "aria-label": words.add, onclick: () => stances.dialog(true) });
   let comparing = false;
   let linked = true;
   const compare = el("button", { type: "button", class: "button quiet outlined toggle-button", title: words.compareHint, id: "compare", onclick: () => stances.compare(!comparing) }, words.compare);
@@ -31,8 +32,12 @@ export function createStancesBar(stances: StancesActions): Panel<Shown> {
     update(state: Shown): void {
       const { other, isLinked } = state.stances;
       show(element, state.scan !== null);
-      show(both, other !== null);
-      show(add, other === null);
+      const others = further(state.stances);
+      show(both, other !== null || others.length > 0);
+      fill(add, other === null && others.length === 0, () => (other === null && others.length === 0 ? [words.add] : ["+"]));
+      fill(more, [others, state.isStarting], () =>
+        others.map((scan) => el("button", { type: "button", title: words.working(scan.stance), disabled: state.isStarting, "aria-pressed": "false", onclick: () => void stances.third(scan) }, words.name(scan.stance))),
+      );
       show(compare, other !== null);
       isSecond = state.stances.isSecond;
       comparing = state.stances.isComparing;
@@ -41,7 +46,7 @@ export function createStancesBar(stances: StancesActions): Panel<Shown> {
       compare.setAttribute("aria-pressed", String(isComparing(state)));
       link.setAttribute("aria-pressed", String(isLinked));
       show(measures, state.fit?.state === "done");
-      if (!other) return;
+      show(tabs[1]!, other !== null);
       const [mine, its] = stanceNames(state);
       const inOrder = isSecond ? [its, mine] : [mine, its];
       tabs.forEach((each, i) => {

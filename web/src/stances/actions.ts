@@ -14,7 +14,7 @@ import { only, type Store } from "../store/store";
 import type { ViewSlice } from "../viewer/state";
 import { followPlan } from "./followPlan";
 import { loadFit, loadWorkspace } from "./load";
-import { initialStances, isUnfinished, measuredFits, stanceNames, type StancesSlice, type StancesState, type Workspace, workspaceOf } from "./state";
+import { initialStances, isUnfinished, measuredFits, type PatientScan, stanceNames, type StancesSlice, type StancesState, type Workspace, workspaceOf } from "./state";
 import * as text from "./text";
 
 const WATCH_MS = 1000; // a fit that goes on while its scan waits is looked after so often
@@ -79,13 +79,21 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
   const gone = new Set<string>(); // deleted, or soon: not to choose any more, unless it is taken back
   store.select(only("scan"), ({ scan }) => scan && gone.delete(scan.info.id));
 
+  let whose = ""; // the open scan and its patient: another one has other scans beside it
+  store.select(only("scan"), ({ scan }) => {
+    const now = scan ? `${scan.info.id} ${scan.info.patient}` : "";
+    if (now === whose) return;
+    whose = now;
+    if (scan) void readHers();
+  });
+
   /** The patient's scans beside the open one. */
   async function readHers(): Promise<void> {
     const scan = store.get().scan?.info;
     if (!scan) return;
     try {
       const { scans } = await client.patient(scan.patient);
-      put({ hers: scans.filter(({ id }) => id !== scan.id && !gone.has(id)) });
+      if (store.get().scan?.info.id === scan.id) put({ hers: scans.filter(({ id }) => id !== scan.id && !gone.has(id)) });
     } catch (error) {
       fail(error);
     }
@@ -116,14 +124,14 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       put({ isBringing: false }, { problems: { ...problems, ...(problems.scan ? { stances: problems.scan } : {}) } });
       return;
     }
-    put({ ...initialStances, other: kept, isSecond: true }, { announcement: text.stances.announceAdded });
+    put({ ...initialStances, hers: store.get().stances.hers, other: kept, isSecond: true }, { announcement: text.stances.announceAdded });
     await joinPatient(kept);
     lookAfter();
   }
 
   return {
     dialog(isAdding: boolean): void {
-      put({ isAdding, hers: [], named: null }, withProblem(store.get(), "stances", null));
+      put({ isAdding, named: null }, withProblem(store.get(), "stances", null));
       if (isAdding) void readHers();
     },
 
@@ -187,10 +195,18 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       lookAfter();
     },
 
+    /** Two are on the page: one of the patient's further scans is worked on, and the one that was waits in the place of the other. */
+    async third({ id, fit }: PatientScan): Promise<void> {
+      const { stances, isStarting } = store.get();
+      if (isStarting) return;
+      await this.restore(id, fit?.state === "done" ? fit.id : null, null, { isSecond: false, isComparing: stances.isComparing });
+      if (store.get().stances.other?.scan?.info.id === id) await this.swap();
+    },
+
     /** The one that waits is not wanted any more; the scan itself stays with the service. */
     remove(): void {
       clearTimeout(watch);
-      store.set({ stances: initialStances });
+      store.set(({ stances }) => ({ stances: { ...initialStances, hers: stances.hers } }));
     },
 
     /** Fits both scans, where that is not done: what is planned on one is then carried to the other. */

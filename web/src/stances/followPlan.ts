@@ -3,7 +3,8 @@ import type { Client } from "../api/client";
 import { laidOnScan, type OnScan } from "../drawing/state";
 import type { PlanActions } from "../plan/actions";
 import { only, type Store } from "../store/store";
-import { stanceNames, type StancesSlice, type Workspace, workspaceOf } from "./state";
+import { further, stanceNames, type StancesSlice, type Workspace, workspaceOf } from "./state";
+import * as text from "./text";
 
 const CALM_MS = 300; // after the last stroke
 
@@ -17,7 +18,8 @@ interface Others {
 }
 
 /** What decides how the plan lies on a scan. */
-const keyOf = (to: Workspace, from: Workspace | null): readonly unknown[] => [
+const keyOf = (to: Workspace, from: Workspace | null, hasThird: boolean): readonly unknown[] => [
+  hasThird,
   to.fit?.id,
   from?.fit?.state === "done" ? from.fit.id : null,
   to.drawn.lines.present,
@@ -27,6 +29,9 @@ const keyOf = (to: Workspace, from: Workspace | null): readonly unknown[] => [
   from?.drawn.lesions,
   from?.drawing,
 ];
+
+/** What was planned on a scan that is not on the page is carried as well. */
+const hasFittedThird = ({ stances }: StancesSlice): boolean => further(stances).some(({ fit }) => fit?.state === "done");
 
 export function followPlan<Whole extends State>(store: Store<Whole>, client: Pick<Client, "planOnFit">, others: Others): void {
   const asked = new Map<string, readonly unknown[]>(); // fit -> what it was last asked for; a failure is not tried again unchanged
@@ -44,15 +49,15 @@ export function followPlan<Whole extends State>(store: Store<Whole>, client: Pic
   function isOld(to: Workspace, from: Workspace | null): boolean {
     if (!to.scan || to.fit?.state !== "done") return false;
     const before = asked.get(to.fit.id);
-    return before === undefined || keyOf(to, from).some((each, i) => each !== before[i]);
+    return before === undefined || keyOf(to, from, hasFittedThird(store.get())).some((each, i) => each !== before[i]);
   }
 
   async function lay(to: Workspace, from: Workspace | null, name: string): Promise<void> {
     const { scan, fit } = to;
     if (!scan || !fit) return;
-    const key = keyOf(to, from);
+    const key = keyOf(to, from, hasFittedThird(store.get()));
     asked.set(fit.id, key);
-    const isNeeded = others.plan.isMoreThanLines(scan.info, from?.fit?.state === "done");
+    const isNeeded = others.plan.isMoreThanLines(scan.info, from?.fit?.state === "done" || hasFittedThird(store.get()));
     const onScan = isNeeded ? laidOnScan(name, key, await client.planOnFit(fit.links.plan)) : null;
     set((state) => placed(state, scan.info.id, fit.id, onScan));
   }
@@ -64,7 +69,7 @@ export function followPlan<Whole extends State>(store: Store<Whole>, client: Pic
     try {
       await others.flush();
       await others.plan.settled();
-      for (const [to, from, name] of pairs(store.get())) if (isOld(to, from)) await lay(to, from, name);
+      for (const [to, from, name] of pairs(store.get())) if (isOld(to, from)) await lay(to, from, further(store.get().stances).length > 0 ? text.stances.carry.others : name);
     } catch (error) {
       others.fail(error);
     } finally {

@@ -22,7 +22,7 @@ export interface StancesState {
   readonly isLinked: boolean; // turning one turns the other
   readonly isAdding: boolean; // the dialog for a second scan is open
   readonly isBringing: boolean; // the second scan is on its way
-  readonly hers: readonly PatientScan[]; // the patient's other scans, to choose from
+  readonly hers: readonly PatientScan[]; // the patient's scans beside the one in work
   readonly named: Patient | null; // another one, whose code was typed: her scans are to choose from, if they are hers
   readonly isCarrying: boolean;
   readonly measures: { readonly isOpen: boolean; readonly isBusy: boolean; readonly of: string; readonly file: MeasuresFile | null; readonly pointed: string | null }; // pointed: at this row, measureKey
@@ -46,6 +46,9 @@ export const initialStances: StancesState = {
   isCarrying: false,
   measures: { isOpen: false, isBusy: false, of: "", file: null, pointed: null },
 };
+
+/** The patient's scans that are not on the page. */
+export const further = ({ hers, other }: Pick<StancesState, "hers" | "other">): readonly PatientScan[] => hers.filter(({ id }) => id !== other?.scan?.info.id);
 
 /** What the page has of its scan, as it may wait: a replay is at its end. */
 export function workspaceOf({ scan, picks, certain, drawn, proposals, skipped, saving, stance, drawing, fit }: Workspace): Workspace {

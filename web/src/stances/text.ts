@@ -6,7 +6,7 @@ export const stances = {
   name: capital,
   working: (name: string) => `Work on the ${name} scan`,
   add: "Add other stance",
-  addHint: "A second scan of the same patient, standing or supine",
+  addHint: "Another scan of the same patient: standing, supine or prone",
   compare: "Side by side",
   compareHint: "Both stances beside each other, seen from the same side",
   link: "Linked",
@@ -41,6 +41,7 @@ export const stances = {
     needsOther: "To see the drawing on the standing and on the supine body, add the other scan.",
     needsFits: (names: string) => `A drawing is carried between two fitted scans. Not fitted yet: ${names}.`,
     needsLines: "Draw a line or choose a pattern on either scan: it is shown on the other as well.",
+    others: "her other scans",
     busy: "Carrying the drawing …",
     done: (name: string) => `Shown on the ${name} scan, lines and patterns; it follows every change.`,
     error: (median: string, most: string) =>

@@ -10,7 +10,7 @@ import type { FitState } from "../../src/fit/state";
 import { linkedPose, torsoFromFrame, torsoFromLandmarks } from "../../src/stances/cameras";
 import { carriedNote } from "../../src/stances/carry";
 import { formatCell, measuredDoubts, measuresCsv, measuresTable } from "../../src/stances/measuresTable";
-import { stanceNames, workspaceOf } from "../../src/stances/state";
+import { further, stanceNames, workspaceOf } from "../../src/stances/state";
 
 const rigid = (x: number, y: number, z: number, at: readonly [number, number, number]): Matrix4 =>
   new Matrix4().compose(new Vector3(...at), new Quaternion().setFromEuler(new Euler(x, y, z)), new Vector3(1, 1, 1));
@@ -273,6 +273,35 @@ test("a fit that is deleted elsewhere while its scan waits is said once, and not
   expect(store.get()).toMatchObject({ problems: { stances: "There is no such fit." }, stances: { other: { fit: null } } });
   await vi.advanceTimersByTimeAsync(5000);
   expect(fit).toHaveBeenCalledTimes(1);
+});
+
+test("of three scans two are on the page: the third takes the place of the one that waits, and the page works on it", async () => {
+  const scans = (["standing", "supine", "prone"] as const).map((stance) => ({ id: stance, stance, created_at: "2026-11-25T09:00:00Z", fit: null }));
+  const { store, actions } = page({ patient: async (id: string) => ({ id, code: "K7M-4QX", scans }) as unknown as Patient });
+  const shown = () => [store.get().scan!.info.id, store.get().stances.other?.scan?.info.id, further(store.get().stances).map(({ id }) => id)];
+  await actions.scan.open("standing", null);
+  await vi.advanceTimersByTimeAsync(0);
+  expect(shown()).toEqual(["standing", undefined, ["supine", "prone"]]);
+  await actions.stances.third(scans[1] as never);
+  await vi.advanceTimersByTimeAsync(0);
+  expect(shown()).toEqual(["supine", "standing", ["prone"]]);
+  await actions.stances.third(scans[2] as never);
+  await vi.advanceTimersByTimeAsync(0);
+  expect(shown()).toEqual(["prone", "supine", ["standing"]]);
+  actions.stances.remove();
+  expect(shown()).toEqual(["prone", undefined, ["standing", "supine"]]);
+});
+
+test("what was planned on a fitted scan that is not on the page is laid on the one that is", async () => {
+  const items = [{ kind: "lesion", id: "a", scan: "prone", name: "L1", center: [0, 0, 0], radius_mm: 5 }];
+  const scans = [{ id: "standing", stance: "standing", fit: null }, { id: "prone", stance: "prone", fit: { id: "f9", state: "done" } }];
+  const planOnFit = vi.fn<Client["planOnFit"]>(async () => CARRIED);
+  const { store, actions } = page({ planOnFit, plan: async () => ({ version: 1, whole: true, items }) as never, patient: async (id: string) => ({ id, scans }) as unknown as Patient });
+  await actions.scan.open("standing", null);
+  store.set({ fit: done("f1") });
+  await vi.advanceTimersByTimeAsync(2000);
+  expect(planOnFit).toHaveBeenCalledTimes(1);
+  expect(store.get().drawn.onScan).toMatchObject({ from: "her other scans", carried: { shapes: [{ name: "Line 1" }, { name: "tumour_L" }] } });
 });
 
 test("only the patient's own scans are offered, and others by their code, typed whole", async () => {
