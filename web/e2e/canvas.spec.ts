@@ -38,13 +38,14 @@ test("a stylus draws, its hand does nothing, fingers turn; Done leads back", asy
     await fingers("touchStart", [[470, 360]]);
     for (let i = 1; i <= 10; i += 1) await fingers("touchMove", [[470 + 5 * i, 360]]);
     await fingers("touchEnd", []);
-    expect(await lines()).toHaveLength(1);
+    await expect.poll(lines).toHaveLength(1);
   });
 
   await test.step("light or hard, the pen's line is the same", async () => {
     await stroke(session, [470, 320], [560, 330], () => 0.05);
     await tap(page.getByRole("button", { name: "Red", exact: true }));
     await stroke(session, [470, 320], [560, 330], (share) => 0.1 + 0.9 * share);
+    await expect.poll(lines).toHaveLength(3);
     const [, light, hard] = await lines();
     expect([light!.color, hard!.color]).toEqual(["#101010", "#c53030"]);
     expect(hard!.points).toHaveLength(light!.points.length);
@@ -57,7 +58,7 @@ test("a stylus draws, its hand does nothing, fingers turn; Done leads back", asy
     for (let i = 1; i <= 8; i += 1) await fingers("touchMove", [[470 + 8 * i, 400]]);
     await fingers("touchEnd", []);
     await untilStill(page);
-    expect(await lines()).toHaveLength(3);
+    await expect.poll(lines).toHaveLength(3);
     expect(distance((await pose()).eye, before.eye)).toBeGreaterThan(0.02);
     await tap(page.getByRole("button", { name: "Front", exact: true }));
     await untilStill(page);
@@ -70,9 +71,9 @@ test("a stylus draws, its hand does nothing, fingers turn; Done leads back", asy
     for (let i = 1; i <= 8; i += 1) await fingers("touchMove", [[470 + 8 * i, 400]]);
     await fingers("touchEnd", []);
     await untilStill(page); // a tap at once after a fast stroke gave no click here
-    expect(await lines()).toHaveLength(4);
+    await expect.poll(lines).toHaveLength(4);
     await tap(page.getByRole("button", { name: "Undo" }).first());
-    expect(await lines()).toHaveLength(3);
+    await expect.poll(lines).toHaveLength(3);
     await tap(wish);
     await expect(wish).toHaveAttribute("aria-pressed", "false");
   });
@@ -89,7 +90,7 @@ test("a stylus draws, its hand does nothing, fingers turn; Done leads back", asy
     await fingers("touchMove", [[700, 640]]);
     await fingers("touchEnd", []);
     await untilStill(page);
-    expect(await lines()).toHaveLength(4);
+    await expect.poll(lines).toHaveLength(4);
     expect(distance((await pose()).eye, before.eye)).toBeLessThan(1e-6);
   });
 
@@ -97,9 +98,9 @@ test("a stylus draws, its hand does nothing, fingers turn; Done leads back", asy
     await tap(page.getByRole("button", { name: "Erase", exact: true }));
     const at = await hook.project(page, (await lines())[3]!.points[10]!);
     await stroke(session, [at.x, at.y], [at.x, at.y], () => 0.5);
-    expect(await lines()).toHaveLength(3);
+    await expect.poll(lines).toHaveLength(3);
     await tap(page.getByRole("button", { name: "Undo", exact: true }));
-    expect(await lines()).toHaveLength(4);
+    await expect.poll(lines).toHaveLength(4);
   });
 
   await test.step("Done leads back; where the browser does not give the screen it is the window", async () => {

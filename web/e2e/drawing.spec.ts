@@ -309,7 +309,7 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   expect((await hook.fit(page))!.id, "the fit stays").toBe(first);
   const file = (await (await page.request.get(`${base}/api/fits/${first}/plan.json`)).json()) as { shapes: { name: string; points: Vector[] }[] };
   expect(file.shapes.map(({ name }) => name)).toEqual(expect.arrayContaining(names));
-  await expect(page.locator("[data-layer=reference]").locator("xpath=..")).toContainText("Reduction (Wise pattern), Tumour");
+  await expect(page.locator("[data-layer=reference] > li")).toContainText(["Reduction (Wise pattern)", "Tumour, patient's left"]);
   await untilStill(page);
   expect((await hook.picture(page)).checksum).not.toBe(before.checksum);
 

@@ -31,6 +31,7 @@ test("fingers turn, place, aim and zoom; both ways of holding a tablet have room
     await untilStill(page); // the eye comes near
     const { x, y } = await hook.project(page, truth.umbilicus!);
     await tapAt(session, { x, y });
+    await expect.poll(() => hook.pickCount(page)).toBe(1);
     expect(distance((await hook.pick(page, "umbilicus"))!, truth.umbilicus!)).toBeLessThan(4);
   });
 
@@ -46,6 +47,7 @@ test("fingers turn, place, aim and zoom; both ways of holding a tablet have room
     await touch(session, ["touchMove", [{ x: goal.x, y: goal.y + ABOVE }]]);
     expect((await hook.picture(page)).checksum, "aiming does not turn the body").toBe(before.checksum);
     await touch(session, ["touchEnd", []]);
+    await expect.poll(() => hook.pickCount(page)).toBe(2);
     expect(distance((await hook.pick(page, "mid_sternum"))!, truth.mid_sternum!)).toBeLessThan(3);
     await expect(page.locator(".crosshair")).toBeHidden();
     expect(await hook.pickCount(page)).toBe(2);

@@ -2,8 +2,9 @@
 import { spawnSync } from "node:child_process";
 import { resolve } from "node:path";
 
-const [show, folder] = process.argv.slice(2);
-if (!show) throw new Error("Say which show: screenshots DIR, frames, main_job or opening.");
+const [show, named] = process.argv.slice(2);
+if (!show) throw new Error("Say which show: screenshots DIR, pictures, frames, main_job or opening.");
+const folder = named ?? (show === "pictures" ? resolve(import.meta.dirname, "../../docs/pictures") : undefined);
 if (show === "screenshots" && !folder) throw new Error("Say where the pictures go: npm run screenshots -- DIR");
 const web = resolve(import.meta.dirname, "..");
 const env = { ...process.env, ...(folder ? { BREASTRIG_SHOW_FOLDER: resolve(process.env.INIT_CWD ?? ".", folder) } : {}) };

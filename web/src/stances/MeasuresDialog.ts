@@ -75,7 +75,7 @@ export function createMeasuresDialog(stances: StancesActions, dismiss: () => voi
       const isOfTwo = table !== null && table.groups.length > 1;
       const doubted = file ? measuredDoubts(file) : [];
       fill(doubts, doubted, () => (doubted.length > 0 ? [el("p", { class: "look-here" }, doubted.join(" "))] : [])); // one box: the table needs the room
-      show(says, !isOfTwo); // of two, the signs below the table say what a change is
+      show(says, table !== null && !isOfTwo); // of two, the signs below the table say what a change is
       element.classList.toggle("of-two", isOfTwo);
       show(holder, table !== null);
       fill(holder, [measures.of, table !== null], () => (table ? [tableOf(table, new Map(state.meta?.landmarks.map(({ name, label }) => [name, label])), (key) => stances.pointAt(key))] : []));

@@ -125,7 +125,7 @@ function createFields(part: LivePart, changed: (values: Values) => void) {
         const drawn = drawnAt(handles.filter((each) => each.part === part), parameter.name);
         if (asked === null) field.set(null, drawn.length > 0 ? words.byItselfAt(sidesSaid(drawn, parameter.unit)) : words.byItself);
         else if (drawn.every(({ value }) => Math.abs(value - asked) < SAME)) field.set(asked);
-        else field.set(Math.min(...drawn.map(({ value }) => value)), "", words.stopsAt(sidesSaid(drawn, parameter.unit)));
+        else field.set(Math.round(10 * Math.min(...drawn.map(({ value }) => value))) / 10, "", words.stopsAt(sidesSaid(drawn, parameter.unit)));
       }
     },
   };
