@@ -9,4 +9,5 @@ export default {
   globalSetup: resolve(import.meta.dirname, "../../e2e/setup.ts"),
   outputDir: resolve(import.meta.dirname, "../../test-results"),
   timeout: 600_000,
+  use: { ...tests.use, deviceScaleFactor: 1 }, // pictures as large as the screen
 };
