@@ -2,11 +2,13 @@
 
 import csv
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from breastrig.core.stances import OUTWARDS, SIDES
+from breastrig.report import volume as volume_module
 from breastrig.report.body_frame import body_frame
 from breastrig.report.calibration import measure_calibration
 from breastrig.report.measures import measures
@@ -308,3 +310,18 @@ def test_ratios_compare_the_lowest_and_the_most_lateral_point_of_each_breast(
         assert value is not None
         assert value.value == pytest.approx(min(pair) / max(pair))
         assert value.value < 0.995
+
+
+def test_the_band_of_a_volume_is_smaller_inwards_and_larger_outwards(
+    at_rest: Stance, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def above(*words: Any) -> tuple[float, float]:
+        level = float(words[-1])
+        return 1e-3 - 0.1 * level + 4.0 * level**2, 0.01
+
+    monkeypatch.setattr(volume_module, "volume_above", above)
+    found = volume_module.breast_volume(at_rest, "R")
+    assert found is not None
+    gap = 0.01 * abs(float(np.nanmean(at_rest.distances[vertices_within(at_rest.rig, "R")])))
+    assert found.value == pytest.approx(1e-3)
+    assert (found.low, found.high) == pytest.approx((1e-3 - np.hypot(4e-4, gap), 1e-3 + np.hypot(6e-4, gap)))

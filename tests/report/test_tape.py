@@ -111,6 +111,9 @@ def test_the_tape_starts_from_picked_landmarks_and_says_how_far_off_those_of_the
     picked = ("suprasternal_notch", "nipple_R", "umbilicus")
     (point,) = tape_points(known(torso, 0.014, picked, at))
     assert {name for name, _ in point.lengths_mm} == {*picked}, "though others are nearer"
+    rough = known(torso, 0.001, picked, at)
+    (still,) = tape_points(replace(rough, landmark_radii={**rough.landmark_radii, **dict.fromkeys(picked, 0.02)}))
+    assert {name for name, _ in still.lengths_mm} == {*picked}, "though others are said to be surer"
     (by_the_model,) = tape_points(known(torso, 0.014, (), at))
     assert point.error_mm is not None
     assert by_the_model.error_mm is not None
