@@ -94,7 +94,7 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
   /** One row for all lines of a pattern; they are inside. */
   function itemRow(layer: Layer, { label, lines }: Item): HTMLElement {
     const all = toggle(layer, lines.map(({ name }) => name), label, lines[0]!.color);
-    const inside = el("details", {}, el("summary", { "aria-label": words.linesOf(label) }, words.count(lines.length)), el("ul", {}, ...lines.map((line) => lineRow(layer, line))));
+    const inside = el("details", {}, el("summary", { "aria-label": words.linesOf(lines.length, label) }, words.count(lines.length)), el("ul", {}, ...lines.map((line) => lineRow(layer, line))));
     return el("li", { class: "of-pattern", "data-item": label }, all, inside);
   }
 

@@ -151,7 +151,7 @@ export const drawing = {
   patternItem: "Pattern",
   tumourItem: "Tumour",
   count: (lines: number) => plural(lines, "line", "lines"),
-  linesOf: (label: string) => `Lines of ${label}`,
+  linesOf: (lines: number, label: string) => `${plural(lines, "line", "lines")} of ${label}`,
   carried: (from: string) => `Carried from ${from}`,
   dashed: "Dashed and paler where the scan shows no skin: a guess of the model.",
   elsewhere: (name: string) => `“${name}” lies more than 50 mm off this scan: it was drawn on another one, or in another unit.`,
