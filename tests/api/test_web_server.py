@@ -188,7 +188,7 @@ def test_a_body_is_not_waited_for_before_the_headers_have_been_judged(serve: Ser
         (upload_head(100_000_000, **right, Origin="http://evil.example"), 403),
         (upload_head(900_000_000, **right), 413),
         (request("/api/scans", "POST", Content_Type="text/plain", Content_Length=1000, **right), 415),
-        (request("/api/fits", "POST", Content_Type="application/json", Content_Length=2_000_000, **right), 413),
+        (request("/api/fits", "POST", Content_Type="application/json", Content_Length=21_000_000, **right), 413),
         (request("/api/nothing", "POST", Content_Length=1000, **right), 404),
         (request("/api/meta", "PUT", Content_Length=1000, **right), 405),
         (request("/sign-in", "POST", Content_Length=20_000), 413),

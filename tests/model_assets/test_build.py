@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from scipy import sparse
 
+from breastrig.gltf.read_rig import read_rig
+
 
 def _sphere(rings: int = 16, sectors: int = 24) -> tuple[np.ndarray, np.ndarray]:
     """A closed sphere of 0.1 m radius with quads cut into triangles."""
@@ -118,19 +120,24 @@ def test_the_recipe_uses_adult_targets_only(model_assets: Path) -> None:
 
 
 def test_two_builds_give_the_same_bytes(model_assets: Path, tmp_path: Path) -> None:
-    """Builds once more from the local sources and compares with the tracked files (made by an earlier build)."""
+    """Builds from the local sources and compares with the tracked files, or with one more build of this machine."""
     import build
 
     recipe = tomllib.loads((model_assets / "recipe.toml").read_text(encoding="utf-8"))
     if not (model_assets / "sources" / recipe["source"]["wheel"]).exists():
         pytest.skip("the source wheel is not here; python model_assets/build.py fetches it")
-    manifest = json.loads((model_assets / "built" / "MANIFEST.json").read_text(encoding="utf-8"))
-    reference = model_assets / "built"
-    if manifest["tools"] != build.tool_versions():
-        reference = tmp_path / "first"
-        build.build(reference)
-    build.build(tmp_path / "again")
-    estimated = reference / "torso.known"  # of fits to bodies, not of the recipe; bound to the rig by its hash
-    files = [p for p in reference.rglob("*") if p.is_file() and estimated not in p.parents]
-    names = sorted(p.relative_to(reference).as_posix() for p in files)
-    assert [n for n in names if (reference / n).read_bytes() != (tmp_path / "again" / n).read_bytes()] == []
+    built = model_assets / "built"
+    build.build(tmp_path)
+    estimated = built / "torso.known"  # of fits to bodies, not of the recipe; bound to the rig by its hash
+    files = [p for p in built.rglob("*") if p.is_file() and estimated not in p.parents]
+    names = {p.relative_to(built).as_posix() for p in files}
+    other = {name for name in names if (built / name).read_bytes() != (tmp_path / name).read_bytes()}
+    if other:  # another processor or version of NumPy rounds a coordinate to the next micrometre
+        build.build(tmp_path / "again")
+        assert [n for n in names if (tmp_path / "again" / n).read_bytes() != (tmp_path / n).read_bytes()] == []
+        manifest = json.loads((built / "MANIFEST.json").read_text(encoding="utf-8"))
+        assert other <= {"MANIFEST.json", "torso.glb"} or manifest["tools"] != build.tool_versions()
+        tracked, anew = (read_rig(folder / "torso.glb") for folder in (built, tmp_path))
+        assert np.abs(tracked.template - anew.template).max() < 2e-6
+        assert np.abs(tracked.blendshapes - anew.blendshapes).max() < 2e-6
+        assert np.array_equal(tracked.faces, anew.faces)

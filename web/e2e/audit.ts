@@ -70,6 +70,7 @@ export function overlaps(page: Page): Promise<string[]> {
       shown.slice(i + 1).flatMap(({ each: other, box: its }) => {
         const across = Math.min(box.right, its.right) - Math.max(box.left, its.left);
         const down = Math.min(box.bottom, its.bottom) - Math.max(box.top, its.top);
+        if (each.matches(".handle") && other.matches(".handle")) return []; // a pointer takes the one whose middle is nearest
         return across > 1 && down > 1 && !each.contains(other) && !other.contains(each) ? [`${name(each)} over ${name(other)}`] : [];
       }),
     );

@@ -89,6 +89,7 @@ test("drawing and two stances can be read and pressed by everybody", async ({ pa
       expect.soft(await seriousFindings(page), `${name}: axe-core`).toEqual([]);
       for (const [device, viewport] of [["tablet", TABLET], ["desk", DESK]] as const) {
         await page.setViewportSize(viewport);
+        await untilStill(page); // handles follow the picture
         expect.soft(await smallTargets(page), `${name}, ${device}: smaller than 24 pixels`).toEqual([]);
         expect.soft(await overlaps(page), `${name}, ${device}: controls over one another`).toEqual([]);
       }

@@ -3,7 +3,7 @@ import { execFileSync } from "node:child_process";
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { expect } from "@playwright/test";
+import { expect, type Page } from "@playwright/test";
 import { hook, test, until, untilFitted, untilStill } from "./page";
 import { findPython, helper, startService } from "./service";
 
@@ -16,6 +16,25 @@ async function post(address: string, body?: object): Promise<Made> {
   const answer = await fetch(address, { method: "POST", headers: { "Content-Type": "application/json" }, ...(body ? { body: JSON.stringify(body) } : {}) });
   expect(answer.ok, address).toBe(true);
   return (await answer.json()) as Made;
+}
+
+/** When all that the page has asked for is there and drawn. */
+async function settledPicture(page: Page): Promise<object> {
+  await page.waitForLoadState("networkidle");
+  let before = {};
+  await expect
+    .poll(
+      async () => {
+        await untilStill(page);
+        const now = await hook.picture(page);
+        const isSame = JSON.stringify(now) === JSON.stringify(before);
+        before = now;
+        return isSame;
+      },
+      { intervals: [1000] },
+    )
+    .toBe(true);
+  return before;
 }
 
 test("a fit of the torso looks the same under a service whose model is a forearm, on the page and through its link", async ({ page }) => {
@@ -44,12 +63,10 @@ test("a fit of the torso looks the same under a service whose model is a forearm
         await untilFitted(page);
         await page.getByRole("button", { name: "Model", exact: true }).click();
         await until(page, () => window.__breastrig!.state().fit?.surface);
-        await untilStill(page);
-        const rig = await hook.picture(page);
+        const rig = await settledPicture(page);
         await page.goto(base + shared);
         await until(page, () => window.__breastrig?.state().fit);
-        await untilStill(page);
-        seen.push({ rig, link: await hook.picture(page) });
+        seen.push({ rig, link: await settledPicture(page) });
       } finally {
         await stop();
       }
