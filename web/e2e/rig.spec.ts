@@ -44,6 +44,7 @@ test("a forearm is fitted, drawn on, measured and reported", async ({ page, base
 
   await test.step("its drawing lies on the skin", async () => {
     await page.keyboard.press("4");
+    await expect(page.locator(".pattern summary")).toHaveText("Drawing and notes"); // no tumour by the clock
     await page.locator(".pattern summary").click();
     const drawings = page.locator(".pattern select").first();
     await expect(drawings.locator("option")).toHaveText(["None", "Incision"]);

@@ -157,6 +157,7 @@ export const drawing = {
   elsewhere: (name: string) => `“${name}” lies more than 50 mm off this scan: it was drawn on another one, or in another unit.`,
   pattern: {
     title: "Patterns and tumour",
+    titleWithoutTumour: "Drawing and notes",
     base: "Drawing",
     tumour: "Tumour by the clock",
     depth: "Depth below the skin",

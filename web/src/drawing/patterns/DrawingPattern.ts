@@ -52,7 +52,8 @@ export function createDrawingPattern(drawing: Pick<DrawingActions, "choosePatter
   const note = el("p", { class: "muted small" });
   const undrawn = el("p", { class: "look-here", role: "status", hidden: true });
   const fields = [base.element, undrawn, parameters.element, mirrorPattern, hasTumour, tumour.element, depth.element, mirrorTumour, el("label", { class: "field wide" }, el("span", {}, words.note), sayings), note];
-  const element = el("details", { class: "pattern" }, el("summary", {}, words.title), el("div", { class: "panel" }, ...fields));
+  const title = el("summary", {}, words.title);
+  const element = el("details", { class: "pattern" }, title, el("div", { class: "panel" }, ...fields));
 
   return {
     element,
@@ -68,6 +69,7 @@ export function createDrawingPattern(drawing: Pick<DrawingActions, "choosePatter
       parameters.set(meta.patterns.find(({ name }) => name === request.base && name !== TUMOUR) ?? null, request.values, handles);
       show(mirrorPattern, !parameters.element.hidden && mirroredValues(request.values) !== null);
       const clock = tumourOf(session);
+      setText(title, clock === null ? words.titleWithoutTumour : words.title);
       show(hasTumour, clock !== null);
       box.checked = request.tumour !== null;
       tumour.set(request.tumour && clock, request.tumour ?? {}, handles);
