@@ -22,7 +22,7 @@ export const test = plain.extend<{ base: string; troubles: string[] }>({
     const troubles: string[] = [];
     page.on("console", (message) => {
       // The first page shows everybody's patients, and other tests delete theirs while it is read.
-      if (message.type() === "error" && !message.location().url.endsWith("/thumbnail.png")) troubles.push(`console: ${message.text()}`);
+      if (message.type() === "error" && !message.location().url.endsWith("/thumbnail.png")) troubles.push(`console: ${message.text()} ${message.location().url}`);
     });
     page.on("pageerror", (error) => troubles.push(`error: ${error.message}`));
     page.on("request", (request) => {

@@ -80,12 +80,17 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
   store.select(only("scan"), ({ scan }) => scan && gone.delete(scan.info.id));
 
   let whose = ""; // the open scan and its patient: another one has other scans beside it
-  store.select(only("scan"), ({ scan }) => {
+  let isJoining = false; // a second scan has come, and is about to be one of the first one's patient
+  store.select(only("scan"), lookForHers);
+
+  function lookForHers(): void {
+    if (isJoining) return;
+    const { scan } = store.get();
     const now = scan ? `${scan.info.id} ${scan.info.patient}` : "";
     if (now === whose) return;
     whose = now;
     if (scan) void readHers();
-  });
+  }
 
   /** The patient's scans beside the open one. */
   async function readHers(): Promise<void> {
@@ -118,14 +123,18 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     put({ isBringing: true }, withProblem(store.get(), "stances", null));
     await flush(); // what is kept is saved, and has what somebody else was found to have planned
     const kept = workspaceOf(store.get());
+    isJoining = true;
     const isThere = await bring();
     if (!isThere) {
+      isJoining = false;
       const { problems } = store.get();
       put({ isBringing: false }, { problems: { ...problems, ...(problems.scan ? { stances: problems.scan } : {}) } });
       return;
     }
     put({ ...initialStances, hers: store.get().stances.hers, other: kept, isSecond: true }, { announcement: text.stances.announceAdded });
     await joinPatient(kept);
+    isJoining = false;
+    lookForHers();
     lookAfter();
   }
 

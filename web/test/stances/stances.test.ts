@@ -151,13 +151,14 @@ const LINE = { name: "Line 1", closed: false, color: INK, points: [[0, 0, 0], [2
 async function two() {
   const planOnFit = vi.fn<Client["planOnFit"]>(async () => CARRIED);
   const moveScan = vi.fn<Client["moveScan"]>();
-  const made = page({ planOnFit, moveScan, importExample: async (name: string) => scanInfo(name), fit: async (id: string) => ({ id, links: fitLinks(id), drawing: null, state: "done" }) as unknown as Fit });
+  const patient = vi.fn<Client["patient"]>(async (id) => ({ id, code: "K7M-4QX", scans: [] }) as unknown as Patient);
+  const made = page({ planOnFit, moveScan, patient, importExample: async (name: string) => scanInfo(name), fit: async (id: string) => ({ id, links: fitLinks(id), drawing: null, state: "done" }) as unknown as Fit });
   const { store, actions } = made;
   await actions.scan.takeExample("standing");
   store.set((state) => ({ fit: done("f1"), drawn: { ...state.drawn, lines: { past: [], present: [LINE], future: [] } } }));
   await actions.drawing.saveNow();
   await actions.stances.takeExample("supine");
-  return { ...made, planOnFit, moveScan };
+  return { ...made, planOnFit, moveScan, patient };
 }
 
 test("the second scan gets the page, the first waits with all that is its own", async () => {
@@ -217,8 +218,9 @@ test("a scan that cannot be had leaves the page as it was and says why", async (
 });
 
 test("both scans are of one patient, and what was planned on the first is not made anew on the second", async () => {
-  const { store, moveScan } = await two();
+  const { store, moveScan, patient } = await two();
   expect(moveScan).toHaveBeenCalledWith("supine", "of-standing");
+  expect(new Set(patient.mock.calls.map(([id]) => id)), "its own patient is gone by then").toEqual(new Set(["of-standing"]));
   expect(store.get().scan!.info).toMatchObject({ id: "supine", patient: "of-standing", patient_code: "code of standing", links: { plan: "/api/patients/of-standing/plan" } });
   expect(store.get().drawing).toBe("");
   expect(store.get().stances.other!.drawing).toBe("");
