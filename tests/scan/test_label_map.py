@@ -112,6 +112,22 @@ def test_a_dicom_segmentation_has_its_lesions_by_name() -> None:
     assert 1e3 * lesion.radius == pytest.approx(RADIUS, abs=0.1)
 
 
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_a_segment_that_is_too_large_for_a_lesion_is_none() -> None:
+    """A plan takes no such ball, and would be refused as a whole."""
+    labels = body_labels()
+    labels[labels > 0] = 2
+    assert read_scan(dicom_segmentation(labels)).lesions == ()
+
+
+def test_a_label_that_is_noise_is_no_lesion() -> None:
+    labels = body_labels()
+    noise = np.random.default_rng(0).random(labels.shape) < 0.001
+    labels[noise & (labels == 1)] = 4
+    (lesion,) = read_scan(nifti(labels)).lesions
+    assert lesion.name == "Label 2"
+
+
 def test_what_is_no_label_map_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     noise = np.random.default_rng(0).normal(size=(20, 20, 20)).astype(np.float32)
     good = nifti(np.ones((20, 20, 20), np.uint8))

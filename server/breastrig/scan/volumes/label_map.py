@@ -26,7 +26,8 @@ from breastrig.scan.piece import BallInside, Piece, Pieces
 CELL = 1.5  # mm; finer voxels are averaged, for no skin of an MRI is known better
 SLIVER = 1e-6  # mm^2 of twice the area; marching cubes leaves some
 SMOOTHING = 1.2  # mm, of the Gaussian over the steps between voxels
-LARGEST_LESION = 40.0  # mm radius; what is larger is tissue
+LARGEST_LESION = 40.0  # mm radius of a label without a name; what is larger is tissue
+LARGEST_NAMED = 80.0  # mm radius, as a plan takes it
 NAME = 60  # characters of a segment's
 SMALLEST_LESION = 1.0  # mm radius; less is noise
 LESIONS = 20
@@ -159,37 +160,44 @@ def _body(found: LabelMap) -> Booleans:
 def _lesions(found: LabelMap) -> Iterator[BallInside]:
     """By the segments' names, or where there are none by what is small, compact and inside."""
     cell = abs(float(np.linalg.det(found.affine[:3, :3])))
-    chosen = [number for number, name in found.names.items() if NAMED_LESION.search(name)]
-    given = chosen if found.names else [int(each) for each in np.unique(found.labels) if each]
-    if not found.names:
-        sizes = {number: int((found.labels == number).sum()) for number in given}
-        given = [number for number in given if sizes[number] < max(sizes.values())]  # the largest is tissue
+    numbers, counts = np.unique(found.labels, return_counts=True)
+    voxels = {int(number): int(count) for number, count in zip(numbers, counts, strict=True) if number}
+    if found.names:
+        given = [number for number in voxels if NAMED_LESION.search(found.names.get(number, ""))]
+    else:
+        most = max(voxels.values(), default=0)  # the largest is tissue
+        given = [number for number, count in voxels.items() if count < most and _radius(cell * count) < LARGEST_LESION]
         inner = ndimage.binary_erosion(found.labels != 0, border_value=1)
-    count = 0
+    balls = []
     for number in given:
         inside = found.labels == number
-        parts, many = ndimage.label(inside)
-        places = ndimage.find_objects(parts)
-        balls = []
-        for part in range(1, many + 1):
-            where = parts[places[part - 1]] == part
-            volume = cell * int(where.sum())
-            radius = float(np.cbrt(volume * 3.0 / (4.0 * np.pi)))
-            fills = float(where.mean()) / (np.pi / 6.0)
-            balls.append((part, radius, fills))
-        balls = [ball for ball in balls if ball[1] >= SMALLEST_LESION]
-        small = all(radius <= LARGEST_LESION for _, radius, _ in balls)
-        if not found.names and not (small and balls and min(fills for *_, fills in balls) >= COMPACT):
-            continue
         if not found.names and not inner[inside].all():
             continue  # at the skin: a nipple, a marker
-        for part, radius, _ in balls:
-            count += 1
-            if count > LESIONS:
-                raise BadScan(f"This label map has more than {LESIONS} lesions; leave out what is none.")
-            centre = found.affine @ np.array([*ndimage.center_of_mass(parts == part), 1.0])
+        parts: NDArray[Any] = ndimage.label(inside)[0]
+        radii = _radius(cell * np.bincount(parts.ravel()))
+        radii[0] = 0.0
+        large = np.flatnonzero(radii >= SMALLEST_LESION)
+        parts[(radii < SMALLEST_LESION)[parts]] = 0  # noise
+        boxes = ndimage.find_objects(parts)
+        fills = [float((parts[boxes[part - 1]] == part).mean()) / (np.pi / 6.0) for part in large]
+        if not found.names and min(fills, default=0.0) < COMPACT:
+            continue
+        for part in large:
+            if radii[part] > LARGEST_NAMED:
+                continue
+            corner = [side.start for side in boxes[part - 1]]
+            centre = np.add(ndimage.center_of_mass(parts[boxes[part - 1]] == part), corner)
             name = found.names.get(number, f"Label {number}")
-            yield BallInside(name if len(balls) == 1 else f"{name}, part {part}", centre[:3], radius)
+            name = name if len(large) == 1 else f"{name}, part {part}"
+            balls.append(BallInside(name, (found.affine @ [*centre, 1.0])[:3], float(radii[part])))
+    if len(balls) > LESIONS:
+        raise BadScan(f"This label map has more than {LESIONS} lesions; leave out what is none.")
+    yield from balls
+
+
+def _radius(volumes: Any) -> Any:
+    """Of balls of these volumes (numbers or an array)."""
+    return np.cbrt(volumes * 3.0 / (4.0 * np.pi))
 
 
 def _surface(body: Booleans, affine: Array) -> tuple[Array, Integers]:
