@@ -1,7 +1,9 @@
-"""The revisions make the tables of `schema`; databases of other versions are refused."""
+"""The revisions turn the tables of the first one into those of `schema`; databases of other versions are refused."""
 
+import sqlite3
 import subprocess
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -14,18 +16,29 @@ from sqlalchemy import inspect
 from breastrig.cli.main import main
 from breastrig.core.errors import BadSettings
 from breastrig.storage import schema
+from breastrig.storage.data_folder import SQLITE_FILE
 from breastrig.storage.migrate import alembic_config, known_revisions
 from breastrig.storage.storage import Storage
 
 
 def assert_tables_of_this_version(storage: Storage) -> None:
-    """What the revisions make is what `schema` says, and Alembic's own check agrees."""
+    """What is there is what `schema` says, and Alembic's own check agrees."""
     with storage.database.writing() as connection:
         assert compare_metadata(MigrationContext.configure(connection), schema.metadata) == []
         command.check(alembic_config(connection))
 
 
 def test_an_empty_database_gets_the_tables_of_this_version(storage: Storage) -> None:
+    assert_tables_of_this_version(storage)
+
+
+def test_the_tables_of_the_first_revision_are_brought_to_this_version(storage: Storage) -> None:
+    storage.close()
+    file = storage.root / SQLITE_FILE
+    file.unlink()
+    with closing(sqlite3.connect(file)) as rows:
+        rows.executescript(Path(__file__).with_name("tables_0001.sql").read_text())
+    storage.prepare()
     assert_tables_of_this_version(storage)
 
 
@@ -50,13 +63,13 @@ def test_tables_without_a_revision_are_refused(storage: Storage) -> None:
         storage.prepare()
 
 
-def test_an_upgrade_that_breaks_leaves_the_database_empty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def upgrade_and_break(config: object, revision: str) -> None:
+def test_a_creation_that_breaks_leaves_the_database_empty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stamp_and_break(config: object, revision: str) -> None:
         real(config, revision)
         raise RuntimeError
 
-    real = command.upgrade
-    monkeypatch.setattr(command, "upgrade", upgrade_and_break)
+    real = command.stamp
+    monkeypatch.setattr(command, "stamp", stamp_and_break)
     storage = Storage(tmp_path / "new")
     with pytest.raises(RuntimeError):
         storage.prepare()

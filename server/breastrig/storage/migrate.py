@@ -1,4 +1,5 @@
-"""Brings a database to the tables of this version by Alembic's revisions, all in one transaction.
+"""Brings a database to the tables of this version, all in one transaction: a new one from `schema`, an older one by
+Alembic's revisions (alembic.sqlalchemy.org, cookbook: "Building an Up to Date Database from Scratch").
 
 A database that is up to date is recognised without importing Alembic, which takes a third of a second.
 """
@@ -11,12 +12,13 @@ from typing import Any
 from sqlalchemy import Connection, inspect, text
 
 from breastrig.core.errors import BadSettings
+from breastrig.storage.schema import metadata
 
 log = logging.getLogger(__name__)
 
 
 def to_this_version(connection: Connection) -> None:
-    """Runs the missing revisions in the connection's transaction; BadSettings for the tables of another version."""
+    """Makes the tables, or runs the missing revisions; BadSettings for the tables of another version."""
     found, known = _revision(connection), known_revisions()
     if found == known[-1]:
         return
@@ -27,7 +29,11 @@ def to_this_version(connection: Connection) -> None:
         )
     from alembic import command
 
-    command.upgrade(alembic_config(connection), "head")
+    if found is None:
+        metadata.create_all(connection)
+        command.stamp(alembic_config(connection), "head")
+    else:
+        command.upgrade(alembic_config(connection), "head")
     log.info("the tables were brought from revision %s to %s", found or "none", known[-1])
 
 

@@ -1,7 +1,7 @@
 """The tables.  Deleting a scan deletes all rows that depend on it.
 
-Whatever changes here needs a revision of its own in `migrations/versions`, which changes the tables of older data
-folders; a test compares both.
+New databases are made from them.  Whatever changes here needs a revision of its own in `migrations/versions`, which
+changes the tables of older data folders; a test brings those of the first revision up to date and compares both.
 
 `events` is append-only and the single source of truth about a fit; the fit's own row repeats the last state for
 quick answers and is only ever written in the same transaction as the event.
