@@ -92,14 +92,6 @@ def test_skin_behind_other_skin_is_seen_too_and_seams_are_one_skin():
     assert apart.node.max() + 1 == len(plain.vertices)
 
 
-def test_values_are_smoothed_along_the_skin_and_unknown_ones_take_their_neighbours():
-    scan = _ball(colours=np.full((10242, 3), 120, np.uint8))
-    texture = skin_texture(scan)
-    values = np.full((len(scan.faces), 1), 3.0)
-    values[::5] = np.nan
-    assert texture.smoothed(values, 3)[:, 0] == pytest.approx(3.0)
-
-
 def test_a_scan_without_colour_is_one_sentence():
     with pytest.raises(BadScan, match="no colour"):
         skin_texture(_ball())

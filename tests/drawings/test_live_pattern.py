@@ -16,7 +16,6 @@ from breastrig.drawings.line_error import with_errors
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.skin_maps.skin_map import FittedScan
-from breastrig.drawings.transfer import fitted_scan
 from breastrig.geometry import geodesic
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -55,7 +54,7 @@ def scans(rig: Rig, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Fitte
     found = {}
     for stance in ("standing", "supine"):
         fit = fit_folder_of(Path(folder / stance), rig)
-        found[stance] = fitted_scan(fit.surface, fit.vertices, fit.landmarks, fit.stance, fit.radii)
+        found[stance] = fit.fitted_scan
     return found
 
 

@@ -7,7 +7,7 @@ from helpers.surfaces import plane
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.superimposition import gaps
-from breastrig.drawings.superimposition_picture import PANEL, VIEWS, body_frame, superimposed
+from breastrig.drawings.superimposition_picture import PANEL, VIEWS, superimposed
 from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.rotations import exp_so3
 
@@ -56,9 +56,7 @@ def test_the_picture_shows_the_first_black_the_second_white_in_every_view() -> N
     vertices, faces = plane(0.4)
     turn = exp_so3(np.array([0.3, 1.0, -0.2]))
     first, second = [shape(circle(0.05) @ turn.T, closed=True)], [shape(circle(0.08) @ turn.T, closed=True)]
-    frame = body_frame(vertices + np.array([0.0, 0.0, 0.1]), vertices @ turn.T)
-    np.testing.assert_allclose(frame, turn, atol=1e-9)
-    picture = superimposed(vertices @ turn.T, faces, frame, (first, second), ("own", "model"), gaps(first, second))
+    picture = superimposed(vertices @ turn.T, faces, turn, (first, second), ("own", "model"), gaps(first, second))
     assert picture.shape[1] == PANEL[0] * len(VIEWS)
     for column in range(len(VIEWS)):
         panel = picture[: PANEL[1] - 60, column * PANEL[0] : (column + 1) * PANEL[0]].reshape(-1, 3).astype(int)

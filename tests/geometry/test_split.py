@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from helpers.exact_geodesics import with_vertex
 from helpers.surfaces import sphere
 
 from breastrig.geometry.boundary import boundary_edges
 from breastrig.geometry.closest_point import ClosestPointSearch
-from breastrig.geometry.half_edges import split_flat, with_vertex
+from breastrig.geometry.half_edges import split_flat
 from breastrig.geometry.normals import face_areas, face_crosses
 
 

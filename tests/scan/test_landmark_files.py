@@ -14,7 +14,6 @@ from breastrig.scan.landmarks.landmark_files import (
     landmark_file,
     metres_per_unit,
     read_landmarks,
-    write_landmarks,
 )
 from breastrig.scan.landmarks.names import by_known_names, known_name
 
@@ -32,7 +31,7 @@ def same(found: dict[str, np.ndarray], wanted: dict[str, np.ndarray] = PLACES) -
 @pytest.mark.parametrize("kind", FILE_TYPES)
 def test_each_kind_comes_back_exactly_as_it_was_written(kind: str, tmp_path: Path) -> None:
     path = tmp_path / f"picks.{kind}"
-    write_landmarks(path, PLACES, "mm")
+    path.write_bytes(landmark_file(PLACES, kind, "mm"))
     for source in (path, path.read_bytes()):
         places, unit = read_landmarks(source)
         assert same(places)
@@ -214,7 +213,7 @@ def test_a_confidence_that_is_none(value: str) -> None:
 
 def test_certain_picks_come_back_as_they_were_written(tmp_path: Path) -> None:
     path = tmp_path / "picks.json"
-    write_landmarks(path, PLACES, "mm", certain=("umbilicus", "nipple_R"))
+    path.write_bytes(landmark_file(PLACES, unit="mm", certain=("umbilicus", "nipple_R")))
     for source in (path, path.read_bytes()):
         assert certain_landmarks(source) == ("umbilicus", "nipple_R")
         assert same(read_landmarks(source)[0])

@@ -10,7 +10,6 @@ from breastrig.core.assets import asset_folder
 from breastrig.drawings.handles.live_pattern import LiveSkin
 from breastrig.drawings.plan_on_scan import PlannedScan, plan_on_scan
 from breastrig.drawings.plan_schema import PlanPattern
-from breastrig.drawings.transfer import fitted_scan
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.workflow.events import Done
@@ -63,7 +62,7 @@ def test_of_a_fit_of_a_plan_and_under_a_hand_alike(beside: Path) -> None:
     circle = areola(beside)
     assert off_centre(circle, pick) < 0.0008
     assert off_centre(circle, model) > 0.0015
-    scan = fitted_scan(found.surface, found.vertices, found.landmarks, found.stance, found.radii, found.seen)
+    scan = found.fitted_scan
     pattern = PlanPattern(id="lift", scan="standing", name="periareolar")
     planned = plan_on_scan(rig, PlannedScan("standing", scan, (pattern,)), ())
     live = LiveSkin(rig, scan).drawn("periareolar", {})

@@ -27,7 +27,6 @@ PART_AREA = 1e-4  # m², a square centimetre of hidden skin
 HIDDEN = 0.5  # share of a triangle's pixels that others cover, from which it comes into the next layer
 EPSILON = 1e-6  # pixels
 FARTHEST = 1e6  # pictures to the side; texture coordinates beyond are none
-UNKNOWN = 1e-9  # share of what is known around a triangle, under which nothing is
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,26 +80,6 @@ class SkinTexture:
     face_colours: NDArray[np.uint8]  # (F, 3) sRGB in the middle of each triangle of the scan
     source_texel: float  # m, how far apart the scanner's own texels or coloured vertices are, median
 
-    def smoothed(self, values: Array, steps: int) -> Array:
-        """(F, K) values of triangles, averaged with their neighbours along the skin `steps` times; nan is unknown.
-
-        The reach is about the edges' length times the square root of `steps`.
-        """
-        corners = self.node[self.scan.faces]
-        incidence = VertexNormals(corners, int(self.node.max()) + 1)
-        known: Booleans = np.asarray(np.isfinite(values).all(axis=1))
-        count = np.maximum(incidence.summed(np.ones((len(corners), 1))), 1.0)
-        carried = np.column_stack([np.where(known[:, None], values, 0.0), known])
-        for _ in range(steps):
-            carried = (incidence.summed(carried) / count)[corners].mean(axis=1)
-        weight = carried[:, -1:]
-        return np.where(weight > UNKNOWN, carried[:, :-1] / np.maximum(weight, UNKNOWN), np.nan)
-
-
-def has_colour(scan: Scan) -> bool:
-    """Whether there is anything to see."""
-    return scan.colour_kind != "none"
-
 
 def lab(pixels: NDArray[np.uint8] | Array) -> Array:
     """(..., 3) CIE Lab (D65) of (..., 3) sRGB, bytes or 0 to 1; L from 0 to 100."""
@@ -116,7 +95,7 @@ def skin_texture(scan: Scan, texel: float = TEXEL, image: NDArray[np.uint8] | No
 
     Raises BadScan, with one sentence, for a scan without colour or one whose picture cannot be decoded.
     """
-    if not has_colour(scan):
+    if scan.colour_kind == "none":
         raise BadScan("This scan has no colour; scan again with colour, and export it with its texture.")
     source = _TextureSource(scan, image) if scan.colour_kind == "texture" else _VertexSource(scan)
     node = welded(scan.vertices)

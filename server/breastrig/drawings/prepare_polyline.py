@@ -48,10 +48,10 @@ def prepared(rig: Rig, scan: FittedScan, shapes: Sequence[Polyline]) -> list[Pol
     corners = np.where(skipped[:, None], points, given.points)
     model = ClosestPointSearch(scan.vertices, rig.faces)
     below = model.query(corners)
-    paths = ShortestPaths(rig, scan)
+    geodesics = Geodesics(scan.vertices, rig.faces)
     on_model = [SurfacePoints(below.faces[part], below.barycentric[part]) for part in rows]
     lines = [
-        _with_points_between(paths, shape, corners[part], places)
+        _with_points_between(geodesics, shape, corners[part], places)
         for shape, part, places in zip(shapes, rows, on_model, strict=True)
     ]
     own = np.concatenate([given for _, _, given in lines])
@@ -71,7 +71,7 @@ def _among(corners: tuple[int, ...], own: Booleans) -> tuple[int, ...]:
 
 
 def _with_points_between(
-    paths: "ShortestPaths", shape: Polyline, corners: Array, places: SurfacePoints
+    geodesics: Geodesics, shape: Polyline, corners: Array, places: SurfacePoints
 ) -> tuple[Array, Booleans, Booleans]:
     """(M, 3) m, (M,) bridged and (M,) the line's own: its corners with points in between, at most SPACING apart.
 
@@ -85,7 +85,7 @@ def _with_points_between(
     far: dict[int, Array] = {}
     for k in np.flatnonzero(gaps > FAR_APART).tolist():
         pair = np.array([k, following[k]])
-        far[k] = paths.between(corners[pair], SurfacePoints(places.faces[pair], places.barycentric[pair]))
+        far[k] = _between(geodesics, corners[pair], SurfacePoints(places.faces[pair], places.barycentric[pair]))
         inner[k] = len(far[k])
     first = np.concatenate([[0], np.cumsum(1 + inner)])  # where each segment begins in the line
     segment = np.repeat(np.arange(len(inner)), 1 + inner)
@@ -111,20 +111,14 @@ def _snapped(rig: Rig, scan: FittedScan, model: ClosestPointSearch, points: Arra
     return snapped, missed
 
 
-class ShortestPaths:
-    """Shortest paths along one fitted model."""
-
-    def __init__(self, rig: Rig, scan: FittedScan) -> None:
-        self._geodesics = Geodesics(scan.vertices, rig.faces)
-
-    def between(self, ends: Array, places: SurfacePoints) -> Array:
-        """(M, 3) m: points on the path between two points (2, 3), at most SPACING apart, near the skin."""
-        path = ends
-        with suppress(BadDrawing):  # parts of the model that are not connected: then the chord
-            start, end = (SurfacePoints(places.faces[[k]], places.barycentric[[k]]) for k in range(2))
-            path = np.concatenate([path[:1], self._geodesics.path(start, end), path[1:]])
-        steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
-        along = np.concatenate([[0.0], np.cumsum(steps)])
-        count = max(1, int(np.ceil(along[-1] / SPACING)))
-        inner = np.linspace(0.0, along[-1], count + 1)[1:-1]
-        return np.stack([np.interp(inner, along, path[:, axis]) for axis in range(3)], axis=1)
+def _between(geodesics: Geodesics, ends: Array, places: SurfacePoints) -> Array:
+    """(M, 3) m: points on the shortest path between two points (2, 3), at most SPACING apart, near the skin."""
+    path = ends
+    with suppress(BadDrawing):  # parts of the model that are not connected: then the chord
+        start, end = (SurfacePoints(places.faces[[k]], places.barycentric[[k]]) for k in range(2))
+        path = np.concatenate([path[:1], geodesics.path(start, end), path[1:]])
+    steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    count = max(1, int(np.ceil(along[-1] / SPACING)))
+    inner = np.linspace(0.0, along[-1], count + 1)[1:-1]
+    return np.stack([np.interp(inner, along, path[:, axis]) for axis in range(3)], axis=1)

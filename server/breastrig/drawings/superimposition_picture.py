@@ -13,7 +13,6 @@ from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.drawings.superimposition import ShapeGap
 from breastrig.geometry.polyline import Polyline
 from breastrig.rendering.picture import Camera, Colour, Layer, Line, Picture, Scene, camera
-from breastrig.rig.similarity import umeyama
 
 SKIN = (0.72, 0.58, 0.50)  # black and white differ from it alike
 PAPER = (0.96, 0.96, 0.95)
@@ -57,11 +56,6 @@ def superimposed(
         _scale(pen, seen, column * PANEL[0] + MARGIN, PANEL[1] - MARGIN)
     _legend(pen, names, gaps, sheet.width)
     return np.asarray(sheet)
-
-
-def body_frame(template: Array, vertices: Array) -> Array:
-    """(3, 3): the body's left, up and front in the frame of the (V, 3) posed vertices, as columns."""
-    return umeyama(template, vertices).rotation
 
 
 def _drawn(shape: Polyline, colour: Colour) -> list[Line]:

@@ -12,7 +12,6 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Booleans
 from breastrig.correspondence.match import MatchRules, match
-from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.line_error import carried_errors
 from breastrig.drawings.prepare_polyline import prepared
 from breastrig.drawings.project_drawing import LineNearSkin, smoothed_on_skin
@@ -22,7 +21,6 @@ from breastrig.geometry.normals import unit_vectors, vertex_normals
 from breastrig.geometry.polyline import Polyline, parts
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import Rig
-from breastrig.scan.clean import Surface
 
 STEP = 0.002  # m, for the tangents of a map, which bends over centimetres
 ROUNDS = 3  # to find the place of the model over which a scan's point stands; the third moves it by micrometres
@@ -146,15 +144,3 @@ def _model_map(rig: Rig, a: FittedScan, b: FittedScan, model: ClosestPointSearch
         return places.positions(b.vertices, rig.faces), places.directions(there, rig.faces)
 
     return mapped
-
-
-def fitted_scan(
-    surface: Surface,
-    vertices: Array,
-    landmarks: dict[str, Array],
-    stance: str,
-    radii: Array | None = None,
-    seen: dict[str, Array] | None = None,
-) -> FittedScan:
-    """A cleaned scan with its fit."""
-    return FittedScan(ScanTarget(surface.vertices, surface.faces), vertices, landmarks, stance, radii, seen or {})

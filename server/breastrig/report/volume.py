@@ -8,6 +8,7 @@ the model's `breast_base`, corrected by measures.toml; the band is that of its e
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import RBFInterpolator
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.geometry.boundary import components
@@ -15,7 +16,6 @@ from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.fields.level_sets import crossings, part_above
 from breastrig.geometry.normals import face_areas, face_crosses, vertex_normals
 from breastrig.geometry.polyline import resampled
-from breastrig.geometry.thin_plate_spline import ThinPlateSpline
 from breastrig.report.body_frame import body_frame
 from breastrig.report.calibration import measure_calibration
 from breastrig.report.stance import Stance
@@ -76,18 +76,18 @@ def volume_above(
         return np.stack([np.arctan2(y, x), z / radius], axis=1), np.hypot(x, y) / radius - 1.0
 
     at, height = unrolled(border)
-    wall_of = ThinPlateSpline(at, height, SMOOTHING)
+    wall_of = RBFInterpolator(at, height, kernel="thin_plate_spline", smoothing=SMOOTHING)
     under, _ = unrolled(patch)
     reach = radius * (1.0 + wall_of(under))
     angle = under[:, 0]
     wall = np.stack([reach * np.cos(angle), reach * np.sin(angle), radius * under[:, 1]], axis=1) @ axes.T + axis.point
     middle = border.mean(axis=0)
-    skin, bed = (_volume_to_origin(place - middle, triangles) for place in (patch, wall))
+    skin, bed = (enclosed_volume(place - middle, triangles) for place in (patch, wall))
     return skin - bed, float(face_areas(patch, triangles).sum())
 
 
-def _volume_to_origin(vertices: Array, faces: Integers) -> float:
-    """m³ of the cones from the origin to the triangles, those that face it counted below zero."""
+def enclosed_volume(vertices: Array, faces: Integers) -> float:
+    """m³ between the origin and the triangles, those that face it counted below zero: what a closed surface holds."""
     return float(np.einsum("fi,fi->", vertices[faces].mean(axis=1), face_crosses(vertices, faces)) / 6.0)
 
 

@@ -15,10 +15,10 @@ from scipy.spatial import cKDTree
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.geometry.caps import Closed, closed
-from breastrig.geometry.normals import face_crosses
 from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.self_intersections import crossing_faces, untangled
 from breastrig.report.stance import Stance
+from breastrig.report.volume import enclosed_volume
 
 SET_FORMAT = "breastrig/vertex_sets@1"
 
@@ -55,7 +55,7 @@ def vertex_sets(stance: Stance, model: ClosedModel, unit: str) -> dict[str, Any]
         "unit": unit,
         "vertices": len(surface.vertices),
         "triangles": len(surface.faces),
-        "volume_ml": round(1e6 * enclosed_volume(surface.vertices, surface.faces), 1),
+        "volume_ml": round(1e6 * enclosed_volume(surface.vertices - surface.vertices.mean(axis=0), surface.faces), 1),
         "smoothed_by_mm": round(1e3 * model.moved, 3),
         "crossing_triangles": model.crossing,
         "landmarks": {
@@ -67,13 +67,6 @@ def vertex_sets(stance: Stance, model: ClosedModel, unit: str) -> dict[str, Any]
         "regions": {name: [int(vertex) for vertex in members] for name, members in sorted(rig.regions.items())},
         "caps": [sorted({int(vertex) for vertex in surface.faces[cap].ravel()}) for cap in surface.caps],
     }
-
-
-def enclosed_volume(vertices: Array, faces: Integers) -> float:
-    """m³ inside a closed surface; below zero when it faces inwards."""
-    middle = vertices.mean(axis=0)
-    corners = vertices - middle
-    return float(np.einsum("fi,fi->", corners[faces].mean(axis=1), face_crosses(corners, faces)) / 6.0)
 
 
 def _nearest(tree: "cKDTree[None]", points: Array) -> tuple[Array, Integers]:

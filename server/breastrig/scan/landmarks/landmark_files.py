@@ -138,15 +138,6 @@ def landmark_file(
     raise BadLandmarks(f'"{file_type}" is not a kind of landmark file; known are: {", ".join(FILE_TYPES)}.')
 
 
-def write_landmarks(
-    path: Path, places: Mapping[str, Array], unit: str | None = None, certain: Sequence[str] = ()
-) -> None:
-    """Writes `path` in the kind that its name's ending asks for; see `landmark_file`."""
-    name = path.name.lower()
-    kind = "mrk.json" if name.endswith(".mrk.json") else path.suffix.lower().lstrip(".")
-    path.write_bytes(landmark_file(places, kind, unit, certain))
-
-
 def _text(source: Path | bytes) -> str:
     try:
         data = source if isinstance(source, bytes) else read_ordinary(source, LIMIT_BYTES)

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 FORMATS = ("JPEG", "PNG", "WEBP", "TIFF", "BMP", "GIF", "AVIF", "TGA")  # the last has no mark of its own
 EIGHT_BITS = ("1", "L", "LA", "P", "PA", "RGB", "RGBA")  # Pillow's modes
-JPEG_MARK, PNG_MARK = b"\xff\xd8\xff", b"\x89PNG\r\n\x1a\n"
+PNG_MARK = b"\x89PNG\r\n\x1a\n"
 QUALITY = 90  # JPEG
 TURNED = (
     "A picture of this scan says that it was taken with the camera turned; its pixels were used as they are stored. "

@@ -7,6 +7,7 @@ error of one sentence.
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,8 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadInput, BadScan
 from breastrig.core.private_files import is_ordinary, read_ordinary
 from breastrig.core.units import METRES_PER_UNIT
+from breastrig.correspondence.target import ScanTarget
+from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.files.result import (
     FIT_FILES,
     RESULT,
@@ -56,6 +59,12 @@ class FitFolder:
     def unit(self) -> str:
         """The scan's own: m, dm, cm, mm, in or ft."""
         return self.result.scan.unit
+
+    @cached_property
+    def fitted_scan(self) -> FittedScan:
+        """What drawings are made on and carried from."""
+        target = ScanTarget(self.surface.vertices, self.surface.faces)
+        return FittedScan(target, self.vertices, self.landmarks, self.stance, self.radii, self.seen)
 
 
 def read_fit_folder(folder: Path, model: Path | None = None) -> FitFolder:

@@ -17,10 +17,10 @@ from breastrig.drawings.drawing_file import Drawing, parsed_drawing
 from breastrig.drawings.prepare_polyline import OFF_THE_SKIN
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.superimposition import gaps
-from breastrig.drawings.superimposition_picture import body_frame, superimposed
-from breastrig.drawings.transfer import fitted_scan
+from breastrig.drawings.superimposition_picture import superimposed
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import ModelDrawing
+from breastrig.rig.similarity import umeyama
 from breastrig.workflow.folder.fit_folder import fit_folder_of
 from breastrig.workflow.lines.transfer import drawing_document
 
@@ -44,7 +44,7 @@ def compare(job: CompareJob) -> dict[str, Any]:
     """Writes compare.json, compare.csv and compare.png into job.out; the first one's document.  Raises BadInput."""
     rig = read_rig(job.model or default_rig_path())
     folder = fit_folder_of(job.fit, rig)
-    scan = fitted_scan(folder.surface, folder.vertices, folder.landmarks, folder.stance, seen=folder.seen)
+    scan = folder.fitted_scan
     shapes = []
     for file in (job.first, job.second):
         given = parsed_drawing(drawing_document(file), rig, folder.unit)
@@ -62,7 +62,7 @@ def compare(job: CompareJob) -> dict[str, Any]:
     picture = superimposed(
         scan.target.vertices,
         scan.target.faces,
-        body_frame(rig.template, scan.vertices),
+        umeyama(rig.template, scan.vertices).rotation,
         (shapes[0], shapes[1]),
         (job.first.name, job.second.name),
         found,

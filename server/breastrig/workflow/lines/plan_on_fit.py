@@ -10,7 +10,6 @@ from breastrig.core.errors import BadInput
 from breastrig.drawings.drawing_file import shape_document
 from breastrig.drawings.plan_on_scan import PlannedLesion, PlannedLine, PlannedScan, PlanOnScan, plan_on_scan
 from breastrig.drawings.plan_schema import Plan, PlanItem, PlanNote, PlanTumour, checked_plan
-from breastrig.drawings.transfer import fitted_scan
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of
@@ -44,7 +43,7 @@ def plan_on_folders(rig: Rig, plan: Plan, fits: Sequence[tuple[FitFolder, str]],
     here, *others = (
         PlannedScan(
             fit.stance,
-            fitted_scan(fit.surface, fit.vertices, fit.landmarks, fit.stance, fit.radii, fit.seen),
+            fit.fitted_scan,
             items_of(plan, name, is_home=place == home),
         )
         for place, ((fit, _), name) in enumerate(zip(fits, names, strict=True))

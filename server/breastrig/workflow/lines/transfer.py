@@ -21,7 +21,7 @@ from breastrig.drawings.drawing_file import (
 )
 from breastrig.drawings.plan_schema import PLAN_SCHEMA, Plan, checked_plan, is_plan
 from breastrig.drawings.project_drawing import on_scan
-from breastrig.drawings.transfer import TransferredLine, fitted_scan, transferred
+from breastrig.drawings.transfer import TransferredLine, transferred
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of
@@ -59,8 +59,8 @@ def transfer_with(rig: Rig, job: TransferJob) -> dict[str, Any]:
     if job.drawing is None and source.result.lesions and not job.other_patient:
         return _plan_on(rig, _with_lesions(job.from_fit, source), source, goal, other_patient=False)
     given = _own(job.from_fit, source) if job.drawing is None else parsed_drawing(job.drawing, rig, source.unit)
-    a = fitted_scan(source.surface, source.vertices, source.landmarks, source.stance, source.radii, source.seen)
-    b = fitted_scan(goal.surface, goal.vertices, goal.landmarks, goal.stance, goal.radii, goal.seen)
+    a = source.fitted_scan
+    b = goal.fitted_scan
     shapes = list(given.on_scan)
     if given.on_model:
         drawn = ModelDrawing(given.name, given.name, given.on_model)

@@ -13,7 +13,6 @@ import numpy as np
 from breastrig.core.errors import BadInput
 from breastrig.drawings.drawing_file import shape_document
 from breastrig.drawings.handles.live_pattern import Drag, HandleOnScan, LivePattern, LiveSkin
-from breastrig.drawings.transfer import fitted_scan
 from breastrig.geometry.geodesic import length
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.workflow.folder.fit_folder import fit_folder_of
@@ -42,7 +41,7 @@ def read_and_live_pattern(
     """The same after reading the fit's folder.  Raises BadInput for what is no fit."""
     rig = read_rig(model or default_rig_path())
     found = fit_folder_of(folder, rig)
-    scan = fitted_scan(found.surface, found.vertices, found.landmarks, found.stance, found.radii, found.seen)
+    scan = found.fitted_scan
     _prepared.clear()
     _prepared[fit] = PreparedFit(found.unit, found.metres_per_unit, LiveSkin(rig, scan))
     return _answer(_prepared[fit], question)
