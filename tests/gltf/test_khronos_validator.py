@@ -11,7 +11,7 @@ from helpers.scan_files import picture
 from helpers.toy_rig import toy_rig
 
 from breastrig.gltf.iterate import drawing_buffer, iterate_gltf, model_buffer
-from breastrig.gltf.lines.lines_glb import lines_glb
+from breastrig.gltf.lines.lines_glb import Ball, lines_glb
 from breastrig.gltf.lines.with_lines import with_lines
 from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -31,6 +31,9 @@ def validate(*files: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
 
 
+LESION = Ball("lesion_a", np.array([0.1, 0.2, 0.3]), 0.008, (184, 50, 128), {"radius_mm": 8.0})
+
+
 def all_files(rig: Rig, folder: Path) -> list[Path]:
     """One file of each kind for this rig."""
     rng = np.random.default_rng(7)
@@ -45,7 +48,7 @@ def all_files(rig: Rig, folder: Path) -> list[Path]:
         contents[lines] = drawing_buffer(rig, drawing)
         contents[f"iteration_{drawing.name}.gltf"] = iterate_gltf(rig, poses[1], drawing, "model.bin", lines)
         contents[f"fitted_{drawing.name}.glb"] = fitted_glb(rig, poses, [0.0, 0.1, 0.1, 0.3], drawing, {"a": 1})
-        contents[f"planned_{drawing.name}.glb"] = with_lines(contents[f"fitted_{drawing.name}.glb"], strokes)
+        contents[f"planned_{drawing.name}.glb"] = with_lines(contents[f"fitted_{drawing.name}.glb"], strokes, [LESION])
         skin = pose(rig, poses[-1]) + 0.004 * rng.normal(size=rig.template.shape)
         contents[f"layer_{drawing.name}.glb"] = fitted_glb(rig, poses, [0.0, 0.1, 0.1, 0.3], drawing, {}, skin)
     colours = rng.integers(0, 256, (len(rig.template), 3)).astype(np.uint8)

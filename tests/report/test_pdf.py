@@ -99,8 +99,8 @@ def test_the_plan_stands_on_the_first_page_in_words_and_numbers_each_item_once(t
     tumour = PlannedItem("t", "Tumour, left breast", (("Hour", "10:30"), ("From the nipple", "45 mm")))
     note = PlannedItem("n", "Note", text="Keep the scar.")
     lesion = [
-        PlannedItem("m", "Lesion", (("Radius", "8 mm"), ("May be off by", off), ("As drawn", "a"), ("As drawn", "b")))
-        for off in ("0 mm", "9 mm")
+        PlannedItem("m", "Lesion", (("Radius", "8 mm"), ("Depth", deep), ("As drawn", "a"), ("As drawn", "b")))
+        for deep in ("30 mm", "9 mm")
     ]
     both = [replace(shown(toy_stance, name), plan=(tumour, note)) for name in ("standing", "supine")]
     text = " ".join(pages(report_pdf(both))[0].split())
@@ -108,9 +108,33 @@ def test_the_plan_stands_on_the_first_page_in_words_and_numbers_each_item_once(t
     assert text.count("Keep the scar.") == 1
     both = [replace(one, plan=(*one.plan, item)) for one, item in zip(both, lesion, strict=True)]
     text = " ".join(pages(report_pdf(both))[0].split())
-    assert "Lesion Radius 8 mm May be off by 0 mm standing, 9 mm supine As drawn a As drawn b" in text
+    assert "Lesion Radius 8 mm Depth 30 mm standing, 9 mm supine As drawn a As drawn b" in text
     both[1] = replace(both[1], plan=(replace(tumour, text="It could not be carried."), note))
     assert "45 mm It could not be carried." in " ".join(pages(report_pdf(both))[0].split())
+
+
+def test_each_lesion_has_its_numbers_and_slices_for_each_stance(toy_stance: Stance) -> None:
+    ways = [
+        ("skin", "skin", 12.2, 8.0, 17.4),
+        ("nipple", "nipple_L", 40.0, None, None),
+        ("line", "cut", 9.0, 5.0, 13.0),
+    ]
+    slices = [{"plane": "axial", "outlines_mm": [[[-90.0, 10.0], [0.0, 20.0], [90.0, 10.0]]]}]
+    given = {
+        "id": "m", "name": "MRI 1", "radius_mm": 6.5, "error_mm": 0.0, "carried": False, "seen": True, "slices": slices,
+        "distances": [dict(zip(("kind", "to", "mm", "low_mm", "high_mm"), way, strict=True)) for way in ways],
+    }  # fmt: skip
+    carried = given | {"carried": True, "error_mm": 8.6, "seen": False, "distances": given["distances"][:1]}
+    both = [
+        replace(shown(toy_stance, name), lesions=(lesion,))
+        for name, lesion in (("standing", given), ("supine", carried))
+    ]
+    text = " ".join(" ".join(pages(report_pdf(both))).split())
+    assert (
+        "Lesion: MRI 1 standing radius 6.5 mm to the skin 12 mm, 8 to 17 to the nipple, left 40 mm "
+        "to Cut 9 mm, 5 to 13 its place as given axial supine radius 6.5 mm to the skin 12 mm, 8 to 17 "
+        "its place ± 9 mm The scan shows no skin next to it: its depth is the model's guess. axial" in text
+    )
 
 
 def test_lines_that_are_no_item_of_a_plan_have_their_names_and_no_raw_ids() -> None:

@@ -5,6 +5,7 @@ sentence.  Which fields it may have and their limits are in drawing_schema.py.
 """
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -78,6 +79,13 @@ def lines_on_scan(content: bytes | dict[str, Any], unit: str) -> tuple[Polyline,
 def planned_on_scan(document: dict[str, Any]) -> tuple[Polyline, ...]:
     """The polylines of a plan on a scan as `plan_document` writes it, in metres."""
     return _on_scan(ReadDrawing.model_validate(document), "mm")
+
+
+def lesions_on_scan(document: Mapping[str, Any]) -> tuple[tuple[dict[str, Any], Array, float], ...]:
+    """(lesion as `plan_document` writes it, (3,) m centre, m radius) of a plan on a scan."""
+    per_unit = METRES_PER_UNIT[document["unit"]]
+    lesions = document.get("lesions", [])
+    return tuple((each, per_unit * np.array(each["center"]), 1e-3 * each["radius_mm"]) for each in lesions)
 
 
 def shape_document(line: Polyline, metres_per_unit: float) -> dict[str, Any]:

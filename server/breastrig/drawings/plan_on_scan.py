@@ -10,24 +10,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.clock import FittedSkin
-from breastrig.drawings.line_error import carried_errors, with_errors
+from breastrig.drawings.lesions import LesionsOnScan, PlacedLesion, distances_to_lines
+from breastrig.drawings.line_error import with_errors
 from breastrig.drawings.patterns import drawing_with
-from breastrig.drawings.plan_schema import PlanItem, PlanLesion, PlanLine, PlanNote, asked_of
+from breastrig.drawings.plan_schema import PlanItem, PlanLesion, PlanLine, PlanNote, PlanPattern, asked_of
 from breastrig.drawings.project_drawing import on_scan
-from breastrig.drawings.skin_maps.interior_map import InteriorMap
 from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.drawings.transfer import transferred
-from breastrig.geometry.normals import unit_vectors, vertex_normals
 from breastrig.geometry.polyline import Polyline
-from breastrig.geometry.surface_points import SurfacePoints
-from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
+from breastrig.rig.model import Rig
 
 NOTE_COLOR = "#2c5282"
-LESION_COLOR = "#b83280"
-RIM = 48  # points of a projection
 OUTSIDE = 0.01  # m over the fitted skin; what lies farther out is in another frame or unit
 
 
@@ -50,17 +45,6 @@ class PlannedLine:
     is_carried: bool
 
 
-@dataclass(frozen=True, eq=False)
-class PlannedLesion:
-    """A lesion in the body of a scan."""
-
-    item: PlanLesion
-    center: Array  # (3,) m
-    error: float | None  # m, the radius that holds its true centre with 90 %; None where that is not known
-    depth: float  # m below the fitted skin
-    is_carried: bool
-
-
 @dataclass(frozen=True)
 class MissingItem:
     """An item that cannot be shown on this scan, and why."""
@@ -72,7 +56,7 @@ class MissingItem:
 @dataclass(frozen=True, eq=False)
 class PlanOnScan:
     lines: tuple[PlannedLine, ...]
-    lesions: tuple[PlannedLesion, ...]
+    lesions: tuple[PlacedLesion, ...]
     missing: tuple[MissingItem, ...]
 
 
@@ -82,9 +66,10 @@ def plan_on_scan(rig: Rig, here: PlannedScan, others: Sequence[PlannedScan]) -> 
     An item that cannot be drawn or carried is missing, with the reason; the others are there all the same.
     """
     lines, missing = _drawn(rig, here.scan, here.items)
-    lesions = [_lesion(rig, here.scan, item, _center(item), 0.0) for item in _lesions_of(here)]
+    inside = LesionsOnScan(rig, here.scan)
+    lesions = inside.own(here.items)
     for other in others:
-        lesions += _carried_lesions(rig, other, here.scan)
+        lesions += inside.carried(other.scan, other.items)
         drawn, undrawn = _drawn(rig, other.scan, other.items)
         carried, uncarried = _carried(rig, other.scan, here.scan, drawn)
         taken = {each.line.name for each in lines}
@@ -92,59 +77,20 @@ def plan_on_scan(rig: Rig, here: PlannedScan, others: Sequence[PlannedScan]) -> 
         missing += [*undrawn, *uncarried]
     outside = [each for each in lesions if each.depth < -OUTSIDE]
     missing += [MissingItem(each.item, _outside(each)) for each in outside]
-    inside = tuple(each for each in lesions if each not in outside)
-    lines += [_projection(rig, here.scan, lesion) for lesion in inside]
-    return PlanOnScan(_unique(lines), inside, tuple(missing))
+    found = tuple(_with_lines(each, _unique(lines)) for each in lesions if each not in outside)
+    lines += [PlannedLine(each.item, inside.outline(each), "projection", each.is_carried) for each in found]
+    return PlanOnScan(_unique(lines), found, tuple(missing))
 
 
-def _lesions_of(planned: PlannedScan) -> list[PlanLesion]:
-    return [item for item in planned.items if isinstance(item, PlanLesion)]
+def _with_lines(lesion: PlacedLesion, lines: Sequence[PlannedLine]) -> PlacedLesion:
+    """With its distances to all that may be cut along."""
+    cuts = [each.line for each in lines if isinstance(each.item, PlanLine | PlanPattern)]
+    return replace(lesion, distances=(*lesion.distances, *distances_to_lines(lesion, cuts)))
 
 
-def _center(item: PlanLesion) -> Array:
-    return 1e-3 * np.array(item.center, dtype=np.float64)
-
-
-def _carried_lesions(rig: Rig, other: PlannedScan, here: FittedScan) -> list[PlannedLesion]:
-    items = _lesions_of(other)
-    if not items:
-        return []
-    there = np.array([_center(item) for item in items])
-    centers = InteriorMap(rig, other.scan, here).moved(there)
-    errors = carried_errors(rig, other.scan, here, there, centers)
-    return [
-        _lesion(rig, here, item, center, None if errors is None else float(errors[place]), is_carried=True)
-        for place, (item, center) in enumerate(zip(items, centers, strict=True))
-    ]
-
-
-def _lesion(
-    rig: Rig, scan: FittedScan, item: PlanLesion, center: Array, error: float | None, is_carried: bool = False
-) -> PlannedLesion:
-    found = scan.search(rig).query(center[None])
-    place = SurfacePoints(found.faces, found.barycentric)
-    outwards = place.directions(vertex_normals(scan.vertices, rig.faces), rig.faces)
-    depth = float(np.copysign(found.distances[0], (found.points[0] - center) @ outwards[0]))
-    return PlannedLesion(item, center, error, depth, is_carried)
-
-
-def _outside(lesion: PlannedLesion) -> str:
+def _outside(lesion: PlacedLesion) -> str:
     where = "comes to lie" if lesion.is_carried else "lies"
     return f"{lesion.item.name} {where} {-1e3 * lesion.depth:.0f} mm outside the skin; check its frame and unit."
-
-
-def _projection(rig: Rig, scan: FittedScan, lesion: PlannedLesion) -> PlannedLine:
-    """The lesion's outline on the skin next to it, to which the shortest way leads."""
-    skin = FittedSkin(rig, scan.vertices, scan.known)
-    nearest = skin.nearest(lesion.center[None])
-    middle, outwards = skin.at(nearest), nearest.directions(vertex_normals(scan.vertices, rig.faces), rig.faces)
-    side = unit_vectors(np.cross(outwards, np.eye(3)[np.abs(outwards).argmin()]))
-    angles = np.linspace(0.0, 2.0 * np.pi, RIM, endpoint=False)[:, None]
-    rim = middle + 1e-3 * lesion.item.radius_mm * (np.cos(angles) * side + np.sin(angles) * np.cross(outwards, side))
-    shape = DrawnShape(lesion.item.name, lesion.item.name, True, LESION_COLOR, skin.nearest(rim))
-    (line,) = on_scan(rig, scan.vertices, ModelDrawing("lesion", "lesion", (shape,)), scan.target)
-    error = None if lesion.error is None else np.full(len(line.points), lesion.error)
-    return PlannedLine(lesion.item, replace(line, error=error), "projection", lesion.is_carried)
 
 
 def _drawn(rig: Rig, scan: FittedScan, items: Sequence[PlanItem]) -> tuple[list[PlannedLine], list[MissingItem]]:

@@ -1,7 +1,8 @@
 """report.json: the numbers of one or two fitted stances, with what they were made by."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.version import __version__
@@ -39,6 +40,7 @@ class Reported:
     result: ResultFile
     rows: tuple[Row, ...]
     plan: tuple[PlannedItem, ...] = ()
+    lesions: tuple[Mapping[str, Any], ...] = ()  # as plan_document has them
     doubts: tuple[str, ...] = ()  # about the stances together: whether they are of one patient
 
 
@@ -56,7 +58,7 @@ def report_document(stances: Sequence[Reported]) -> dict[str, object]:
         "notice": LIMITS_OF_USE,
         "breastrig": __version__,
         "stances": [
-            {"name": one.name} | {key: said[key] for key in FROM_RESULT if key in said}
+            {"name": one.name} | {key: said[key] for key in FROM_RESULT if key in said} | _lesions(one)
             for one in stances
             for said in [one.result.document()]
         ],
@@ -64,3 +66,9 @@ def report_document(stances: Sequence[Reported]) -> dict[str, object]:
         "signs": SIGNS,
         "measures": flat_rows([(one.name, one.rows) for one in stances]),
     }
+
+
+def _lesions(one: Reported) -> dict[str, object]:
+    """Without what pictures alone need."""
+    found = [{key: value for key, value in each.items() if key != "slices"} for each in one.lesions]
+    return {"lesions": found} if found else {}

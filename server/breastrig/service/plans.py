@@ -11,9 +11,7 @@ from typing import Any
 
 from breastrig.core.documents import indented
 from breastrig.core.errors import Conflict, NotFound
-from breastrig.drawings.drawing_file import planned_on_scan
 from breastrig.execution.pool import Lane
-from breastrig.report.files.line_files import rgb
 from breastrig.service.failed_tasks import explained
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.remembered import Remembered
@@ -114,10 +112,9 @@ class Plans:
             raise NotFound("This fit has no fitted.glb.")
         with file.open() as opened:
             fitted = opened.read()
-        from breastrig.gltf.lines.with_lines import with_lines  # as in api/served_model.py
+        from breastrig.workflow.lines.planned_glb import planned_glb  # as in api/served_model.py
 
-        drawn = planned_on_scan(found[0])
-        return with_lines(fitted, [(line.name, line.points, line.closed, rgb(line.color)) for line in drawn])
+        return planned_glb(fitted, found[0])
 
     def forget(self) -> None:
         """Nothing is remembered any more: a scan is deleted."""

@@ -80,6 +80,10 @@ def _in_words(job: ReportJob, plan: PlanLines | None, fit: FitFolder) -> tuple[P
     return planned_items(checked_plan(document).items, plan[0], missing, fit)
 
 
+def _lesions(plan: PlanLines | None) -> tuple[dict[str, Any], ...]:
+    return () if plan is None else tuple(plan[0].get("lesions", ()))
+
+
 def stance_of(fit: FitFolder, lines: tuple[Polyline, ...] = ()) -> Stance:
     """A fit as measures, pictures and exports want it."""
     return Stance(
@@ -116,7 +120,7 @@ def reported(job: ReportJob) -> list[Reported]:
     rows = [measures(stance) for stance in stances]
     doubts += contradictions(list(zip(names, rows, strict=True)))
     return [
-        Reported(name, stance, fit.result, measured, _in_words(job, plan, fit), doubts)
+        Reported(name, stance, fit.result, measured, _in_words(job, plan, fit), _lesions(plan), doubts)
         for name, stance, fit, measured, plan in zip(names, stances, fits, rows, plans, strict=True)
     ]
 

@@ -20,17 +20,16 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.drawing_file import FILE_BYTES, planned_on_scan
 from breastrig.files.result import RESULT, ResultFile, ResultScan
 from breastrig.geometry.closest_point import ClosestPointSearch
-from breastrig.gltf.lines.with_lines import with_lines
 from breastrig.gltf.link_mesh import coloured_mesh, plain_mesh
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.replay import fitted_glb
-from breastrig.report.files.line_files import rgb
 from breastrig.report.files.surface_files import surface_ply
 from breastrig.rig.skinning import Posed
 from breastrig.scan.hand_cuts import are_cut
 from breastrig.scan.read import read_scan
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of, still_visible
 from breastrig.workflow.jobs import ReportJob, SnapshotJob
+from breastrig.workflow.lines.planned_glb import planned_glb
 from breastrig.workflow.report import report_pdf_of
 
 OF_THE_MODEL = (  # of result.json
@@ -112,24 +111,28 @@ def _own_drawing(job: SnapshotJob) -> dict[str, Any]:
 
 
 def _laid_on(search: ClosestPointSearch, document: dict[str, Any], unit: str) -> dict[str, Any]:
-    """A drawing with its points where they are closest to a surface of the model."""
+    """A drawing with its points where they are closest to a surface of the model; lesions without cuts of the skin."""
     per_unit = METRES_PER_UNIT[document.get("unit") or unit]
-    shapes = []
-    for shape in document["shapes"]:
-        points = search.query(per_unit * np.array(shape["points"], dtype=np.float64)).points / per_unit
-        shapes.append(shape | {"points": np.round(points, DIGITS).tolist()})
-    return document | {"shapes": shapes}
+
+    def laid(points: list[list[float]]) -> list[list[float]]:
+        found = search.query(per_unit * np.array(points, dtype=np.float64)).points / per_unit
+        return [[float(value) for value in point] for point in np.round(found, DIGITS)]
+
+    shapes = [shape | {"points": laid(shape["points"])} for shape in document["shapes"]]
+    lesions = [
+        each | {"slices": [], "distances": [to | {"point": laid([to["point"]])[0]} for to in each["distances"]]}
+        for each in document.get("lesions", [])
+    ]
+    return document | {"shapes": shapes} | ({"lesions": lesions} if lesions else {})
 
 
 def _fitted_glb(fit: FitFolder, surface: Array, plan: dict[str, Any], own: dict[str, Any]) -> bytes:
     """The posed rig with the lines; the way there, iteration by iteration, is the owner's alone."""
-    planned = planned_on_scan(plan)
-    names = {line.name for line in planned}
-    lines = [*(line for line in planned_on_scan(own) if line.name not in names), *planned]
+    names = {line.name for line in planned_on_scan(plan)}
     refined = fit.result.refined and not np.array_equal(surface, Posed(fit.rig, fit.parameters).vertices)
     extras = {"preset": fit.result.preset}
     glb = fitted_glb(fit.rig, [fit.parameters], [0.0], None, extras, surface if refined else None)
-    return with_lines(glb, [(line.name, line.points, line.closed, rgb(line.color)) for line in lines])
+    return planned_glb(glb, plan, [line for line in planned_on_scan(own) if line.name not in names])
 
 
 def _result_of_model(fit: FitFolder, alone: Array) -> ResultFile:

@@ -451,6 +451,30 @@ export type LengthsQuestion = {
   places: [number, number, number][];
 };
 
+/** From the centre of a lesion, straight, to the nearest point of what is named. */
+export type LesionDistance = {
+  kind: "skin" | "nipple" | "line";
+  /** the landmark's or the shape's name */
+  to: string;
+  /** in the drawing's unit */
+  point: [number, number, number];
+  mm: number;
+  /** with the high one the band that holds nine of ten; null where not known */
+  low_mm: number | null;
+  high_mm: number | null;
+};
+
+/** A plane through the centre of a lesion, with the fitted skin that it cuts. */
+export type LesionSlice = {
+  plane: "axial" | "sagittal" | "coronal";
+  /** unit vector in the scan's frame: patient's left, or her back where sagittal */
+  right: [number, number, number];
+  /** unit vector in the scan's frame: cranial, or her front where axial */
+  up: [number, number, number];
+  /** from the centre, to the right and up */
+  outlines_mm: [unknown, unknown][][];
+};
+
 export type Limits = {
   upload_bytes: number;
   triangles: number;
@@ -896,8 +920,15 @@ export type PlannedLesion = {
   radius_mm: number;
   /** radius that holds the true centre with 90 %; null where not known */
   error_mm: number | null;
+  /** 3 x 3, of the centre in the scan's frame; null as error_mm */
+  covariance_mm2: [number, number, number][] | null;
   /** of the centre below the fitted skin */
   depth_mm: number;
+  /** whether the scan shows the skin next to it; where not, depth is the model's guess */
+  seen: boolean;
+  /** skin, nearer nipple, then lines and patterns, nearest first */
+  distances: LesionDistance[];
+  slices: LesionSlice[];
   /** whether it was given on another scan */
   carried: boolean;
 };

@@ -103,6 +103,26 @@ class PlannedShape(DrawnShape):
     depth_mm: float | None = Field(None, description="of a tumour, below the skin")
 
 
+class LesionDistance(Wire):
+    """From the centre of a lesion, straight, to the nearest point of what is named."""
+
+    kind: Literal["skin", "nipple", "line"]
+    to: str = Field(description="the landmark's or the shape's name")
+    point: Point = Field(description="in the drawing's unit")
+    mm: float
+    low_mm: float | None = Field(description="with the high one the band that holds nine of ten; null where not known")
+    high_mm: float | None
+
+
+class LesionSlice(Wire):
+    """A plane through the centre of a lesion, with the fitted skin that it cuts."""
+
+    plane: Literal["axial", "sagittal", "coronal"]
+    right: Point = Field(description="unit vector in the scan's frame: patient's left, or her back where sagittal")
+    up: Point = Field(description="unit vector in the scan's frame: cranial, or her front where axial")
+    outlines_mm: list[list[tuple[float, float]]] = Field(description="from the centre, to the right and up")
+
+
 class PlannedLesion(Wire):
     """A ball inside the body, in the scan's frame."""
 
@@ -111,7 +131,11 @@ class PlannedLesion(Wire):
     center: Point = Field(description="in the drawing's unit")
     radius_mm: float
     error_mm: float | None = Field(description="radius that holds the true centre with 90 %; null where not known")
+    covariance_mm2: list[Point] | None = Field(description="3 x 3, of the centre in the scan's frame; null as error_mm")
     depth_mm: float = Field(description="of the centre below the fitted skin")
+    seen: bool = Field(description="whether the scan shows the skin next to it; where not, depth is the model's guess")
+    distances: list[LesionDistance] = Field(description="skin, nearer nipple, then lines and patterns, nearest first")
+    slices: list[LesionSlice]
     carried: bool = Field(description="whether it was given on another scan")
 
 

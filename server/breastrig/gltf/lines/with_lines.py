@@ -1,6 +1,6 @@
-"""A fitted model's .glb with the plan on it: lines on the scan, beside the rig, instead of the fit's own drawing.
+"""A fitted model's .glb with the plan on it: lines and lesions, beside the rig, instead of the fit's own drawing.
 
-The lines are in the frame of the scan (m), in which the rig is posed; they do not follow the replay, for they lie
+They are in the frame of the scan (m), in which the rig is posed; they do not follow the replay, for they lie
 on the scan and not on the model.
 """
 
@@ -8,18 +8,15 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
-from breastrig.core.arrays import Array
 from breastrig.core.glb import pack_glb, split_glb
 from breastrig.gltf.lines.drawing_node import drawing_node
-from breastrig.gltf.lines.lines_glb import lines_glb
+from breastrig.gltf.lines.lines_glb import Ball, NamedLine, lines_glb
 
 PLAN_NODE = "plan"
 
-NamedLine = tuple[str, Array, bool, tuple[int, int, int]]  # name, (M, 3) m, closed, red green blue
 
-
-def with_lines(fitted: bytes, lines: Sequence[NamedLine]) -> bytes:
-    """The .glb of a fit with these lines below the node `plan`; drawings of the fit itself are taken out of the scene.
+def with_lines(fitted: bytes, lines: Sequence[NamedLine], balls: Sequence[Ball] = ()) -> bytes:
+    """The .glb of a fit with these below the node `plan`; drawings of the fit itself are taken out of the scene.
 
     ValueError with the end of a sentence for what is no .glb.
     """
@@ -27,8 +24,8 @@ def with_lines(fitted: bytes, lines: Sequence[NamedLine]) -> bytes:
     scene = document["scenes"][document.get("scene", 0)]
     own = drawing_node("")
     scene["nodes"] = [k for k in scene["nodes"] if not document["nodes"][k].get("name", "").startswith(own)]
-    if lines:
-        added, numbers = split_glb(lines_glb(lines))
+    if lines or balls:
+        added, numbers = split_glb(lines_glb(lines, balls=balls))
         binary += b"\0" * (-len(binary) % 4)
         _append(document, added, len(binary))
         first = len(document["nodes"]) - len(added["nodes"])
@@ -50,6 +47,8 @@ def _append(document: dict[str, Any], added: dict[str, Any], offset: int) -> Non
         for primitive in mesh["primitives"]:
             primitive["attributes"] = {name: k + base["accessors"] for name, k in primitive["attributes"].items()}
             primitive["material"] += base["materials"]
+            if "indices" in primitive:
+                primitive["indices"] += base["accessors"]
     for node in added["nodes"]:
         node["mesh"] += base["meshes"]
     for kind in (*base, "nodes"):

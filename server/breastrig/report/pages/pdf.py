@@ -5,7 +5,7 @@ then a tape sheet of each stance.  The same stances and the same identity give t
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import resources
 from typing import Any
 
@@ -15,7 +15,7 @@ from breastrig.core.identity import UNNAMED, Identity
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.version import __version__
 from breastrig.files.result import Distances, ResultFile, SurfaceDistances
-from breastrig.report.bands import KNOWN_MM, sure_text
+from breastrig.report.bands import KNOWN_MM, margin_text, sure_text
 from breastrig.report.document import PlannedItem, Reported
 from breastrig.report.measures import OUTLINE
 from breastrig.report.pages.names import plainly, spoken, spoken_together
@@ -73,6 +73,7 @@ METHODS = (  # a sentence, and the measure that it is about; none for what holds
         "ptosis",
     ),
 )
+UNSEEN = "The scan shows no skin next to it: its depth is the model's guess."
 PIXELS_PER_MM = 7.0  # 180 to the inch
 LARGE = (88.0, 92.0)  # mm, the scan with the plan
 SMALL = (42.0, 44.0)  # mm, the map of uncertainty
@@ -105,6 +106,7 @@ def report_content(stances: Sequence[Reported], identity: Identity) -> dict[str,
         "verdicts": [_verdict(one) for one in stances],
         "pictures": _large_pictures(stances),
         "plan": _plan(stances),
+        "lesions": _lesions(stances),
         "lines": _lines(stances),
         "measures": _measures(stances),
         "landmarks": _landmarks(stances),
@@ -173,6 +175,53 @@ def _planned(shown: Sequence[tuple[str, PlannedItem]]) -> Table:
             values.append((what, ", ".join(f"{value} {stance}" for value, stance in each.items())))
     text = " ".join(dict.fromkeys(item.text for _, item in shown if item.text))
     return {"name": shown[0][1].name, "values": values, "text": text}
+
+
+def _lesions(stances: Sequence[Reported]) -> list[Table]:
+    """Each lesion with a row of numbers and its slices for every stance that shows it."""
+    shown = [(one.name, lesion) for one in stances for lesion in one.lesions]
+    return [
+        {
+            "name": next(lesion["name"] for _, lesion in shown if lesion["id"] == each),
+            "stances": [
+                {
+                    "stance": stance,
+                    "values": _lesion_values(lesion),
+                    "doubt": "" if lesion["seen"] else UNSEEN,
+                    "slices": lesion["slices"],
+                    "radius": lesion["radius_mm"],
+                    "error": lesion["error_mm"] or 0.0,
+                }
+                for stance, lesion in shown
+                if lesion["id"] == each
+            ],
+        }
+        for each in dict.fromkeys(lesion["id"] for _, lesion in shown)
+    ]
+
+
+def _lesion_values(lesion: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Of the lines the nearest alone."""
+    error = lesion["error_mm"]
+    off = "as given" if not lesion["carried"] else margin_text(error)
+    distances = [each for each in lesion["distances"] if each["kind"] != "line"]
+    distances += [each for each in lesion["distances"] if each["kind"] == "line"][:1]
+    return [
+        ("radius", f"{lesion['radius_mm']:g} mm"),
+        *((f"to {_whither(each)}", _banded(each)) for each in distances),
+        ("its place", off),
+    ]
+
+
+def _whither(distance: Mapping[str, Any]) -> str:
+    name = spoken(distance["to"])
+    return name if distance["kind"] == "line" else f"the {name.lower()}"
+
+
+def _banded(distance: Mapping[str, Any]) -> str:
+    """12 mm, 8 to 17"""
+    band = "" if distance["low_mm"] is None else f", {distance['low_mm']:.0f} to {distance['high_mm']:.0f}"
+    return f"{distance['mm']:.0f} mm{band}"
 
 
 def _lines(stances: Sequence[Reported]) -> str:

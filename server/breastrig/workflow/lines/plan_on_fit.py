@@ -6,9 +6,13 @@ It reads one or more scans, and carries from each of them, so the service runs i
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
+from breastrig.core.arrays import Array
 from breastrig.core.errors import BadInput
 from breastrig.drawings.drawing_file import shape_document
-from breastrig.drawings.plan_on_scan import PlannedLesion, PlannedLine, PlannedScan, PlanOnScan, plan_on_scan
+from breastrig.drawings.lesions import Distance, PlacedLesion, Slice
+from breastrig.drawings.plan_on_scan import PlannedLine, PlannedScan, PlanOnScan, plan_on_scan
 from breastrig.drawings.plan_schema import Plan, PlanItem, PlanNote, PlanTumour, checked_plan
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
@@ -84,16 +88,43 @@ def plan_document(plan: Plan, fit: FitFolder, found: PlanOnScan, others: Sequenc
     }
 
 
-def _lesion(each: PlannedLesion, fit: FitFolder) -> dict[str, Any]:
+def _lesion(each: PlacedLesion, fit: FitFolder) -> dict[str, Any]:
     return {
         "id": each.item.id,
         "name": each.item.name,
-        "center": [round(float(value), 6) for value in each.center / fit.metres_per_unit],
+        "center": _place(each.center, fit),
         "radius_mm": each.item.radius_mm,
         "error_mm": None if each.error is None else round(1e3 * each.error, 2),
+        "covariance_mm2": None if each.covariance is None else (np.round(1e6 * each.covariance, 3) + 0.0).tolist(),
         "depth_mm": round(1e3 * each.depth, 2),
+        "seen": each.is_seen,
+        "distances": [_distance(distance, fit) for distance in each.distances],
+        "slices": [_slice(cut) for cut in each.slices],
         "carried": each.is_carried,
     }
+
+
+def _distance(each: Distance, fit: FitFolder) -> dict[str, Any]:
+    low, high = (
+        (None, None) if each.margin is None else (max(each.length - each.margin, 0.0), each.length + each.margin)
+    )
+    lengths = {"mm": each.length, "low_mm": low, "high_mm": high}
+    return {"kind": each.kind, "to": each.to, "point": _place(each.point, fit)} | {
+        name: None if length is None else round(1e3 * length, 2) for name, length in lengths.items()
+    }
+
+
+def _slice(cut: Slice) -> dict[str, Any]:
+    return {
+        "plane": cut.plane,
+        "right": [round(float(value), 6) for value in cut.right],
+        "up": [round(float(value), 6) for value in cut.up],
+        "outlines_mm": [(np.round(1e3 * outline, 1) + 0.0).tolist() for outline in cut.outlines],
+    }
+
+
+def _place(point: Array, fit: FitFolder) -> list[float]:
+    return [round(float(value), 6) for value in point / fit.metres_per_unit]
 
 
 def _shape(each: PlannedLine, metres_per_unit: float) -> dict[str, Any]:

@@ -19,14 +19,11 @@ def planned_items(
 ) -> tuple[PlannedItem, ...]:
     """All items, each with its numbers; `shown` is the plan on this fit's scan, `missing` why others are not there."""
     here = {shape["item"] for shape in shown["shapes"] if not shape["carried"]}
-    lesions = {lesion["id"]: lesion for lesion in shown["lesions"]}
     return tuple(
         PlannedItem(
             item.id,
             _name(item, fit),
-            _lesion_values(item, lesions.get(item.id))
-            if isinstance(item, PlanLesion)
-            else _values(item, fit if item.id in here else None),
+            _values(item, fit if item.id in here else None),
             _text(item, missing),
         )
         for item in items
@@ -58,21 +55,14 @@ def _values(item: PlanItem, fit: FitFolder | None) -> tuple[tuple[str, str], ...
             ("Radius", f"{item.radius_mm:g} mm"),
             ("Below the skin", depth),
         )
+    if isinstance(item, PlanLesion):
+        return (("Radius", f"{item.radius_mm:g} mm"),)
     if not isinstance(item, PlanPattern) or item.name not in PATTERNS:
         return ()
     parameters = [each for each in parameters_of(PATTERNS[item.name]).values() if each.name != "side"]
     given = [(each.label, _value(each, item.parameters.get(each.name, each.default))) for each in parameters]
     known = tuple((label, value) for label, value in given if value)
     return known if fit is None or len(known) == len(given) else (*known, *_as_drawn(item, fit))
-
-
-def _lesion_values(item: PlanLesion, here: Mapping[str, Any] | None) -> tuple[tuple[str, str], ...]:
-    values = [("Radius", f"{item.radius_mm:g} mm")]
-    if here is not None:
-        error = here["error_mm"]
-        values.append(("Below the skin", f"{here['depth_mm']:.0f} mm"))
-        values.append(("May be off by", "not known" if error is None else f"{error:.0f} mm"))
-    return tuple(values)
 
 
 def _value(parameter: Parameter, value: float | str | None) -> str:

@@ -1,0 +1,196 @@
+"""Lesions inside the body of one scan, and what is asked of each there: depth, distances, slices, outline on the skin.
+
+How far off a carried lesion may be is an ellipsoid, flatter along the skin's normal, for the skin next to it is seen.
+Distances are straight, from the lesion's centre; the band of each is what both ends, wrong independently, leave open
+along it.  Slices are cuts of the fitted skin.
+
+Evidence: docs/decisions/0015.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from scipy.stats import chi2, norm
+
+from breastrig.core.arrays import Array
+from breastrig.core.stances import split_side
+from breastrig.drawings.clock import FittedSkin
+from breastrig.drawings.line_error import carried_errors, radii_at
+from breastrig.drawings.plan_schema import PlanItem, PlanLesion
+from breastrig.drawings.project_drawing import on_scan
+from breastrig.drawings.skin_maps.interior_map import InteriorMap
+from breastrig.drawings.skin_maps.settings import skin_map_settings
+from breastrig.drawings.skin_maps.skin_map import FittedScan
+from breastrig.geometry.closest_point import closest_barycentric
+from breastrig.geometry.normals import unit_vectors, vertex_normals
+from breastrig.geometry.polyline import Polyline
+from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
+
+Kind = Literal["skin", "nipple", "line"]
+
+COLOR = "#b83280"
+BALL = float(np.sqrt(chi2.ppf(0.9, 3)))  # standard deviations: radius of the ball that holds nine of ten points
+LINE = float(norm.ppf(0.95))  # half of the interval that holds nine of ten numbers
+RIM = 48  # points of the outline on the skin
+SEEN = 0.01  # m from the fitted skin to the scan; where there is none nearer, the skin is the model's guess
+PLANES = {  # columns of the body's axes (left, up, front) that are right and up in the picture, with their signs
+    "axial": ((0, 1.0), (2, 1.0)),
+    "sagittal": ((2, -1.0), (1, 1.0)),
+    "coronal": ((0, 1.0), (1, 1.0)),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Distance:
+    """From the centre of a lesion to a place."""
+
+    kind: Kind
+    to: str  # name of the landmark or the line
+    point: Array  # (3,) m, its nearest one
+    length: float  # m
+    margin: float | None  # m, half of the band that holds the true length with 90 %; None where that is not known
+
+
+@dataclass(frozen=True, eq=False)
+class Slice:
+    """A plane through the centre of a lesion, with the skin that it cuts."""
+
+    plane: str  # axial | sagittal | coronal
+    right: Array  # (3,) unit, in the scan's frame: what is right in the picture; the patient's left, or her back
+    up: Array  # (3,) unit
+    outlines: tuple[Array, ...]  # (M, 2) m each, from the centre along both
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedLesion:
+    """A lesion in the body of a scan."""
+
+    item: PlanLesion
+    center: Array  # (3,) m
+    error: float | None  # m, the radius that holds its true centre with 90 %; None where that is not known
+    covariance: Array | None  # (3, 3) m², of its centre, in the scan's frame
+    depth: float  # m below the fitted skin; negative outside
+    is_seen: bool  # whether the scan shows the skin next to it
+    distances: tuple[Distance, ...]  # to the skin and the nearer nipple
+    slices: tuple[Slice, ...]
+    is_carried: bool
+
+
+class LesionsOnScan:
+    """What a fitted scan says of lesions in it; built once, then asked for each."""
+
+    def __init__(self, rig: Rig, scan: FittedScan) -> None:
+        self._rig, self._scan = rig, scan
+        self._skin = FittedSkin(rig, scan.vertices, scan.known)
+        self._settings = skin_map_settings(rig)
+        self._normals = vertex_normals(scan.vertices, rig.faces)
+
+    def own(self, items: Iterable[PlanItem]) -> list[PlacedLesion]:
+        """Those that were given on this scan, where they were given."""
+        return [self._placed(item, _center(item), 0.0) for item in items if isinstance(item, PlanLesion)]
+
+    def carried(self, other: FittedScan, items: Iterable[PlanItem]) -> list[PlacedLesion]:
+        """Those that were given on another scan of the same patient."""
+        lesions = [item for item in items if isinstance(item, PlanLesion)]
+        if not lesions:
+            return []
+        there = np.array([_center(item) for item in lesions])
+        centers = InteriorMap(self._rig, other, self._scan).moved(there)
+        errors = carried_errors(self._rig, other, self._scan, there, centers)
+        return [
+            replace(self._placed(item, center, None if errors is None else float(errors[k])), is_carried=True)
+            for k, (item, center) in enumerate(zip(lesions, centers, strict=True))
+        ]
+
+    def _placed(self, item: PlanLesion, center: Array, error: float | None) -> PlacedLesion:
+        nearest = self._skin.nearest(center[None])
+        (skin,) = self._skin.at(nearest)
+        (outwards,) = nearest.directions(self._normals, self._rig.faces)
+        covariance = None if error is None else self._covariance(error, outwards)
+        is_seen = bool(self._scan.target.search.query(skin[None]).distances[0] < SEEN)
+        off = self._settings.surface_error if is_seen and self._scan.radii is not None else self._off(skin)
+        to_skin = _distance("skin", "skin", skin, center, covariance, off)
+        nipples = [
+            _distance("nipple", name, place, center, covariance, self._off(place))
+            for name in self._rig.landmark_names
+            if split_side(name)[0] == "nipple"
+            for place in self._skin.at(self._skin.landmark(name))
+        ]
+        return PlacedLesion(
+            item,
+            center,
+            error,
+            covariance,
+            depth=float(np.copysign(to_skin.length, (skin - center) @ outwards)),
+            is_seen=is_seen,
+            distances=(to_skin, *sorted(nipples, key=lambda each: each.length)[:1]),
+            slices=self._slices(center),
+            is_carried=False,
+        )
+
+    def _covariance(self, error: float, outwards: Array) -> Array:
+        share = self._settings.inside_depth_share**2
+        return np.asarray(
+            (error / BALL) ** 2 * 3.0 / (2.0 + share) * (np.eye(3) - (1.0 - share) * np.outer(outwards, outwards))
+        )
+
+    def _off(self, place: Array) -> float | None:
+        """m: half of the interval that holds, along any direction, a place of the fitted skin with 90 %."""
+        radii, search = self._scan.radii, self._scan.search(self._rig)
+        return None if radii is None else LINE / BALL * float(radii_at(self._rig, search, radii, place[None])[0])
+
+    def _slices(self, center: Array) -> tuple[Slice, ...]:
+        from trimesh import Trimesh  # 0.4 s, which a plan without lesions need not wait for
+
+        skin, axes, slices = Trimesh(self._scan.vertices, self._rig.faces, process=False), self._skin.axes, []
+        for plane, ((across, sign), (along, upwards)) in PLANES.items():
+            right, up = sign * axes[:, across], upwards * axes[:, along]
+            cut = skin.section(plane_normal=np.cross(right, up), plane_origin=center)
+            paths = [] if cut is None else [cut.vertices[each.points] - center for each in cut.entities]
+            slices.append(Slice(plane, right, up, tuple(path @ np.column_stack([right, up]) for path in paths)))
+        return tuple(slices)
+
+    def outline(self, lesion: PlacedLesion) -> Polyline:
+        """The lesion's outline on the skin next to it, to which the shortest way leads."""
+        nearest = self._skin.nearest(lesion.center[None])
+        middle, outwards = self._skin.at(nearest), nearest.directions(self._normals, self._rig.faces)
+        side = unit_vectors(np.cross(outwards, np.eye(3)[np.abs(outwards).argmin()]))
+        angles = np.linspace(0.0, 2.0 * np.pi, RIM, endpoint=False)[:, None]
+        radius = 1e-3 * lesion.item.radius_mm
+        rim = middle + radius * (np.cos(angles) * side + np.sin(angles) * np.cross(outwards, side))
+        shape = DrawnShape(lesion.item.name, lesion.item.name, True, COLOR, self._skin.nearest(rim))
+        (line,) = on_scan(self._rig, self._scan.vertices, ModelDrawing("lesion", "lesion", (shape,)), self._scan.target)
+        return replace(line, error=None if lesion.error is None else np.full(len(line.points), lesion.error))
+
+
+def distances_to_lines(lesion: PlacedLesion, lines: Sequence[Polyline]) -> tuple[Distance, ...]:
+    """To the nearest point of each line, the nearest line first."""
+    found = []
+    for line in lines:
+        edges = line.edges if len(line.edges) else np.array([[0, 0]])
+        corners = line.points[edges[:, [0, 1, 1]]]
+        weights = closest_barycentric(np.broadcast_to(lesion.center, (len(edges), 3)), corners)
+        points = np.einsum("ec,ecd->ed", weights, corners)
+        k = int(np.linalg.norm(points - lesion.center, axis=1).argmin())
+        off = 0.0 if line.error is None else LINE / BALL * float(line.error[edges[k, 0]])
+        off_known = None if np.isnan(off) else off
+        found.append(_distance("line", line.name, points[k], lesion.center, lesion.covariance, off_known))
+    return tuple(sorted(found, key=lambda each: each.length))
+
+
+def _distance(
+    kind: Kind, to: str, point: Array, center: Array, covariance: Array | None, off: float | None
+) -> Distance:
+    """`off` (m): half of the interval that holds the place with 90 % along the way to it."""
+    way = point - center
+    length = float(np.linalg.norm(way))
+    if covariance is None or off is None:
+        return Distance(kind, to, point, length, None)
+    along = way / max(length, 1e-9)
+    return Distance(kind, to, point, length, float(np.hypot(LINE * np.sqrt(along @ covariance @ along), off)))
+
+
+def _center(item: PlanLesion) -> Array:
+    return 1e-3 * np.array(item.center, dtype=np.float64)

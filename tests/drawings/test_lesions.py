@@ -1,0 +1,93 @@
+"""What is said of a lesion on a scan, where the body is a ball or the model itself."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.surfaces import sphere
+
+from breastrig.correspondence.target import ScanTarget
+from breastrig.drawings.lesions import LesionsOnScan
+from breastrig.drawings.plan_on_scan import PlannedScan, plan_on_scan
+from breastrig.drawings.plan_schema import PlanLesion, PlanLine
+from breastrig.drawings.skin_maps.skin_map import FittedScan
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.model import Rig
+
+KNOWN = "error_skin = 0.005\nerror_share = 0.0\ninside_depth_share = 0.5\nsurface_error = 0.003\n"
+HALF = 1.6449 / 2.5003  # half of the interval along a line, of the ball's radius: both hold nine of ten
+
+
+@pytest.fixture(scope="module")
+def ball(toy_rig: Rig) -> Rig:
+    vertices, faces = sphere(subdivisions=4)
+    return replace(toy_rig, template=vertices, faces=faces, regions={}, known={"skin_map.toml": KNOWN})
+
+
+def scanned(rig: Rig, keep: np.ndarray | None = None, stance: str = "standing") -> FittedScan:
+    faces = rig.faces if keep is None else rig.faces[keep[rig.faces].all(axis=1)]
+    return FittedScan(ScanTarget(rig.template, faces), rig.template, {}, stance, np.full(len(rig.template), 0.004))
+
+
+def lesion(center: list[float]) -> PlanLesion:
+    return PlanLesion(id="m", name="MRI 1", center=center, radius_mm=6.0)
+
+
+def test_distances_to_skin_and_lines_with_what_both_ends_leave_open(ball: Rig) -> None:
+    points = [[0.0, 80.0, 60.0], [0.0, 99.0, 14.0], [0.0, 100.0, 0.0]]
+    lines = [PlanLine(id=k, name=k, points=part) for k, part in (("far", points[:2]), ("near", points[1:]))]
+    a, b = scanned(ball), scanned(ball, stance="supine")
+    for here, others, own in (
+        (a, [], True),
+        (b, [PlannedScan("standing", a, [lesion([0.0, 70.0, 0.0]), *lines])], False),
+    ):
+        items = [lesion([0.0, 70.0, 0.0]), *lines] if own else []
+        (found,) = plan_on_scan(ball, PlannedScan("here", here, items), others).lesions
+        skin, _, near, far = found.distances
+        assert [(each.kind, each.to) for each in (skin, near, far)] == [
+            ("skin", "skin"),
+            ("line", "near"),
+            ("line", "far"),
+        ]
+        assert far.length > near.length
+        assert (skin.length, found.depth, near.length) == pytest.approx((0.03, 0.03, 0.03), abs=3e-4)
+        np.testing.assert_allclose(near.point, [0.0, 0.1, 0.0], atol=3e-3)  # between two points of the line
+        along = 0.0 if own else HALF * 0.005 * np.sqrt(3.0 * 0.5**2 / (2.0 + 0.5**2))
+        assert skin.margin == pytest.approx(np.hypot(0.003, along), rel=0.01)
+        assert near.margin == pytest.approx(0.0 if own else np.hypot(HALF * 0.005, along), rel=0.01)
+        assert found.covariance is not None
+        assert np.trace(found.covariance) == pytest.approx(0.0 if own else 3.0 * (0.005 / 2.5003) ** 2, rel=1e-3)
+
+
+def test_skin_that_the_scan_does_not_show_is_said_to_be_a_guess_and_its_band_is_the_fits(ball: Rig) -> None:
+    scan = scanned(ball, keep=ball.template[:, 1] < 0.05)
+    up, down = LesionsOnScan(ball, scan).own([lesion([0.0, 70.0, 0.0]), lesion([0.0, -70.0, 0.0])])
+    assert (up.is_seen, down.is_seen) == (False, True)
+    assert up.distances[0].margin == pytest.approx(HALF * 0.004, rel=1e-3)
+    assert down.distances[0].margin == pytest.approx(0.003)
+
+
+def test_slices_cut_the_skin_around_the_lesion(ball: Rig) -> None:
+    (found,) = LesionsOnScan(ball, scanned(ball)).own([lesion([10.0, 60.0, -20.0])])
+    assert [cut.plane for cut in found.slices] == ["axial", "sagittal", "coronal"]
+    for cut in found.slices:
+        points = found.center + np.concatenate(cut.outlines) @ np.stack([cut.right, cut.up])
+        np.testing.assert_allclose(np.linalg.norm(points, axis=1), 0.1, rtol=5e-3)
+        assert len(points) > 40
+        assert np.cross(cut.right, cut.up) @ (points - found.center).T == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_nearer_nipple_and_the_bodys_directions() -> None:
+    rig = read_rig(default_rig_path())
+    scan = FittedScan(ScanTarget(rig.template, rig.faces), rig.template, {}, "standing")
+    nipple = rig.landmark_points(("nipple_L",)).positions(rig.template, rig.faces)[0]
+    (found,) = LesionsOnScan(rig, scan).own([lesion((1e3 * (nipple - [0.0, 0.0, 0.03])).tolist())])
+    _, to = found.distances
+    assert (to.kind, to.to, to.margin) == ("nipple", "nipple_L", None)
+    assert to.length == pytest.approx(0.03, abs=1e-6)
+    axial, sagittal, coronal = found.slices
+    for direction, expected in (  # the template's own axes: left, up, front
+        (axial.right, [1, 0, 0]), (axial.up, [0, 0, 1]), (sagittal.right, [0, 0, -1]), (sagittal.up, [0, 1, 0]),
+        (coronal.right, [1, 0, 0]), (coronal.up, [0, 1, 0]),
+    ):  # fmt: skip
+        np.testing.assert_allclose(direction, expected, atol=1e-6)
