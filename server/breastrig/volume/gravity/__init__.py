@@ -1,0 +1,1 @@
+"""Soft tissue under gravity: hyperelastic statics by finite elements."""
