@@ -137,7 +137,7 @@ class SoftBody:
         return residual, matrix
 
     def at_rest(self, gravity: Array, start: Array | None = None) -> Array:
-        """(N, 3) m: the displacement at which the body rests under (3,) m/s² gravity, begun at `start`.
+        """(N, 3) m: the displacement at which the body rests under (3,) m/s² gravity, from the initial point `start`.
 
         Gravity is put on in steps that halve where Newton's method fails.  Raises NoEquilibrium.
         """
