@@ -2,6 +2,7 @@
 
 import json
 
+import pygltflib
 import pytest
 
 from breastrig.gltf import document as ours
@@ -9,18 +10,18 @@ from breastrig.gltf import document as ours
 
 def whole() -> ours.Document:
     """Something of every kind."""
-    ink = ours.Material(
+    ink = pygltflib.Material(
         name="ink",
         doubleSided=True,
-        pbrMetallicRoughness=ours.PbrMetallicRoughness(
-            baseColorFactor=[0.5, 0.25, 1e-7, 1.0], metallicFactor=0.0, baseColorTexture=ours.TextureInfo(index=0)
+        pbrMetallicRoughness=pygltflib.PbrMetallicRoughness(
+            baseColorFactor=[0.5, 0.25, 1e-7, 1.0], metallicFactor=0.0, baseColorTexture=pygltflib.TextureInfo(index=0)
         ),
         extensions={"KHR_materials_unlit": {}},
     )
-    primitive = ours.Primitive(
+    primitive = pygltflib.Primitive(
         attributes=ours.Attributes(POSITION=0, COLOR_0=1),
         indices=2,
-        mode=ours.LINE_STRIP,
+        mode=pygltflib.LINE_STRIP,
         material=0,
         targets=[ours.Attributes(POSITION=0), ours.Attributes(NORMAL=0)],
         extras={
@@ -30,22 +31,26 @@ def whole() -> ours.Document:
             "deep": {"empty": {}, "full": [1, [], {"a": None, "b": 2}]},
         },
     )
-    channel = ours.AnimationChannel(sampler=0, target=ours.AnimationChannelTarget(node=0, path="weights"))
+    channel = pygltflib.AnimationChannel(sampler=0, target=pygltflib.AnimationChannelTarget(node=0, path="weights"))
     document = ours.Document(
-        asset=ours.Asset(generator="ä", extras={"notice": "no"}),
+        asset=pygltflib.Asset(generator="ä", extras={"notice": "no"}),
         scene=0,
-        scenes=[ours.Scene(nodes=[0])],
+        scenes=[pygltflib.Scene(nodes=[0])],
         nodes=[ours.Node(name="a", mesh=0, children=[1], translation=[0.0, -0.5, 1e-9]), ours.Node(name="b", skin=0)],
-        meshes=[ours.Mesh(name="m", primitives=[primitive], extras={"targetNames": ["x"]})],
-        materials=[ink, ours.Material(name="plain")],
-        accessors=[ours.Accessor(bufferView=0, componentType=ours.FLOAT, count=3, type="VEC3", min=[0.1], max=[2.5])],
-        bufferViews=[ours.BufferView(buffer=0, byteLength=36, target=ours.ARRAY_BUFFER)],
-        buffers=[ours.Buffer(byteLength=36, uri="x.bin")],
-        images=[ours.Image(mimeType="image/png", bufferView=0)],
-        samplers=[ours.Sampler(magFilter=ours.LINEAR, minFilter=ours.LINEAR_MIPMAP_LINEAR)],
-        textures=[ours.Texture(sampler=0, source=0)],
-        skins=[ours.Skin(name="s", joints=[1], skeleton=1, inverseBindMatrices=0)],
-        animations=[ours.Animation(name="r", channels=[channel], samplers=[ours.AnimationSampler(input=0, output=0)])],
+        meshes=[pygltflib.Mesh(name="m", primitives=[primitive], extras={"targetNames": ["x"]})],
+        materials=[ink, pygltflib.Material(name="plain")],
+        accessors=[
+            pygltflib.Accessor(bufferView=0, componentType=pygltflib.FLOAT, count=3, type="VEC3", min=[0.1], max=[2.5])
+        ],
+        bufferViews=[pygltflib.BufferView(buffer=0, byteLength=36, target=pygltflib.ARRAY_BUFFER)],
+        buffers=[pygltflib.Buffer(byteLength=36, uri="x.bin")],
+        images=[pygltflib.Image(mimeType="image/png", bufferView=0)],
+        samplers=[pygltflib.Sampler(magFilter=pygltflib.LINEAR, minFilter=pygltflib.LINEAR_MIPMAP_LINEAR)],
+        textures=[pygltflib.Texture(sampler=0, source=0)],
+        skins=[pygltflib.Skin(name="s", joints=[1], skeleton=1, inverseBindMatrices=0)],
+        animations=[
+            pygltflib.Animation(name="r", channels=[channel], samplers=[pygltflib.AnimationSampler(input=0, output=0)])
+        ],
         extensionsUsed=["KHR_materials_unlit"],
     )
     return document

@@ -9,12 +9,7 @@ import copy
 from typing import Any
 
 import numpy as np
-
-from breastrig.core.arrays import Array
-from breastrig.core.glb import pack_glb
-from breastrig.core.notice import LIMITS_OF_USE
-from breastrig.core.version import __version__
-from breastrig.gltf.document import (
+from pygltflib import (
     FLOAT,
     UNSIGNED_BYTE,
     UNSIGNED_INT,
@@ -23,11 +18,19 @@ from breastrig.gltf.document import (
     Asset,
     Buffer,
     BufferView,
-    Document,
+    Material,
+    PbrMetallicRoughness,
     Scene,
-    json_of,
 )
 
+from breastrig.core.arrays import Array
+from breastrig.core.glb import pack_glb
+from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.core.srgb import to_light
+from breastrig.core.version import __version__
+from breastrig.gltf.document import Document, json_of
+
+UNLIT = "KHR_materials_unlit"
 GENERATOR = f"BreastRig {__version__}"
 COMPONENT_TYPES = {
     np.dtype(np.uint8): UNSIGNED_BYTE,
@@ -49,6 +52,13 @@ def new_document(extras: dict[str, Any] | None = None) -> Document:
 def moved_to(place: Array) -> list[float] | None:
     """A node's translation to a (3,) m place; nothing at the origin."""
     return [float(value) for value in place] if place.any() else None
+
+
+def unlit(name: str, colour: tuple[int, int, int], both_sides: bool = False) -> Material:
+    """Of a pen's line, which has no shading; red, green, blue of 0 to 255."""
+    linear = [round(float(level), 5) for level in to_light(np.array(colour) / 255.0)]
+    shading = PbrMetallicRoughness(baseColorFactor=[*linear, 1.0], metallicFactor=0.0, roughnessFactor=1.0)
+    return Material(name=name, doubleSided=both_sides, pbrMetallicRoughness=shading, extensions={UNLIT: {}})
 
 
 def append(items: list[Any], item: Any) -> int:

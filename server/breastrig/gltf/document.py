@@ -1,9 +1,7 @@
-"""pygltflib's classes under the names of glTF's specification, the weights that its nodes lack, and its JSON at once.
+"""What pygltflib's classes lack: the weights of nodes, and a document's JSON at once.
 
-A primitive's attributes are a dictionary of accessors by what they mean.
-
-Fields that are None or empty are left out of the JSON, as pygltflib does, which copies each value several times for
-it: a tenth of a second for a fit.
+A primitive's attributes are a dictionary of accessors by what they mean (POSITION, NORMAL, ...).  pygltflib leaves out
+fields that are None or empty too, but copies each value several times for it: a tenth of a second for a fit.
 """
 
 import dataclasses
@@ -11,75 +9,8 @@ import json
 from typing import Any, TypeAlias
 
 import pygltflib
-from pygltflib import (
-    ARRAY_BUFFER,
-    ELEMENT_ARRAY_BUFFER,
-    FLOAT,
-    LINE_LOOP,
-    LINE_STRIP,
-    LINEAR,
-    LINEAR_MIPMAP_LINEAR,
-    POINTS,
-    UNSIGNED_BYTE,
-    UNSIGNED_INT,
-    UNSIGNED_SHORT,
-    Accessor,
-    Animation,
-    AnimationChannel,
-    AnimationChannelTarget,
-    AnimationSampler,
-    Asset,
-    Buffer,
-    BufferView,
-    Image,
-    Material,
-    Mesh,
-    PbrMetallicRoughness,
-    Primitive,
-    Sampler,
-    Scene,
-    Skin,
-    Texture,
-    TextureInfo,
-)
 
-__all__ = [
-    "ARRAY_BUFFER",
-    "ELEMENT_ARRAY_BUFFER",
-    "FLOAT",
-    "LINEAR",
-    "LINEAR_MIPMAP_LINEAR",
-    "LINE_LOOP",
-    "LINE_STRIP",
-    "POINTS",
-    "UNSIGNED_BYTE",
-    "UNSIGNED_INT",
-    "UNSIGNED_SHORT",
-    "Accessor",
-    "Animation",
-    "AnimationChannel",
-    "AnimationChannelTarget",
-    "AnimationSampler",
-    "Asset",
-    "Attributes",
-    "Buffer",
-    "BufferView",
-    "Document",
-    "Image",
-    "Material",
-    "Mesh",
-    "Node",
-    "PbrMetallicRoughness",
-    "Primitive",
-    "Sampler",
-    "Scene",
-    "Skin",
-    "Texture",
-    "TextureInfo",
-    "json_of",
-]
-
-Attributes: TypeAlias = dict[str, int]  # accessors by what they mean: POSITION, NORMAL, ...
+Attributes: TypeAlias = dict[str, int]
 Document: TypeAlias = pygltflib.GLTF2
 
 

@@ -9,28 +9,27 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from breastrig.core.arrays import Array, Integers
-from breastrig.core.single_precision import far_place
-from breastrig.geometry.normals import vertex_normals
-from breastrig.gltf.container import BufferWriter, append, moved_to, new_document, to_glb
-from breastrig.gltf.document import (
+from pygltflib import (
     ARRAY_BUFFER,
     ELEMENT_ARRAY_BUFFER,
     LINEAR,
     LINEAR_MIPMAP_LINEAR,
-    Attributes,
-    Document,
     Image,
     Material,
     Mesh,
-    Node,
     PbrMetallicRoughness,
     Primitive,
     Sampler,
     Texture,
     TextureInfo,
 )
+
+from breastrig.core.arrays import Array, Integers
+from breastrig.core.single_precision import far_place
+from breastrig.core.srgb import to_light
+from breastrig.geometry.normals import vertex_normals
+from breastrig.gltf.container import BufferWriter, append, moved_to, new_document, to_glb
+from breastrig.gltf.document import Attributes, Document, Node
 from breastrig.gltf.skinned import as_float32
 
 GREY = [0.55, 0.57, 0.60, 1.0]  # linear RGB of a cool matte grey
@@ -80,17 +79,11 @@ def mesh_glb(
     return to_glb(document, buffer)
 
 
-def _levels() -> NDArray[np.uint16]:
-    """(256,) linear light of each level of sRGB."""
-    srgb = np.arange(256) / 255.0
-    table = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
-    return np.round(table * np.iinfo(np.uint16).max).astype(np.uint16)
-
-
 def _linear(colours: NDArray[np.uint8]) -> NDArray[np.uint16]:
     """(V, 4) linear light of (V, 3 or 4) sRGB, opaque."""
     result = np.full((len(colours), 4), np.iinfo(np.uint16).max, np.uint16)
-    result[:, :3] = _levels()[colours[:, :3]]
+    levels = np.round(np.iinfo(np.uint16).max * to_light(np.arange(256) / 255.0)).astype(np.uint16)
+    result[:, :3] = levels[colours[:, :3]]
     return result
 
 

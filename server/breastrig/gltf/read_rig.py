@@ -26,7 +26,7 @@ from breastrig.core.private_files import read_ordinary, shown
 from breastrig.core.stances import split_side
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.gltf.known_files import known_paths, read_known
-from breastrig.gltf.side_file import DrawingFile, FilePart, RigFile, SurfacePointEntry
+from breastrig.gltf.side_file import DrawingFile, FilePart, LandmarkEntry, RigFile, SurfacePointEntry
 from breastrig.rig.model import Bone, DrawnShape, Joint, Landmark, Length, ModelDrawing, Rig, Shape
 
 TRIANGLES = 4
@@ -204,34 +204,23 @@ def _assembled(side: RigFile, mesh: _SkinnedMesh, drawings: tuple[ModelDrawing, 
         bones=tuple(_bone(side, index, names, mesh.inverse_bind[columns[index]]) for index in range(len(names))),
         joints=tuple(
             Joint(
+                **joint.model_dump(exclude={"parent", "child", "anchor"}),
                 parent=_known("bone", joint.parent, names),
                 child=_known("bone", joint.child, names),
                 anchor=np.array(joint.anchor),
-                rotation_sigma=joint.rotation_sigma,
-                translation_sigma=joint.translation_sigma,
-                rotation_limit=joint.rotation_limit,
             )
             for joint in side.joints
         ),
         shapes=tuple(_shape(shapes, name, mesh.shape_names) for name in mesh.shape_names),
         landmarks=tuple(
-            Landmark(
-                name=landmark.name,
-                label=landmark.label,
-                latin=landmark.latin,
-                definition=landmark.definition,
-                easy=landmark.easy,
-                mirror=landmark.mirror,
-                face=landmark.face,
-                barycentric=np.array(landmark.barycentric),
-            )
-            for landmark in side.landmarks
+            Landmark(**mark.model_dump(exclude={"barycentric"}), barycentric=np.array(mark.barycentric))
+            for mark in side.landmarks
         ),
         drawings=_in_order(side.drawings, drawings),
         mirror_vertices=_indices(side.symmetry.vertices, vertices, "symmetry.vertices", vertices),
         regions={name: _indices(chosen, vertices, f"region {name}") for name, chosen in side.regions.items()},
         sha256=sha256,
-        lengths=tuple(Length(length.name, length.label, length.start, length.end) for length in side.lengths),
+        lengths=tuple(Length(**length.model_dump()) for length in side.lengths),
     )
 
 
@@ -266,15 +255,7 @@ def _shape(shapes: dict[str, Any], name: str, names: list[str]) -> Shape:
     if shape.min > shape.max:
         raise BadModel(f'The range of shape "{name}" is the wrong way round.')
     _known("shape", shape.mirror, names)
-    return Shape(
-        name=name,
-        kind=shape.kind,
-        min=shape.min,
-        max=shape.max,
-        sigma=shape.sigma,
-        mirror=shape.mirror,
-        label=shape.label,
-    )
+    return Shape(**shape.model_dump())
 
 
 def _in_order(names: list[str], drawings: tuple[ModelDrawing, ...]) -> tuple[ModelDrawing, ...]:
@@ -313,7 +294,7 @@ def _drawing(drawing: DrawingFile, file: str, faces: int) -> ModelDrawing:
     )
 
 
-def _check_point(point: SurfacePointEntry, faces: int, what: str) -> None:
+def _check_point(point: SurfacePointEntry | LandmarkEntry, faces: int, what: str) -> None:
     if point.face >= faces:
         raise BadModel(f"{what} lies on triangle {point.face}, the mesh has only {faces}.")
     if abs(sum(point.barycentric) - 1.0) > UNIT_SUM or min(point.barycentric) < -BARYCENTRIC_OUTSIDE:

@@ -12,21 +12,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pygltflib import ARRAY_BUFFER, Animation, AnimationChannel, AnimationChannelTarget, AnimationSampler
 
 from breastrig.core.arrays import Array
 from breastrig.core.single_precision import far_place
 from breastrig.geometry.normals import vertex_normals
 from breastrig.gltf.container import BufferWriter, append, moved_to, to_glb
-from breastrig.gltf.document import (
-    ARRAY_BUFFER,
-    Animation,
-    AnimationChannel,
-    AnimationChannelTarget,
-    AnimationSampler,
-    Attributes,
-    Document,
-    Node,
-)
+from breastrig.gltf.document import Attributes, Document, Node
 from breastrig.gltf.lines.drawing_node import add_drawing, drawing_node, positions_exact_in
 from breastrig.gltf.lines.ribbon import exact_in, inverses, ribbons
 from breastrig.gltf.pose_nodes import node_poses

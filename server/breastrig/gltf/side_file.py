@@ -57,13 +57,15 @@ class SurfacePointEntry(FilePart):
     barycentric: Triple
 
 
-class LandmarkEntry(SurfacePointEntry):
+class LandmarkEntry(FilePart):
     name: Name
     label: str
     latin: str
     definition: str
     easy: bool
     mirror: Name
+    face: NonNegativeInt
+    barycentric: Triple
 
 
 class LengthEntry(FilePart):

@@ -12,23 +12,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pygltflib import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, Material, Mesh, PbrMetallicRoughness, Primitive, Skin
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadModel
 from breastrig.geometry.normals import VertexNormals
 from breastrig.gltf.container import BufferWriter, append, new_document
-from breastrig.gltf.document import (
-    ARRAY_BUFFER,
-    ELEMENT_ARRAY_BUFFER,
-    Attributes,
-    Document,
-    Material,
-    Mesh,
-    Node,
-    PbrMetallicRoughness,
-    Primitive,
-    Skin,
-)
+from breastrig.gltf.document import Attributes, Document, Node
 from breastrig.gltf.pose_nodes import node_poses, scale_node
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters

@@ -5,8 +5,18 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from breastrig.gltf.container import BufferWriter, new_document, to_glb
-from breastrig.gltf.side_file import DRAWING_SCHEMA, RIG_SCHEMA
+from breastrig.gltf.side_file import (
+    DRAWING_SCHEMA,
+    RIG_SCHEMA,
+    BoneEntry,
+    FilePart,
+    JointEntry,
+    LandmarkEntry,
+    ShapeEntry,
+)
 from breastrig.gltf.skinned import add_skinned_rig, set_pose
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import rest_parameters
@@ -43,51 +53,13 @@ def _side_file(rig: Rig, license: str, provenance: Mapping[str, Any]) -> dict[st
         "up": "+Y",
         "front": "+Z",
         "bones": [
-            {
-                "name": bone.name,
-                "parent": None if bone.parent is None else names[bone.parent],
-                "scale_min": bone.scale_min.tolist(),
-                "scale_max": bone.scale_max.tolist(),
-                "mirror": bone.mirror,
-            }
-            for bone in rig.bones
+            _entry(BoneEntry, bone, parent=None if bone.parent is None else names[bone.parent]) for bone in rig.bones
         ],
         "joints": [
-            {
-                "parent": names[joint.parent],
-                "child": names[joint.child],
-                "anchor": joint.anchor.tolist(),
-                "rotation_sigma": float(joint.rotation_sigma),
-                "translation_sigma": float(joint.translation_sigma),
-                "rotation_limit": float(joint.rotation_limit),
-            }
-            for joint in rig.joints
+            _entry(JointEntry, joint, parent=names[joint.parent], child=names[joint.child]) for joint in rig.joints
         ],
-        "shapes": [
-            {
-                "name": shape.name,
-                "label": shape.label,
-                "kind": shape.kind,
-                "min": float(shape.min),
-                "max": float(shape.max),
-                "sigma": float(shape.sigma),
-                "mirror": shape.mirror,
-            }
-            for shape in rig.shapes
-        ],
-        "landmarks": [
-            {
-                "name": landmark.name,
-                "label": landmark.label,
-                "latin": landmark.latin,
-                "definition": landmark.definition,
-                "easy": landmark.easy,
-                "mirror": landmark.mirror,
-                "face": int(landmark.face),
-                "barycentric": landmark.barycentric.tolist(),
-            }
-            for landmark in rig.landmarks
-        ],
+        "shapes": [_entry(ShapeEntry, shape) for shape in rig.shapes],
+        "landmarks": [_entry(LandmarkEntry, landmark) for landmark in rig.landmarks],
         "lengths": [
             {"name": length.name, "label": length.label, "from": length.start, "to": length.end}
             for length in rig.lengths
@@ -97,6 +69,13 @@ def _side_file(rig: Rig, license: str, provenance: Mapping[str, Any]) -> dict[st
         "symmetry": {"vertices": rig.mirror_vertices.tolist()},
         "provenance": dict(provenance),
     }
+
+
+def _entry(kind: type[FilePart], thing: object, **named: Any) -> dict[str, Any]:
+    """What the side file says of a part of the rig; `named` are those that it names and the rig counts."""
+    values = {name: getattr(thing, name) for name in kind.model_fields} | named
+    plain = {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in values.items()}
+    return kind.model_validate(plain).model_dump()
 
 
 def _drawing_file(drawing: ModelDrawing) -> dict[str, Any]:

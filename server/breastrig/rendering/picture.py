@@ -9,7 +9,7 @@ better than a light at the eye.  The inside of an open surface is drawn grey.  6
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +17,11 @@ from PIL import Image, ImageDraw
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import BadSettings, unknown_name
+from breastrig.core.srgb import Reals, to_light, to_srgb
 from breastrig.geometry.normals import face_normals, vertex_normals
 from breastrig.geometry.rays import RayCaster
 
 Picture: TypeAlias = NDArray[np.uint8]  # (H, W, 3), or (H, W, 4) without background
-Reals: TypeAlias = NDArray[np.floating[Any]]  # float32 where it is of each pixel
 Colour: TypeAlias = tuple[float, float, float]  # red green blue, 0 to 1, as on the screen (sRGB)
 
 NEUTRAL: Colour = (0.80, 0.78, 0.76)
@@ -199,7 +199,7 @@ class Scene:
         if len(wired):
             flattened = self._vertices[corners[:, wired].T] @ view.axes[:2].T
             base[wired] = _with_edges(base[wired], self._wire[faces[wired]], barycentric[wired], flattened / pixel)
-        colour[index, :3] = _to_screen(_to_light(base) * _light(n)[:, None])
+        colour[index, :3] = to_srgb(to_light(base) * _light(n)[:, None])
         colour[index, 3] = 1.0
         depth[index] = start - distances
         normal[index] = n
@@ -278,19 +278,8 @@ _LAB = np.array(
 )
 
 
-def _to_light(colours: Reals) -> Reals:
-    """sRGB to linear light (IEC 61966-2-1)."""
-    return np.where(colours <= 0.04045, colours / 12.92, ((np.maximum(colours, 0.0) + 0.055) / 1.055) ** 2.4)
-
-
-def _to_screen(light: Reals) -> Reals:
-    """Linear light to sRGB, cut at white."""
-    light = np.clip(light, 0.0, 1.0)
-    return np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
-
-
 def _from_oklab(lab: Array) -> Array:
-    return np.asarray(_to_screen((lab @ np.linalg.inv(_LAB).T) ** 3 @ np.linalg.inv(_LMS).T), dtype=np.float64)
+    return np.asarray(to_srgb((lab @ np.linalg.inv(_LAB).T) ** 3 @ np.linalg.inv(_LMS).T), dtype=np.float64)
 
 
 def _light(normals: Reals) -> Reals:

@@ -8,6 +8,7 @@ import numpy as np
 from PIL import Image
 
 from breastrig.core.arrays import Array
+from breastrig.core.srgb import rgb, to_light, to_srgb
 from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.rays import RayCaster
 from breastrig.rendering.picture import Camera, Colour, Layer, Line, Picture, Scene, camera
@@ -81,12 +82,12 @@ def jpeg(picture: Picture) -> bytes:
 
 def line_colour(color: str) -> Colour:
     """A line's own "#rrggbb", so dark that it shows on the grey scan, on paper too; INK where it has no hue."""
-    own = np.array([int(color[at : at + 2], 16) for at in (1, 3, 5)]) / 255.0
+    own = np.array(rgb(color)) / 255.0
     if np.ptp(own) < HUE:
         return INK
-    linear = np.where(own > 0.04045, ((own + 0.055) / 1.055) ** 2.4, own / 12.92)
+    linear = to_light(own)
     linear *= min(1.0, LIGHTEST / float(LUMINANCE @ linear))
-    red, green, blue = np.where(linear > 0.0031308, 1.055 * linear ** (1.0 / 2.4) - 0.055, 12.92 * linear)
+    red, green, blue = to_srgb(linear)
     return float(red), float(green), float(blue)
 
 

@@ -8,6 +8,7 @@ from numpy import uint8
 from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.core.srgb import to_srgb
 
 SEVERAL = "The scan has several textures and is shown without them."
 PARTLY_COLOURED = "Parts of this scan have no colour and are shown in grey."
@@ -85,6 +86,4 @@ def colour_bytes(values: Array, largest: float | None = None) -> NDArray[uint8]:
 def srgb_bytes(linear: NDArray[Any]) -> NDArray[uint8]:
     """(V, 3) sRGB of linear light: floats from 0 to 1, or whole numbers up to their maximum; an opacity is dropped."""
     full = 1.0 if linear.dtype.kind == "f" else float(np.iinfo(linear.dtype).max)
-    light = np.clip(np.nan_to_num(linear[:, :3].astype(np.float64) / full), 0.0, 1.0)
-    encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1.0 / 2.4) - 0.055)
-    return np.asarray(np.round(255.0 * encoded).astype(np.uint8))
+    return np.asarray(np.round(255.0 * to_srgb(np.nan_to_num(linear[:, :3] / full))).astype(np.uint8))

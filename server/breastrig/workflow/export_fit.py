@@ -4,9 +4,10 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.core.documents import json_bytes
+from breastrig.core.srgb import rgb
 from breastrig.gltf.lines.lines_glb import lines_glb
 from breastrig.report.files.exported import closed_model, vertex_sets
-from breastrig.report.files.line_files import obj_lines, ply_lines, rgb
+from breastrig.report.files.line_files import obj_lines, ply_lines
 from breastrig.report.files.surface_files import surface_ply, surface_stl
 from breastrig.workflow.folder.fit_folder import read_fit_folder
 from breastrig.workflow.report import laid_plan, planned_lines, stance_of, write_all

@@ -17,6 +17,7 @@ from breastrig.colour.ink import limits
 from breastrig.colour.ink.limits import OFF_PIXEL, ON_SKIN, WEAK, WIDTH
 from breastrig.colour.skin_texture import SkinPicture
 from breastrig.core.arrays import Array, Booleans, Integers, frozen
+from breastrig.core.srgb import to_light
 from breastrig.geometry.normals import unit_vectors
 
 Single = NDArray[np.float32]
@@ -65,13 +66,7 @@ def hue_of(density: NDArray[Real]) -> NDArray[Real]:
     return np.asarray(density[..., 0] - 0.5 * (density[..., 1] + density[..., 2]), dtype=density.dtype)
 
 
-def _density_table() -> Single:
-    value = np.arange(256) / 255.0
-    light = np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
-    return np.asarray(-np.log(np.maximum(light, DARKEST)), dtype=np.float32)
-
-
-DENSITY: Single = frozen(_density_table(), np.float32)
+DENSITY: Single = frozen(-np.log(np.maximum(to_light(np.arange(256) / 255.0), DARKEST)), np.float32)  # of sRGB bytes
 
 
 def ridge_points(picture: SkinPicture, own: Booleans) -> RidgePoints:

@@ -5,27 +5,17 @@ extras name the shape and keep its surface points' colour; the material is unlit
 """
 
 import numpy as np
+from pygltflib import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, Mesh, Primitive
 
 from breastrig.core.arrays import Array
-from breastrig.gltf.container import BufferWriter, append
-from breastrig.gltf.document import (
-    ARRAY_BUFFER,
-    ELEMENT_ARRAY_BUFFER,
-    Attributes,
-    Document,
-    Material,
-    Mesh,
-    Node,
-    PbrMetallicRoughness,
-    Primitive,
-)
+from breastrig.core.srgb import rgb
+from breastrig.gltf.container import UNLIT, BufferWriter, append, unlit
+from breastrig.gltf.document import Attributes, Document, Node
 from breastrig.gltf.lines.ribbon import Ribbon, exact_in, ribbons
 from breastrig.gltf.skinned import SkinnedNodes, as_float32
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
-
-UNLIT = "KHR_materials_unlit"
 
 
 def drawing_node(name: str) -> str:
@@ -99,16 +89,4 @@ def _ink(document: Document, color: str) -> int:
     for index, material in enumerate(document.materials):
         if material.name == name:
             return index
-    srgb = np.array([int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)])
-    linear = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
-    ink = Material(
-        name=name,
-        doubleSided=True,
-        pbrMetallicRoughness=PbrMetallicRoughness(
-            baseColorFactor=[*(round(float(value), 4) for value in linear), 1.0],
-            metallicFactor=0.0,
-            roughnessFactor=1.0,
-        ),
-        extensions={UNLIT: {}},
-    )
-    return append(document.materials, ink)
+    return append(document.materials, unlit(name, rgb(color), both_sides=True))

@@ -8,28 +8,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from pygltflib import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, LINE_LOOP, LINE_STRIP, POINTS, Mesh, Primitive
 
 from breastrig.core.arrays import Array
 from breastrig.core.single_precision import far_place
-from breastrig.gltf.container import BufferWriter, append, moved_to, new_document, to_glb
-from breastrig.gltf.document import (
-    ARRAY_BUFFER,
-    ELEMENT_ARRAY_BUFFER,
-    LINE_LOOP,
-    LINE_STRIP,
-    POINTS,
-    Attributes,
-    Document,
-    Material,
-    Mesh,
-    Node,
-    PbrMetallicRoughness,
-    Primitive,
-)
+from breastrig.gltf.container import UNLIT, BufferWriter, append, moved_to, new_document, to_glb, unlit
+from breastrig.gltf.document import Attributes, Document, Node
 from breastrig.gltf.skinned import as_float32
-
-UNLIT = "KHR_materials_unlit"
-
 
 Colour = tuple[int, int, int]  # red green blue of 0 to 255
 NamedLine = tuple[str, Array, bool, Colour]  # name, (M, 3) m, closed
@@ -60,7 +45,7 @@ def lines_glb(lines: Sequence[NamedLine], extras: dict[str, Any] | None = None, 
                 POSITION=buffer.add(as_float32(points - place), target=ARRAY_BUFFER, bounds=True),
             ),
             mode=mode,
-            material=_pen(document, colour),
+            material=append(document.materials, unlit("pen", colour)),
         )
         mesh = append(document.meshes, Mesh(name=name, primitives=[primitive]))
         document.scenes[0].nodes.append(append(document.nodes, Node(name=name, mesh=mesh, translation=moved_to(place))))
@@ -76,22 +61,10 @@ def _add_balls(document: Document, buffer: BufferWriter, balls: Sequence[Ball]) 
     attributes = Attributes(POSITION=buffer.add(as_float32(unit.vertices), target=ARRAY_BUFFER, bounds=True))
     indices = buffer.add(unit.faces.ravel().astype(np.uint16), target=ELEMENT_ARRAY_BUFFER)
     for ball in balls:
-        surface = Primitive(attributes=attributes, indices=indices, material=_pen(document, ball.color))
+        surface = Primitive(
+            attributes=attributes, indices=indices, material=append(document.materials, unlit("pen", ball.color))
+        )
         mesh = append(document.meshes, Mesh(name=ball.name, primitives=[surface]))
         place, size = [float(value) for value in ball.center], [ball.radius] * 3
         node = Node(name=ball.name, mesh=mesh, translation=place, scale=size, extras=ball.extras)
         document.scenes[0].nodes.append(append(document.nodes, node))
-
-
-def _pen(document: Document, colour: Colour) -> int:
-    light = [
-        level / 12.92 if level <= 0.04045 else ((level + 0.055) / 1.055) ** 2.4 for level in (c / 255 for c in colour)
-    ]
-    material = Material(
-        name="pen",
-        pbrMetallicRoughness=PbrMetallicRoughness(
-            baseColorFactor=[*(round(level, 5) for level in light), 1.0], metallicFactor=0.0, roughnessFactor=1.0
-        ),
-        extensions={UNLIT: {}},
-    )
-    return append(document.materials, material)

@@ -6,6 +6,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.notice import RESEARCH_USE_ONLY
+from breastrig.core.srgb import rgb
 from breastrig.geometry.polyline import Polyline
 
 
@@ -60,9 +61,3 @@ def edges_of(lines: Sequence[Polyline]) -> tuple[Array, Integers]:
         edges.append(count + line.edges)
         count += len(line)
     return points, np.concatenate(edges)
-
-
-def rgb(color: str) -> tuple[int, int, int]:
-    """0 to 255 of "#rrggbb"."""
-    red, green, blue = bytes.fromhex(color.removeprefix("#"))
-    return red, green, blue

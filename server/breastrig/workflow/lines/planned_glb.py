@@ -3,12 +3,12 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from breastrig.core.srgb import rgb
 from breastrig.drawings.drawing_file import lesions_on_scan, planned_on_scan
 from breastrig.drawings.lesions import COLOR
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.lines.lines_glb import Ball
 from breastrig.gltf.lines.with_lines import with_lines
-from breastrig.report.files.line_files import rgb
 
 SAID = ("id", "name", "radius_mm", "error_mm", "covariance_mm2", "depth_mm", "carried")  # of a lesion
 
