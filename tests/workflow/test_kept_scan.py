@@ -13,9 +13,9 @@ from breastrig.core.assets import asset_folder
 from breastrig.core.stances import AUTO
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
+from breastrig.workflow import kept_scan
 from breastrig.workflow.jobs import FitJob, ProposeJob, UploadJob
-from breastrig.workflow.kept import kept_scan
-from breastrig.workflow.kept.kept_scan import keeping, prepared_scan
+from breastrig.workflow.kept_scan import keeping, prepared_scan
 from breastrig.workflow.propose_on_scan import propose_on_file
 from breastrig.workflow.read_upload import read_upload
 from breastrig.workflow.run_fit import run_fit

@@ -29,10 +29,9 @@ from breastrig.scan.hand_cuts import HandCut, cut_triangles
 from breastrig.scan.read import read_scan
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
-from breastrig.workflow import scan_fit
+from breastrig.workflow import kept_scan, scan_fit
 from breastrig.workflow.events import Event
 from breastrig.workflow.jobs import FitJob, ProposeJob, UploadJob
-from breastrig.workflow.kept import kept_scan
 from breastrig.workflow.propose_on_scan import propose_on_file
 from breastrig.workflow.read_upload import read_upload
 from breastrig.workflow.run_fit import run_fit

@@ -17,7 +17,7 @@ from breastrig.scan.coloured_scan import coloured_scan
 from breastrig.scan.hand_cuts import without_hand_cuts
 from breastrig.scan.scan import Scan
 from breastrig.workflow.jobs import ProposeJob
-from breastrig.workflow.kept.kept_scan import prepared_scan
+from breastrig.workflow.kept_scan import prepared_scan
 
 
 def propose_on_scan(rig: Rig, scan: Scan, orientation: ScanOrientation | None = None) -> dict[str, Proposal]:

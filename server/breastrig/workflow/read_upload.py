@@ -21,7 +21,7 @@ from breastrig.scan.read import read_scan
 from breastrig.scan.stored_scan import write_stored
 from breastrig.scan.units import extent, size_doubt
 from breastrig.workflow.jobs import UploadJob
-from breastrig.workflow.kept.kept_scan import prepared_scan
+from breastrig.workflow.kept_scan import prepared_scan
 
 PIECES = 20  # the largest, at most so many, are reported to the page
 

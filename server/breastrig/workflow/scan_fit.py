@@ -39,7 +39,7 @@ from breastrig.scan.scan import Scan
 from breastrig.workflow.events import Started
 from breastrig.workflow.fit_start import with_earlier_start, with_stance, with_start
 from breastrig.workflow.jobs import DEFAULT, FIRST, FitJob, FitSettings
-from breastrig.workflow.kept.kept_scan import prepared_scan
+from breastrig.workflow.kept_scan import prepared_scan
 
 if TYPE_CHECKING:
     from breastrig.colour.features.observe import Observation

@@ -1,1 +1,0 @@
-"""What a process that serves one scan alone keeps between its tasks."""
