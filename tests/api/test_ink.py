@@ -12,7 +12,7 @@ from sqlalchemy import func, select
 from breastrig.service import scan_search as ink_search
 from breastrig.service.service import Service
 from breastrig.storage import schema
-from breastrig.storage.rows.ink import get_ink, put_ink
+from breastrig.storage.rows.searches import get_ink, put_ink
 
 
 @pytest.fixture

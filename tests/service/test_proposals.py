@@ -11,8 +11,8 @@ from helpers.waiting import PATIENCE_S, until
 from breastrig.core.errors import BreastRigError, FitFailed, NotFound
 from breastrig.execution.limits import UploadLimits
 from breastrig.service.scan_search import Proposals
-from breastrig.storage.rows.proposals import get_proposals
 from breastrig.storage.rows.scans import get_scan
+from breastrig.storage.rows.searches import get_proposals
 from breastrig.storage.storage import Storage
 
 FOUND = {

@@ -17,10 +17,9 @@ from breastrig.service.kept_models import KeptModels
 from breastrig.service.plans import Plans
 from breastrig.service.remembered import Remembered
 from breastrig.storage.files import fit_place
-from breastrig.storage.rows.cuts import Cuts, cuts_digest, get_cuts
 from breastrig.storage.rows.fits import FitRow, get_fit
 from breastrig.storage.rows.patients import PatientRow, get_patient, get_plan, patient_of_scan
-from breastrig.storage.rows.scans import get_scan
+from breastrig.storage.rows.scans import Cuts, cuts_digest, get_cuts, get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.jobs import ReportJob
 from breastrig.workflow.tasks import measures_json_of, report_pdf_of

@@ -23,10 +23,8 @@ from breastrig.core.errors import BadScan, BreastRigError, FitFailed, NotFound
 from breastrig.execution.executor import Executor
 from breastrig.scan.hand_cuts import are_cut
 from breastrig.storage.files import scan_place, upload_name
-from breastrig.storage.rows.cuts import cuts_digest, get_cuts
-from breastrig.storage.rows.ink import drop_ink, get_ink, put_ink
-from breastrig.storage.rows.proposals import get_proposals, put_proposals
-from breastrig.storage.rows.scans import Picks, ScanRow, get_landmarks, get_scan
+from breastrig.storage.rows.scans import Picks, ScanRow, cuts_digest, get_cuts, get_landmarks, get_scan
+from breastrig.storage.rows.searches import drop_ink, get_ink, get_proposals, put_ink, put_proposals
 from breastrig.storage.storage import Storage
 from breastrig.workflow.jobs import InkJob, ProposeJob
 from breastrig.workflow.tasks import find_ink_on_file, keeping
@@ -166,7 +164,7 @@ class InkSearch(ScanSearch):
         return None if found is None else self._with_cuts(scan.id, found)
 
     def mark_dropped(self, scan_id: str, dropped: Mapping[str, bool]) -> dict[str, Any]:
-        """The drawing after these lines were dropped, or are so no more; see storage/rows/ink.py for what it raises."""
+        """The drawing after these lines were dropped, or are so no more; raises as `drop_ink`."""
         return self._with_cuts(scan_id, drop_ink(self._storage, scan_id, dropped))
 
     def _with_cuts(self, scan_id: str, drawing: dict[str, Any]) -> dict[str, Any]:

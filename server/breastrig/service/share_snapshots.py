@@ -21,9 +21,8 @@ from breastrig.storage.deletion import discard, remove_files
 from breastrig.storage.file_journal import record_creation
 from breastrig.storage.files import fit_place, scan_place, share_place, upload_name
 from breastrig.storage.folders import new_id
-from breastrig.storage.rows.cuts import get_cuts
 from breastrig.storage.rows.fits import FitRow, get_fit
-from breastrig.storage.rows.scans import get_scan
+from breastrig.storage.rows.scans import get_cuts, get_scan
 from breastrig.storage.rows.shares import ShareRow, add_share, end_snapshots, get_share, replace_snapshot, revoke_share
 from breastrig.storage.storage import Storage, utc_now
 from breastrig.workflow.jobs import SnapshotJob

@@ -16,6 +16,7 @@ from breastrig.storage.file_journal import cancel_creations, clear_entries, pend
 from breastrig.storage.files import fit_place, scan_place
 from breastrig.storage.rows.fits import fit_ids, fits_of_scan
 from breastrig.storage.rows.patients import forget_scan
+from breastrig.storage.rows.queries import is_there
 from breastrig.storage.rows.scans import scan_ids
 from breastrig.storage.rows.shares import snapshot_places
 from breastrig.storage.storage import Storage, Unremoved
@@ -40,7 +41,7 @@ def delete_rows(storage: Storage, scan_id: str) -> list[str]:
     try:
         with storage.database.writing(durable=True) as connection:
             fits = _fits_of(connection, scan_id)
-            if _is_there(connection, scan_id):
+            if is_there(connection, schema.scans, scan_id):
                 record_removal(connection, scan_id, _places(connection, scan_id, fits))
                 cancel_creations(connection, scan_id)
                 _delete_fits(connection, fits)
@@ -155,10 +156,6 @@ def _delete_in_steps(storage: Storage, scan_id: str) -> list[str]:
         storage.using_reserve(partial(delete_fit, fit_id))
     storage.using_reserve(delete_rest)
     return fits
-
-
-def _is_there(connection: Connection, scan_id: str) -> bool:
-    return connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == scan_id)).first() is not None
 
 
 def _fits_of(connection: Connection, scan_id: str) -> list[str]:

@@ -7,6 +7,10 @@ changes the tables of older data folders; a test brings those of the first revis
 quick answers and is only ever written in the same transaction as the event.
 """
 
+import json
+from collections.abc import Callable
+from typing import Any
+
 from sqlalchemy import (
     Boolean,
     Column,
@@ -17,12 +21,32 @@ from sqlalchemy import (
     String,
     Table,
     Text,
+    TypeDecorator,
     UniqueConstraint,
     false,
     true,
 )
 
 metadata = MetaData()
+
+
+class Json(TypeDecorator[Any]):
+    """A value as one line of JSON; `kind` is what a list is read as."""
+
+    impl = Text
+    cache_ok = True
+
+    def __init__(self, kind: Callable[[Any], Any] | None = None) -> None:
+        super().__init__()
+        self.kind = kind
+
+    def process_bind_param(self, value: Any, dialect: Any) -> str | None:
+        return None if value is None else json.dumps(value, separators=(",", ":"))
+
+    def process_result_value(self, value: Any, dialect: Any) -> Any:
+        found = None if value is None else json.loads(value)
+        return found if self.kind is None else self.kind(found)
+
 
 scans = Table(
     "scans",
@@ -31,23 +55,23 @@ scans = Table(
     Column("created_at", String(32), nullable=False),  # ISO 8601, UTC
     Column("file_type", String(8), nullable=False),  # stored; of earlier versions ply, obj, stl, glb, zip
     Column("sha256", String(64), nullable=False),  # of the uploaded bytes
-    Column("facts", Text, nullable=False),  # JSON, what reading found
+    Column("facts", Json, nullable=False),  # what reading found: unit, counts, bounds, frame, stance, notes
 )
 
 landmarks = Table(
     "landmarks",
     metadata,
     Column("scan", String(32), ForeignKey("scans.id", ondelete="CASCADE"), primary_key=True),
-    Column("points_mm", Text, nullable=False),  # JSON, {name: [x, y, z]}, scan frame
-    Column("certain", Text, nullable=False, server_default="[]"),  # JSON, names among them
-    Column("confidence", Text, nullable=False, server_default="{}"),  # JSON, {name: 0 to 1} of proposed ones
+    Column("points_mm", Json, nullable=False),  # {name: [x, y, z]}, scan frame
+    Column("certain", Json(tuple), nullable=False, server_default="[]"),  # names among them
+    Column("confidence", Json, nullable=False, server_default="{}"),  # {name: 0 to 1} of proposed ones
 )
 
 cuts = Table(  # what a person has cut out of the scan; it stays whole itself
     "cuts",
     metadata,
     Column("scan", String(32), ForeignKey("scans.id", ondelete="CASCADE"), primary_key=True),
-    Column("json", Text, nullable=False),  # [{to_picture, lasso}], see scan/hand_cuts.py
+    Column("json", Json(tuple), nullable=False),  # [{to_picture, lasso}], see scan/hand_cuts.py
 )
 
 proposals = Table(
@@ -55,15 +79,15 @@ proposals = Table(
     metadata,
     Column("scan", String(32), ForeignKey("scans.id", ondelete="CASCADE"), primary_key=True),
     Column("model_sha256", String(64), nullable=False),  # of the model that proposed, and the cuts
-    Column("json", Text, nullable=False),  # {name: {point, confidence, on_scan, error_mm}}, mm, scan frame
+    Column("json", Json, nullable=False),  # {name: {point, confidence, on_scan, error_mm}}, mm, scan frame
 )
 
 ink = Table(
     "ink",
     metadata,
     Column("scan", String(32), ForeignKey("scans.id", ondelete="CASCADE"), primary_key=True),
-    Column("json", Text, nullable=False),  # breastrig/drawing@1, mm, scan frame
-    Column("dropped", Text, nullable=False, server_default="[]"),  # JSON, names of shapes that are none of the plan
+    Column("json", Json, nullable=False),  # breastrig/drawing@1, mm, scan frame
+    Column("dropped", Json(set), nullable=False, server_default="[]"),  # names of shapes that are none of the plan
 )
 
 patients = Table(  # a woman under a code, never a name; one without scans is not kept
@@ -74,7 +98,7 @@ patients = Table(  # a woman under a code, never a name; one without scans is no
     Column("code", String(60), nullable=False, server_default=""),
     Column("created_at", String(32), nullable=False),  # ISO 8601, UTC
     Column("version", Integer, nullable=False, server_default="0"),  # of her plan; 0 before the first item
-    Column("code_key", Text, nullable=False, server_default="1"),  # what the code is sorted by, see sorting
+    Column("code_key", Text, nullable=False, server_default="1"),  # what the code is sorted by, see rows/patients.py
 )
 
 scans_of_patients = Table(
@@ -90,7 +114,7 @@ plans = Table(  # what the surgeon wants on her skin: the plan as it is, and as 
     Column("position", Integer, primary_key=True, autoincrement=True),
     Column("patient", String(32), ForeignKey("patients.id", ondelete="CASCADE"), nullable=False),
     Column("version", Integer, nullable=False),
-    Column("json", Text, nullable=False),  # breastrig/plan@1
+    Column("json", Json, nullable=False),  # breastrig/plan@1
     UniqueConstraint("patient", "version"),
 )
 
@@ -103,13 +127,13 @@ fits = Table(
     Column("created_at", String(32), nullable=False),
     Column("state", String(16), nullable=False, index=True),  # queued, running, done, failed, cancelled
     Column("stance", String(16), nullable=False),  # the decided one, once the fit has started
-    Column("asked_stance", String(16)),  # null in rows of older versions
+    Column("asked_stance", String(16)),
     Column("preset", String(100), nullable=False),
     Column("drawing", Text),  # as it was asked for, see drawings/patterns.py
-    Column("landmarks_mm", Text, nullable=False),  # JSON, as they were when the fit was asked for
-    Column("certain", Text, nullable=False, server_default="[]"),  # JSON, names among them
-    Column("confidence", Text, nullable=False, server_default="{}"),  # JSON, {name: 0 to 1} of proposed ones
-    Column("cuts", Text, nullable=False, server_default="[]"),  # JSON, the scan's, as they were then
+    Column("landmarks_mm", Json, nullable=False),  # as they were when the fit was asked for
+    Column("certain", Json(tuple), nullable=False, server_default="[]"),  # names among them
+    Column("confidence", Json, nullable=False, server_default="{}"),  # {name: 0 to 1} of proposed ones
+    Column("cuts", Json(tuple), nullable=False, server_default="[]"),  # the scan's, as they were then
     Column("refine", Boolean, nullable=False, server_default=false()),
     Column("start_from", String(32)),  # an earlier fit of the same scan, whose last pose this one goes on from
     Column("partner", String(32)),  # the fit of the other stance, when both are fitted together
@@ -117,7 +141,7 @@ fits = Table(
     Column("attempt", Integer, nullable=False, server_default="0"),  # how often a worker has started it
     Column("last_event", Integer, nullable=False, default=0),
     Column("iterations", Integer, nullable=False, default=0),
-    Column("numbers", Text),  # JSON, the last iterated event without its nodes
+    Column("numbers", Json),  # the last iterated event without its nodes
     Column("reason", Text),
     Column("verdict", String(16)),  # good, uncalibrated, check, unusable; null before the end
 )

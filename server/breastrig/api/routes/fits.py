@@ -19,10 +19,9 @@ from breastrig.api.wire import common as wire
 from breastrig.core.errors import BadScan, BadSettings, Conflict, NotFound, unknown_name
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.fitting.presets.preset_files import preset_names
-from breastrig.storage.rows.cuts import cuts_digest, get_cuts
 from breastrig.storage.rows.events import events_of_kind
 from breastrig.storage.rows.fits import FitRow, NewFit, Once, fits_page, get_fit, queue_positions
-from breastrig.storage.rows.scans import Picks, ScanRow, get_landmarks, get_scan
+from breastrig.storage.rows.scans import Picks, ScanRow, cuts_digest, get_cuts, get_landmarks, get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.events import Iterated
 

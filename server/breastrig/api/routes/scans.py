@@ -17,15 +17,18 @@ from breastrig.core.errors import NotFound
 from breastrig.scan.file_type import ENDINGS
 from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES
 from breastrig.storage.files import MESH, THUMBNAIL, scan_place
-from breastrig.storage.rows.cuts import Cuts, cuts_digest, get_cuts, put_cuts
 from breastrig.storage.rows.patients import PatientRow, patients_of_scans
+from breastrig.storage.rows.queries import no_such_scan
 from breastrig.storage.rows.scans import (
+    Cuts,
     Picks,
     ScanRow,
+    cuts_digest,
+    get_cuts,
     get_landmarks,
     get_scan,
-    no_such_scan,
     picks_digest,
+    put_cuts,
     put_landmarks,
     scans_page,
 )

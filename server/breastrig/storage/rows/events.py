@@ -90,7 +90,7 @@ def _changes(event: dict[str, Any]) -> dict[str, Any]:
             return {"stance": event["stance"]}
         case "iterated":
             numbers = {key: value for key, value in event.items() if key not in ("kind", "nodes")}
-            return {"iterations": schema.fits.c.iterations + 1, "numbers": json.dumps(numbers)}
+            return {"iterations": schema.fits.c.iterations + 1, "numbers": numbers}
         case "done":
             verdict = event.get("result", {}).get("verdict") or {}
             return {"state": "done", "verdict": verdict.get("level")}

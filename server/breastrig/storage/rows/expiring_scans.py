@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from sqlalchemy import delete, insert, or_, select
 
 from breastrig.storage import schema
+from breastrig.storage.rows.queries import is_there, value_of
 from breastrig.storage.storage import Storage
 
 TABLE = schema.expiring_scans
@@ -30,7 +31,7 @@ def aged_scans(storage: Storage, created_until: str) -> list[AgedScan]:
         .order_by(scans.created_at)
     )
     with storage.database.reading() as connection:
-        return [AgedScan(row.id, row.created_at, row.announced_at) for row in connection.execute(query)]
+        return [value_of(AgedScan, row) for row in connection.execute(query)]
 
 
 def announce(storage: Storage, scan_ids: Iterable[str], now: str) -> None:
@@ -38,8 +39,7 @@ def announce(storage: Storage, scan_ids: Iterable[str], now: str) -> None:
     with storage.database.writing() as connection:
         for scan_id in scan_ids:
             connection.execute(delete(TABLE).where(TABLE.c.scan == scan_id))
-            scan = select(schema.scans.c.id).where(schema.scans.c.id == scan_id)
-            if connection.execute(scan).first() is not None:
+            if is_there(connection, schema.scans, scan_id):
                 connection.execute(insert(TABLE).values(scan=scan_id, announced_at=now))
 
 

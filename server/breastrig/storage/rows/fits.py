@@ -1,20 +1,18 @@
 """Rows of fits.  The table is also the queue: the oldest queued row is the next to run."""
 
 import hashlib
-import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, Row, bindparam, case, func, insert, or_, select, update
+from sqlalchemy import ColumnElement, Connection, bindparam, case, func, insert, or_, select, update
 
 from breastrig.core.errors import BadInput, NotFound
 from breastrig.storage import schema
 from breastrig.storage.file_journal import clear_entries
 from breastrig.storage.files import fit_place
-from breastrig.storage.rows.cuts import Cuts, cuts_text
-from breastrig.storage.rows.paging import newest_first
-from breastrig.storage.rows.scans import Points
+from breastrig.storage.rows.queries import check_scan, newest_first, value_of
+from breastrig.storage.rows.scans import Cuts, Points
 from breastrig.storage.storage import Storage
 
 STATES = ("queued", "running", "done", "failed", "cancelled")
@@ -94,17 +92,12 @@ def add_fits(storage: Storage, created_at: str, new_fits: dict[str, NewFit], onc
             if made is not None:
                 return made
         for fit_id, new_fit in new_fits.items():
-            if connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == new_fit.scan)).first() is None:
-                raise NotFound("There is no such scan; it may have been deleted.")
+            check_scan(connection, new_fit.scan)
             place = connection.execute(select(func.coalesce(func.max(schema.fits.c.place), 0) + 1)).scalar_one()
             partner = others[0] if others and fit_id == first else first
             values = {
                 **asdict(new_fit),
                 "asked_stance": new_fit.stance,
-                "landmarks_mm": json.dumps(new_fit.landmarks_mm),
-                "certain": json.dumps(new_fit.certain),
-                "confidence": json.dumps(new_fit.confidence),
-                "cuts": cuts_text(new_fit.cuts),
                 "id": fit_id,
                 "partner": partner if others else None,
                 "leads": fit_id == first,
@@ -137,7 +130,7 @@ def get_fit(storage: Storage, fit_id: str) -> FitRow:
         row = connection.execute(ONE, {"fit_id": fit_id}).one_or_none()
     if row is None:
         raise NotFound("There is no such fit; it may have been deleted.")
-    return _fit_row(row)
+    return value_of(FitRow, row)
 
 
 def claim_fit(storage: Storage, fit_id: str) -> FitRow | None:
@@ -157,7 +150,7 @@ def claim_fit(storage: Storage, fit_id: str) -> FitRow | None:
         )
         if claimed.rowcount == 0:
             return None
-        return _fit_row(connection.execute(select(table).where(table.c.id == fit_id)).one())
+        return value_of(FitRow, connection.execute(select(table).where(table.c.id == fit_id)).one())
 
 
 def put_back(storage: Storage) -> int:
@@ -242,7 +235,7 @@ def fits_page(
     table = schema.fits
     query = select(table) if scan_id is None else select(table).where(table.c.scan == scan_id)
     rows, more = newest_first(storage, query, table.c.place, limit, before)
-    return [_fit_row(row) for row in rows], more
+    return [value_of(FitRow, row) for row in rows], more
 
 
 def newest_done(storage: Storage, scan_id: str) -> FitRow | None:
@@ -251,7 +244,7 @@ def newest_done(storage: Storage, scan_id: str) -> FitRow | None:
     chosen = select(table).where(table.c.scan == scan_id, table.c.state == "done").order_by(table.c.place.desc())
     with storage.database.reading() as connection:
         row = connection.execute(chosen.limit(1)).one_or_none()
-    return None if row is None else _fit_row(row)
+    return None if row is None else value_of(FitRow, row)
 
 
 def newest_fits(storage: Storage, scan_ids: Sequence[str]) -> dict[str, FitRow]:
@@ -260,36 +253,9 @@ def newest_fits(storage: Storage, scan_ids: Sequence[str]) -> dict[str, FitRow]:
     last = select(func.max(table.c.place)).where(table.c.scan.in_(scan_ids)).group_by(table.c.scan)
     with storage.database.reading() as connection:
         rows = connection.execute(select(table).where(table.c.place.in_(last)))
-        return {row.scan: _fit_row(row) for row in rows}
+        return {row.scan: value_of(FitRow, row) for row in rows}
 
 
 def fit_ids(storage: Storage) -> set[str]:
     with storage.database.reading() as connection:
         return set(connection.execute(select(schema.fits.c.id)).scalars())
-
-
-def _fit_row(row: Row[Any]) -> FitRow:
-    return FitRow(
-        id=row.id,
-        partner=row.partner,
-        leads=row.leads,
-        scan=row.scan,
-        created_at=row.created_at,
-        state=row.state,
-        attempt=row.attempt,
-        stance=row.stance,
-        asked_stance=row.asked_stance or row.stance,
-        preset=row.preset,
-        drawing=row.drawing,
-        landmarks_mm=json.loads(row.landmarks_mm),
-        certain=tuple(json.loads(row.certain)),
-        confidence=json.loads(row.confidence),
-        cuts=tuple(json.loads(row.cuts)),
-        refine=row.refine,
-        start_from=row.start_from,
-        last_event=row.last_event,
-        iterations=row.iterations,
-        numbers=None if row.numbers is None else json.loads(row.numbers),
-        reason=row.reason,
-        verdict=row.verdict,
-    )

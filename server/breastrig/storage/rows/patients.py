@@ -4,18 +4,17 @@ Every scan is of one patient; a patient goes with her last scan.  A plan is repl
 one that is there: each has a version, and earlier ones are kept for undoing.
 """
 
-import json
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from sqlalchemy import ColumnElement, Connection, Row, delete, exists, func, insert, select, update
+from sqlalchemy import ColumnElement, Connection, delete, exists, func, insert, select, update
 
 from breastrig.core.errors import NotFound
 from breastrig.core.identity import random_code
 from breastrig.storage import schema
-from breastrig.storage.rows.paging import by_key, newest_first
-from breastrig.storage.rows.sorting import code_key
+from breastrig.storage.rows.queries import by_key, is_there, newest_first, no_such_scan, value_of
 from breastrig.storage.storage import Storage, utc_now
 
 VERSIONS = 50  # of a plan that are kept; nobody undoes more
@@ -40,13 +39,20 @@ class PlanRow:
     written_at: str = ""  # ISO 8601, UTC; empty in plans of earlier versions
 
 
+def code_key(code: str) -> str:
+    """What codes are sorted by, on every database the same: numbers in them by their value, those without one last."""
+    if code == "":
+        return "1"
+    return "0" + re.sub(r"[0-9]+", lambda found: f"{len(found[0].lstrip('0')):02}{found[0].lstrip('0')}", code.lower())
+
+
 def put_scan(connection: Connection, scan_id: str, patient_id: str | None, new_id: str, now: str) -> None:
     """Says whose scan it is: that patient's, or one who is new with it.  Raises NotFound."""
     if patient_id is None:
         code = _new_code(connection)
         new = insert(schema.patients).values(id=new_id, created_at=now, code=code, code_key=code_key(code))
         connection.execute(new)
-    elif not _is_there(connection, patient_id):
+    elif not is_there(connection, schema.patients, patient_id):
         raise _no_patient()
     patient = new_id if patient_id is None else patient_id
     connection.execute(insert(schema.scans_of_patients).values(scan=scan_id, patient=patient))
@@ -57,7 +63,7 @@ def move_scan(storage: Storage, scan_id: str, patient_id: str) -> None:
     table = schema.scans_of_patients
     with storage.database.writing(durable=True) as connection:
         before = _patient_of(connection, scan_id)
-        if not _is_there(connection, patient_id):
+        if not is_there(connection, schema.patients, patient_id):
             raise _no_patient()
         if before == patient_id:
             return
@@ -81,7 +87,7 @@ def scans_of_patient(storage: Storage, patient_id: str) -> list[str]:
     """Ids, the first that came first.  Raises NotFound."""
     table, scans = schema.scans_of_patients, schema.scans
     with storage.database.reading() as connection:
-        if not _is_there(connection, patient_id):
+        if not is_there(connection, schema.patients, patient_id):
             raise _no_patient()
         chosen = select(table.c.scan).join(scans, scans.c.id == table.c.scan).where(table.c.patient == patient_id)
         return list(connection.execute(chosen.order_by(scans.c.created_at, scans.c.id)).scalars())
@@ -105,7 +111,7 @@ def get_patient(storage: Storage, patient_id: str) -> PatientRow:
         row = connection.execute(select(table).where(table.c.id == patient_id)).one_or_none()
     if row is None:
         raise _no_patient()
-    return _patient_row(row)
+    return value_of(PatientRow, row)
 
 
 def patients_of_scans(storage: Storage, scan_ids: Sequence[str]) -> dict[str, PatientRow]:
@@ -113,7 +119,7 @@ def patients_of_scans(storage: Storage, scan_ids: Sequence[str]) -> dict[str, Pa
     table, of = schema.patients, schema.scans_of_patients
     query = select(of.c.scan, table).join(table, table.c.id == of.c.patient).where(of.c.scan.in_(scan_ids))
     with storage.database.reading() as connection:
-        return {row.scan: _patient_row(row) for row in connection.execute(query)}
+        return {row.scan: value_of(PatientRow, row) for row in connection.execute(query)}
 
 
 def patients_page(
@@ -130,11 +136,7 @@ def patients_page(
     else:
         key = table.c.code_key if sort == "code" else _first_scan_at()
         rows, more = by_key(storage, query, key, table.c.position, limit, last)
-    return [_patient_row(row) for row in rows], more
-
-
-def _patient_row(row: Row[Any]) -> PatientRow:
-    return PatientRow(row.id, row.code, row.created_at, row.version)
+    return [value_of(PatientRow, row) for row in rows], more
 
 
 def _first_scan_at() -> ColumnElement[str]:
@@ -158,21 +160,21 @@ def get_plan(storage: Storage, patient_id: str, version: int | None = None) -> P
     """The plan as it is, or as it was in a version that is still kept; empty before the first.  Raises NotFound."""
     table = schema.plans
     with storage.database.reading() as connection:
-        if not _is_there(connection, patient_id):
+        if not is_there(connection, schema.patients, patient_id):
             raise _no_patient()
         if version is None:
             return _plan(connection, patient_id)
         chosen = select(table.c.json).where(table.c.patient == patient_id, table.c.version == version)
-        text = connection.execute(chosen).scalar_one_or_none()
-    if text is None:
+        document = connection.execute(chosen).scalar_one_or_none()
+    if document is None:
         raise NotFound("This version of the plan is not kept any more.")
-    return _plan_row(version, text)
+    return _plan_row(version, document)
 
 
 def put_plan(storage: Storage, patient_id: str, items: Sequence[Document], seen: int) -> PlanRow | None:
     """Replaces the plan that has the version `seen`; None when another one is there by now.  Raises NotFound."""
     with storage.database.writing(durable=True) as connection:
-        if not _is_there(connection, patient_id):
+        if not is_there(connection, schema.patients, patient_id):
             raise _no_patient()
         if _version(connection, patient_id) != seen:
             return None
@@ -210,7 +212,7 @@ def _forget_scan(connection: Connection, patient_id: str, scan_id: str) -> None:
         plan = _plan_row(row.version, row.json)
         kept = [item for item in plan.items if item.get("scan") != scan_id]
         if len(kept) != len(plan.items):
-            changed = _text(kept, plan.is_whole, plan.written_at)
+            changed = _document(kept, plan.is_whole, plan.written_at)
             connection.execute(update(plans).where(plans.c.position == row.position).values(json=changed))
     after = _plan(connection, patient_id)
     if after != before:  # who has seen the one before must not write it again
@@ -220,7 +222,7 @@ def _forget_scan(connection: Connection, patient_id: str, scan_id: str) -> None:
 def _write(connection: Connection, patient_id: str, items: Sequence[Document], is_whole: bool) -> PlanRow:
     plans, patients = schema.plans, schema.patients
     version, now = _version(connection, patient_id) + 1, utc_now()
-    connection.execute(insert(plans).values(patient=patient_id, version=version, json=_text(items, is_whole, now)))
+    connection.execute(insert(plans).values(patient=patient_id, version=version, json=_document(items, is_whole, now)))
     connection.execute(update(patients).where(patients.c.id == patient_id).values(version=version))
     old = plans.c.version <= version - VERSIONS
     connection.execute(delete(plans).where(plans.c.patient == patient_id, old))
@@ -234,8 +236,7 @@ def _plan(connection: Connection, patient_id: str) -> PlanRow:
     return PlanRow(0) if row is None else _plan_row(row.version, row.json)
 
 
-def _plan_row(version: int, text: str) -> PlanRow:
-    plan = json.loads(text)
+def _plan_row(version: int, plan: Document) -> PlanRow:
     return PlanRow(version, tuple(plan["items"]), plan.get("whole", False), plan.get("written_at", ""))
 
 
@@ -248,10 +249,9 @@ def _renamed(item: Document, taken: set[str]) -> Document:
     return item
 
 
-def _text(items: Sequence[Document], is_whole: bool, written_at: str) -> str:
+def _document(items: Sequence[Document], is_whole: bool, written_at: str) -> Document:
     kept = {"items": list(items), "whole": is_whole, "written_at": written_at}
-    plan = {"schema": "breastrig/plan@1", "unit": "mm"} | kept
-    return json.dumps(plan, separators=(",", ":"))
+    return {"schema": "breastrig/plan@1", "unit": "mm"} | kept
 
 
 def _version(connection: Connection, patient_id: str) -> int:
@@ -272,12 +272,8 @@ def _patient_of(connection: Connection, scan_id: str) -> str:
     table = schema.scans_of_patients
     patient = connection.execute(select(table.c.patient).where(table.c.scan == scan_id)).scalar_one_or_none()
     if patient is None:
-        raise NotFound("There is no such scan; it may have been deleted.")
+        raise no_such_scan()
     return str(patient)
-
-
-def _is_there(connection: Connection, patient_id: str) -> bool:
-    return bool(connection.execute(select(exists().where(schema.patients.c.id == patient_id))).scalar_one())
 
 
 def _no_patient() -> NotFound:

@@ -1,4 +1,4 @@
-"""Rows of scans and of their landmarks."""
+"""Rows of scans, of their landmarks, and of what a person has cut out of them."""
 
 import hashlib
 import json
@@ -6,17 +6,18 @@ from collections.abc import Collection, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from sqlalchemy import Row, delete, insert, select, tuple_
+from sqlalchemy import Connection, delete, insert, select, tuple_
 
-from breastrig.core.errors import NotFound
 from breastrig.storage import schema
 from breastrig.storage.file_journal import clear_entries
 from breastrig.storage.files import scan_place
 from breastrig.storage.folders import new_id
 from breastrig.storage.rows.patients import put_scan
+from breastrig.storage.rows.queries import check_scan, no_such_scan, value_of
 from breastrig.storage.storage import Storage
 
 Points = dict[str, list[float]]  # landmark name -> x, y, z in mm, scan frame
+Cuts = tuple[dict[str, Any], ...]  # {to_picture, lasso}, see scan/hand_cuts.py
 
 
 @dataclass(frozen=True)
@@ -40,14 +41,7 @@ class ScanRow:
 def add_scan(storage: Storage, row: ScanRow, patient: str | None = None) -> None:
     """Its files have been kept; it is of that patient, or of a new one.  Raises NotFound when she is gone."""
     with storage.database.writing() as connection:
-        values = {
-            "id": row.id,
-            "created_at": row.created_at,
-            "file_type": row.file_type,
-            "sha256": row.sha256,
-            "facts": json.dumps(row.facts),
-        }
-        connection.execute(insert(schema.scans).values(values))
+        connection.execute(insert(schema.scans).values(asdict(row)))
         put_scan(connection, row.id, patient, new_id(), row.created_at)
         clear_entries(connection, [scan_place(row.id)])
 
@@ -58,7 +52,7 @@ def get_scan(storage: Storage, scan_id: str) -> ScanRow:
         row = connection.execute(select(schema.scans).where(schema.scans.c.id == scan_id)).one_or_none()
     if row is None:
         raise no_such_scan()
-    return _scan_row(row)
+    return value_of(ScanRow, row)
 
 
 def are_kept(storage: Storage, ids: Collection[str]) -> bool:
@@ -73,7 +67,7 @@ def get_scans(storage: Storage, ids: Sequence[str]) -> list[ScanRow]:
     table = schema.scans
     with storage.database.reading() as connection:
         rows = connection.execute(select(table).where(table.c.id.in_(ids)).order_by(table.c.created_at, table.c.id))
-        return [_scan_row(row) for row in rows]
+        return [value_of(ScanRow, row) for row in rows]
 
 
 def scans_page(
@@ -85,16 +79,8 @@ def scans_page(
     if last is not None:
         query = query.where(tuple_(table.c.created_at, table.c.id) < last)
     with storage.database.reading() as connection:
-        rows = [_scan_row(row) for row in connection.execute(query)]
+        rows = [value_of(ScanRow, row) for row in connection.execute(query)]
     return rows[:limit], (rows[limit - 1].created_at, rows[limit - 1].id) if len(rows) > limit else None
-
-
-def no_such_scan() -> NotFound:
-    return NotFound("There is no such scan; it may have been deleted.")
-
-
-def _scan_row(row: Row[Any]) -> ScanRow:
-    return ScanRow(row.id, row.created_at, row.file_type, row.sha256, json.loads(row.facts))
 
 
 def scan_ids(storage: Storage) -> set[str]:
@@ -112,16 +98,13 @@ def scans_before(storage: Storage, moment: str) -> list[str]:
 
 def get_landmarks(storage: Storage, scan_id: str) -> Picks:
     """Empty when none were stored."""
-    table = schema.landmarks
     with storage.database.reading() as connection:
-        row = connection.execute(select(table).where(table.c.scan == scan_id)).one_or_none()
-    return _picks(row)
+        return _picks(connection, scan_id)
 
 
-def _picks(row: Row[Any] | None) -> Picks:
-    if row is None:
-        return Picks({})
-    return Picks(json.loads(row.points_mm), tuple(json.loads(row.certain)), json.loads(row.confidence))
+def _picks(connection: Connection, scan_id: str) -> Picks:
+    row = connection.execute(select(schema.landmarks).where(schema.landmarks.c.scan == scan_id)).one_or_none()
+    return Picks({}) if row is None else value_of(Picks, row)
 
 
 def put_landmarks(storage: Storage, scan_id: str, picks: Picks, seen: str | None = None) -> bool:
@@ -130,16 +113,12 @@ def put_landmarks(storage: Storage, scan_id: str, picks: Picks, seen: str | None
     Raises NotFound when the scan is gone.
     """
     table = schema.landmarks
-    values = {name: json.dumps(value) for name, value in asdict(picks).items()}
     with storage.database.writing() as connection:
-        if connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == scan_id)).first() is None:
-            raise no_such_scan()
-        if seen is not None:
-            row = connection.execute(select(table).where(table.c.scan == scan_id)).one_or_none()
-            if seen != picks_digest(_picks(row)):
-                return False
+        check_scan(connection, scan_id)
+        if seen is not None and seen != picks_digest(_picks(connection, scan_id)):
+            return False
         connection.execute(delete(table).where(table.c.scan == scan_id))
-        connection.execute(insert(table).values(scan=scan_id, **values))
+        connection.execute(insert(table).values(scan=scan_id, **asdict(picks)))
     return True
 
 
@@ -150,3 +129,33 @@ def picks_digest(picks: Picks) -> str:
     points = {name: [float(value) for value in point] for name, point in picks.points_mm.items()}
     text = json.dumps([points, sorted(picks.certain), picks.confidence], separators=(",", ":"), sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def get_cuts(storage: Storage, scan_id: str) -> Cuts:
+    """The first that was made first; none where nothing was cut."""
+    with storage.database.reading() as connection:
+        return _cuts(connection, scan_id)
+
+
+def _cuts(connection: Connection, scan_id: str) -> Cuts:
+    query = select(schema.cuts.c.json).where(schema.cuts.c.scan == scan_id)
+    return connection.execute(query).scalar_one_or_none() or ()
+
+
+def put_cuts(storage: Storage, scan_id: str, cuts: Cuts, seen: str | None = None) -> bool:
+    """The same of cuts."""
+    table = schema.cuts
+    with storage.database.writing() as connection:
+        check_scan(connection, scan_id)
+        if seen is not None and seen != cuts_digest(_cuts(connection, scan_id)):
+            return False
+        connection.execute(delete(table).where(table.c.scan == scan_id))
+        if cuts:
+            connection.execute(insert(table).values(scan=scan_id, json=cuts))
+    return True
+
+
+def cuts_digest(cuts: Sequence[dict[str, Any]]) -> str:
+    """The same for the same cuts; empty where nothing was cut."""
+    text = json.dumps(cuts, separators=(",", ":"), sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:16] if cuts else ""

@@ -5,15 +5,15 @@ over the share's id: neither can be got back, and what belongs to one share is n
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
-from sqlalchemy import ColumnElement, Connection, Row, Select, and_, func, insert, or_, select, true, update
+from sqlalchemy import ColumnElement, Connection, Select, and_, func, insert, or_, select, true, update
 
 from breastrig.core.errors import Conflict, NotFound
 from breastrig.storage import schema
 from breastrig.storage.file_journal import clear_entries, record_removal
 from breastrig.storage.files import share_place
-from breastrig.storage.rows.paging import newest_first
+from breastrig.storage.rows.queries import is_there, newest_first, value_of
 from breastrig.storage.storage import Storage
 
 
@@ -47,21 +47,10 @@ class ShareRow:
 def add_share(storage: Storage, share: ShareRow, token_sha256: str) -> None:
     """The files of its snapshot are kept from then on.  Raises NotFound when the fit is gone."""
     with storage.database.writing() as connection:
-        if connection.execute(select(schema.fits.c.id).where(schema.fits.c.id == share.fit)).first() is None:
+        if not is_there(connection, schema.fits, share.fit):
             raise NotFound("There is no such fit; it may have been deleted.")
-        values = {
-            "id": share.id,
-            "fit": share.fit,
-            "token_sha256": token_sha256,
-            "created_at": share.created_at,
-            "expires_at": share.expires_at,
-            "scan": share.scan,
-            "passcode_hash": share.passcode_hash,
-            "notes": share.notes,
-            "snapshot": share.snapshot,
-            "snapshot_at": share.snapshot_at,
-        }
-        connection.execute(insert(schema.shares).values(values))
+        values = {name: value for name, value in asdict(share).items() if name in schema.shares.c}
+        connection.execute(insert(schema.shares).values(token_sha256=token_sha256, **values))
         clear_entries(connection, _places([share.snapshot]))
 
 
@@ -82,7 +71,7 @@ def shares_page(storage: Storage, fit_id: str, limit: int, before: int | None) -
     """Shares of a fit, the newest first, and where the next page goes on (None: there is none)."""
     table = schema.shares
     rows, more = newest_first(storage, _query().where(table.c.fit == fit_id), table.c.position, limit, before)
-    return [_share_row(row) for row in rows], more
+    return [value_of(ShareRow, row) for row in rows], more
 
 
 def replace_snapshot(storage: Storage, share: ShareRow, scan_id: str, snapshot: str, now: str) -> None:
@@ -215,7 +204,9 @@ def openings_of(storage: Storage, share_id: str, limit: int) -> list[str]:
 def _query() -> Select[tuple[object, ...]]:
     opened = schema.openings.c
     return (
-        select(schema.shares, func.count(opened.id).label("openings"), func.max(opened.opened_at).label("last"))
+        select(
+            schema.shares, func.count(opened.id).label("openings"), func.max(opened.opened_at).label("last_opened_at")
+        )
         .outerjoin(schema.openings, opened.share == schema.shares.c.id)
         .group_by(schema.shares.c.position)
     )
@@ -224,24 +215,4 @@ def _query() -> Select[tuple[object, ...]]:
 def _one(storage: Storage, query: Select[tuple[object, ...]]) -> ShareRow | None:
     with storage.database.reading() as connection:
         row = connection.execute(query).one_or_none()
-    return None if row is None else _share_row(row)
-
-
-def _share_row(row: Row[tuple[object, ...]]) -> ShareRow:
-    return ShareRow(
-        id=row.id,
-        fit=row.fit,
-        created_at=row.created_at,
-        expires_at=row.expires_at,
-        scan=row.scan,
-        passcode_hash=row.passcode_hash,
-        snapshot=row.snapshot,
-        snapshot_at=row.snapshot_at,
-        notes=row.notes,
-        revoked_at=row.revoked_at,
-        openings=row.openings,
-        last_opened_at=row.last,
-        wrong_passcodes=row.wrong_passcodes,
-        last_wrong_at=row.last_wrong_at,
-        forgiven_passcodes=row.forgiven_passcodes,
-    )
+    return None if row is None else value_of(ShareRow, row)

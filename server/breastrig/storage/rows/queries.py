@@ -1,13 +1,37 @@
-"""Rows page by page, the newest first or by a key.
+"""What the modules of rows share: rows as values, and rows page by page, the newest first or by a key.
 
 A page is found by the last row before it, its number and its key, so rows may come and go meanwhile.
 """
 
-from typing import Any
+from dataclasses import fields
+from typing import Any, TypeVar
 
-from sqlalchemy import ColumnElement, Row, Select, and_, or_
+from sqlalchemy import ColumnElement, Connection, Row, Select, Table, and_, or_, select
 
+from breastrig.core.errors import NotFound
+from breastrig.storage import schema
 from breastrig.storage.storage import Storage
+
+Value = TypeVar("Value")
+
+
+def value_of(kind: type[Value], row: Any) -> Value:
+    """The row as a dataclass whose fields are among its columns."""
+    return kind(**{field.name: row._mapping[field.name] for field in fields(kind)})  # type: ignore[arg-type]
+
+
+def is_there(connection: Connection, table: Table, row_id: str) -> bool:
+    return connection.execute(select(table.c.id).where(table.c.id == row_id)).first() is not None
+
+
+def check_scan(connection: Connection, scan_id: str) -> None:
+    """Raises NotFound when there is none."""
+    if not is_there(connection, schema.scans, scan_id):
+        raise no_such_scan()
+
+
+def no_such_scan() -> NotFound:
+    return NotFound("There is no such scan; it may have been deleted.")
 
 
 def newest_first(
