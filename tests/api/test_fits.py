@@ -16,10 +16,10 @@ from helpers.waiting import ended, until
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.execution.limits import FitLimits
+from breastrig.gltf.pose_nodes import posed_by_nodes
 from breastrig.service.service import Service
 from breastrig.storage.rows.fits import NewFit, Once, fit_ids, get_fit
 from breastrig.storage.storage import Storage
-from breastrig.workflow.folder.iteration_file import parameters_of
 
 PERSONAL = "no-store"
 
@@ -301,7 +301,7 @@ def test_an_iteration_is_a_complete_gltf_of_what_the_event_said(client: FlaskCli
 
 def test_the_parameters_behind_an_event_are_found_again() -> None:
     expected = fake_fit.parameters_at(3)
-    found = parameters_of(toy_rig(), fake_fit.iterated(3))
+    found = posed_by_nodes(toy_rig(), [node.model_dump() for node in fake_fit.iterated(3).nodes])
     for field in ("rotations", "translations", "scales", "weights"):
         assert np.allclose(getattr(found, field), getattr(expected, field), atol=1e-6)
 

@@ -31,7 +31,7 @@ def asked_at_once(flights: Remembered[str], work: Work, others: int) -> list:
     tasks = [pool.submit(flights.result, "key", work)]
     assert work.begun.wait(30)
     tasks += [pool.submit(flights.result, "key", work) for _ in range(others)]
-    while flights._waiting["key"] < min(others, remembered.MOST_WAITING):
+    while flights._kept.get("key").waiting < min(others, remembered.MOST_WAITING):
         threading.Event().wait(0.001)
     pool.shutdown(wait=False)
     return tasks

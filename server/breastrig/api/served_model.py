@@ -55,8 +55,8 @@ class ServedModel:
     def buffer_link(self) -> str:
         return f"/api/models/{self.rig.sha256}/torso.bin"
 
-    def drawing_link(self, name: str | None) -> str | None:
-        return None if name is None else f"/api/models/{self.rig.sha256}/drawings/{name}.bin"
+    def drawing_link(self, name: str) -> str:
+        return f"/api/models/{self.rig.sha256}/drawings/{name}.bin"
 
 
 def serve_model(path: Path | None = None) -> ServedModel:

@@ -7,8 +7,9 @@ from pathlib import Path
 from breastrig.cli.commands import COMMANDS
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
 from breastrig.core.output_files import OutputSet, all_or_nothing
+from breastrig.core.private_files import write_files
 from breastrig.report.files.exported import SET_FORMAT
-from breastrig.workflow.export_fit import EXPORT_FILES, EXPORT_RECORD, write_export
+from breastrig.workflow.export_fit import EXPORT_FILES, EXPORT_RECORD, export_files
 from breastrig.workflow.lines.transfer import drawing_document
 
 
@@ -36,5 +37,5 @@ def run(options: argparse.Namespace) -> int:
         output_folder(options, [OutputSet(Path(), EXPORT_FILES, EXPORT_RECORD, SET_FORMAT)], inputs)
     ) as out:
         plan = None if options.plan is None else drawing_document(options.plan)
-        write_export(options.fit, out, options.model, plan, options.other)
+        write_files(export_files(options.fit, options.model, plan, options.other), out)
     return 0

@@ -23,6 +23,9 @@ class LruCache(Generic[Key, Value]):
             self._kept.move_to_end(key)
         return self._kept.get(key)
 
+    def drop(self, key: Key) -> None:
+        self._kept.pop(key, None)
+
     def put(self, key: Key, value: Value) -> None:
         self._kept[key] = value
         self._kept.move_to_end(key)

@@ -9,8 +9,11 @@ import os
 import stat
 import tempfile
 import time
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
+
+from breastrig.core.errors import BadInput
 
 PREFIX = ".breastrig-file-"  # of what is written under another name until it is complete
 PARTIAL_S = 3600.0
@@ -38,6 +41,18 @@ def write_private(file: Path, content: bytes) -> None:
     except BaseException:
         Path(name).unlink(missing_ok=True)
         raise
+
+
+def write_files(files: Mapping[str, bytes], folder: Path) -> None:
+    """Writes them in that order, each as `write_private`; BadInput when the folder cannot be made or written."""
+    try:
+        private_folder(folder)
+        for name, content in files.items():
+            write_private(folder / name, content)
+    except OSError as error:
+        raise BadInput(
+            f"{shown(folder)} cannot be written ({error.strerror}); free space, or choose another."
+        ) from error
 
 
 def is_ordinary(file: Path) -> bool:

@@ -12,8 +12,9 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 from pydantic import Field, FiniteFloat, ValidationError, model_validator
 
 from breastrig.core.errors import BadDrawing
+from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.stances import Stance
-from breastrig.drawings.drawing_schema import DrawnShape, GivenDrawing, Part, Point, Title
+from breastrig.drawings.drawing_schema import SCHEMA, DrawnShape, GivenDrawing, Part, Point, Title
 
 PLAN_SCHEMA: Literal["breastrig/plan@1"] = "breastrig/plan@1"
 ITEMS, POINTS = 500, 50_000  # in one plan; points of all its lines together, as in a drawing
@@ -25,6 +26,12 @@ Named = TypeVar("Named", bound=Hashable)
 ItemId = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
 ScanId = Annotated[str, Field(max_length=64)]
 Word = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,63}$")]
+
+
+def empty_plan_on_scan(unit: str) -> dict[str, Any]:
+    """breastrig/drawing@1 of a plan without items, on a scan of this unit."""
+    nothing: dict[str, Any] = {"shapes": [], "lesions": [], "notes": [], "missing": []}
+    return {"schema": SCHEMA, "name": "plan", "unit": unit, "notice": LIMITS_OF_USE} | nothing
 
 
 def _is_empty(values: list[str]) -> bool:

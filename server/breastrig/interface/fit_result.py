@@ -19,6 +19,7 @@ from breastrig.core.arrays import Array, Integers, frozen
 from breastrig.core.errors import BadDrawing, BadInput
 from breastrig.core.output_files import Output as FolderOutput
 from breastrig.core.output_files import all_or_nothing
+from breastrig.core.private_files import write_files
 from breastrig.files.result import FIT_FILES, RESULT, UNCERTAINTY, DoubtedPick, damaged, fit_set, folder_name
 from breastrig.fitting.verdicts.verdict import Verdict
 from breastrig.interface.drawing import Drawing, drawing_of
@@ -29,7 +30,7 @@ from breastrig.report.bands import sure_text
 from breastrig.rig.named_parameters import Parameters, parameters_by_name
 from breastrig.scan.clean import Surface
 from breastrig.workflow.fit_outcome import FitOutcome
-from breastrig.workflow.folder.fit_files import fit_file, result_of, write_files
+from breastrig.workflow.folder.fit_files import fit_file, result_of
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_of_files, fitted, read_fit_files
 
 if TYPE_CHECKING:

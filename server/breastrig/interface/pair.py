@@ -9,7 +9,7 @@ from typing import Any
 from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput
 from breastrig.core.output_files import Output, OutputSet, all_or_nothing
-from breastrig.core.private_files import read_ordinary
+from breastrig.core.private_files import read_ordinary, write_files
 from breastrig.files.result import RESULT, fit_set
 from breastrig.fitting.two_stances import ALIKE, ONE_BODY
 from breastrig.interface.fit_result import Fit, fit_of_outcome
@@ -18,7 +18,6 @@ from breastrig.interface.model import Model, files_of, loaded
 from breastrig.interface.one_thread import one_thread
 from breastrig.interface.run import FitRun, GivenScan, Iterate, Preset, Settings, iterate_of
 from breastrig.interface.scan import ScanLike, ScanSource
-from breastrig.workflow.folder.fit_files import write_files
 from breastrig.workflow.jobs import FIRST
 from breastrig.workflow.run_pair import PAIR_SCHEMA, PairOutcome, pair_document, pair_steps, prepare_pair
 from breastrig.workflow.scan_fit import Clock

@@ -11,6 +11,7 @@ from typing import Any
 
 from breastrig.core.documents import indented
 from breastrig.core.errors import Conflict, NotFound
+from breastrig.drawings.plan_schema import empty_plan_on_scan
 from breastrig.execution.pool import Lane
 from breastrig.service.failed_tasks import explained
 from breastrig.service.kept_models import KeptModels
@@ -21,7 +22,6 @@ from breastrig.storage.rows.patients import PlanRow, get_plan, patient_of_scan, 
 from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.jobs import PlanJob, PlannedFit
-from breastrig.workflow.lines.empty_plan import empty_plan_document
 from breastrig.workflow.tasks import plan_on_fit
 
 UNFITTED = (
@@ -145,4 +145,4 @@ class Plans:
         return found
 
     def _empty(self, planned: PlannedFits) -> dict[str, Any]:
-        return empty_plan_document(get_scan(self._storage, planned.fit.scan).facts["unit"])
+        return empty_plan_on_scan(get_scan(self._storage, planned.fit.scan).facts["unit"])

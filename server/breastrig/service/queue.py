@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import wait
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -96,7 +97,8 @@ class FitQueue:
         for fit_id in fit_ids:
             for each in self._both(fit_id):
                 why = "The scan was deleted." if each in fit_ids else "The other stance's scan was deleted."
-                self._end_surely(each, Cancelled(reason=why))
+                end = partial(self._end, each, Cancelled(reason=why))
+                self._surely(each, partial(self._storage.using_reserve, end))  # a full disk must not hinder it
                 self._kill(each)
         for fit_id in fit_ids:
             if not self._storage.wait_until_free(fit_id, KILL_S):
@@ -140,7 +142,7 @@ class FitQueue:
                 if self._stopping:
                     return
             if not future.cancelled():
-                self._settle_surely(fit_id, future.exception())
+                self._surely(fit_id, partial(self._settle, fit_id, future.exception()))
             self._notify_end(fit_id, seconds)
             self.wake()
         except Exception:
@@ -153,14 +155,14 @@ class FitQueue:
                 if fit.ended:
                     self.notify_end(fit.state, seconds)
 
-    def _settle_surely(self, fit_id: str, error: BaseException | None) -> None:
-        """The same, again and again while nothing can be stored: the disk is full, or the database is held."""
+    def _surely(self, fit_id: str, store: Callable[[], None]) -> None:
+        """Again and again while the end of the fit cannot be stored: the disk is full, or the database is held."""
         try:
-            self._settle(fit_id, error)
+            store()
         except SQLAlchemyError as unwritten:
             log.error("the end of fit %s cannot be stored yet: %s", fit_id, type(unwritten).__name__)
             if not self._stopping:  # else the next start says it
-                again = threading.Timer(SETTLE_AGAIN_S, self._settle_surely, (fit_id, error))
+                again = threading.Timer(SETTLE_AGAIN_S, self._surely, (fit_id, store))
                 again.daemon = True
                 again.start()
 
@@ -198,17 +200,6 @@ class FitQueue:
     def _end(self, fit_id: str, event: Event) -> None:
         with suppress(NotFound, Conflict):  # it may have ended otherwise in the meantime
             append(self._storage, fit_id, event_json(event))
-
-    def _end_surely(self, fit_id: str, event: Event) -> None:
-        """The same for a deletion, which a full disk must not hinder."""
-        try:
-            self._storage.using_reserve(lambda: self._end(fit_id, event))
-        except SQLAlchemyError as unwritten:
-            log.error("the end of fit %s cannot be stored yet: %s", fit_id, type(unwritten).__name__)
-            if not self._stopping:
-                again = threading.Timer(SETTLE_AGAIN_S, self._end_surely, (fit_id, event))
-                again.daemon = True
-                again.start()
 
     def _kill(self, fit_id: str) -> None:
         with self._lock:

@@ -18,46 +18,40 @@ MOST_WAITING = 8  # of one result
 RETRY_S = 3  # what is made here takes some seconds
 
 
+class _Shared(Future[Result]):
+    """What is made, or was; and for how many."""
+
+    waiting = 0
+
+
 class Remembered(Generic[Result]):
     """Results by key.  May be called from any thread."""
 
     def __init__(self, most: int) -> None:
         self._most = most
-        self._kept: LruCache[Hashable, Result] = LruCache(most)
+        self._kept: LruCache[Hashable, _Shared[Result]] = LruCache(most)
         self._lock = threading.Lock()
-        self._made: dict[Hashable, Future[Result]] = {}
-        self._waiting: dict[Hashable, int] = {}
 
     def result(self, key: Hashable, make: Callable[[], Result]) -> Result:
         """What `make` gives, or raises.  Raises TooMany when as many as may already wait for it."""
         with self._lock:
             kept = self._kept  # another one when `forget` is called meanwhile
             known = kept.get(key)
-            if known is not None:
-                return known
-            future = self._made.get(key)
-            if future is None:
-                mine = self._made[key] = Future()
-                self._waiting[key] = 0
-            elif self._waiting[key] >= MOST_WAITING:
-                raise TooMany(f"This is being made for others already; ask again in {RETRY_S} s.", RETRY_S)
+            if known is None:
+                kept.put(key, mine := _Shared[Result]())
+            elif known.waiting < MOST_WAITING or known.done():
+                known.waiting += 1
             else:
-                self._waiting[key] += 1
-        if future is not None:
-            return future.result()
+                raise TooMany(f"This is being made for others already; ask again in {RETRY_S} s.", RETRY_S)
+        if known is not None:
+            return known.result()
         try:
-            made = make()
+            mine.set_result(make())
         except BaseException as error:
+            with self._lock:
+                kept.drop(key)
             mine.set_exception(error)
-            raise
-        else:
-            mine.set_result(made)
-            with self._lock:
-                kept.put(key, made)
-            return made
-        finally:
-            with self._lock:
-                del self._made[key], self._waiting[key]
+        return mine.result()
 
     def forget(self) -> None:
         """Nothing is kept any more, nor what is being made now: a scan is deleted."""

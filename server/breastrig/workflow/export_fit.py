@@ -10,7 +10,7 @@ from breastrig.report.files.exported import closed_model, vertex_sets
 from breastrig.report.files.line_files import obj_lines, ply_lines
 from breastrig.report.files.surface_files import surface_ply, surface_stl
 from breastrig.workflow.folder.fit_folder import read_fit_folder
-from breastrig.workflow.report import laid_plan, planned_lines, stance_of, write_all
+from breastrig.workflow.report import laid_plan, planned_lines, stance_of
 
 EXPORT_RECORD = "surface.json"
 EXPORT_FILES = ("drawing.glb", "drawing.obj", "drawing.ply", "surface.ply", "surface.stl", EXPORT_RECORD)
@@ -42,10 +42,3 @@ def export_files(
     files["surface.stl"] = surface_stl(closed.surface.vertices, closed.surface.faces, per_unit)
     files["surface.json"] = json_bytes(vertex_sets(stance, closed, unit))
     return files
-
-
-def write_export(
-    folder: Path, out: Path, model: Path | None = None, plan: dict[str, Any] | None = None, other: Path | None = None
-) -> None:
-    """Writes the files into `out`; BadInput when it cannot be written."""
-    write_all(export_files(folder, model, plan, other), out)

@@ -10,7 +10,7 @@ from breastrig.colour.areolae import areolae_of
 from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadDrawing, BadInput
 from breastrig.core.identity import Identity
-from breastrig.core.private_files import private_folder, read_ordinary, write_private
+from breastrig.core.private_files import read_ordinary, write_files
 from breastrig.drawings.drawing_file import FILE_BYTES, lines_on_scan, planned_on_scan
 from breastrig.drawings.plan_schema import PLAN_SCHEMA, checked_plan
 from breastrig.files.result import Distances, ResultFile, damaged, folder_name
@@ -164,17 +164,7 @@ def _measures_csv(stances: list[Reported]) -> bytes:
 
 def write_report(job: ReportJob, folder: Path, pdf_name: str) -> None:
     """Writes the three files; BadInput when the folder cannot be written."""
-    write_all(report_files(job, pdf_name), folder)
-
-
-def write_all(files: dict[str, bytes], folder: Path) -> None:
-    """Each file whole or not at all; BadInput when the folder cannot be written."""
-    try:
-        private_folder(folder)
-        for name, content in files.items():
-            write_private(folder / name, content)
-    except OSError as error:
-        raise BadInput(f"{folder} cannot be written ({error.strerror}); choose another folder.") from error
+    write_files(report_files(job, pdf_name), folder)
 
 
 def report_pdf_of(job: ReportJob) -> bytes:

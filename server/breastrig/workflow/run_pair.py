@@ -12,6 +12,7 @@ from typing import Any
 from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.core.private_files import write_files
 from breastrig.files.result import RESULT, ResultFile
 from breastrig.fitting.picks.checked_fit import agreeing_picks
 from breastrig.fitting.two_stances import ALIKE, Coupling, SharedBody, fit_pair_iterates
@@ -20,7 +21,7 @@ from breastrig.scan.scan import Scan
 from breastrig.workflow.events import Done, Event
 from breastrig.workflow.fit_outcome import FitOutcome
 from breastrig.workflow.fit_recorder import FitRecorder, RecordedIterate
-from breastrig.workflow.folder.fit_files import write_files, write_fit_files
+from breastrig.workflow.folder.fit_files import write_fit_files
 from breastrig.workflow.jobs import FitJob
 from breastrig.workflow.scan_fit import (
     Clock,

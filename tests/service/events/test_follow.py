@@ -59,7 +59,7 @@ def test_news_of_one_fit_wake_only_those_whom_they_concern(
 ) -> None:
     """An iteration concerns the fit's own viewers; the end of a fit those too whose fit waits in the queue."""
     notified: list[str] = []
-    monkeypatch.setattr(Listener, "notify", lambda listener: notified.append(names[listener]))
+    monkeypatch.setattr(Listener, "set", lambda listener: notified.append(names[listener]))
     for fit_id in ("mine", "other", "waiting"):
         add_waiting_fit(storage, scan_id, fit_id)
     claim_fit(storage, "other")

@@ -198,14 +198,17 @@ def show_iteration(fit_id: str, iteration: int) -> Response:
 
     Its buffers are the model's immutable files.
     """
-    from breastrig.workflow.folder.iteration_file import iteration_gltf  # as in api/served_model.py
+    from breastrig.gltf.iterate import iterate_gltf  # as in api/served_model.py
+    from breastrig.gltf.pose_nodes import posed_by_nodes
 
     context = app_context()
     storage = context.service.storage
     fit = get_fit(storage, fit_id)
     model = context.model_with(context.service.models.sha256_of(fit.id))
-    event = _stored_iteration(storage, fit, iteration)
-    content = iteration_gltf(event, model.rig, fit.drawing, model.buffer_link, model.drawing_link(fit.drawing))
+    nodes = [node.model_dump() for node in _stored_iteration(storage, fit, iteration).nodes]
+    shown = next((drawing for drawing in model.rig.drawings if drawing.name == fit.drawing), None)
+    links = model.buffer_link, None if shown is None else model.drawing_link(shown.name)
+    content = iterate_gltf(model.rig, posed_by_nodes(model.rig, nodes), shown, *links)
     return bytes_answer(content, GLTF, PERSONAL)
 
 

@@ -27,24 +27,12 @@ DELETED_EVERY_S = 0.5  # how soon it is noticed that another server has deleted 
 log = logging.getLogger(__name__)
 
 
-class Listener:
-    """One who waits for news of one fit; made by `Notifier.listen`."""
+class Listener(threading.Event):
+    """One who waits for news of one fit, set when there are some; made by `Notifier.listen`."""
 
     def __init__(self, feed: "Feed") -> None:
+        super().__init__()
         self.feed = feed
-        self._notified = threading.Event()
-
-    def reset(self) -> None:
-        """A notification from here on ends the next `wait`; to be called before looking at what is there."""
-        self._notified.clear()
-
-    def wait(self, timeout_s: float) -> None:
-        """Returns when it was notified since `reset`, at the latest after `timeout_s`."""
-        self._notified.wait(timeout_s)
-
-    def notify(self) -> None:
-        """In any thread."""
-        self._notified.set()
 
 
 class Feed:
@@ -110,7 +98,7 @@ class Notifier:
             self._condition.notify_all()
             listeners = [listener for feed in self._feeds.values() for listener in feed.listeners]
         for listener in listeners:
-            listener.notify()
+            listener.set()
         if self._thread.is_alive():
             self._thread.join()
 
@@ -180,7 +168,7 @@ class Notifier:
                 with self._condition:
                     listeners = list(feed.listeners)
                 for listener in listeners:
-                    listener.notify()
+                    listener.set()
 
 
 GONE_EVERY_S = 0.5  # how soon a viewer who left is noticed
@@ -221,7 +209,7 @@ def follow(
         quiet_since = time.monotonic()
         sent_position: int | None = None
         while not notifier.stopped:
-            listener.reset()
+            listener.clear()  # before looking: what comes from here on ends the wait
             if events := feed.events[after:]:
                 yield events
                 after = events[-1].number

@@ -11,9 +11,8 @@ import numpy as np
 from breastrig.colour.areolae import areolae_document
 from breastrig.core.arrays import Array
 from breastrig.core.documents import json_bytes
-from breastrig.core.errors import BadInput
 from breastrig.core.notice import LIMITS_OF_USE
-from breastrig.core.private_files import private_folder, write_private
+from breastrig.core.private_files import write_files
 from breastrig.core.stances import Stance
 from breastrig.core.version import __version__
 from breastrig.correspondence.distances import SurfaceDistances as FoundDistances
@@ -197,18 +196,6 @@ def write_fit_files(outcome: FitOutcome, folder: Path) -> ResultFile:
     result = result_of(outcome)
     write_files({name: result.content() if name == RESULT else fit_file(outcome, name) for name in FIT_FILES}, folder)
     return result
-
-
-def write_files(files: Mapping[str, bytes], folder: Path) -> None:
-    """Writes them for their owner only, in that order; BadInput when the folder cannot be written."""
-    try:
-        private_folder(folder)
-        for name, content in files.items():
-            write_private(folder / name, content)
-    except OSError as error:
-        raise BadInput(
-            f"The results cannot be written ({error.strerror}); free space or choose another folder."
-        ) from error
 
 
 def _scan_ply(outcome: FitOutcome) -> bytes:

@@ -9,9 +9,9 @@ import numpy as np
 from PIL import Image
 
 from breastrig.core.documents import csv_table, json_bytes
-from breastrig.core.errors import BadDrawing, BadInput
+from breastrig.core.errors import BadDrawing
 from breastrig.core.notice import LIMITS_OF_USE
-from breastrig.core.private_files import private_folder, write_private
+from breastrig.core.private_files import write_files
 from breastrig.core.units import distance_text
 from breastrig.drawings.drawing_file import Drawing, parsed_drawing
 from breastrig.drawings.prepare_polyline import OFF_THE_SKIN
@@ -83,21 +83,12 @@ def compare(job: CompareJob) -> dict[str, Any]:
         "only_in_one": sorted({each.name for each in shapes[0]} ^ {each.name for each in shapes[1]}),
         "distances": rows,
     }
-    _write(job.out, document, rows, picture)
+    image = io.BytesIO()
+    Image.fromarray(np.asarray(picture)).save(image, "PNG", optimize=True)
+    contents = csv_table(list(rows[0]), rows), image.getvalue(), json_bytes(document)
+    write_files(dict(zip(COMPARE_FILES, contents, strict=True)), job.out)
     return document
 
 
 def _drawn(given: Drawing) -> ModelDrawing:
     return ModelDrawing(given.name, given.name, given.on_model)
-
-
-def _write(out: Path, document: dict[str, Any], rows: list[dict[str, Any]], picture: Any) -> None:
-    image = io.BytesIO()
-    Image.fromarray(np.asarray(picture)).save(image, "PNG", optimize=True)
-    try:
-        private_folder(out)
-        write_private(out / "compare.json", json_bytes(document))
-        write_private(out / "compare.csv", csv_table(list(rows[0]), rows))
-        write_private(out / "compare.png", image.getvalue())
-    except OSError as error:
-        raise BadInput(f"{out} cannot be written ({error.strerror}); choose another folder.") from error

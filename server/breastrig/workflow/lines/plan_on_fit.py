@@ -13,12 +13,11 @@ from breastrig.core.errors import BadInput
 from breastrig.drawings.drawing_file import shape_document
 from breastrig.drawings.lesions import Distance, PlacedLesion, Slice
 from breastrig.drawings.plan_on_scan import PlannedLine, PlannedScan, PlanOnScan, plan_on_scan
-from breastrig.drawings.plan_schema import Plan, PlanItem, PlanNote, PlanTumour, checked_plan
+from breastrig.drawings.plan_schema import Plan, PlanItem, PlanNote, PlanTumour, checked_plan, empty_plan_on_scan
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of
 from breastrig.workflow.jobs import PlanJob
-from breastrig.workflow.lines.empty_plan import empty_plan_document
 from breastrig.workflow.one_body import body_doubt
 
 
@@ -75,7 +74,7 @@ def plan_document(plan: Plan, fit: FitFolder, found: PlanOnScan, others: Sequenc
 
     `others`: fits of the patient's other scans, each perhaps of another body.
     """
-    return empty_plan_document(fit.unit) | {
+    return empty_plan_on_scan(fit.unit) | {
         "shapes": [_shape(each, fit.metres_per_unit) for each in found.lines],
         "lesions": [_lesion(each, fit) for each in found.lesions],
         "notes": [
