@@ -18,8 +18,8 @@ from typing import IO
 
 from flask import Response, request
 
-from breastrig.api.access.security import refuse
 from breastrig.api.answers import PERSONAL, file_answer, streamed_answer
+from breastrig.api.errors import refuse
 from breastrig.api.share_limits import BIG_ANSWERS, BIG_ANSWERS_EACH, BIG_BYTES, BIG_RETRY_S, STILL_OPEN_S
 from breastrig.api.trusted_proxy import client_of
 from breastrig.storage.files import OpenedFile

@@ -63,22 +63,9 @@ def problem(status: int, detail: str, *, headers: Any = (), fields: list[dict[st
     return response
 
 
-class Refused(HTTPException):
-    """An HTTP error with a sentence, and perhaps headers, of ours."""
-
-    def __init__(self, status: int, sentence: str, headers: Mapping[str, str]) -> None:
-        super().__init__(sentence)
-        self.code = status
-        self.ours = True
-        self._headers = headers
-
-    def get_headers(self, *args: Any, **kwargs: Any) -> list[tuple[str, str]]:
-        return [*super().get_headers(*args, **kwargs), *self._headers.items()]
-
-
 def refuse(status: int, sentence: str, headers: Mapping[str, str] = MappingProxyType({})) -> HTTPException:
     """An HTTP error with a sentence of ours, to raise in a view."""
-    return Refused(status, sentence, headers)
+    return HTTPException(response=problem(status, sentence, headers=headers))
 
 
 def register_errors(app: APIFlask) -> None:
@@ -106,10 +93,9 @@ def _breastrig_error(error: errors.BreastRigError) -> Response:
 
 
 def _http_error(error: HTTPException) -> Response:
-    """Errors of Flask itself, and `abort` with a sentence of ours; the catch-all comes here as a 500."""
+    """Errors of Flask itself; the catch-all comes here as a 500."""
     status = error.code or 500
-    ours = error.description if getattr(error, "ours", False) else None
-    detail = ours or SENTENCES.get(status, error.name + ".").format(method=request.method)
+    detail = SENTENCES.get(status, error.name + ".").format(method=request.method)
     headers = {name: value for name, value in error.get_headers() if name.lower() not in ("content-type",)}
     return problem(status, detail, headers=headers)
 

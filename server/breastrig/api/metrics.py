@@ -15,7 +15,7 @@ from prometheus_client.core import GaugeMetricFamily, Metric
 from prometheus_client.exposition import CONTENT_TYPE_LATEST, generate_latest
 from prometheus_client.registry import Collector
 
-from breastrig.api.request_log import route_of_request
+from breastrig.api.request_log import BEGAN, route_of_request
 from breastrig.service.service import Service
 from breastrig.storage.file_journal import count_pending_removals
 from breastrig.storage.rows.fits import STATES, count_by_state
@@ -53,7 +53,7 @@ class Metrics:
         """Counts the request at hand."""
         method, route = route_of_request()
         self._requests.labels(method, route, str(response.status_code)).inc()
-        began = g.get("breastrig_began")
+        began = g.get(BEGAN)
         if began is not None:
             self._seconds.labels(method, route).observe(time.perf_counter() - began)
         if (request.endpoint, method) == ("scans.upload_scan", "POST"):
@@ -93,7 +93,7 @@ def register_metrics(app: APIFlask, metrics: Metrics) -> None:
 
     @app.before_request
     def begin() -> None:
-        g.breastrig_began = time.perf_counter()
+        setattr(g, BEGAN, time.perf_counter())
 
     @app.after_request
     def end(response: Any) -> Any:

@@ -20,6 +20,8 @@ from breastrig.core.log_lines import FIELDS
 SHORT = 5  # characters; no id is so short, and words of the traceback are
 METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 
+BEGAN = "breastrig_began"  # in Flask's g: time.perf_counter(), set by `register_metrics`
+
 log = logging.getLogger("breastrig.requests")
 
 
@@ -32,14 +34,10 @@ def route_of_request() -> tuple[str, str]:
 def register_request_log(app: APIFlask) -> None:
     """To be registered before the guards, so that what they refuse is logged too."""
 
-    @app.before_request
-    def begin() -> None:
-        g.breastrig_asked = time.perf_counter()
-
     @app.after_request
     def end(response: Response) -> Response:
         method, route = route_of_request()
-        began, status = g.get("breastrig_asked", time.perf_counter()), response.status_code
+        began, status = g.get(BEGAN, time.perf_counter()), response.status_code
         response.call_on_close(lambda: _log_answer(method, route, status, time.perf_counter() - began))
         return response
 

@@ -7,7 +7,7 @@ token is no setting of the file: it comes from the environment or from a file of
 import os
 import re
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -76,9 +76,6 @@ def read_count(text: str) -> int:
     return int(text)
 
 
-MB = 1_000_000
-
-
 def read_public_hosts(text: str) -> tuple[str, ...]:
     """Names without port, lower case."""
     names = tuple(name.strip().lower() for name in text.split(","))
@@ -88,16 +85,13 @@ def read_public_hosts(text: str) -> tuple[str, ...]:
     return names
 
 
-def read_log_form(text: str) -> str:
-    if text not in LOG_FORMS:
-        raise ValueError(f"is not a form of log; use one of {', '.join(LOG_FORMS)}")
-    return text
+def one_of(words: Sequence[str], wrong: str) -> Callable[[str], str]:
+    def read(text: str) -> str:
+        if text not in words:
+            raise ValueError(f"{wrong}; use one of {', '.join(words)}")
+        return text
 
-
-def read_log_requests(text: str) -> str:
-    if text not in LOG_REQUESTS:
-        raise ValueError(f"is no answer; use one of {', '.join(LOG_REQUESTS)}")
-    return text
+    return read
 
 
 def read_yes_or_no(text: str) -> bool:
@@ -165,8 +159,8 @@ SETTINGS: dict[str, Setting] = {
     "model": Setting(read_folder, lambda: None, lambda path: "the packaged torso" if path is None else str(path)),
     "workers": Setting(read_count, lambda: FitLimits().workers),
     "waiting_per_client": Setting(read_count, lambda: FitLimits().waiting_per_client),
-    "log": Setting(read_log_form, lambda: "auto"),
-    "log_requests": Setting(read_log_requests, lambda: "auto"),
+    "log": Setting(one_of(LOG_FORMS, "is not a form of log"), lambda: "auto"),
+    "log_requests": Setting(one_of(LOG_REQUESTS, "is no answer"), lambda: "auto"),
     "trusted_proxy": Setting(read_trusted_proxy, lambda: None, lambda proxy: "none" if proxy is None else str(proxy)),
     "public_host": Setting(
         read_public_hosts, lambda: (), lambda names: ",".join(names) or "any, where there is a token"

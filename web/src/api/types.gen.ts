@@ -264,19 +264,20 @@ export type FitPartner = {
   cuts: string;
 };
 
+/** What is asked of a fit. */
 export type FitRequest = {
   /** id of the scan */
   scan: string;
   stance?: "auto" | "standing" | "supine" | "prone";
-  preset?: string;
-  /** drawings of the model and patterns with parameters, joined by +; null for none: the plan of the patient is drawn on every fit without being asked for (plan.json) */
-  drawing?: string | null;
   /** millimetres, the scan's own frame; by default those stored with the scan */
   landmarks?: Record<string, [number, number, number]> | null;
   /** names of landmarks that are followed whatever all else says; by default those stored with the scan, or none where the request brings landmarks of its own */
   certain?: string[] | null;
   /** 0 to 1, of landmarks that were proposed and only agreed to, as the proposal says it: each keeps the proposal's error. 1 says that a person has looked closely; of a landmark that stands exactly where it was proposed, and of which nothing is said, the proposal's own is taken; by default those stored with the scan, as `certain` */
   confidence?: Record<string, number> | null;
+  preset?: string;
+  /** drawings of the model and patterns with parameters, joined by +; null for none: the plan of the patient is drawn on every fit without being asked for (plan.json) */
+  drawing?: string | null;
   /** after the fit a smooth free-form layer follows the skin that the scan shows */
   refine?: boolean;
   /** id of a fit of the same scan that is done: this one goes on from there, with its landmarks where they are now, in fewer iterations */
@@ -648,10 +649,10 @@ export type NodePose = {
 
 /** The second scan of a fit of two stances together. */
 export type OtherStance = {
-  /** id of the second scan, of the same patient */
+  /** id of the scan */
   scan: string;
   stance?: "auto" | "standing" | "supine" | "prone";
-  /** millimetres, the second scan's own frame; by default those stored with it */
+  /** millimetres, the scan's own frame; by default those stored with the scan */
   landmarks?: Record<string, [number, number, number]> | null;
   /** names of landmarks that are followed whatever all else says; by default those stored with the scan, or none where the request brings landmarks of its own */
   certain?: string[] | null;

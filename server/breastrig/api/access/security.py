@@ -15,9 +15,7 @@ from flask import Response, current_app, request
 from breastrig.api.access.rate_limits import RateLimits
 from breastrig.api.access.session import in_session
 from breastrig.api.config import Config
-from breastrig.api.errors import SENTENCES, problem, too_large
-from breastrig.api.errors import Refused as Refused
-from breastrig.api.errors import refuse as refuse
+from breastrig.api.errors import SENTENCES, problem, refuse, too_large
 from breastrig.api.trusted_proxy import client_of
 from breastrig.execution.pool import client_key
 from breastrig.storage.storage import Storage

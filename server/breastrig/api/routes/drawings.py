@@ -3,7 +3,7 @@
 from apiflask import APIBlueprint
 
 from breastrig.api.app_context import app_context
-from breastrig.api.drawing_check import check_near_scan
+from breastrig.api.place_checks import check_near_scan
 from breastrig.api.routes.scans import TAG
 from breastrig.drawings.drawing_schema import OwnDrawing
 from breastrig.drawings.plan_schema import line_item

@@ -11,8 +11,8 @@ from typing import Any
 from apiflask import APIBlueprint
 from flask import Response, request
 
-from breastrig.api.access.security import refuse
 from breastrig.api.app_context import app_context
+from breastrig.api.errors import refuse
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.web_server import GONE
 from breastrig.api.wire import common as wire

@@ -9,11 +9,10 @@ from typing import Any
 from apiflask import APIBlueprint
 from flask import Response, request
 
-from breastrig.api.access.security import refuse
 from breastrig.api.answers import GLTF, PERSONAL, bytes_answer, file_of
 from breastrig.api.app_context import app_context
-from breastrig.api.landmark_check import check_landmarks
-from breastrig.api.routes.paging import next_page
+from breastrig.api.errors import refuse
+from breastrig.api.place_checks import check_landmarks
 from breastrig.api.trusted_proxy import client_of
 from breastrig.api.wire import common as wire
 from breastrig.core.errors import BadScan, BadSettings, Conflict, NotFound, unknown_name
@@ -89,7 +88,7 @@ def _check_start(asked: wire.FitRequest, start_from: str) -> None:
         raise Conflict(f"A fit goes on from one that is done; that one is {earlier.state}.")
 
 
-def _new_fit(asked: wire.FitRequest, stance: wire.FitRequest | wire.OtherStance) -> NewFit:
+def _new_fit(asked: wire.FitRequest, stance: wire.OtherStance) -> NewFit:
     """One scan's part of the request."""
     context = app_context()
     scan = get_scan(context.service.storage, stance.scan)
@@ -109,7 +108,7 @@ def _new_fit(asked: wire.FitRequest, stance: wire.FitRequest | wire.OtherStance)
     )
 
 
-def _picks(scan: ScanRow, stance: wire.FitRequest | wire.OtherStance) -> Picks:
+def _picks(scan: ScanRow, stance: wire.OtherStance) -> Picks:
     """As the request says, else as they are stored with the scan."""
     context = app_context()
     said: dict[str, Any] = {} if stance.certain is None else {"certain": tuple(stance.certain)}
@@ -149,7 +148,7 @@ def list_fits_of_scan(scan_id: str, query_data: wire.PageQuery) -> wire.FitPage:
 def _page(address: str, query: wire.PageQuery, scan_id: str | None) -> wire.FitPage:
     storage = app_context().service.storage
     rows, before = fits_page(storage, query.limit, query.before, scan_id)
-    more = next_page(address, query, None if before is None else {"before": before})
+    more = query.next_page(address, before=before)
     return wire.FitPage(fits=_answers(rows), next=more)
 
 
@@ -242,31 +241,10 @@ def _answers(rows: Sequence[FitRow]) -> list[wire.Fit]:
     """The stored rows as the API shows them, by one query however many they are."""
     waiting = [row.id for row in rows if row.state == "queued"]
     positions = queue_positions(app_context().service.storage, waiting) if waiting else {}
-    return [_answer(row, positions.get(row.id)) for row in rows]
-
-
-def _answer(row: FitRow, queue_position: int | None) -> wire.Fit:
-    values = {
-        "id": row.id,
-        "scan": row.scan,
-        "state": row.state,
-        "queue_position": queue_position,
-        "created_at": row.created_at,
-        "stance": row.stance,
-        "asked_stance": row.asked_stance,
-        "preset": row.preset,
-        "drawing": row.drawing,
-        "refine": row.refine,
-        "cuts": cuts_digest(row.cuts),
-        "start_from": row.start_from,
-        "partner": row.partner,
-        "last_event": row.last_event,
-        "iterations": row.iterations,
-        "numbers": row.numbers,
-        "reason": row.reason,
-        "links": fit_links(row.id),
-    }
-    return wire.Fit.model_validate(values)
+    return [
+        wire.Fit.of(row, queue_position=positions.get(row.id), cuts=cuts_digest(row.cuts), links=fit_links(row.id))
+        for row in rows
+    ]
 
 
 def _stored_iteration(storage: Storage, fit: FitRow, iteration: int) -> Iterated:

@@ -41,21 +41,11 @@ def about() -> wire_meta.Meta:
             bones=len(rig.bones),
             blendshapes=len(rig.shapes),
         ),
-        landmarks=[
-            wire_meta.LandmarkInfo(
-                name=landmark.name,
-                label=landmark.label,
-                latin=landmark.latin,
-                definition=landmark.definition,
-                easy=landmark.easy,
-                mirror=landmark.mirror,
-            )
-            for landmark in rig.landmarks
-        ],
+        landmarks=[wire_meta.LandmarkInfo.of(landmark) for landmark in rig.landmarks],
         presets=list(preset_names()),
         drawings=[
-            wire_meta.DrawingInfo(name=name, label=label)
-            for name, label in (*((one.name, one.label) for one in rig.drawings), *offered_patterns(rig))
+            *(wire_meta.DrawingInfo.of(drawing) for drawing in rig.drawings),
+            *(wire_meta.DrawingInfo(name=name, label=label) for name, label in offered_patterns(rig)),
         ],
         patterns=[wire_meta.PatternInfo.model_validate(asdict(form)) for form in pattern_forms(rig)],
     )
@@ -66,10 +56,7 @@ def about() -> wire_meta.Meta:
 @meta.doc(operation_id="listExamples")
 def list_examples() -> wire_meta.Examples:
     """The example patient's scans"""
-    entries = [
-        wire_meta.ExampleEntry(name=example.name, label=example.label) for example in app_context().service.examples()
-    ]
-    return wire_meta.Examples(examples=entries)
+    return wire_meta.Examples(examples=[wire_meta.ExampleEntry.of(one) for one in app_context().service.examples()])
 
 
 @meta.post("/api/examples/<name>")

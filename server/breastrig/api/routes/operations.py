@@ -9,9 +9,10 @@ from typing import Any
 from apiflask import APIBlueprint
 from flask import Response, request
 
-from breastrig.api.access.security import count_guess, has_token, refuse
+from breastrig.api.access.security import count_guess, has_token
 from breastrig.api.app_context import app_context
 from breastrig.api.config import is_loopback
+from breastrig.api.errors import refuse
 from breastrig.api.trusted_proxy import FORWARDED
 from breastrig.api.wire import meta as wire_meta
 

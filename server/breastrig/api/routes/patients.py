@@ -6,12 +6,11 @@ from datetime import datetime, timedelta
 from apiflask import APIBlueprint
 from flask import Response
 
-from breastrig.api.access.security import refuse
 from breastrig.api.answers import JSON, PERSONAL, browser_forgets, bytes_answer
 from breastrig.api.app_context import app_context
-from breastrig.api.drawing_check import check_near_scan
+from breastrig.api.errors import refuse
+from breastrig.api.place_checks import check_near_scan
 from breastrig.api.routes.fits import FITS_TAG
-from breastrig.api.routes.paging import next_page
 from breastrig.api.wire import patients as wire
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.patterns import drawing_with
@@ -51,8 +50,8 @@ def list_patients(query_data: wire.PatientQuery) -> wire.PatientPage:
     asked = query_data
     last = None if asked.before is None else (asked.after, asked.before)
     rows, before = patients_page(app_context().service.storage, asked.limit, last, asked.search, asked.sort)
-    place = None if before is None else {"after": before[0], "before": before[1]}
-    more = next_page("/api/patients", asked, place)
+    after, number = before or (None, None)
+    more = asked.next_page("/api/patients", after=after, before=number)
     return wire.PatientPage(patients=_answers(rows), next=more)
 
 
@@ -210,10 +209,8 @@ def _answers(rows: list[PatientRow]) -> list[wire.Patient]:
     scans = {scan.id: scan for scan in get_scans(storage, ids)}
     fits = newest_fits(storage, ids)
     return [
-        wire.Patient(
-            id=row.id,
-            code=row.code,
-            created_at=row.created_at,
+        wire.Patient.of(
+            row,
             plan_version=row.version,
             scans=[_scan(scans[scan], fits.get(scan)) for scan in of_patient[row.id] if scan in scans],
             links=wire.PatientLinks(self=f"/api/patients/{row.id}", plan=f"/api/patients/{row.id}/plan"),
@@ -226,16 +223,10 @@ def _scan(row: ScanRow, fit: FitRow | None) -> wire.PatientScan:
     days = app_context().config.keep_days
     until = None if days is None else datetime.fromisoformat(row.created_at) + timedelta(days=days)
     fitted = fit.stance if fit is not None and fit.state == "done" else row.facts["stance"]["proposed"]
-    values = {
-        "id": row.id,
-        "stance": fitted,
-        "created_at": row.created_at,
-        "delete_at": None if until is None else iso_utc(until),
-        "thumbnail": f"/api/scans/{row.id}/thumbnail.png",
-        "fit": None if fit is None else _fit(fit),
-    }
-    return wire.PatientScan.model_validate(values)
-
-
-def _fit(row: FitRow) -> dict[str, str | None]:
-    return {"id": row.id, "state": row.state, "created_at": row.created_at, "verdict": row.verdict}
+    return wire.PatientScan.of(
+        row,
+        stance=fitted,
+        delete_at=None if until is None else iso_utc(until),
+        thumbnail=f"/api/scans/{row.id}/thumbnail.png",
+        fit=None if fit is None else wire.PatientFit.of(fit),
+    )

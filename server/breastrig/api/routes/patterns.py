@@ -3,7 +3,7 @@
 from apiflask import APIBlueprint
 
 from breastrig.api.app_context import app_context
-from breastrig.api.drawing_check import check_near_scan
+from breastrig.api.place_checks import check_near_scan
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.wire import patterns as wire
 from breastrig.drawings.patterns import pattern_of

@@ -7,11 +7,10 @@ from typing import Any
 from apiflask import APIBlueprint
 from flask import Response
 
-from breastrig.api.access.security import refuse
 from breastrig.api.answers import GLB, PNG, browser_forgets, file_of
 from breastrig.api.app_context import app_context
-from breastrig.api.landmark_check import check_landmarks, landmarks_of_file
-from breastrig.api.routes.paging import next_page
+from breastrig.api.errors import refuse
+from breastrig.api.place_checks import check_landmarks, landmarks_of_file
 from breastrig.api.wire import common as wire
 from breastrig.core.errors import NotFound
 from breastrig.scan.file_type import ENDINGS
@@ -76,8 +75,8 @@ def list_scans(query_data: wire.ScanQuery) -> wire.ScanPage:
     moment, _, scan_id = (query_data.after or "").partition("~")
     last = None if query_data.after is None else (moment, scan_id)
     rows, more = scans_page(app_context().service.storage, query_data.limit, last)
-    place = None if more is None else {"after": "~".join(more)}
-    return wire.ScanPage(scans=_answers(rows), next=next_page("/api/scans", query_data, place))
+    after = None if more is None else "~".join(more)
+    return wire.ScanPage(scans=_answers(rows), next=query_data.next_page("/api/scans", after=after))
 
 
 @scans.get("/<scan_id>")

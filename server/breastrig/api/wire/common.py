@@ -5,7 +5,8 @@ Landmarks are always millimetres in the scan's own frame; everything else in spa
 description says so.
 """
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, Self
+from urllib.parse import urlencode
 
 from apiflask.fields import UploadFile
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
@@ -44,9 +45,22 @@ Confidence = Annotated[FiniteFloat, Field(ge=0, le=1)]
 class Wire(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
 
+    @classmethod
+    def of(cls, known: object, **more: Any) -> Self:
+        """What of it is known under the same names, and more."""
+        same = {name: getattr(known, name) for name in cls.model_fields if hasattr(known, name)}
+        return cls.model_validate(same | more)
 
-class ScanUpload(Wire):
+
+class Upload(Wire):
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
+
+
+class Headers(BaseModel):
+    model_config = ConfigDict(extra="ignore", frozen=True, populate_by_name=True)
+
+
+class ScanUpload(Upload):
     file: UploadFile = Field(description="PLY, OBJ, STL, GLB, PCD, XYZ, USDZ, or a zip of one with its images")
     units: Units = Field("auto", description="unit of the file's numbers; auto decides from the size and says so")
     patient: str | None = Field(
@@ -137,13 +151,11 @@ class LandmarkFile(Wire):
     )
 
 
-class LandmarkUpload(Wire):
-    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
+class LandmarkUpload(Upload):
     file: UploadFile = Field(description="JSON, a table (CSV), MeshLab .pp, or 3D Slicer .mrk.json or .fcsv")
 
 
-class LandmarksHeaders(BaseModel):
-    model_config = ConfigDict(extra="ignore", frozen=True, populate_by_name=True)
+class LandmarksHeaders(Headers):
     if_match: str | None = Field(
         None, alias="If-Match", description="the ETag of the landmarks that were changed; without it any are"
     )
@@ -168,8 +180,7 @@ class Cuts(CutsFile):
     digest: str = Field(description="the same for the same cuts, empty without any; a fit says with which it was made")
 
 
-class CutsHeaders(BaseModel):
-    model_config = ConfigDict(extra="ignore", frozen=True, populate_by_name=True)
+class CutsHeaders(Headers):
     if_match: str | None = Field(
         None, alias="If-Match", description="the digest, in quotes, of the cuts that were changed; without it any are"
     )
@@ -218,21 +229,28 @@ class Ink(Wire):
     shapes: list[InkShape]
 
 
-class FitRequest(Wire):
+class OtherStance(Wire):
+    """The second scan of a fit of two stances together."""
+
     scan: Name = Field(description="id of the scan")
     stance: StanceWish = "auto"
-    preset: Name = "default"
-    drawing: Annotated[str, Field(min_length=1, max_length=LONGEST_DRAWING)] | None = Field(
-        None,
-        description="drawings of the model and patterns with parameters, joined by +; null for none: the plan "
-        "of the patient is drawn on every fit without being asked for (plan.json)",
-    )
     landmarks: dict[Name, Point] | None = Field(
         None, max_length=200, description="millimetres, the scan's own frame; by default those stored with the scan"
     )
     certain: list[Name] | None = Field(None, max_length=200, description=CERTAIN)
     confidence: dict[Name, Confidence] | None = Field(
         None, max_length=200, description=f"{CONFIDENCE}; by default those stored with the scan, as `certain`"
+    )
+
+
+class FitRequest(OtherStance):
+    """What is asked of a fit."""
+
+    preset: Name = "default"
+    drawing: Annotated[str, Field(min_length=1, max_length=LONGEST_DRAWING)] | None = Field(
+        None,
+        description="drawings of the model and patterns with parameters, joined by +; null for none: the plan "
+        "of the patient is drawn on every fit without being asked for (plan.json)",
     )
     refine: bool = Field(
         True, strict=True, description="after the fit a smooth free-form layer follows the skin that the scan shows"
@@ -242,25 +260,11 @@ class FitRequest(Wire):
         description="id of a fit of the same scan that is done: this one goes on from there, with its landmarks "
         "where they are now, in fewer iterations",
     )
-    with_: "OtherStance | None" = Field(
+    with_: OtherStance | None = Field(
         None,
         alias="with",
         description="another scan of the same patient: both are fitted together, bodies held alike; preset, drawing "
         "and refine hold for both",
-    )
-
-
-class OtherStance(Wire):
-    """The second scan of a fit of two stances together."""
-
-    scan: Name = Field(description="id of the second scan, of the same patient")
-    stance: StanceWish = "auto"
-    landmarks: dict[Name, Point] | None = Field(
-        None, max_length=200, description="millimetres, the second scan's own frame; by default those stored with it"
-    )
-    certain: list[Name] | None = Field(None, max_length=200, description=CERTAIN)
-    confidence: dict[Name, Confidence] | None = Field(
-        None, max_length=200, description=f"{CONFIDENCE}; by default those stored with the scan, as `certain`"
     )
 
 
@@ -280,8 +284,7 @@ class MovedModel(Wire):
     elapsed_s: float
 
 
-class FitHeaders(BaseModel):
-    model_config = ConfigDict(extra="ignore", frozen=True, populate_by_name=True)
+class FitHeaders(Headers):
     idempotency_key: str | None = Field(
         None,
         alias="Idempotency-Key",
@@ -384,6 +387,12 @@ class ScanPage(Wire):
 
 class Limited(Wire):
     limit: int = Field(50, ge=1, le=200, description="at most so many entries")
+
+    def next_page(self, address: str, **place: object) -> str | None:
+        """The same list from another place on, as fields of the query; None after the last page."""
+        if None in place.values():
+            return None
+        return f"{address}?{urlencode({**self.model_dump(exclude_defaults=True), **place})}"
 
 
 class ScanQuery(Limited):

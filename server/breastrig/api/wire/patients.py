@@ -2,9 +2,9 @@
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from breastrig.api.wire.common import FitState, Name, PageQuery, Point, Wire
+from breastrig.api.wire.common import FitState, Headers, Name, PageQuery, Point, Wire
 from breastrig.core.stances import Stance
 from breastrig.drawings.drawing_schema import Colour, DrawnShape, LineUnit
 from breastrig.drawings.plan_schema import ITEMS, PlanItem, ScanOfPlan
@@ -72,8 +72,7 @@ class PatientPage(Wire):
     next: str | None = Field(description="address of the next page, null on the last")
 
 
-class PlanHeaders(BaseModel):
-    model_config = ConfigDict(extra="ignore", frozen=True, populate_by_name=True)
+class PlanHeaders(Headers):
     if_match: str | None = Field(
         None, alias="If-Match", description="the ETag of the plan that was changed; without it the plan stays"
     )

@@ -10,8 +10,8 @@ import threading
 from flask import request
 from werkzeug.security import check_password_hash
 
-from breastrig.api.access.security import refuse
 from breastrig.api.app_context import app_context
+from breastrig.api.errors import refuse
 from breastrig.api.routes.shares.share_credential import LOCKED
 from breastrig.api.share_limits import WRONG_PASSCODES
 from breastrig.api.trusted_proxy import client_of

@@ -21,8 +21,8 @@ from datetime import UTC, datetime, timedelta
 
 from flask import Response, request
 
-from breastrig.api.access.security import refuse
 from breastrig.api.app_context import app_context
+from breastrig.api.errors import refuse
 from breastrig.api.share_limits import COOKIES, VISIT_S, WRONG_PASSCODES
 from breastrig.storage.rows.shares import ShareRow, add_opening, end_visit, share_of_token, share_of_visit
 from breastrig.storage.storage import iso_utc, utc_now

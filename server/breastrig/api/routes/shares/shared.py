@@ -8,10 +8,10 @@ own snapshot (service/share_snapshots.py), whatever has become of plan and scan 
 from apiflask import APIBlueprint
 from flask import Response, render_template
 
-from breastrig.api.access.security import refuse
 from breastrig.api.answers import BINARY, CHECK_AGAIN, GLB, JSON, PDF, bytes_answer, file_of
 from breastrig.api.app_context import app_context
 from breastrig.api.big_answers import big_answer
+from breastrig.api.errors import refuse
 from breastrig.api.routes.shares.passcode import check_passcode
 from breastrig.api.routes.shares.share_credential import (
     begin_visit,

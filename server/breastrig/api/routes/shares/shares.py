@@ -6,7 +6,6 @@ from apiflask import APIBlueprint
 from werkzeug.security import generate_password_hash
 
 from breastrig.api.app_context import app_context
-from breastrig.api.routes.paging import next_page
 from breastrig.api.routes.shares.share_credential import new_token, token_sha256
 from breastrig.api.share_limits import WRONG_PASSCODES
 from breastrig.api.wire import common as wire
@@ -65,7 +64,7 @@ def list_shares(fit_id: str, query_data: wire.PageQuery) -> wire_shares.SharePag
     storage = app_context().service.storage
     get_fit(storage, fit_id)
     rows, before = shares_page(storage, fit_id, query_data.limit, query_data.before)
-    more = next_page(f"/api/fits/{fit_id}/shares", query_data, None if before is None else {"before": before})
+    more = query_data.next_page(f"/api/fits/{fit_id}/shares", before=before)
     return wire_shares.SharePage(shares=[share_answer(row) for row in rows], next=more)
 
 
@@ -120,21 +119,12 @@ def unlock(fit_id: str, share_id: str) -> wire_shares.Share:
 def share_answer(row: ShareRow) -> wire_shares.Share:
     """The stored row as the owner sees it."""
     place, is_locked = f"/api/fits/{row.fit}/shares/{row.id}", row.is_locked(WRONG_PASSCODES)
-    values = {
-        "id": row.id,
-        "created_at": row.created_at,
-        "expires_at": row.expires_at,
-        "revoked_at": row.revoked_at,
-        "is_open": row.is_valid(utc_now()) and not is_locked,
-        "is_locked": is_locked,
-        "scan": row.scan,
-        "notes": row.notes,
-        "shown_at": row.snapshot_at,
-        "has_passcode": row.passcode_hash is not None,
-        "openings": row.openings,
-        "last_opened_at": row.last_opened_at,
-        "wrong_passcodes": row.wrong_passcodes,
-        "last_wrong_passcode_at": row.last_wrong_at,
-        "links": wire_shares.ShareLinks(self=place, unlock=f"{place}/unlock", refresh=f"{place}/refresh"),
-    }
-    return wire_shares.Share.model_validate(values)
+    return wire_shares.Share.of(
+        row,
+        is_open=row.is_valid(utc_now()) and not is_locked,
+        is_locked=is_locked,
+        shown_at=row.snapshot_at,
+        has_passcode=row.passcode_hash is not None,
+        last_wrong_passcode_at=row.last_wrong_at,
+        links=wire_shares.ShareLinks(self=place, unlock=f"{place}/unlock", refresh=f"{place}/refresh"),
+    )

@@ -1,11 +1,12 @@
-"""Landmarks are checked at the door: known names, and points that can be meant for this scan."""
+"""Landmarks and lines are checked at the door: known names, and points that can be meant for this scan."""
+
+from collections.abc import Sequence
 
 import numpy as np
 
-from breastrig.api.beyond_scan import metres_outside, outside_text
 from breastrig.api.served_model import ServedModel
-from breastrig.core.errors import BadLandmarks, unknown_name
-from breastrig.core.units import METRES_PER_UNIT
+from breastrig.core.errors import BadDrawing, BadLandmarks, unknown_name
+from breastrig.core.units import METRES_PER_UNIT, distance_text
 from breastrig.scan.landmarks.landmark_files import (
     REACH,
     certain_landmarks,
@@ -16,6 +17,8 @@ from breastrig.scan.landmarks.landmark_files import (
 )
 from breastrig.scan.landmarks.names import by_known_names, known_name
 from breastrig.storage.rows.scans import Picks, ScanRow
+
+DRAWN_REACH_M = 0.05  # beyond the scan's bounds: a line may cross a hole at the rim, further out it is of another scan
 
 
 def landmarks_of_file(data: bytes, scan: ScanRow, model: ServedModel) -> Picks:
@@ -43,9 +46,27 @@ def check_landmarks(picks: Picks, scan: ScanRow, model: ServedModel) -> None:
     for name, point in picks.points_mm.items():
         if name not in names:
             raise BadLandmarks(unknown_name("landmark", name, names))
-        outside = metres_outside(point, scan)
-        if outside > REACH:
-            raise BadLandmarks(
-                f"{name} lies {outside_text(outside)} outside of the scan; landmarks are millimetres in the scan's own "
-                f"frame, and this scan was read in {scan.facts['unit']}."
-            )
+        if (outside := _metres_outside(point, scan)) > REACH:
+            raise BadLandmarks(f"{name} lies {_outside('landmarks', outside, scan)}")
+
+
+def check_near_scan(name: str, points: Sequence[Sequence[float]], scan: ScanRow) -> None:
+    """Raises BadDrawing with a sentence when one of the points (mm, scan frame) lies far outside."""
+    for point in points:
+        if (outside := _metres_outside(point, scan)) > DRAWN_REACH_M:
+            raise BadDrawing(f'A point of "{name}" lies {_outside("drawings", outside, scan)}')
+
+
+def _metres_outside(point: Sequence[float], scan: ScanRow) -> float:
+    """m from the scan's bounds to a point (mm, scan frame), along the worst axis; below zero inside."""
+    low, high = scan.facts["bounds_m"]["min"], scan.facts["bounds_m"]["max"]
+    return float(max(max(a - x / 1000, x / 1000 - b) for x, a, b in zip(point, low, high, strict=True)))
+
+
+def _outside(what: str, metres: float, scan: ScanRow) -> str:
+    """In metres, as what is of another unit is off by metres; in words where that would be digits."""
+    shown = f"{metres:.2f} m" if metres < 10.0 else distance_text(metres)
+    return (
+        f"{shown} outside of the scan; {what} are millimetres in the scan's own frame, and this scan was read in "
+        f"{scan.facts['unit']}."
+    )
