@@ -19,7 +19,7 @@ FACTS = {"unit": "mm", "bounds_m": {"min": [0, 0, 0], "max": [1, 1, 1]}}
 @pytest.fixture
 def other_scan(storage: Storage) -> str:
     scan_id = new_id()
-    storage.folders.make(storage.folders.scan(scan_id))
+    storage.folders.make(f"scans/{scan_id}")
     add_scan(storage, ScanRow(scan_id, utc_now(), "ply", "cd" * 32, FACTS))
     return scan_id
 
@@ -76,7 +76,7 @@ def test_cancelling_one_cancels_both_and_kills_the_process(serving, scan_id: str
         for each in pair:
             assert get_fit(service.storage, each).state == "cancelled"
             assert events_after(service.storage, each, 0)[-1].kind == "cancelled"
-            assert service.storage.folders.wait_until_free(service.storage.folders.fit(each), 5.0)
+            assert service.storage.folders.wait_until_free(each, 5.0)
 
 
 @pytest.mark.parametrize("which", [0, 1])
@@ -91,7 +91,7 @@ def test_deleting_one_scan_stops_the_pair_and_leaves_no_trace_of_it_at_the_other
             get_fit(service.storage, pair[which])
         left = get_fit(service.storage, pair[1 - which])
         assert (left.state, left.reason, left.partner) == ("cancelled", "The other stance's scan was deleted.", None)
-        assert service.storage.folders.wait_until_free(service.storage.folders.fit(left.id), 5.0)
+        assert service.storage.folders.wait_until_free(left.id, 5.0)
 
 
 def test_deleting_one_scan_keeps_the_others_finished_result(serving, scan_id: str, other_scan: str) -> None:
@@ -111,7 +111,7 @@ def test_after_a_restart_waiting_and_running_pairs_come_to_their_ends(
     interrupted, waiting = ("a", "b"), ("c", "d")
     for pair in (interrupted, waiting):
         for each in pair:
-            storage.folders.make(storage.folders.fit(each))
+            storage.folders.make(f"fits/{each}")
         add_waiting_pair(storage, scan_id, other_scan, pair)
     claimed = claim_fit(storage, "a")
     assert claimed is not None
@@ -130,7 +130,7 @@ def test_after_a_restart_the_partner_of_a_finished_fit_is_finished_and_the_finis
 ) -> None:
     pair = ("a", "b")
     for each in pair:
-        storage.folders.make(storage.folders.fit(each))
+        storage.folders.make(f"fits/{each}")
     add_waiting_pair(storage, scan_id, other_scan, pair)
     claim_fit(storage, "a")
     (storage.folders.fit(pair[done]) / "result.json").write_text("as it was")

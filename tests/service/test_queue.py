@@ -63,7 +63,7 @@ def test_cancelling_a_running_fit_kills_its_process(serving, scan_id: str) -> No
         fit_id = ask_for_fit(service, scan_id)
         until(lambda: get_fit(service.storage, fit_id).iterations > 1, "some iterations")
         assert service.cancel_fit(fit_id).state == "cancelled"
-        assert service.storage.folders.wait_until_free(service.storage.folders.fit(fit_id), 5.0)
+        assert service.storage.folders.wait_until_free(fit_id, 5.0)
         events = events_after(service.storage, fit_id, 0)
         assert events[-1].kind == "cancelled"
         assert service.cancel_fit(fit_id).state == "cancelled"
@@ -101,7 +101,7 @@ KINDS = ["started", *["iterated"] * 4, "done"]
 
 def begun(storage: Storage, scan_id: str, fit_id: str, events: int, attempts: int = 1) -> None:
     """A fit of fake_fit.quick that was left after so many events of its own."""
-    storage.folders.make(storage.folders.fit(fit_id))
+    storage.folders.make(f"fits/{fit_id}")
     add_waiting_fit(storage, scan_id, fit_id)
     for _ in range(attempts):
         claimed = claim_fit(storage, fit_id)
@@ -130,7 +130,7 @@ def test_after_a_restart_a_fit_goes_on_with_its_events_where_it_stopped(
 
 def test_after_a_restart_what_ran_comes_before_what_waited(serving, storage: Storage, scan_id: str) -> None:
     begun(storage, scan_id, "interrupted", 2)
-    storage.folders.make(storage.folders.fit("waiting"))
+    storage.folders.make("fits/waiting")
     add_waiting_fit(storage, scan_id, "waiting")
     with serving(fake_fit.quick, workers=1) as service:
         assert ended(service, "waiting").state == "done"

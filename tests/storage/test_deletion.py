@@ -33,8 +33,8 @@ WRITES = re.compile("INSERT|UPDATE|DELETE")
 def full(storage: Storage) -> Storage:
     """A scan with several fits and a link to one, files of all, and another scan."""
     for scan in ("scan-1", "scan-2"):
-        storage.folders.make(storage.folders.scan(scan))
-        storage.folders.uploaded(scan, "ply").write_bytes(f"skin of {scan}".encode())
+        storage.folders.make(f"scans/{scan}")
+        (storage.folders.scan(scan) / "scan.ply").write_bytes(f"skin of {scan}".encode())
         add_scan(storage, ScanRow(scan, "2026-01-01T00:00:00.000Z", "ply", "ab" * 32, {}))
     for fit in FITS:
         storage.make_fit(fit)
@@ -66,7 +66,7 @@ def assert_gone(storage: Storage) -> None:
     names = " ".join(path.as_posix() for path in storage.root.rglob("*")).encode()
     left = names + bytes_below(storage.root, "[!r]*") + bytes_below(storage.root, "[!r]*/**/*")  # not the reserve
     assert [trace for trace in TRACES if trace in left] == []
-    assert storage.folders.uploaded("scan-2", "ply").read_bytes() == b"skin of scan-2"
+    assert (storage.folders.scan("scan-2") / "scan.ply").read_bytes() == b"skin of scan-2"
 
 
 @contextmanager
@@ -115,7 +115,7 @@ def test_without_a_reserve_a_full_disk_deletes_nothing_and_says_so(full: Storage
     with before_statements(full, act), pytest.raises(OperationalError):
         delete_scan(full, "scan-1")
     assert scan_ids(full) == {"scan-1", "scan-2"}
-    assert full.folders.uploaded("scan-1", "ply").is_file()
+    assert (full.folders.scan("scan-1") / "scan.ply").is_file()
     assert delete_scan(full, "scan-1") == []
     assert_gone(full)
 
@@ -147,7 +147,7 @@ def test_rows_too_many_for_the_reserve_are_deleted_in_steps_and_an_interrupted_s
         except Killed:
             assert "scan-1" in scan_ids(full) or count_pending_removals(full)
     if "scan-1" in scan_ids(full) and scan_place("scan-1") not in pending_removals(full):
-        assert full.folders.uploaded("scan-1", "ply").is_file()  # killed before it had begun: all is as it was
+        assert (full.folders.scan("scan-1") / "scan.ply").is_file()  # killed before it had begun: all is as it was
         assert fit_ids(full) == set(FITS)
         assert delete_scan(full, "scan-1") == []
     assert finish(full) == []

@@ -14,9 +14,9 @@ from breastrig.storage.deletion import delete_rows, finish_deletions
 from breastrig.storage.file_journal import pending_removals, record_creation
 from breastrig.storage.files import Files, fit_place, scan_place
 from breastrig.storage.location import Location
-from breastrig.storage.places.store_files import StoreFiles
 from breastrig.storage.rows.scans import ScanRow, add_scan, get_scan
 from breastrig.storage.storage import Storage
+from breastrig.storage.store_files import StoreFiles
 
 
 @pytest.fixture(autouse=True)

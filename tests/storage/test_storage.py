@@ -52,12 +52,12 @@ def test_removing_a_folder_touches_nothing_else(storage: Storage, tmp_path: Path
 
 
 def test_a_folder_that_a_process_writes_into_is_waited_for(storage: Storage) -> None:
-    folder = storage.folders.fit("busy")
-    folder.mkdir()
-    with storage.folders.held(folder):
-        assert not storage.folders.wait_until_free(folder, 0.02)
-    assert storage.folders.wait_until_free(folder, 0.02)
-    storage.folders.remove(folder)
-    assert storage.folders.wait_until_free(folder, 0.02)
-    with pytest.raises(FileNotFoundError), storage.folders.held(folder):
+    folders = storage.folders
+    folders.make("fits/busy")
+    with folders.held("busy"):
+        assert not folders.wait_until_free("busy", 0.02)
+    assert folders.wait_until_free("busy", 0.02)
+    folders.remove("fits/busy")
+    assert folders.wait_until_free("busy", 0.02)
+    with pytest.raises(FileNotFoundError), folders.held("busy"):
         pass

@@ -20,8 +20,8 @@ from breastrig.core.errors import BadSettings, BreastRigError, NotFound
 from breastrig.core.scratch import scratch_folder
 from breastrig.service.events.event_writer import EventWriter, Superseded
 from breastrig.storage.files import Draft, fit_place, scan_place, upload_name
+from breastrig.storage.folders import FolderDraft
 from breastrig.storage.location import Location
-from breastrig.storage.places.disk_files import FolderDraft
 from breastrig.storage.rows.events import events_of_kind
 from breastrig.storage.rows.fits import FitRow, claim_fit, get_fit
 from breastrig.storage.rows.scans import ScanRow, get_scan

@@ -62,6 +62,16 @@ class Draft(Protocol):
         """Undoes `keep`, when what the files belong to has gone or ended otherwise."""
 
 
+class Locks(Protocol):
+    """Who executes a fit: so that whoever deletes it can wait until nothing more is written."""
+
+    def held(self, fit_id: str) -> AbstractContextManager[None]:
+        """Marks the fit as being executed, until the block ends or the process dies; waits for who has it."""
+
+    def wait_until_free(self, fit_id: str, timeout_s: float) -> bool:
+        """Whether nobody executes the fit any more, waiting for that a little."""
+
+
 class Files(Protocol):
     """May be used from any thread."""
 

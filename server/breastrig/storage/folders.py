@@ -22,10 +22,11 @@ import threading
 import time
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 
 from breastrig.storage.data_folder import LOCK_FILE, PLACES, RESERVE_FILE, RUBBISH
-from breastrig.storage.files import MODELS
+from breastrig.storage.files import MODELS, OpenedFile, fit_place, scan_place
 
 
 def new_id() -> str:
@@ -33,73 +34,84 @@ def new_id() -> str:
     return secrets.token_urlsafe(16)
 
 
+@dataclass(frozen=True)
+class FolderDraft:
+    """The place's own folder: its files count once what they belong to says so."""
+
+    folder: Path
+
+    def keep(self) -> None:
+        pass
+
+    def take_back(self) -> None:
+        pass
+
+
 class Folders:
-    """Paths below one data folder; only its owner can read them."""
+    """The Files of one data folder, in its folders themselves: nothing is copied.  Only their owner can read them."""
 
     def __init__(self, root: Path) -> None:
         self.root = root
+        self.lock = root / LOCK_FILE
+        self.reserve = root / RESERVE_FILE
+        self._rubbish = root / RUBBISH
         self._removing = threading.Lock()  # who finds a folder half removed would not know whether it will be gone
 
-    def create(self) -> None:
-        for folder in (self.root, *self._places, self._rubbish, self.root / MODELS):
-            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-
-    @property
-    def lock(self) -> Path:
-        return self.root / LOCK_FILE
-
-    @property
-    def reserve(self) -> Path:
-        return self.root / RESERVE_FILE
-
-    @property
-    def _places(self) -> list[Path]:
-        return [self.root / name for name in PLACES]
-
-    @property
-    def _scans(self) -> Path:
-        return self.root / "scans"
-
-    @property
-    def _fits(self) -> Path:
-        return self.root / "fits"
-
-    @property
-    def _rubbish(self) -> Path:
-        return self.root / RUBBISH
-
     def scan(self, scan_id: str) -> Path:
-        return self._scans / scan_id
-
-    def uploaded(self, scan_id: str, file_type: str) -> Path:
-        return self.scan(scan_id) / f"scan.{file_type}"
-
-    def mesh(self, scan_id: str) -> Path:
-        return self.scan(scan_id) / "mesh.glb"
+        return self.root / scan_place(scan_id)
 
     def fit(self, fit_id: str) -> Path:
-        return self._fits / fit_id
+        return self.root / fit_place(fit_id)
 
-    def make(self, folder: Path) -> None:
-        folder.mkdir(mode=0o700)
+    def create(self) -> None:
+        for folder in (self.root, *(self.root / name for name in PLACES), self._rubbish, self.root / MODELS):
+            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+
+    def make(self, place: str) -> None:
+        (self.root / place).mkdir(mode=0o700)
 
     @contextmanager
-    def held(self, folder: Path) -> Iterator[None]:
-        """Marks the folder as being written to, until the block ends or the process dies.
+    def reading(self, place: str, names: Collection[str] | None = None) -> Iterator[Path]:
+        yield self.root / place
 
-        Raises FileNotFoundError when it is gone.
+    @contextmanager
+    def writing(self, place: str) -> Iterator[FolderDraft]:
+        yield FolderDraft(self.root / place)
+
+    def find(self, place: str, name: str) -> OpenedFile | None:
+        path = self.root / place / name
+        try:
+            facts = path.stat()
+        except FileNotFoundError:
+            return None
+        return OpenedFile(path, facts.st_size, f"{facts.st_mtime_ns:x}-{facts.st_size:x}", lambda: path.open("rb"))
+
+    def write(self, place: str, name: str, content: bytes) -> None:
+        path = self.root / place / name
+        partial = path.with_name(f"{name}.part")
+        try:
+            partial.write_bytes(content)
+            os.replace(partial, path)
+        except OSError:
+            partial.unlink(missing_ok=True)
+            raise
+
+    @contextmanager
+    def held(self, fit_id: str) -> Iterator[None]:
+        """By a lock of the fit's folder, which the system releases when the process dies.
+
+        Raises FileNotFoundError when the fit was deleted.
         """
-        handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+        handle = os.open(self.fit(fit_id), os.O_RDONLY | os.O_DIRECTORY)
         try:
             fcntl.flock(handle, fcntl.LOCK_EX)
             yield
         finally:
             os.close(handle)
 
-    def wait_until_free(self, folder: Path, timeout_s: float) -> bool:
-        """Whether nobody holds the folder any more, waiting for that a little."""
+    def wait_until_free(self, fit_id: str, timeout_s: float) -> bool:
         try:
-            handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+            handle = os.open(self.fit(fit_id), os.O_RDONLY | os.O_DIRECTORY)
         except FileNotFoundError:
             return True
         deadline = time.monotonic() + timeout_s
@@ -115,11 +127,8 @@ class Folders:
         finally:
             os.close(handle)
 
-    def remove(self, folder: Path) -> None:
-        """Removes the folder with all it holds; one that is not there is no error.
-
-        Raises OSError when something is left of it.
-        """
+    def remove(self, place: str) -> None:
+        folder = self.root / place
         moved = self._moved(folder)
         errors = []
         with self._removing:
@@ -133,17 +142,15 @@ class Folders:
         if errors:
             raise errors[0]
 
-    def left_of(self, folder: Path) -> Path:
-        """Where that is which `remove` could not remove."""
-        moved = self._moved(folder)
-        return moved if os.path.lexists(moved) else folder
+    def left_of(self, place: str) -> str:
+        moved = self._moved(self.root / place)
+        return str(moved if os.path.lexists(moved) else self.root / place)
 
-    def are_empty(self) -> bool:
-        """Whether there is no folder of a scan, a fit or a share link."""
-        return not any(os.listdir(kind) for kind in self._places)
+    def is_empty(self) -> bool:
+        return not any(os.listdir(self.root / kind) for kind in PLACES)
 
     def count_unknown(self, known: Collection[str]) -> int:
-        """How many entries are neither of the places `known` (such as scans/ID) nor such ones on their way out."""
+        """Entries that are neither of the places `known` nor such ones on their way out."""
         ours = {self.root / place for place in known}
         ours |= {self._moved(folder) for folder in ours}
         return sum(entry not in ours for kind in (*PLACES, RUBBISH) for entry in (self.root / kind).iterdir())

@@ -8,9 +8,8 @@ from pathlib import Path
 
 from breastrig.storage.data_folder import SQLITE_FILE
 from breastrig.storage.database import Database
-from breastrig.storage.files import Files
+from breastrig.storage.files import Files, Locks
 from breastrig.storage.folders import Folders
-from breastrig.storage.places.disk_files import DiskFiles
 from breastrig.storage.sqlite import SqliteDatabase
 
 
@@ -23,19 +22,20 @@ class Location:
     files: str | None = None  # s3://bucket/prefix or another URL that fsspec knows
 
 
-def open_database(location: Location) -> Database:
-    """Raises BadSettings when what it needs is not installed."""
+def open_database(location: Location, folders: Folders) -> tuple[Database, Locks]:
+    """And the locks of its fits.  Raises BadSettings when what it needs is not installed."""
     if location.database is None:
-        return SqliteDatabase(location.root / SQLITE_FILE)
+        return SqliteDatabase(location.root / SQLITE_FILE), folders
     from breastrig.storage.postgres import PostgresDatabase
 
-    return PostgresDatabase(location.database)
+    database = PostgresDatabase(location.database)
+    return database, database
 
 
 def open_files(location: Location, folders: Folders) -> Files:
     """Raises BadSettings when what it needs is not installed."""
     if location.files is None:
-        return DiskFiles(folders)
-    from breastrig.storage.places.store_files import StoreFiles
+        return folders
+    from breastrig.storage.store_files import StoreFiles
 
     return StoreFiles(location.files)

@@ -96,9 +96,9 @@ class PostgresDatabase(Database):
 
     @contextmanager
     def held(self, fit_id: str) -> Iterator[None]:
-        """Marks the fit as being executed, until the block ends or the process dies; waits for who has it.
+        """By an advisory lock, as the process may be on another machine.
 
-        Not for ever: who has it may be a machine that was cut off, and its events are refused.
+        Does not wait for ever: who has it may be a machine that was cut off, and its events are refused.
         """
         with self._lone.connect() as connection:
             try:
@@ -108,7 +108,6 @@ class PostgresDatabase(Database):
             yield
 
     def wait_until_free(self, fit_id: str, timeout_s: float) -> bool:
-        """Whether nobody carries the fit out any more, waiting for that a little."""
         deadline = time.monotonic() + timeout_s
         with self._lone.connect() as connection:
             while not connection.execute(

@@ -23,11 +23,10 @@ from breastrig.core import wall_clock
 from breastrig.core.errors import BadSettings
 from breastrig.core.scratch import sweep_scratch
 from breastrig.storage.data_folder import claim, refuse_foreign
-from breastrig.storage.files import MARK, ROOT
+from breastrig.storage.files import MARK, ROOT, fit_place
 from breastrig.storage.folders import Folders, new_id
 from breastrig.storage.installation_id import check_belonging, ensure_id
 from breastrig.storage.location import Location, open_database, open_files
-from breastrig.storage.locks import FolderLocks, Locks
 from breastrig.storage.reserve import Reserve
 
 log = logging.getLogger(__name__)
@@ -53,13 +52,12 @@ class Storage:
         self.location = location if isinstance(location, Location) else Location(location)
         self.root = self.location.root
         self.folders = Folders(self.root)
-        self.database = open_database(self.location)
+        self.database, self._locks = open_database(self.location, self.folders)
         self.files = open_files(self.location, self.folders)
         self.reserve = Reserve(self.folders.reserve)
         self._sqlite = self.location.database is None
         self._forget_again = False
         self.was_damaged = False  # when the whole database was looked at last
-        self._locks: Locks = self.database if isinstance(self.database, Locks) else FolderLocks(self.folders)
 
     def prepare(self) -> None:
         """Creates folders and tables, or brings older tables up to date.
@@ -166,7 +164,7 @@ class Storage:
 
     def make_fit(self, fit_id: str) -> None:
         """What a fit needs before its row is there: a folder here, to be locked by whoever carries it out."""
-        self.folders.make(self.folders.fit(fit_id))
+        self.folders.make(fit_place(fit_id))
 
     def held(self, fit_id: str) -> AbstractContextManager[None]:
         """Marks the fit as being executed, until the block ends or the process dies; waits for who has it.
@@ -188,7 +186,7 @@ class Storage:
         for place in places:
             try:
                 try:
-                    self.folders.remove(self.root / place)
+                    self.folders.remove(place)
                 finally:
                     self.files.remove(place)
             except OSError as error:

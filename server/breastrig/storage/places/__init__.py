@@ -1,1 +1,0 @@
-"""Where files can be kept: in the data folder, or in a store such as S3."""
