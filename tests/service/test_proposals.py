@@ -44,7 +44,7 @@ def test_whoever_asks_gets_one_computation_which_outlives_the_server(serving, st
     with serving(fake_fit.quick) as service:
         answers: list[object] = []
         threads = [
-            threading.Thread(target=lambda: answers.append(service.proposed_landmarks(scan, "a" * 64, PATIENCE_S)))
+            threading.Thread(target=lambda: answers.append(service.proposals.of(scan, "a" * 64, PATIENCE_S)))
             for _ in range(5)
         ]
         for thread in threads:
@@ -52,10 +52,10 @@ def test_whoever_asks_gets_one_computation_which_outlives_the_server(serving, st
         for thread in threads:
             thread.join()
         assert answers == [FOUND] * 5
-        assert service.proposed_landmarks(scan, "a" * 64, PATIENCE_S) == FOUND
+        assert service.proposals.of(scan, "a" * 64, PATIENCE_S) == FOUND
         until(lambda: get_proposals(storage, scan_id, "a" * 64) is not None, "the row")
     with serving(fake_fit.quick, proposer=fake_proposals.failing) as service:
-        assert service.proposed_landmarks(scan, "a" * 64, 0.0) == FOUND
+        assert service.proposals.of(scan, "a" * 64, 0.0) == FOUND
     assert times_made(storage, scan_id) == 1
 
 
@@ -63,7 +63,7 @@ def test_another_model_proposes_anew(serving, storage: Storage, scan_id: str) ->
     scan = get_scan(storage, scan_id)
     with serving(fake_fit.quick) as service:
         for made, model in enumerate(("a" * 64, "b" * 64), start=1):
-            assert service.proposed_landmarks(scan, model, PATIENCE_S) == FOUND
+            assert service.proposals.of(scan, model, PATIENCE_S) == FOUND
             until(lambda model=model: get_proposals(storage, scan_id, model) is not None, "the row")
             assert times_made(storage, scan_id) == made
         assert get_proposals(storage, scan_id, "a" * 64) is None
@@ -73,8 +73,8 @@ def test_another_model_does_not_get_what_is_being_found_for_the_first(serving, s
     scan = get_scan(storage, scan_id)
     with serving(fake_fit.quick) as service:
         with held(storage, scan_id):
-            assert service.proposed_landmarks(scan, "a" * 64, 0.0) is None
-        assert service.proposed_landmarks(scan, "b" * 64, PATIENCE_S) == FOUND
+            assert service.proposals.of(scan, "a" * 64, 0.0) is None
+        assert service.proposals.of(scan, "b" * 64, PATIENCE_S) == FOUND
         until(lambda: times_made(storage, scan_id) == 2, "the other model's search")
 
 
@@ -82,8 +82,8 @@ def test_who_does_not_wait_finds_them_later(serving, storage: Storage, scan_id: 
     scan = get_scan(storage, scan_id)
     with serving(fake_fit.quick) as service:
         with held(storage, scan_id):
-            assert service.proposed_landmarks(scan, "a" * 64, 0.0) is None
-        until(lambda: service.proposed_landmarks(scan, "a" * 64, 0.0) == FOUND, "the proposals")
+            assert service.proposals.of(scan, "a" * 64, 0.0) is None
+        until(lambda: service.proposals.of(scan, "a" * 64, 0.0) == FOUND, "the proposals")
     assert times_made(storage, scan_id) == 1
 
 
@@ -103,7 +103,7 @@ def test_a_failure_is_a_sentence_and_is_not_kept(
     with serving(fake_fit.quick, proposer=proposer, uploads=replace(UploadLimits(), wall_s=wall_s)) as service:
         for _ in range(2):
             with pytest.raises(FitFailed, match=sentence):
-                service.proposed_landmarks(scan, "a" * 64, PATIENCE_S)
+                service.proposals.of(scan, "a" * 64, PATIENCE_S)
         assert service._proposals._running == {}
     assert get_proposals(storage, scan_id, "a" * 64) is None
 
@@ -115,7 +115,7 @@ def test_deleting_the_scan_ends_the_search_and_removes_what_was_found(serving, s
 
         def ask() -> None:
             try:
-                service.proposed_landmarks(scan, "a" * 64, PATIENCE_S)
+                service.proposals.of(scan, "a" * 64, PATIENCE_S)
             except BreastRigError as error:
                 raised.append(error)
 
@@ -146,7 +146,7 @@ def test_who_asks_while_a_search_is_being_stored_begins_no_second_one(
 
         monkeypatch.setattr(Proposals, "_stored", stored_just_after_the_lookup)
         with held(storage, scan_id):
-            assert service.proposed_landmarks(scan, "a" * 64, 0.0) is None
-        assert service.proposed_landmarks(scan, "a" * 64, PATIENCE_S) == FOUND
-        assert service.proposed_landmarks(scan, "a" * 64, PATIENCE_S) == FOUND
+            assert service.proposals.of(scan, "a" * 64, 0.0) is None
+        assert service.proposals.of(scan, "a" * 64, PATIENCE_S) == FOUND
+        assert service.proposals.of(scan, "a" * 64, PATIENCE_S) == FOUND
     assert times_made(storage, scan_id) == 1

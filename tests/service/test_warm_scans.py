@@ -25,7 +25,7 @@ def process_of(service: Service, scan: ScanRow) -> int:
 
 
 def proposing_process(service: Service, scan: ScanRow) -> int:
-    found = service.proposed_landmarks(scan, "a" * 64, 60.0)
+    found = service.proposals.of(scan, "a" * 64, 60.0)
     assert found is not None
     return int(found["nipple_L"]["reason"])
 

@@ -32,9 +32,15 @@ class Setting:
     """One name with its default; `read` turns text into the value or raises ValueError with what it should be."""
 
     read: Callable[[str], Any]
-    default: Callable[[], Any]
-    show: Callable[[Any], str] = str
+    help: str  # of the option
+    default: Callable[[], Any] = lambda: None
+    metavar: str | None = None
+    none: str = "none"  # how None is shown
+    show: Callable[[Any], str] = str  # other values
     quote: Callable[[str], str] = str  # how text that cannot be used is named in a sentence
+
+    def shown(self, value: Any) -> str:
+        return self.none if value is None else self.show(value)
 
 
 @dataclass(frozen=True)
@@ -137,37 +143,89 @@ def read_scheduler(text: str) -> str:
     return text
 
 
+SHOWN_DATA = str(default_data_folder()).replace(os.path.expanduser("~"), "~", 1)  # as a person would write it
 SETTINGS: dict[str, Setting] = {
-    "host": Setting(str, lambda: "127.0.0.1"),
-    "port": Setting(read_port, lambda: 8321),
-    "data": Setting(read_folder, default_data_folder),
+    "host": Setting(
+        str,
+        f"address to listen on (default 127.0.0.1); any but this machine's own needs {TOKEN_VARIABLE} or --token-file",
+        lambda: "127.0.0.1",
+    ),
+    "port": Setting(read_port, "port to listen on (default 8321; 0: a free one)", lambda: 8321),
+    "data": Setting(read_folder, f"where scans and fits are kept (default {SHOWN_DATA})", default_data_folder, "DIR"),
     "database": Setting(
         read_database,
-        lambda: None,
-        lambda url: "SQLite in the data folder" if url is None else without_password(url),
-        lambda text: without_password(text) if "//" in text else "this",  # it may be a password alone
+        "keep rows in PostgreSQL: postgresql://USER@HOST/NAME (better in the settings file if it has a password)",
+        metavar="URL",
+        none="SQLite in the data folder",
+        show=without_password,
+        quote=lambda text: without_password(text) if "//" in text else "this",  # it may be a password alone
     ),
     "files": Setting(
-        read_files, lambda: None, lambda url: "in the data folder" if url is None else url, without_password
+        read_files,
+        "keep files in a store: s3://BUCKET/PREFIX",
+        metavar="URL",
+        none="in the data folder",
+        quote=without_password,
     ),
     "scheduler": Setting(
-        read_scheduler, lambda: None, lambda address: "none: local processes" if address is None else address
+        read_scheduler,
+        "a Dask scheduler, whose workers run the fits (default: processes of this machine)",
+        metavar="ADDRESS",
+        none="none: local processes",
     ),
     "keep_days": Setting(
-        read_keep_days, lambda: float(KEEP_DAYS), lambda days: "forever" if days is None else f"{days:g}"
+        read_keep_days,
+        f"delete scans so many days after their upload (default {KEEP_DAYS}), or: forever",
+        lambda: float(KEEP_DAYS),
+        "DAYS",
+        none="forever",
+        show="{:g}".format,
     ),
-    "model": Setting(read_folder, lambda: None, lambda path: "the packaged torso" if path is None else str(path)),
-    "workers": Setting(read_count, lambda: FitLimits().workers),
-    "waiting_per_client": Setting(read_count, lambda: FitLimits().waiting_per_client),
-    "log": Setting(one_of(LOG_FORMS, "is not a form of log"), lambda: "auto"),
-    "log_requests": Setting(one_of(LOG_REQUESTS, "is no answer"), lambda: "auto"),
-    "trusted_proxy": Setting(read_trusted_proxy, lambda: None, lambda proxy: "none" if proxy is None else str(proxy)),
+    "model": Setting(read_folder, "another rig than the package's torso", metavar="GLB", none="the packaged torso"),
+    "workers": Setting(
+        read_count, "fits that run at once (default: one a core, at most 8)", lambda: FitLimits().workers
+    ),
+    "waiting_per_client": Setting(
+        read_count,
+        "fits that one client may have waiting (default 50)",
+        lambda: FitLimits().waiting_per_client,
+        "N",
+    ),
+    "log": Setting(
+        one_of(LOG_FORMS, "is not a form of log"),
+        "log lines for people or as JSON (auto: JSON unless on a terminal)",
+        lambda: "auto",
+        f"{{{','.join(LOG_FORMS)}}}",
+    ),
+    "log_requests": Setting(
+        one_of(LOG_REQUESTS, "is no answer"),
+        "a log line for each request, without addresses and ids (auto: yes unless on a terminal)",
+        lambda: "auto",
+        f"{{{','.join(LOG_REQUESTS)}}}",
+    ),
+    "trusted_proxy": Setting(
+        read_trusted_proxy,
+        "the reverse proxy whose X-Forwarded-For, -Proto and -Host are believed, and how many stand in a row",
+        metavar="ADDRESS[,HOPS]",
+    ),
     "public_host": Setting(
-        read_public_hosts, lambda: (), lambda names: ",".join(names) or "any, where there is a token"
+        read_public_hosts,
+        "the only names that outsiders may call this service by (default: any, as the token protects it)",
+        lambda: (),
+        "NAME[,NAME]",
+        show=lambda names: ",".join(names) or "any, where there is a token",
     ),
-    "token_file": Setting(read_folder, lambda: None, lambda path: "none" if path is None else str(path)),
-    "no_token": Setting(read_yes_or_no, lambda: False, show_yes_or_no),
-    "no_browser": Setting(read_yes_or_no, lambda: False, show_yes_or_no),
+    "token_file": Setting(read_folder, f"file that holds the token, instead of {TOKEN_VARIABLE}", metavar="FILE"),
+    "no_token": Setting(
+        read_yes_or_no,
+        "for scripts: any user and program of this machine may read and change all patients (default: a token is made "
+        "at each start, and is in the printed address)",
+        lambda: False,
+        show=show_yes_or_no,
+    ),
+    "no_browser": Setting(
+        read_yes_or_no, "open no browser when started on a terminal", lambda: False, show=show_yes_or_no
+    ),
 }
 
 
@@ -200,13 +258,13 @@ def effective_settings(
             text, source = str(in_file[name]), f"file {file}"
         else:
             value = setting.default()
-            found[name] = Found(value, "default", setting.show(value))
+            found[name] = Found(value, "default", setting.shown(value))
             continue
         try:
             value = setting.read(str(text))
         except ValueError as error:
             raise BadSettings(f"{name} ({source}): {setting.quote(str(text)) or 'nothing'} {error}.") from error
-        found[name] = Found(value, source, setting.show(value))
+        found[name] = Found(value, source, setting.shown(value))
     return found
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from breastrig.api.settings import read_days, without_password
 from breastrig.cli.commands import COMMANDS
-from breastrig.cli.service_options import add_place_options, chosen_location
+from breastrig.cli.service_options import PLACES, add_setting_options, chosen_location
 from breastrig.core.errors import BadSettings
 from breastrig.service.sweep import overdue
 from breastrig.storage.data_folder import Ownership, ownership_of
@@ -22,7 +22,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     which = parser.add_mutually_exclusive_group(required=True)
     which.add_argument("--all", action="store_true", help="every scan")
     which.add_argument("--older-than", type=days, metavar="DAYS", help="scans uploaded more than so many days ago")
-    add_place_options(parser)
+    add_setting_options(parser, PLACES)
 
 
 def days(text: str) -> float:

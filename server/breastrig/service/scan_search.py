@@ -195,7 +195,7 @@ Proposer = Callable[[ProposeJob], dict[str, Any]]
 
 
 class Proposals(ScanSearch):
-    """{name: {point (mm), confidence, on_scan, error_mm}} of each scan; see `variant`."""
+    """{name: {point (mm), confidence, on_scan, error_mm}} of each scan, by model and by what is cut out by hand."""
 
     what = "Finding landmarks"
     instead = "Place them by hand."
@@ -207,16 +207,20 @@ class Proposals(ScanSearch):
         self._proposer = proposer
         self._model = model
 
-    def variant(self, scan_id: str, model_sha256: str) -> str:
+    def of(self, scan: ScanRow, model_sha256: str, wait_s: float) -> dict[str, Any] | None:
+        """What this model proposes; as `get`."""
+        return self.get(scan, self._variant(scan.id, model_sha256), wait_s)
+
+    def _variant(self, scan_id: str, model_sha256: str) -> str:
         """The sha256 of the model, and of what is cut out of the scan by hand."""
         digest = cuts_digest(get_cuts(self._storage, scan_id))
         return hashlib.sha256(f"{model_sha256} {digest}".encode()).hexdigest() if digest else model_sha256
 
-    def agreed(self, scan_id: str, variant: str, picks: Picks) -> Picks:
-        """With the confidence of each of which nothing is said: as it was there, else as proposed."""
+    def agreed(self, scan_id: str, model_sha256: str, picks: Picks) -> Picks:
+        """With the confidence of each of which nothing is said: as it was there, else as this model proposed it."""
         before = get_landmarks(self._storage, scan_id)
         known = [(before.points_mm[name], name, share) for name, share in before.confidence.items()]
-        proposed = self.known(scan_id, variant) or {}
+        proposed = self.known(scan_id, self._variant(scan_id, model_sha256)) or {}
         known += [(each["point"], name, float(each["confidence"])) for name, each in proposed.items()]
         said = {*picks.certain, *picks.confidence}
         found: dict[str, float] = {}

@@ -13,7 +13,7 @@ import hashlib
 import json
 import logging
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -47,7 +47,7 @@ from breastrig.storage.folders import new_id
 from breastrig.storage.rows import scans as scan_rows
 from breastrig.storage.rows.fits import FitRow, NewFit, Once, add_fits, fits_of_scan, made_before
 from breastrig.storage.rows.patients import get_patient, put_items_of_scan, scans_of_patient
-from breastrig.storage.rows.scans import Picks, Points, ScanRow
+from breastrig.storage.rows.scans import Points, ScanRow
 from breastrig.storage.storage import Storage, Unremoved, utc_now
 from breastrig.workflow.jobs import TransferJob, UploadJob
 from breastrig.workflow.tasks import keeping, propose_on_file, read_upload, run_fit, run_pair, transfer
@@ -101,8 +101,8 @@ class Service:
         self.readiness = Readiness(storage, {"read uploads": self._readers, "fit": self._workers})
         self._waiting = WaitingCap(storage, fit_limits.waiting_per_client)
         self._model = model
-        self._proposals = Proposals(storage, self._others, self._uploads.wall_s, proposer, model)
-        self._ink = InkSearch(storage, self._others, self._uploads.wall_s)
+        self.proposals = Proposals(storage, self._others, self._uploads.wall_s, proposer, model)
+        self.ink = InkSearch(storage, self._others, self._uploads.wall_s)
         self.models = KeptModels(storage, model)
         self.plans = Plans(storage, self._others, self.models)
         self.moving = Moving(storage, hands, self.models)
@@ -190,8 +190,8 @@ class Service:
 
         Raises NotRemoved when files are left; they are tried again from time to time.
         """
-        self._proposals.drop(scan_id)
-        self._ink.drop(scan_id)
+        self.proposals.drop(scan_id)
+        self.ink.drop(scan_id)
         fits = fits_of_scan(self.storage, scan_id)
         self._queue.drop(fits)
         gone = delete_rows(self.storage, scan_id)
@@ -206,22 +206,6 @@ class Service:
         if left:
             _log_unremoved(left)
             raise NotRemoved(len(left))
-
-    def proposed_landmarks(self, scan: ScanRow, model_sha256: str, wait_s: float) -> dict[str, Any] | None:
-        """The landmarks that the model proposes on the scan; None when they are still being looked for."""
-        return self._proposals.get(scan, self._proposals.variant(scan.id, model_sha256), wait_s)
-
-    def with_agreed(self, scan: ScanRow, model_sha256: str, picks: Picks) -> Picks:
-        """Picks of the scan with the confidence of those that only repeat what was proposed."""
-        return self._proposals.agreed(scan.id, self._proposals.variant(scan.id, model_sha256), picks)
-
-    def ink(self, scan: ScanRow, wait_s: float) -> dict[str, Any] | None:
-        """The lines of ink on the scan's skin, a drawing in mm; None when they are still being looked for."""
-        return self._ink.found(scan, wait_s)
-
-    def drop_ink(self, scan_id: str, dropped: Mapping[str, bool]) -> dict[str, Any]:
-        """`ink` after a person has said of these lines whether they are dropped."""
-        return self._ink.mark_dropped(scan_id, dropped)
 
     def examples(self) -> tuple[Example, ...]:
         """The packaged example scans, in the order standing, supine, others."""

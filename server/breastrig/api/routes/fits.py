@@ -115,7 +115,7 @@ def _picks(scan: ScanRow, stance: wire.OtherStance) -> Picks:
     said |= {} if stance.confidence is None else {"confidence": stance.confidence}
     brought = stance.landmarks is not None
     picks = Picks(stance.landmarks or {}) if brought else get_landmarks(context.service.storage, scan.id)
-    return context.service.with_agreed(scan, context.model.rig.sha256, replace(picks, **said))
+    return context.service.proposals.agreed(scan.id, context.model.rig.sha256, replace(picks, **said))
 
 
 def _once(key: str | None, asked: wire.FitRequest) -> Once | None:

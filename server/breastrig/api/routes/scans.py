@@ -155,7 +155,7 @@ def replace_landmarks(scan_id: str, json_data: wire.LandmarkFile, headers_data: 
     row = get_scan(context.service.storage, scan_id)
     picks = Picks(json_data.landmarks, tuple(json_data.certain), json_data.confidence)
     check_landmarks(picks, row, context.model)
-    picks = context.service.with_agreed(row, context.model.rig.sha256, picks)
+    picks = context.service.proposals.agreed(row.id, context.model.rig.sha256, picks)
     if not put_landmarks(context.service.storage, scan_id, picks, _tag(headers_data.if_match)):
         now = picks_digest(get_landmarks(context.service.storage, scan_id))
         raise refuse(412, CHANGED_LANDMARKS, {"ETag": f'"{now}"'})
@@ -221,7 +221,7 @@ def propose_landmarks(scan_id: str) -> wire.ProposedLandmarks | Response:
     """
     context = app_context()
     row = get_scan(context.service.storage, scan_id)
-    found = context.service.proposed_landmarks(row, context.model.rig.sha256, context.config.proposal_wait_s)
+    found = context.service.proposals.of(row, context.model.rig.sha256, context.config.proposal_wait_s)
     if found is None:
         return Response(status=202, headers={"Retry-After": "1"})
     return wire.ProposedLandmarks(landmarks=found)
@@ -244,7 +244,7 @@ def find_ink(scan_id: str) -> wire.Ink | Response:
     """
     context = app_context()
     row = get_scan(context.service.storage, scan_id)
-    found = context.service.ink(row, context.config.proposal_wait_s)
+    found = context.service.ink.found(row, context.config.proposal_wait_s)
     if found is None:
         return Response(status=202, headers={"Retry-After": "1"})
     return wire.Ink.model_validate(found)
@@ -261,7 +261,7 @@ def drop_ink(scan_id: str, json_data: wire.InkChange) -> wire.Ink:
 
     They stay among the found lines, marked as dropped, until this is taken back.
     """
-    return wire.Ink.model_validate(app_context().service.drop_ink(scan_id, json_data.dropped))
+    return wire.Ink.model_validate(app_context().service.ink.mark_dropped(scan_id, json_data.dropped))
 
 
 def _tag(if_match: str | None) -> str | None:
