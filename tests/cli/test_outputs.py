@@ -152,7 +152,7 @@ def test_a_fit_that_fails_leaves_the_earlier_result_whole(
     def full(*_: object) -> bytes:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("breastrig.workflow.folder.fit_files.write_private", full)
+    monkeypatch.setattr("breastrig.core.private_files.write_private", full)
     command = ["fit", str(EXAMPLE / "supine" / "scan.ply"), "--drawing", "none", "-o", str(out)]
     assert "No space left on device" in refused(command, capsys)
     assert files(out) == before

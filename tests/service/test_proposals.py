@@ -104,7 +104,7 @@ def test_a_failure_is_a_sentence_and_is_not_kept(
         for _ in range(2):
             with pytest.raises(FitFailed, match=sentence):
                 service.proposals.of(scan, "a" * 64, PATIENCE_S)
-        assert service._proposals._running == {}
+        assert service.proposals._running == {}
     assert get_proposals(storage, scan_id, "a" * 64) is None
 
 
@@ -121,7 +121,7 @@ def test_deleting_the_scan_ends_the_search_and_removes_what_was_found(serving, s
 
         thread = threading.Thread(target=ask)
         thread.start()
-        until(lambda: (scan_id, "a" * 64) in service._proposals._running, "the search")
+        until(lambda: (scan_id, "a" * 64) in service.proposals._running, "the search")
         service.delete_scan(scan_id)
         thread.join(timeout=PATIENCE_S)
         assert [type(error) for error in raised] == [NotFound]
