@@ -11,6 +11,7 @@ that what was measured with one rig is never said of another.
     uncertainty.toml     how far bodies are from the model beyond what a fit knows  fitting/uncertainty/calibration.py
     verdict.toml         what right fits look like                                  fitting/verdicts/verdict.py
     measures.toml        what measures of breasts are off                           report/calibration.py
+    volume.json          chest wall and tetrahedra                                  volume/known_volume.py
 """
 
 import json

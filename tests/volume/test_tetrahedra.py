@@ -1,0 +1,114 @@
+"""The inside of fitted bodies: sound tetrahedra, the skin kept, and a wall that breasts do not move."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.example_fits import write_example_fits
+from helpers.random_pose import random_parameters
+
+from breastrig.core.errors import BadInput, BadModel
+from breastrig.geometry.caps import closed
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.report.files.exported import enclosed_volume
+from breastrig.rig.model import Rig
+from breastrig.rig.parameters import rest_parameters
+from breastrig.rig.skinning import pose
+from breastrig.volume.sound import _Shapes
+from breastrig.volume.tetrahedra import chest_wall, volume_mesh
+from breastrig.volume.volume_mesh import REGIONS, VolumeMesh, outer_triangles
+from breastrig.workflow.folder.fit_folder import fit_folder_of
+
+
+@pytest.fixture(scope="module")
+def rig() -> Rig:
+    return read_rig(default_rig_path())
+
+
+@pytest.fixture(scope="module", params=["standing", "supine"])
+def fitted(
+    request: pytest.FixtureRequest, rig: Rig, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[VolumeMesh, np.ndarray]:
+    folder = tmp_path_factory.mktemp("fits")
+    write_example_fits(folder)
+    fit = fit_folder_of(folder / request.param, rig)
+    return volume_mesh(rig, fit.parameters, fit.vertices), fit.vertices
+
+
+def test_tetrahedra_of_a_fit_are_sound_and_fill_its_closed_skin(fitted, rig: Rig) -> None:
+    mesh, skin = fitted
+    assert mesh.scaled_jacobian.min() >= 0.1
+    assert mesh.volumes.min() > 0.0
+    capped = closed(skin, rig.faces)
+    assert mesh.volumes.sum() == pytest.approx(enclosed_volume(capped.vertices, capped.faces), rel=0.01)
+    moved = np.linalg.norm(mesh.points[: len(skin)] - skin, axis=1)
+    assert moved.max() == mesh.moved < 0.005
+    assert np.median(moved) == 0.0
+
+
+def test_the_surface_is_the_rigs_own(fitted, rig: Rig) -> None:
+    mesh, skin = fitted
+    outer = {tuple(sorted(row)) for row in outer_triangles(mesh.tetrahedra).tolist()}
+    assert {tuple(sorted(row)) for row in mesh.surface.tolist()} < outer
+    np.testing.assert_array_equal(mesh.model_vertex[mesh.surface], rig.faces)
+    assert (mesh.model_vertex[len(skin) :] == -1).all()
+
+
+def test_regions_and_sets_say_what_holds_the_breasts(fitted, rig: Rig) -> None:
+    mesh, skin = fitted
+    wall = np.unique(mesh.wall)
+    soft, core = (np.unique(mesh.tetrahedra[part]) for part in (mesh.soft, ~mesh.soft))
+    np.testing.assert_array_equal(np.setdiff1d(np.intersect1d(soft, core), wall), [])  # they meet at the wall only
+    for side in "LR":
+        nipple = rig.faces[rig.landmark_points((f"nipple_{side}",)).faces[0]]
+        around = np.isin(mesh.tetrahedra, nipple).any(axis=1)
+        assert {REGIONS[region] for region in mesh.region[around]} == {f"breast_{side}"}
+    assert set(np.unique(mesh.region)) == set(range(len(REGIONS)))
+    np.testing.assert_array_equal(np.intersect1d(mesh.fixed, mesh.sliding), [])
+    assert np.isin(mesh.sliding, wall).all()
+    assert np.isin(core, np.union1d(mesh.fixed, mesh.sliding)).all()
+    assert {"cuts", "dense_sternum", "dense_inframammary_L", "dense_lateral_R", "loose_pectoral_L"} <= set(mesh.sets)
+    assert (mesh.depth[: len(skin)] == 0.0).all()
+    assert ((mesh.depth >= 0.0) & (mesh.depth <= 1.0)).all()
+    assert (mesh.depth[mesh.fixed[np.isin(mesh.fixed, wall)]] == 1.0).all()
+
+
+def test_the_wall_follows_bones_and_scales_but_not_breasts(rig: Rig, rng: np.random.Generator) -> None:
+    rest = rest_parameters(rig)
+    breasts = [index for index, shape in enumerate(rig.shapes) if shape.mirror != shape.name]
+    weights = rest.weights.copy()
+    weights[breasts] = rng.uniform(-1.0, 1.0, len(breasts))
+    bare = chest_wall(rig, rest)
+    np.testing.assert_array_equal(chest_wall(rig, replace(rest, weights=weights)), bare)
+    larger = replace(rest, scales=1.2 * rest.scales)
+    np.testing.assert_allclose(
+        np.linalg.norm(chest_wall(rig, larger)[rig.faces[:, 0]] - pose(rig, larger)[rig.faces[:, 0]], axis=1),
+        1.2 * np.linalg.norm(bare[rig.faces[:, 0]] - rig.template[rig.faces[:, 0]], axis=1),
+        rtol=0.3,
+    )
+
+
+def test_any_body_of_the_rig_is_sound(rig: Rig, rng: np.random.Generator) -> None:
+    x = random_parameters(rig, rng, turn=0.05, move=0.002, scale=0.1, shape=0.7)
+    mesh = volume_mesh(rig, x, pose(rig, x))
+    assert mesh.scaled_jacobian.min() >= 0.1
+
+
+def test_derivative_of_the_energy_of_shapes(rng: np.random.Generator) -> None:
+    points, tetrahedra = rng.normal(size=(8, 3)), np.array([[0, 1, 2, 3], [4, 1, 2, 3], [5, 6, 7, 0]])
+    springs, normals = np.array([1.0, 2.0, 0.0, 0.0, 0.0]), rng.normal(size=(5, 3))
+    shapes = _Shapes(points, tetrahedra, np.array([0.5, 1.0, 0.8]), np.arange(5), springs, normals)
+    at, step = (shapes.start + 0.1 * rng.normal(size=(5, 3))).ravel(), rng.normal(size=15)
+    measured = (shapes.energy(at + 1e-6 * step)[0] - shapes.energy(at - 1e-6 * step)[0]) / 2e-6
+    assert shapes.energy(at)[1] @ step == pytest.approx(measured, rel=1e-6)
+
+
+def test_a_rig_without_an_inside_says_so(toy_rig: Rig) -> None:
+    with pytest.raises(BadInput, match=r"Nothing is known of the inside of the rig toy"):
+        volume_mesh(toy_rig, rest_parameters(toy_rig), toy_rig.template)
+
+
+def test_the_inside_of_another_rig_is_damaged(toy_rig: Rig, rig: Rig) -> None:
+    other = replace(toy_rig, known={"volume.json": rig.known["volume.json"]})
+    with pytest.raises(BadModel, match=r"toy.known/volume.json does not belong to this rig"):
+        volume_mesh(other, rest_parameters(other), other.template)
