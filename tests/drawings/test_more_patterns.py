@@ -7,7 +7,8 @@ from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.clock import FittedSkin
 from breastrig.drawings.patterns import asked_drawing
-from breastrig.geometry.geodesic import Geodesics, length
+from breastrig.geometry.geodesic import Geodesics
+from breastrig.geometry.polyline import length
 from breastrig.geometry.surface_points import SurfacePoints, joined
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import DrawnShape, Rig

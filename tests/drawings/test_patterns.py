@@ -12,7 +12,7 @@ from breastrig.drawings.constructions.reduction import Reduction, ends
 from breastrig.drawings.constructions.tumour import Tumour
 from breastrig.drawings.patterns import asked_drawing, known_drawings, offered_patterns, pattern_help, tumour_text
 from breastrig.geometry import geodesic
-from breastrig.geometry.geodesic import length
+from breastrig.geometry.polyline import length
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import DrawnShape, Rig

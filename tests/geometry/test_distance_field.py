@@ -8,8 +8,9 @@ from helpers.surfaces import plane
 
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.fields.distance_field import DistanceFields
-from breastrig.geometry.geodesic import Geodesics, length
+from breastrig.geometry.geodesic import Geodesics
 from breastrig.geometry.half_edges import HalfEdges
+from breastrig.geometry.polyline import length
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.clean import compact

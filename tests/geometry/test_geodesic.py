@@ -6,7 +6,8 @@ import trimesh
 
 from breastrig.core.errors import BadDrawing
 from breastrig.geometry.closest_point import ClosestPointSearch
-from breastrig.geometry.geodesic import Geodesics, length
+from breastrig.geometry.geodesic import Geodesics
+from breastrig.geometry.polyline import length
 from breastrig.geometry.surface_points import SurfacePoints
 
 INSIDE = np.array([0.2, 0.5, 0.3])

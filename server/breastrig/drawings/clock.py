@@ -6,10 +6,10 @@ tape on the skin.  The clock's face is the plane that the circle of that distanc
 which follows a breast that points sideways or down.
 """
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from breastrig.core.errors import BadDrawing
 from breastrig.core.lru_cache import LruCache
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.geodesic import Geodesics
+from breastrig.geometry.polyline import arc_lengths
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
@@ -26,6 +27,9 @@ ROUND = 48  # points of a drawn circle: its chords are off by 0.2 % of the radiu
 KEPT_CONSTRUCTIONS = 4  # the pattern that a drag began with, and the last ones that it became
 SAME = 1e-12  # m: radii that differ by less are one circle, of which each costs some milliseconds
 NO_DIRECTION = 1e-4  # m from the centre, under which a place has no hour
+
+
+Construction = TypeVar("Construction")
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,9 +41,16 @@ class FittedSkin:
     known: Mapping[str, Array] = field(default_factory=dict)  # (3,) landmarks that are known better than the model's
 
     @cached_property
-    def constructions(self) -> LruCache[Hashable, Any]:
-        """What patterns have constructed here, by pattern: its lines need it, and so do its handles."""
+    def _constructions(self) -> LruCache[Hashable, Any]:
         return LruCache(KEPT_CONSTRUCTIONS)
+
+    def constructed(self, pattern: Hashable, construct: Callable[["FittedSkin"], Construction]) -> Construction:
+        """What a pattern has constructed here, made once: its lines need it, and so do its handles."""
+        found: Construction | None = self._constructions.get(pattern)
+        if found is None:
+            found = construct(self)
+            self._constructions.put(pattern, found)
+        return found
 
     @cached_property
     def geodesics(self) -> Geodesics:
@@ -51,8 +62,7 @@ class FittedSkin:
 
     def nearest(self, points: Array) -> SurfacePoints:
         """The skin's closest points to (M, 3) m points."""
-        found = self._search.query(points)
-        return SurfacePoints(found.faces, found.barycentric)
+        return self._search.query(points).on_mesh
 
     def at(self, points: SurfacePoints) -> Array:
         """(M, 3) m"""
@@ -83,10 +93,10 @@ def circle_around(skin: FittedSkin, centre: SurfacePoints, radius: float) -> Sur
     """About ROUND points at `radius` (m) along the skin, each exact; BadDrawing when the skin ends before."""
     rim = skin.geodesics.circle_points(int(centre.faces[0]), centre.barycentric[0], radius)
     at = skin.at(rim)
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(at, axis=0), axis=1))])
+    along = arc_lengths(at)
     whole = along[-1] + np.linalg.norm(at[0] - at[-1])
     chosen = np.unique(np.searchsorted(along, np.arange(ROUND) * whole / ROUND).clip(0, len(at) - 1))
-    return SurfacePoints(rim.faces[chosen], rim.barycentric[chosen])
+    return rim[chosen]
 
 
 def angle_of(hour: float) -> float:

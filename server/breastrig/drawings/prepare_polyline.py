@@ -18,7 +18,7 @@ from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.geodesic import Geodesics
 from breastrig.geometry.normals import vertex_normals
-from breastrig.geometry.polyline import Polyline, parts
+from breastrig.geometry.polyline import Polyline, arc_lengths, interpolated, parts
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import Rig
 
@@ -47,9 +47,9 @@ def prepared(rig: Rig, scan: FittedScan, shapes: Sequence[Polyline]) -> list[Pol
             )
     corners = np.where(skipped[:, None], points, given.points)
     model = ClosestPointSearch(scan.vertices, rig.faces)
-    below = model.query(corners)
+    below = model.query(corners).on_mesh
     geodesics = Geodesics(scan.vertices, rig.faces)
-    on_model = [SurfacePoints(below.faces[part], below.barycentric[part]) for part in rows]
+    on_model = [below[part] for part in rows]
     lines = [
         _with_points_between(geodesics, shape, corners[part], places)
         for shape, part, places in zip(shapes, rows, on_model, strict=True)
@@ -85,7 +85,7 @@ def _with_points_between(
     far: dict[int, Array] = {}
     for k in np.flatnonzero(gaps > FAR_APART).tolist():
         pair = np.array([k, following[k]])
-        far[k] = _between(geodesics, corners[pair], SurfacePoints(places.faces[pair], places.barycentric[pair]))
+        far[k] = _between(geodesics, corners[pair], places[pair])
         inner[k] = len(far[k])
     first = np.concatenate([[0], np.cumsum(1 + inner)])  # where each segment begins in the line
     segment = np.repeat(np.arange(len(inner)), 1 + inner)
@@ -103,8 +103,7 @@ def _with_points_between(
 
 def _snapped(rig: Rig, scan: FittedScan, model: ClosestPointSearch, points: Array) -> tuple[Array, Booleans]:
     """(M, 3) m points on the skin that faces as the model does, and (M,) which found none and stay."""
-    at = model.query(points)
-    normals = SurfacePoints(at.faces, at.barycentric).directions(vertex_normals(scan.vertices, rig.faces), rig.faces)
+    normals = model.query(points).on_mesh.directions(vertex_normals(scan.vertices, rig.faces), rig.faces)
     found = match(scan.target, points, normals, SKIN_BELOW)
     snapped, missed = points.copy(), np.ones(len(points), dtype=np.bool_)
     snapped[found.vertices], missed[found.vertices] = found.points, False
@@ -115,10 +114,8 @@ def _between(geodesics: Geodesics, ends: Array, places: SurfacePoints) -> Array:
     """(M, 3) m: points on the shortest path between two points (2, 3), at most SPACING apart, near the skin."""
     path = ends
     with suppress(BadDrawing):  # parts of the model that are not connected: then the chord
-        start, end = (SurfacePoints(places.faces[[k]], places.barycentric[[k]]) for k in range(2))
-        path = np.concatenate([path[:1], geodesics.path(start, end), path[1:]])
-    steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
-    along = np.concatenate([[0.0], np.cumsum(steps)])
+        path = np.concatenate([path[:1], geodesics.path(places[[0]], places[[1]]), path[1:]])
+    along = arc_lengths(path)
     count = max(1, int(np.ceil(along[-1] / SPACING)))
     inner = np.linspace(0.0, along[-1], count + 1)[1:-1]
-    return np.stack([np.interp(inner, along, path[:, axis]) for axis in range(3)], axis=1)
+    return interpolated(inner, along, path)

@@ -18,7 +18,7 @@ from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.normals import unit_vectors, vertex_normals
-from breastrig.geometry.polyline import Polyline, resampled
+from breastrig.geometry.polyline import Polyline, interpolated, resampled
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 
 SPACING = 0.003  # m; finer than a pen, coarser than the noise
@@ -185,7 +185,7 @@ def _interpolated(base: Array, gaps: Array, known: Booleans, closed: bool) -> Ar
     if closed:
         places = np.concatenate([places - along[-1], places, places + along[-1]])
         values = np.tile(values, (3, 1))
-    filled = np.stack([np.interp(at, places, values[:, axis]) for axis in range(3)], axis=1)
+    filled = interpolated(at, places, values)
     beyond = np.maximum(np.maximum(places[0] - at, at - places[-1]), 0.0)
     return np.where(known[:, None], gaps, filled * np.clip(1.0 - beyond / FADE, 0.0, 1.0)[:, None])
 

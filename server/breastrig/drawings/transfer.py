@@ -19,7 +19,6 @@ from breastrig.drawings.skin_maps.skin_map import FittedScan, SkinMap
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import unit_vectors, vertex_normals
 from breastrig.geometry.polyline import Polyline, parts
-from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import Rig
 
 STEP = 0.002  # m, for the tangents of a map, which bends over centimetres
@@ -95,8 +94,7 @@ def _mapped(
     normals = unit_vectors(a.target.surface_at(on_a.faces, on_a.barycentric)[1])
     model = ClosestPointSearch(a.vertices, rig.faces)
     if bridged.any():  # without skin the model says which way is out
-        beside = model.query(points[bridged])
-        places = SurfacePoints(beside.faces, beside.barycentric)
+        places = model.query(points[bridged]).on_mesh
         normals[bridged] = places.directions(vertex_normals(a.vertices, rig.faces), rig.faces)
     mapped = _model_map(rig, a, b, model) if other_patient else _skin_map(rig, a, b)
     near, facing = mapped(points, normals)
@@ -137,7 +135,7 @@ def _model_map(rig: Rig, a: FittedScan, b: FittedScan, model: ClosestPointSearch
         asked = points
         for _ in range(ROUNDS):
             found = model.query(asked)
-            places = SurfacePoints(found.faces, found.barycentric)
+            places = found.on_mesh
             normals = places.directions(turned, rig.faces)
             gap = points - found.points
             asked = found.points + gap - np.einsum("mi,mi->m", gap, normals)[:, None] * normals

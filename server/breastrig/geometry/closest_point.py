@@ -20,6 +20,7 @@ import igl
 import numpy as np
 
 from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.geometry.surface_points import SurfacePoints
 
 PORTION = 999  # points; libigl searches up to 1,000 at once without starting threads
 FLAT = 1e-16  # (height / longest edge)² under which a triangle counts as its longest edge, 0.1 nm off on one of 10 mm
@@ -34,6 +35,11 @@ class ClosestPoints:
     barycentric: Array  # (M, 3)
     points: Array  # (M, 3) m
     distances: Array  # (M,) m
+
+    @property
+    def on_mesh(self) -> SurfacePoints:
+        """The same points, to be carried by the mesh."""
+        return SurfacePoints(self.faces, self.barycentric)
 
 
 def closest_barycentric(points: Array, corners: Array) -> Array:

@@ -46,7 +46,7 @@ class Geodesics:
         """Measures from S surface points as far as `reach` (m) at once, and keeps it for paths and circles to come."""
         new = [k for k, key in enumerate(_keys(sources)) if not self._known(key, reach)]
         if new:
-            asked = SurfacePoints(sources.faces[new], sources.barycentric[new])
+            asked = sources[new]
             fields = DistanceFields(self._mesh, asked, np.full(len(new), reach))
             for number, key in enumerate(_keys(asked)):
                 self._fields.put(key, (fields, number))
@@ -95,7 +95,7 @@ class Geodesics:
             kept = self._paths.get((start, end))
             if kept is not None:
                 found[k] = kept
-            for key, goal, way in ((start, _one(b, k), 1), (end, _one(a, k), -1)):
+            for key, goal, way in ((start, b[[k]], 1), (end, a[[k]], -1)):
                 fields, number = (None, 0) if k in found else self._fields.get(key) or (None, 0)
                 if fields is not None and fields.reaches(number, goal):
                     found[k] = fields.path(number, goal)[::way]
@@ -104,9 +104,8 @@ class Geodesics:
         for detour in DETOURS:
             left = [k for k in range(len(a)) if k not in found]
             if left:
-                sources = SurfacePoints(a.faces[left], a.barycentric[left])
-                fields = DistanceFields(self._mesh, sources, detour * straight[left] + TOUCHING, goals[left])
-                found |= {k: fields.path(n, _one(b, k)) for n, k in enumerate(left) if fields.reaches(n, _one(b, k))}
+                fields = DistanceFields(self._mesh, a[left], detour * straight[left] + TOUCHING, goals[left])
+                found |= {k: fields.path(n, b[[k]]) for n, k in enumerate(left) if fields.reaches(n, b[[k]])}
         if len(found) < len(a):
             raise BadDrawing("The two points lie on parts of the surface that are not connected; choose others.")
         for k, pair in enumerate(pairs):
@@ -160,18 +159,8 @@ class Geodesics:
         return SurfacePoints(owners, barycentrics)
 
 
-def length(points: Array, closed: bool = False) -> float:
-    """m along a (M, 3) polyline."""
-    line = np.concatenate([points, points[:1]]) if closed else points
-    return float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
-
-
 def _keys(points: SurfacePoints) -> list[Key]:
     return [(int(face), place.tobytes()) for face, place in zip(points.faces, points.barycentric, strict=True)]
-
-
-def _one(points: SurfacePoints, k: int) -> SurfacePoints:
-    return SurfacePoints(points.faces[[k]], points.barycentric[[k]])
 
 
 def _compact(vertices: Array, faces: Integers) -> tuple[Array, Integers, Integers]:

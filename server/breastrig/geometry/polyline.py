@@ -83,16 +83,36 @@ def parts(lines: Iterable[Sized]) -> list[slice]:
     return [slice(start, end) for start, end in pairwise(np.cumsum([0, *map(len, lines)]).tolist())]
 
 
+def arc_lengths(points: Array) -> Array:
+    """(M,) m from the first point of a (M, D) polyline to each; the first three columns are positions (m)."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points[:, :3], axis=0), axis=1))])
+
+
+def interpolated(at: Array | float, known: Array, values: Array) -> Array:
+    """(..., D) linearly between (M, D) values at (M,) ascending places `known`; beyond their ends as there."""
+    return np.stack([np.interp(at, known, column) for column in values.T], axis=-1)
+
+
+def length(points: Array, closed: bool = False) -> float:
+    """m along a (M, 3) polyline."""
+    line = np.concatenate([points, points[:1]]) if closed else points
+    return float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
+
+
+def point_along(points: Array, distance: float) -> Array:
+    """(3,) m: the point of a (M, 3) m polyline after so many metres."""
+    return interpolated(distance, arc_lengths(points), points)
+
+
 def resampled(points: Array, spacing: float, closed: bool) -> Array:
     """(N, D) points evenly along a (M, D) polyline whose first three columns are positions (m).
 
     Ends are kept; a closed line is not repeated at its end; further columns are carried along linearly.
     """
     line = np.concatenate([points, points[:1]]) if closed else points
-    steps = np.linalg.norm(np.diff(line[:, :3], axis=0), axis=1)
-    length = np.concatenate([[0.0], np.cumsum(steps)])
+    length = arc_lengths(line)
     if length[-1] == 0.0:
         return points[:1].copy()
     count = max(int(np.ceil(length[-1] / spacing)), 3 if closed else 1)
     at = np.linspace(0.0, length[-1], count + 1)[: count if closed else count + 1]
-    return np.column_stack([np.interp(at, length, line[:, column]) for column in range(line.shape[1])])
+    return interpolated(at, length, line)

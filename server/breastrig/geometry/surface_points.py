@@ -24,6 +24,10 @@ class SurfacePoints:
     def __len__(self) -> int:
         return len(self.faces)
 
+    def __getitem__(self, chosen: Integers | Sequence[int] | slice) -> "SurfacePoints":
+        """Some of them."""
+        return SurfacePoints(self.faces[chosen], self.barycentric[chosen])
+
     def positions(self, vertices: Array, triangles: Integers) -> Array:
         """(M, 3) m: the points on a mesh with these (V, 3) vertices and (F, 3) triangles."""
         corners = vertices[triangles[self.faces]]

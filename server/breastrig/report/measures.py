@@ -14,8 +14,8 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.stances import SIDES
-from breastrig.geometry.geodesic import Geodesics, length
-from breastrig.geometry.polyline import resampled
+from breastrig.geometry.geodesic import Geodesics
+from breastrig.geometry.polyline import length, resampled
 from breastrig.geometry.surface_points import SurfacePoints, joined
 from breastrig.report.bands import banded, half_width
 from breastrig.report.body_frame import BodyFrame, body_frame
@@ -143,7 +143,7 @@ class _Table:
         on = self.stance.on_model(line)
         far = self._skin.distances(int(start.faces[0]), start.barycentric[0])
         nearest = int(on.positions(far[:, None], rig.faces)[:, 0].argmin())
-        goal = SurfacePoints(on.faces[[nearest]], on.barycentric[[nearest]])
+        goal = on[[nearest]]
         return np.stack([nipple.point, self.frame.on_plane(nipple.point)]), self._skin.path(start, goal)
 
     def _base_width(self, outline: DrawnShape | None) -> tuple[Value, Array] | None:

@@ -54,8 +54,7 @@ class Stance:
 
     def on_model(self, points: Array) -> SurfacePoints:
         """The points of the fitted surface closest to (M, 3) m points."""
-        found = self.search.query(points)
-        return SurfacePoints(found.faces, found.barycentric)
+        return self.search.query(points).on_mesh
 
     def shape(self, *names: str) -> DrawnShape | None:
         """The first of the named shapes that a drawing of the model has."""

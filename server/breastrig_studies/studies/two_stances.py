@@ -32,7 +32,6 @@ from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.two_stances import ALIKE, ONE_BODY, Coupling, fit_pair_iterates
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
-from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
 from breastrig_studies.cohort import Case
@@ -94,7 +93,7 @@ def to_skin(scene: Scene, points: Array) -> Array:
 def by_models(rig: Rig, a: FittedScan, b: FittedScan, points: Array) -> Array:
     """(M, 3) m: points of scan A at the same places of the fitted model on scan B."""
     nearest = ClosestPointSearch(a.vertices, rig.faces).query(points)
-    places = SurfacePoints(nearest.faces, nearest.barycentric)
+    places = nearest.on_mesh
     result = places.positions(b.vertices, rig.faces)
     normals = places.directions(vertex_normals(b.vertices, rig.faces), rig.faces)
     missing: Integers = np.arange(len(result))

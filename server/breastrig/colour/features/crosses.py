@@ -17,6 +17,7 @@ from breastrig.colour.ink.find_ink import find_ink
 from breastrig.colour.ink.kinds import Kind
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BreastRigError
+from breastrig.geometry.polyline import arc_lengths, point_along
 from breastrig.scan.scan import Scan
 
 
@@ -93,7 +94,6 @@ def between_crosses(
     profile = np.array([place for place in (patch.place(0.0, height) for height in heights) if place is not None])
     if len(profile) < LEAST_SEEN * len(heights):
         return None
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(profile, axis=0), axis=1))])
-    middle = np.array([np.interp(0.5 * along[-1], along, profile[:, axis]) for axis in range(3)])
+    middle = point_along(profile, 0.5 * arc_lengths(profile)[-1])
     covariance = 0.25 * (notch.covariance + xiphoid.covariance) + error**2 / 2.0 * np.eye(3)
     return CrossObservation(middle, covariance)

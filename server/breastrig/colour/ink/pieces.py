@@ -18,6 +18,7 @@ from breastrig.colour.ink.chains import neighbours_joined
 from breastrig.colour.ink.ridges import DENSITY, OFFSETS, RidgePoints, darkening, hue_of, profiles
 from breastrig.colour.skin_texture import SkinTexture
 from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.geometry.polyline import arc_lengths, interpolated
 
 MIDDLE = np.abs(OFFSETS) < 0.8e-3
 LEFT, RIGHT = OFFSETS < -2.8e-3, OFFSETS > 2.8e-3
@@ -47,9 +48,9 @@ class Piece:
 
     def ends(self) -> tuple[Array, Array]:
         """((2, 3) m first and last place, (2, 3) unit vectors that lead out of them)."""
-        at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(self.places, axis=0), axis=1))])
+        at = arc_lengths(self.places)
         back = min(limits.END, float(at[-1]))
-        inner = np.stack([np.interp([back, at[-1] - back], at, self.places[:, axis]) for axis in range(3)], axis=1)
+        inner = interpolated(np.array([back, at[-1] - back]), at, self.places)
         tips = self.places[[0, -1]]
         out = tips - inner
         return tips, out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-12)

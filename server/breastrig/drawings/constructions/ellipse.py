@@ -3,14 +3,12 @@
 Stewart's is transverse and rises a little towards the armpit, Orr's is steeper; skin-sparing ones are small and round.
 """
 
-from typing import Literal
-
 import numpy as np
 from pydantic import Field
 
 from breastrig.core.stances import OUTWARDS, SIDES, sides_of
 from breastrig.drawings.clock import FittedSkin, on_clock
-from breastrig.drawings.constructions.written_numbers import WrittenNumbers
+from breastrig.drawings.constructions.written_numbers import OnBreasts
 from breastrig.geometry.geodesic import MARGIN
 from breastrig.geometry.surface_points import joined
 from breastrig.rig.model import DrawnShape
@@ -19,10 +17,9 @@ COLOR = "#c53030"
 STEPS = 48  # points of the ellipse
 
 
-class MastectomyEllipse(WrittenNumbers):
+class MastectomyEllipse(OnBreasts):
     """The ellipse's dimensions."""
 
-    side: Literal["both", "L", "R"] = Field("both", title="Side", description="the patient's side")
     length_mm: float = Field(
         140.0, title="Length", ge=30.0, le=260.0, description="of the long axis along the skin, through the nipple"
     )

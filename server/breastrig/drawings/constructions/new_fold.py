@@ -9,6 +9,7 @@ import numpy as np
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.clock import FittedSkin, on_clock
 from breastrig.geometry.geodesic import MARGIN
+from breastrig.geometry.polyline import arc_lengths, interpolated
 from breastrig.geometry.surface_points import SurfacePoints
 
 MEASURED = 7  # places along the fold that are measured; each costs some milliseconds
@@ -24,14 +25,14 @@ def fold_line(skin: FittedSkin, side: str, below: float = 0.0) -> SurfacePoints:
     if abs(below) < LEAST:
         return fold
     at = skin.at(fold)
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(at, axis=0), axis=1))])
+    along = arc_lengths(at)
     chosen = np.unique(np.searchsorted(along, np.linspace(0.0, along[-1], MEASURED)).clip(0, len(at) - 1))
-    measured = SurfacePoints(fold.faces[chosen], fold.barycentric[chosen])
+    measured = fold[chosen]
     skin.geodesics.look_from(measured, MARGIN * abs(below))
     angle = np.array([np.pi if below > 0.0 else 0.0])
-    moved = np.concatenate([skin.at(on_clock(skin, _one(measured, k), abs(below), angle)) for k in range(len(chosen))])
+    moved = np.concatenate([skin.at(on_clock(skin, measured[[k]], abs(below), angle)) for k in range(len(chosen))])
     moves = moved - at[chosen]
-    shift = np.stack([np.interp(along, along[chosen], moves[:, axis]) for axis in range(3)], axis=1)
+    shift = interpolated(along, along[chosen], moves)
     return skin.nearest(at + shift)
 
 
@@ -39,9 +40,9 @@ def middle_of_fold(skin: FittedSkin, side: str) -> tuple[int, SurfacePoints]:
     """The place of the patient's own fold at half of its length, and its number, also in a new fold."""
     fold = _own_fold(skin, side)
     at = skin.at(fold)
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(at, axis=0), axis=1))])
+    along = arc_lengths(at)
     number = int(np.searchsorted(along, 0.5 * along[-1]))
-    return number, _one(fold, number)
+    return number, fold[[number]]
 
 
 def _own_fold(skin: FittedSkin, side: str) -> SurfacePoints:
@@ -51,7 +52,3 @@ def _own_fold(skin: FittedSkin, side: str) -> SurfacePoints:
             if shape.name == name and not shape.closed:
                 return shape.points
     raise BadDrawing(f"This drawing ends at the line {name}, which no drawing of this model has.")
-
-
-def _one(points: SurfacePoints, k: int) -> SurfacePoints:
-    return SurfacePoints(points.faces[[k]], points.barycentric[[k]])

@@ -4,14 +4,14 @@ The inner one is the areola that is kept.  The outer one is an ellipse whose upp
 the nipple shall rise, and which takes the skin between the two; both are measured along the skin.
 """
 
-from typing import Literal, Self
+from typing import Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from breastrig.core.stances import SIDES, sides_of
 from breastrig.drawings.clock import FittedSkin, circle_around, on_clock
-from breastrig.drawings.constructions.written_numbers import WrittenNumbers
+from breastrig.drawings.constructions.written_numbers import AroundAreola
 from breastrig.geometry.geodesic import MARGIN
 from breastrig.geometry.surface_points import joined
 from breastrig.rig.model import DrawnShape
@@ -20,13 +20,9 @@ CUT = "#2c5282"
 STEPS = 36  # points of the outer ring
 
 
-class Periareolar(WrittenNumbers):
+class Periareolar(AroundAreola):
     """The rings' dimensions."""
 
-    side: Literal["both", "L", "R"] = Field("both", title="Side", description="the patient's side")
-    areola_mm: float = Field(
-        42.0, title="New areola", ge=30.0, le=55.0, description="diameter of the new areola; 40 to 45 is usual"
-    )
     outer_mm: float = Field(
         80.0, title="Outer ring", ge=35.0, le=140.0, description="width of the outer ring; over 100 scars widen"
     )

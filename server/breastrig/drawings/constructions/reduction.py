@@ -9,7 +9,6 @@ All lengths are geodesic millimetres (Wise, Plast. Reconstr. Surg. 17, 1956), ea
 """
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from pydantic import Field
@@ -20,9 +19,9 @@ from breastrig.core.errors import BadDrawing
 from breastrig.core.stances import SIDES, sides_of
 from breastrig.drawings.clock import FittedSkin, circle_around, on_clock
 from breastrig.drawings.constructions.new_fold import fold_line
-from breastrig.drawings.constructions.written_numbers import WrittenNumbers
-from breastrig.geometry.geodesic import MARGIN, length
-from breastrig.geometry.polyline import resampled
+from breastrig.drawings.constructions.written_numbers import AroundAreola
+from breastrig.geometry.geodesic import MARGIN
+from breastrig.geometry.polyline import length, resampled
 from breastrig.geometry.surface_points import SurfacePoints, joined
 from breastrig.rig.model import DrawnShape
 
@@ -38,6 +37,9 @@ FOLD_STEP = 0.001  # m between the points that are compared
 WIDEST = 2.0  # of the areola's radius: as far as a keyhole's rim is from its centre, on all but the roundest breast
 
 
+NIPPLE_ABOVE_FOLD = Field(
+    0.0, title="New nipple above the fold", ge=-20.0, le=40.0, description="new nipple over the fold's height"
+)
 NIPPLE_OUTWARD = Field(
     0.0,
     title="New nipple beside the meridian",
@@ -48,13 +50,9 @@ NIPPLE_OUTWARD = Field(
 NO_SHIFT = 1e-4  # m, a shift below it is none
 
 
-class Reduction(WrittenNumbers):
+class Reduction(AroundAreola):
     """The pattern's dimensions."""
 
-    side: Literal["both", "L", "R"] = Field("both", title="Side", description="the patient's side")
-    areola_mm: float = Field(
-        42.0, title="New areola", ge=30.0, le=55.0, description="diameter of the new areola; 40 to 45 is usual"
-    )
     limb_mm: float | None = Field(
         None,
         title="Vertical limbs",
@@ -68,9 +66,7 @@ class Reduction(WrittenNumbers):
     opening_deg: float = Field(
         90.0, title="Opening of the keyhole", ge=30.0, le=150.0, description="of the keyhole, seen from the new nipple"
     )
-    nipple_above_fold_mm: float = Field(
-        0.0, title="New nipple above the fold", ge=-20.0, le=40.0, description="new nipple over the fold's height"
-    )
+    nipple_above_fold_mm: float = NIPPLE_ABOVE_FOLD
     nipple_outward_mm: float = NIPPLE_OUTWARD
     fold_below_mm: float = Field(
         0.0, title="New fold below the fold", ge=-20.0, le=30.0, description="new fold under her own, along the skin"
@@ -95,11 +91,7 @@ class Reduction(WrittenNumbers):
 
     def constructed(self, skin: FittedSkin) -> dict[str, "WiseBreast"]:
         """By side; BadDrawing when the pattern does not fit on the breast."""
-        known: dict[str, WiseBreast] | None = skin.constructions.get(self)
-        if known is None:
-            known = self._constructed(skin)
-            skin.constructions.put(self, known)
-        return known
+        return skin.constructed(self, self._constructed)
 
     def _constructed(self, skin: FittedSkin) -> dict[str, "WiseBreast"]:
         sides = sides_of(self.side)
@@ -153,7 +145,7 @@ class Reduction(WrittenNumbers):
 
     def _limb_ends(self, skin: FittedSkin, side: str, arc: SurfacePoints, fold: Array) -> SurfacePoints:
         """The lower ends of both limbs, which must be equally long to be sewn together."""
-        starts = [SurfacePoints(arc.faces[[k]], arc.barycentric[[k]]) for k in (0, -1)]
+        starts = [arc[[k]] for k in (0, -1)]
         tree = cKDTree(resampled(fold, FOLD_STEP, False))
 
         def ends_clear(limb: float) -> SurfacePoints | None:
@@ -237,12 +229,10 @@ class WiseBreast:
 
 def ends(line: SurfacePoints) -> SurfacePoints:
     """Its first point and its last."""
-    return SurfacePoints(line.faces[[0, -1]], line.barycentric[[0, -1]])
+    return line[[0, -1]]
 
 
 def _on_observers_left(skin: FittedSkin, fold: SurfacePoints) -> SurfacePoints:
     """The fold beginning there, as the keyhole does: the observer sees the patient's left on his right."""
     start, finish = skin.at(ends(fold))
-    if (start - finish) @ skin.axes[:, 0] > 0.0:
-        return SurfacePoints(fold.faces[::-1], fold.barycentric[::-1])
-    return fold
+    return fold[::-1] if (start - finish) @ skin.axes[:, 0] > 0.0 else fold

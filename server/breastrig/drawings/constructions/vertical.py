@@ -5,7 +5,6 @@ apart at half their way, and meet above the fold on the breast's meridian: no sc
 """
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from pydantic import Field
@@ -14,32 +13,34 @@ from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.core.stances import SIDES, sides_of
 from breastrig.drawings.clock import FittedSkin, circle_around
-from breastrig.drawings.constructions.reduction import CUT, FOLD, MARK, NIPPLE_OUTWARD, WIDEST, Reduction, ends
-from breastrig.drawings.constructions.written_numbers import WrittenNumbers
-from breastrig.geometry.geodesic import length
-from breastrig.geometry.polyline import resampled
+from breastrig.drawings.constructions.reduction import (
+    CUT,
+    FOLD,
+    MARK,
+    NIPPLE_ABOVE_FOLD,
+    NIPPLE_OUTWARD,
+    WIDEST,
+    Reduction,
+    ends,
+)
+from breastrig.drawings.constructions.written_numbers import AroundAreola
+from breastrig.geometry.polyline import length, point_along, resampled
 from breastrig.geometry.surface_points import SurfacePoints, joined
 from breastrig.rig.model import DrawnShape
 
 LEAST = 0.01  # m that the limbs are long at least
 
 
-class Vertical(WrittenNumbers):
+class Vertical(AroundAreola):
     """The pattern's dimensions."""
 
-    side: Literal["both", "L", "R"] = Field("both", title="Side", description="the patient's side")
-    areola_mm: float = Field(
-        42.0, title="New areola", ge=30.0, le=55.0, description="diameter of the new areola; 40 to 45 is usual"
-    )
     width_mm: float = Field(
         60.0, title="Width", ge=20.0, le=120.0, description="between the limbs at half their way; what is pinched"
     )
     above_fold_mm: float = Field(
         25.0, title="End above the fold", ge=10.0, le=60.0, description="where the limbs meet; 20 to 40 is usual"
     )
-    nipple_above_fold_mm: float = Field(
-        0.0, title="New nipple above the fold", ge=-20.0, le=40.0, description="new nipple over the fold's height"
-    )
+    nipple_above_fold_mm: float = NIPPLE_ABOVE_FOLD
     nipple_outward_mm: float = NIPPLE_OUTWARD
 
     def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
@@ -59,11 +60,7 @@ class Vertical(WrittenNumbers):
 
     def constructed(self, skin: FittedSkin) -> dict[str, "VerticalBreast"]:
         """By side; BadDrawing when the pattern does not fit on the breast."""
-        known: dict[str, VerticalBreast] | None = skin.constructions.get(self)
-        if known is None:
-            known = self._constructed(skin)
-            skin.constructions.put(self, known)
-        return known
+        return skin.constructed(self, self._constructed)
 
     def _constructed(self, skin: FittedSkin) -> dict[str, "VerticalBreast"]:
         sides = sides_of(self.side)
@@ -132,16 +129,10 @@ class VerticalBreast:
         return np.asarray((first - last) / np.linalg.norm(first - last))
 
 
-def point_along(way: Array, along: float) -> Array:
-    """(3,) m: the point of a (M, 3) m way after so many metres."""
-    gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
-    return np.array([np.interp(along, gone, way[:, axis]) for axis in range(3)])
-
-
 def _rounded(way: Array) -> Array:
     """The (M, 3) m way through three points without the bend in its middle: a curve of the second degree along it."""
     even = resampled(way, 0.002, False)
     share = np.linspace(0.0, 1.0, len(even))[:, None]
-    middle = point_along(way, 0.5 * float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum()))
+    middle = point_along(way, 0.5 * length(way))
     control = 2.0 * middle - 0.5 * (way[0] + way[-1])
     return np.asarray((1 - share) ** 2 * way[0] + 2 * share * (1 - share) * control + share**2 * way[-1])

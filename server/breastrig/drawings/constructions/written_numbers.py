@@ -6,7 +6,7 @@ The page's fields have the same rules (web/src/ui/NumberField.ts).
 import re
 from typing import Literal, get_origin
 
-from pydantic import BaseModel, ConfigDict, ValidationInfo, field_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 
 CLOCK = "clock"  # the parameter that is an hour
 TIME = re.compile(r"(\d{1,2})[:h]([0-5]\d)")
@@ -26,6 +26,20 @@ class WrittenNumbers(BaseModel):
         if not isinstance(value, str) or get_origin(cls.model_fields[name].annotation) is Literal:
             return value
         return read_number(value, name == CLOCK)
+
+
+class OnBreasts(WrittenNumbers):
+    """What is drawn on one breast or on both."""
+
+    side: Literal["both", "L", "R"] = Field("both", title="Side", description="the patient's side")
+
+
+class AroundAreola(OnBreasts):
+    """What leaves a new areola."""
+
+    areola_mm: float = Field(
+        42.0, title="New areola", ge=30.0, le=55.0, description="diameter of the new areola; 40 to 45 is usual"
+    )
 
 
 def read_number(written: str, is_hour: bool = False) -> float:

@@ -124,8 +124,7 @@ class LiveSkin:
         on_skin = self._skin.nearest(places)
         if np.linalg.norm(self._skin.at(on_skin) - places, axis=1).max() > ON_SKIN:
             raise BadDrawing("A place lies off the fitted skin; measure on the body.")
-        starts, goals = (SurfacePoints(on_skin.faces[cut], on_skin.barycentric[cut]) for cut in (np.s_[:-1], np.s_[1:]))
-        return self._skin.geodesics.paths(starts, goals)
+        return self._skin.geodesics.paths(on_skin[:-1], on_skin[1:])
 
     def _dragged(self, name: str, pattern: Pattern, parameters: Parameters, drag: Drag) -> LivePattern:
         side = drag.handle[-1:]

@@ -1,10 +1,11 @@
 """The handles of the vertical pattern: new nipple, width at both limbs, their end above the fold, areola."""
 
 from breastrig.drawings.clock import FittedSkin
-from breastrig.drawings.constructions.vertical import Vertical, VerticalBreast, point_along
+from breastrig.drawings.constructions.vertical import Vertical, VerticalBreast
 from breastrig.drawings.handles.areola import areola_handle
 from breastrig.drawings.handles.handle import Handle, nearest_on_way, towards
 from breastrig.drawings.handles.new_nipple import new_nipple_handle
+from breastrig.geometry.polyline import point_along
 from breastrig.geometry.surface_points import SurfacePoints
 
 AHEAD_MM = 3.0  # along the way, to see where to it goes

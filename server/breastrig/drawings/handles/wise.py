@@ -5,14 +5,13 @@ The new nipple is not moved sideways, off the meridian: that has no parameter.
 
 import numpy as np
 
-from breastrig.core.arrays import Array
 from breastrig.drawings.clock import FittedSkin, clock_place
 from breastrig.drawings.constructions.new_fold import middle_of_fold
 from breastrig.drawings.constructions.reduction import Reduction, WiseBreast, ends
 from breastrig.drawings.handles.areola import areola_handle
 from breastrig.drawings.handles.handle import Handle, towards, turned
 from breastrig.drawings.handles.new_nipple import new_nipple_handle
-from breastrig.geometry.geodesic import length
+from breastrig.geometry.polyline import length, point_along
 from breastrig.geometry.surface_points import SurfacePoints
 
 SIDEWAYS = ("first", "second")  # what the observer sees on his left comes first
@@ -35,7 +34,7 @@ def wise_handles(pattern: Reduction, skin: FittedSkin) -> list[Handle]:
 
 def _limb(skin: FittedSkin, side: str, breast: WiseBreast, k: int) -> Handle:
     """At its lower end: its length."""
-    start, at = _end(breast.arc, k), skin.at(breast.lower)[k]
+    start, at = ends(breast.arc)[[k]], skin.at(breast.lower)[k]
     return Handle(
         f"limb_{SIDEWAYS[k]}_{side}",
         side,
@@ -48,8 +47,8 @@ def _limb(skin: FittedSkin, side: str, breast: WiseBreast, k: int) -> Handle:
 
 def _angle(pattern: Reduction, skin: FittedSkin, side: str, breast: WiseBreast, k: int) -> Handle:
     """At half of a limb: how far it turns away from straight down."""
-    start, turn = _end(breast.arc, k), (1.0, -1.0)[k]
-    middles = [_half_way(limb) for limb in breast.limbs]
+    start, turn = ends(breast.arc)[[k]], (1.0, -1.0)[k]
+    middles = [point_along(limb, 0.5 * length(limb)) for limb in breast.limbs]
 
     def values_at(place: SurfacePoints) -> dict[str, float]:
         _, angle = clock_place(skin, start, place)
@@ -93,15 +92,3 @@ def _fold(pattern: Reduction, skin: FittedSkin, side: str, breast: WiseBreast) -
         return {"fold_below_mm": -1e3 * distance * float(np.cos(angle))}
 
     return Handle(f"fold_{side}", side, {"fold_below_mm": pattern.fold_below_mm}, here, -skin.axes[:, 1], values_at)
-
-
-def _end(arc: SurfacePoints, k: int) -> SurfacePoints:
-    """One of the keyhole's ends."""
-    both = ends(arc)
-    return SurfacePoints(both.faces[[k]], both.barycentric[[k]])
-
-
-def _half_way(way: Array) -> Array:
-    """(3,) m"""
-    gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
-    return np.array([np.interp(0.5 * gone[-1], gone, way[:, axis]) for axis in range(3)])

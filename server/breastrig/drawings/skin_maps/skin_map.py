@@ -33,7 +33,6 @@ from breastrig.drawings.skin_maps.lying_motion import lying_motion
 from breastrig.drawings.skin_maps.settings import SkinMapSettings, skin_map_settings
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
-from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.least_squares.quadratic_program import cholesky, solve_lower
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
@@ -107,8 +106,7 @@ class SkinMap:
         moved = np.asarray((points - self._source) @ self._turn.T + self._goal)
         if self._moves is None:
             return moved
-        nearest = self._a.search(self._rig).query(points)
-        at = SurfacePoints(nearest.faces, nearest.barycentric)
+        at = self._a.search(self._rig).query(points).on_mesh
         return moved + at.positions(self._moves, self._rig.faces)
 
     def _basis(self, points: Array) -> Array:
@@ -158,8 +156,7 @@ class SkinMap:
 
     def moved_back(self, points: Array) -> Array:
         """(M, 3) m: points of B's frame moved into A's frame, not yet on A's skin: the inverse of `moved`."""
-        found = self._moved_model.query(points)
-        at = SurfacePoints(found.faces, found.barycentric).positions(self._a.vertices, self._rig.faces)
+        at = self._moved_model.query(points).on_mesh.positions(self._a.vertices, self._rig.faces)
         for _ in range(INVERSE_ROUNDS):
             at = at + (points - self.moved(at)) @ self._turn
         return np.asarray(at)

@@ -101,12 +101,11 @@ def _ribbon(rig: Rig, shape: DrawnShape) -> Ribbon | None:
     if len(line) < 2:
         return None
     middle = skin.search.query(line)
-    facing = SurfacePoints(middle.faces, middle.barycentric).directions(skin.normals, rig.faces)
+    facing = middle.on_mesh.directions(skin.normals, rig.faces)
     side = np.cross(facing, _tangents(middle.points, shape.closed))
     side *= 0.5 * WIDTH / np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-12)
     edges = np.stack([middle.points + side, middle.points - side], axis=1).reshape(-1, 3)
-    found = skin.search.query(edges)
-    points = SurfacePoints(found.faces, found.barycentric)
+    points = skin.search.query(edges).on_mesh
     corners = rig.faces[points.faces]
     joints, weights = joints_and_weights(np.einsum("mc,mcb->mb", points.barycentric, rig.skin_weights[corners]))
     lifted_shapes = rig.blendshapes[:, corners] + LIFT * skin.turns[:, corners]

@@ -14,9 +14,9 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
-from breastrig.geometry.geodesic import Geodesics, length
+from breastrig.geometry.geodesic import Geodesics
 from breastrig.geometry.normals import face_normals, unit_vectors
-from breastrig.geometry.polyline import Polyline
+from breastrig.geometry.polyline import Polyline, arc_lengths, interpolated, length
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.report.body_frame import BodyFrame, body_frame
 from breastrig.report.stance import Place, Stance, places
@@ -144,9 +144,9 @@ def key_points(line: Polyline, frame: BodyFrame) -> list[tuple[str, int]]:
 
 def sharp_turns(points: Array) -> list[int]:
     """Indices at which an open line of (P, 3) m points turns sharply, not counting its ends."""
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-    before = np.stack([np.interp(along - ARM, along, points[:, axis]) for axis in range(3)], axis=1)
-    after = np.stack([np.interp(along + ARM, along, points[:, axis]) for axis in range(3)], axis=1)
+    along = arc_lengths(points)
+    before = interpolated(along - ARM, along, points)
+    after = interpolated(along + ARM, along, points)
     turn = np.degrees(
         np.arccos(np.clip(np.einsum("pi,pi->p", unit_vectors(points - before), unit_vectors(after - points)), -1, 1))
     )
@@ -206,10 +206,8 @@ def _lengths(
         if not asked:
             continue
         at, to = [k for k, _ in asked], [mark for _, mark in asked]
-        start = SurfacePoints(marks.faces[to], marks.barycentric[to])
-        goal = SurfacePoints(points.faces[at], points.barycentric[at])
         try:
-            for (k, mark), way in zip(asked, geodesics.paths(start, goal), strict=True):
+            for (k, mark), way in zip(asked, geodesics.paths(marks[to], points[at]), strict=True):
                 found[k][names[mark]] = length(way)
         except BadDrawing:  # the skin ends between two of them
             together += [[pair] for pair in asked] if len(asked) > 1 else []

@@ -13,7 +13,7 @@ import numpy as np
 from breastrig.core.errors import BadInput
 from breastrig.drawings.drawing_file import shape_document
 from breastrig.drawings.handles.live_pattern import Drag, HandleOnScan, LivePattern, LiveSkin
-from breastrig.geometry.geodesic import length
+from breastrig.geometry.polyline import length
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.workflow.folder.fit_folder import fit_folder_of
 from breastrig.workflow.jobs import LengthsQuestion, LiveQuestion

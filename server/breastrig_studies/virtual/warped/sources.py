@@ -140,7 +140,7 @@ def _source(
     names = tuple(sorted(landmarks))
     near = ClosestPointSearch(standing, mesh[0]).query(np.array([landmarks[each] for each in names]))
     moved = tuple(Lying(each.kind, each.vertices + shift, each.table + shift[2]) for each in lying)
-    points = SurfacePoints(near.faces, near.barycentric)
+    points = near.on_mesh
     return Source(
         name, half, family, provenance[0], provenance[1], *mesh, standing + shift, moved, names, points, provenance[2]
     )
