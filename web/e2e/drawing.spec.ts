@@ -3,6 +3,7 @@
 import { readFileSync, writeFileSync } from "node:fs";
 import { expect, type Page } from "@playwright/test";
 import type { OwnDrawing, PlanOnScan, Vector } from "../src/api/types";
+import { mmFrom } from "../src/ui/units";
 import { distance, hook, SCAN_FILE, test, trueLandmarks, untilFitted, untilStill } from "./page";
 
 const ON_SKIN_MM = 0.5;
@@ -313,8 +314,8 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   await untilStill(page);
   expect((await hook.picture(page)).checksum).not.toBe(before.checksum);
 
-  const lesions = page.locator(".lesions");
-  await lesions.locator("summary").click();
+  const lesions = page.locator(".lesions").first();
+  await lesions.locator("summary").first().click();
   await lesions.getByLabel("Centre").fill("1, 2");
   await lesions.getByRole("button", { name: "Add" }).click();
   await expect(lesions.getByText(/needs three numbers/)).toBeVisible();
@@ -324,11 +325,21 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   await lesions.getByLabel("Centre").fill(center.join(" "));
   const without = await hook.picture(page);
   await lesions.getByRole("button", { name: "Add" }).click();
-  await expect(lesions.locator("li")).toHaveText(/^MRI 15\smm, \d+\smm below the skin$/);
+  await expect(lesions.locator("li")).toContainText(/MRI 1radius 5\smm, \d+\smm deepBelow the skin\d+\smm, \d+ to \d+To the nipple\d+\smm, \d+ to \d+To Wise/);
   await untilStill(page);
   expect((await hook.picture(page)).checksum, "the ball is seen through the skin").not.toBe(without.checksum);
   const laid = (await (await page.request.get(`${base}/api/fits/${first}/plan.json`)).json()) as PlanOnScan;
   expect(laid.lesions).toMatchObject([{ name: "MRI 1", radius_mm: 5, error_mm: 0, carried: false }]);
+
+  const { slices: [axial] } = laid.lesions[0]!;
+  await expect(lesions.locator(".lesion-slices .skin")).toHaveCount(3);
+  for (let k = 0; k < 3; k += 1) {
+    await page.getByRole("img", { name: "axial slice" }).focus();
+    await page.keyboard.press("ArrowRight");
+  }
+  const moved = center.map((value, i) => value + 3 * axial!.right[i]!);
+  const now = async () => ((await (await page.request.get(`${base}/api/fits/${first}/plan.json`)).json()) as PlanOnScan).lesions[0]!.center.map((value) => mmFrom(value, laid.unit));
+  await expect.poll(async () => distance((await now()) as Vector, moved as Vector)).toBeLessThan(0.3);
 
   // A fit again is not asked to draw the plan, however long that is; where it fails, the page says so where she looks.
   await page.evaluate(() => (document.activeElement as HTMLElement).blur()); // else the key is written into a field

@@ -473,7 +473,7 @@ export type LesionSlice = {
   /** unit vector in the scan's frame: cranial, or her front where axial */
   up: [number, number, number];
   /** from the centre, to the right and up */
-  outlines_mm: [unknown, unknown][][];
+  outlines_mm: [number, number][][];
 };
 
 export type Limits = {
@@ -921,8 +921,8 @@ export type PlannedLesion = {
   radius_mm: number;
   /** radius that holds the true centre with 90 %; null where not known */
   error_mm: number | null;
-  /** 3 x 3, of the centre in the scan's frame; null as error_mm */
-  covariance_mm2: [number, number, number][] | null;
+  /** semi-axes of the ellipsoid that holds the true centre with 90 %, three vectors in the scan's frame */
+  ellipsoid_mm: [number, number, number][] | null;
   /** of the centre below the fitted skin */
   depth_mm: number;
   /** whether the scan shows the skin next to it; where not, depth is the model's guess */

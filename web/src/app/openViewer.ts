@@ -52,7 +52,7 @@ import type { Session } from "./session";
 /** What of the state the view shows; when something else changes it is not drawn again. */
 const SEEN = [
   ...(["meta", "models", "theme", "step", "overlay", "swipe", "view", "loading", "scan", "showColours", "showLoose", "showRelief", "showMirror", "stances"] as const),
-  ...(["picks", "certain", "proposals", "active", "fit", "handPose", "followed", "showDistances", "drawing", "drawn", "ink", "inkPointed", "pointedCut"] as const),
+  ...(["picks", "certain", "proposals", "active", "fit", "handPose", "followed", "showDistances", "drawing", "drawn", "lesion", "ink", "inkPointed", "pointedCut"] as const),
 ];
 type Seen = Pick<Session, (typeof SEEN)[number]>;
 
@@ -84,14 +84,15 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
   const loupe = new Loupe(viewer, scan, stage.canvas);
   const cross = new Crosshair(viewer, scan, loupe);
   const isFree = ({ drawn }: Pick<Session, "drawn">): boolean => drawn.tool === "none";
+  const balls = new LesionBalls(viewer);
   const parts: Part<Seen>[] = [
+    { update: ({ drawn, lesion }) => balls.update({ plan: drawn.onScan?.plan ?? null, lesion, line: drawn.chosen }) }, // first: it turns the skin to glass
     proposed,
     { update: (state) => scan.update(state, hasModelShown(state)) },
     torso,
     fitted,
     new MirrorOverlay(viewer, fitted, (asymmetry) => queueMicrotask(() => store.set({ asymmetry }))), // a listener may not set
     new ReferenceLines(viewer, scan, torso, fitted),
-    new LesionBalls(viewer),
     new ErrorBands(viewer, scan, fitted, stage.canvas),
     own,
     corners,

@@ -17,7 +17,7 @@ import * as text from "./text";
 
 const words = text.drawing;
 
-type Shown = Pick<PageSlice & ScanSlice & FitSlice & DrawingSlice, "meta" | "models" | "problems" | "scan" | "drawing" | "fit" | "isStarting" | "drawn" | "hasPen" | "fingersDraw">;
+type Shown = Pick<PageSlice & ScanSlice & FitSlice & DrawingSlice, "meta" | "models" | "problems" | "scan" | "drawing" | "fit" | "isStarting" | "drawn" | "lesion" | "hasPen" | "fingersDraw">;
 
 /** `more`: what other features have to say about the drawing, below the rest. */
 export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dismiss: () => void, more: HTMLElement): Panel<Shown> {
@@ -51,7 +51,7 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
   const corners = createCorners(drawing);
   const layers = createDrawingLayers(drawing);
   const pattern = createDrawingPattern(drawing, plan);
-  const lesions = createLesions((lesions) => plan.lesions(lesions));
+  const lesions = createLesions(drawing.lookAt, (lesions) => plan.lesions(lesions));
   const element = el(
     "div",
     { class: "panel drawing" },
@@ -73,7 +73,7 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
   );
   return {
     element,
-    select: only("meta", "models", "problems", "scan", "drawing", "fit", "isStarting", "drawn", "hasPen", "fingersDraw"),
+    select: only("meta", "models", "problems", "scan", "drawing", "fit", "isStarting", "drawn", "lesion", "hasPen", "fingersDraw"),
     update(session: Shown): void {
       state = session;
       const { drawn } = session;

@@ -178,6 +178,9 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
       store.set({ isCanvasFull, announcement: isCanvasFull ? text.canvas.opened : text.canvas.closed });
     },
 
+    /** The lesion that is seen through the skin, by its id. */
+    lookAt: (lesion: string | null): void => store.set({ lesion }),
+
     /** What the next line is drawn with. */
     ink: (ink: string): void => put({ ink }),
 

@@ -116,6 +116,7 @@ export const BANDS = layerKey("band", ALL_BANDS);
 export interface DrawingSlice {
   readonly drawn: DrawnState;
   readonly isCanvasFull: boolean; // the body alone, with floating tools
+  readonly lesion: string | null; // id of the one that is looked at, through the skin
   readonly asymmetry: Asymmetry | null; // of the mirrored breast that was made last
   readonly hasPen: boolean; // one was seen on this page: fingers turn the body
   readonly fingersDraw: boolean; // all the same
@@ -144,7 +145,7 @@ export function startDrawn(lines: readonly OwnLine[] = [], words: Pick<DrawnStat
   };
 }
 
-export const initialDrawing: DrawingSlice = { drawn: startDrawn(), isCanvasFull: false, asymmetry: null, hasPen: false, fingersDraw: false };
+export const initialDrawing: DrawingSlice = { drawn: startDrawn(), isCanvasFull: false, lesion: null, asymmetry: null, hasPen: false, fingersDraw: false };
 
 /** Without a scan to draw on, and in another step, there is no full canvas. */
 export const withoutCanvas = <State extends Pick<DrawingSlice, "isCanvasFull"> & { readonly step: string; readonly scan: object | null }>(state: State): State =>

@@ -78,6 +78,8 @@ export const changes = {
 
 export const lesions = {
   title: "Lesion in an image",
+  heading: "Lesions",
+  give: "Give one by its place",
   name: "Name",
   numbered: (number: number) => `Lesion ${number}`,
   center: "Centre",
@@ -86,8 +88,7 @@ export const lesions = {
   add: "Add",
   remove: (name: string) => `Remove ${name}`,
   noPlace: "The centre needs three numbers in millimetres, as 12.5 -80 43.",
-  says: (radius: number, depth: number | null) => [`${radius}\u00a0mm`, depth === null ? "" : `${Math.round(depth)}\u00a0mm below the skin`].filter((part) => part !== "").join(", "),
-  carried: (says: string, error: number | null) => `${says}, carried here: ${error === null ? "how far it may be off is not known" : `nine of ten lie within ${Math.round(error)}\u00a0mm`}`,
+  says: (radius: number, depth: number | null) => [`radius ${radius}\u00a0mm`, depth === null ? "" : `${Math.round(depth)}\u00a0mm deep`].filter((part) => part !== "").join(", "),
 };
 
 export const drawing = {

@@ -6,7 +6,7 @@ import type { Model, ModelSide, NodePose } from "../api/types";
 import type { ScanSlice } from "../scan/state";
 import { disposeTree, readGltf } from "../viewer/gltf";
 import { lidMaterial, tintLid, withLids } from "../viewer/openings";
-import { bringNearer, depthMaterial, MODEL_SHARE, ORDER } from "../viewer/overlaid";
+import { bringNearer, depthMaterial, GLASS, MODEL_SHARE, ORDER } from "../viewer/overlaid";
 import { isBeside, type ViewSlice } from "../viewer/state";
 import type { VertexAt } from "../viewer/lines/surfacePoints";
 import type { Part, Viewer } from "../viewer/Viewer";
@@ -51,11 +51,12 @@ export class TorsoModel implements Part<State> {
     const isAlone = state.overlay !== "both";
     this.isOver = !isAlone;
     if (this.restoring) this.restoring.visible = !isAlone;
-    this.clay.opacity = isAlone ? 1 : MODEL_SHARE;
-    this.clay.side = isAlone ? DoubleSide : FrontSide;
+    const { isGlass } = this.viewer;
+    this.clay.opacity = isGlass ? GLASS : isAlone ? 1 : MODEL_SHARE;
+    this.clay.side = isAlone && !isGlass ? DoubleSide : FrontSide;
     this.clay.color.copy(this.viewer.palette.clay);
     tintLid(this.lid, this.viewer.palette.clay);
-    this.lids?.show(isAlone);
+    this.lids?.show(isAlone && !isGlass);
     this.viewer.invalidate();
   }
 

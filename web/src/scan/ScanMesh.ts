@@ -5,7 +5,7 @@ import { extent } from "../viewer/extent";
 import { firstMesh, readGltf } from "../viewer/gltf";
 import { nextTask } from "../viewer/nextTask";
 import type { Surface } from "../viewer/picking";
-import { depthMaterial, ORDER, wipesDepth } from "../viewer/overlaid";
+import { depthMaterial, GLASS, ORDER, wipesDepth } from "../viewer/overlaid";
 import { isBeside, type ViewSlice } from "../viewer/state";
 import { nearestNormal } from "../viewer/lines/surfacePoints";
 import { type Viewer, viewFromScan } from "../viewer/Viewer";
@@ -257,6 +257,12 @@ export class ScanMesh implements Surface {
       material.vertexColors = hasVertexColours;
       material.needsUpdate = true;
     }
+    const { isGlass } = this.viewer;
+    if (material.transparent !== isGlass) {
+      material.transparent = isGlass;
+      material.needsUpdate = true;
+    }
+    material.opacity = isGlass ? GLASS : 1;
     if (own) material.color.set(0xffffff);
     else material.color.copy(palette.scan);
     this.relief.value = state.showRelief && this.found?.relief ? 1 : 0;

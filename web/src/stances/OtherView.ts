@@ -25,7 +25,7 @@ import { isComparing, otherState, type StancesSlice, type Workspace } from "./st
 type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice & DrawingSlice & StancesSlice;
 
 /** What of the state the pane shows, or follows; when something else changes it is not drawn again. */
-const SEEN = ["meta", "models", "theme", "step", "overlay", "view", "scan", "showColours", "showLoose", "showRelief", "active", "handPose", "followed", "showDistances", "stances"] as const;
+const SEEN = ["meta", "models", "theme", "step", "overlay", "view", "scan", "showColours", "showLoose", "showRelief", "active", "handPose", "followed", "showDistances", "lesion", "stances"] as const;
 type Seen = Pick<State, (typeof SEEN)[number]>;
 
 export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, prefersStill: () => boolean, foundLoose: (file: ArrayBuffer) => void, failed: (error: unknown) => void): OtherPane {
@@ -63,12 +63,13 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
     const torso = new TorsoModel(made, ready);
     const fitted = new FittedSurface(made, ready);
     const [body, pins] = [scan, new LandmarkPins(made, scan)];
+    const balls = new LesionBalls(made);
     parts = [
+      { update: ({ drawn, lesion }) => balls.update({ plan: drawn.onScan?.plan ?? null, lesion, line: drawn.chosen }) },
       { update: (state) => body.update(state, hasModelShown(state)) },
       torso,
       fitted,
       new ReferenceLines(made, scan, torso, fitted),
-      new LesionBalls(made),
       new ErrorBands(made, scan, fitted, stage.canvas),
       new OwnLines(made, scan),
       new MeasureLines(made, true),

@@ -58,6 +58,8 @@ export class Viewer {
   readonly turned = new Set<() => void>();
   /** The next body is seen from where this one is, not from the front. */
   keepsPose = false;
+  /** Something inside is looked at: scan and model let it through. */
+  isGlass = false;
   /** A hand is on this view. */
   isHeld = false;
   palette: Palette = readPalette();

@@ -9,6 +9,7 @@ import { FrontSide, type Material, MeshBasicMaterial, type Object3D, type Side }
 
 const REACH = 0.03; // metres: more than a fit is off where it is one
 export const MODEL_SHARE = 0.55; // of each pixel
+export const GLASS = 0.3; // of each pixel, while something inside is looked at
 export const ORDER = { scan: 0, farBefore: 0.5, modelDepth: 1, model: 2, mirrored: 2.5, restore: 3, restoreModel: 4 } as const;
 
 /** Fills the depth and nothing else, both sides at once; with `isLate` after what is translucent. */

@@ -1,9 +1,10 @@
 import { expect, test } from "vitest";
 import type { PlanItem } from "../../src/api/types";
-import { lesionAt, readCenter } from "../../src/drawing/lesions/lesions";
+import { type LaidLesion, lesionAt, readCenter, saidDistances } from "../../src/drawing/lesions/lesions";
+import { alongSlice, type LesionSlice, movedInSlice } from "../../src/drawing/lesions/slices";
+import { lesionView as words } from "../../src/drawing/lesions/viewText";
 import { planChanges } from "../../src/drawing/changes";
 import { startDrawn, stepOf } from "../../src/drawing/state";
-import { lesions as words } from "../../src/drawing/text";
 import { lesionsOn, stepOn, stepTogether, withLesions, withStepOn } from "../../src/plan/items";
 
 const LESION = { ...lesionAt("MRI 1", [1, 2, 3], 6), id: "m", scan: "a" };
@@ -36,9 +37,28 @@ test("a step of undoing holds the lesions", () => {
   expect(stepOf({ drawing: "", drawn }).lesions).toEqual([LESION]);
 });
 
-test("what was carried says how far it may be off, or that this is not known", () => {
-  const says = words.says(6, 22.6);
-  expect(says).toBe("6\u00a0mm, 23\u00a0mm below the skin");
-  expect(words.carried(says, 8.4)).toBe(`${says}, carried here: nine of ten lie within 8\u00a0mm`);
-  expect(words.carried(says, null)).toContain("not known");
+const LINES = [
+  { kind: "skin", to: "skin", point: [0, 0, 0], mm: 12.4, low_mm: 7.6, high_mm: 17.3 },
+  { kind: "line", to: "near", point: [0, 0, 0], mm: 20, low_mm: null, high_mm: null },
+  { kind: "line", to: "cut_L", point: [0, 0, 0], mm: 30, low_mm: 25, high_mm: 35 },
+];
+const SLICE = { plane: "sagittal", right: [0, 0, -1], up: [0, 1, 0], outlines_mm: [] } as unknown as LesionSlice;
+
+test("a distance is said with its band, and of all lines that to the chosen one, else to the nearest", () => {
+  const laid = { distances: LINES } as unknown as LaidLesion;
+  const said = (line: string | null) => saidDistances(laid, line).map((each) => `${words.to(each)}: ${words.banded(each)}`);
+  expect(said("cut_L")).toEqual(["Below the skin: 12\u00a0mm, 8 to 17", "To Cut, patient's left: 30\u00a0mm, 25 to 35"]);
+  expect(said(null)[1]).toBe("To Near: 20\u00a0mm");
+});
+
+test("its place says how far it may be off, or that this is not known", () => {
+  expect(words.placed({ carried: false, error_mm: 0 })).toBe("as given");
+  expect(words.placed({ carried: true, error_mm: 8.4 })).toBe("carried, ±\u00a08\u00a0mm");
+  expect(words.placed({ carried: true, error_mm: null })).toContain("not known");
+});
+
+test("what a hand moves in a slice moves in the scan's frame, and is seen there until the plan is laid anew", () => {
+  const to = movedInSlice([1, 2, 3], SLICE, [4, 5]);
+  expect(to).toEqual([1, 7, -1]);
+  expect(alongSlice([1, 2, 3], to, SLICE)).toEqual([4, 5]);
 });

@@ -119,7 +119,9 @@ class LesionSlice(Wire):
     plane: Literal["axial", "sagittal", "coronal"]
     right: Point = Field(description="unit vector in the scan's frame: patient's left, or her back where sagittal")
     up: Point = Field(description="unit vector in the scan's frame: cranial, or her front where axial")
-    outlines_mm: list[list[tuple[float, float]]] = Field(description="from the centre, to the right and up")
+    outlines_mm: list[list[Annotated[list[float], Field(min_length=2, max_length=2)]]] = Field(
+        description="from the centre, to the right and up"
+    )
 
 
 class PlannedLesion(Wire):
@@ -130,7 +132,9 @@ class PlannedLesion(Wire):
     center: Point = Field(description="in the drawing's unit")
     radius_mm: float
     error_mm: float | None = Field(description="radius that holds the true centre with 90 %; null where not known")
-    covariance_mm2: list[Point] | None = Field(description="3 x 3, of the centre in the scan's frame; null as error_mm")
+    ellipsoid_mm: list[Point] | None = Field(
+        description="semi-axes of the ellipsoid that holds the true centre with 90 %, three vectors in the scan's frame"
+    )
     depth_mm: float = Field(description="of the centre below the fitted skin")
     seen: bool = Field(description="whether the scan shows the skin next to it; where not, depth is the model's guess")
     distances: list[LesionDistance] = Field(description="skin, nearer nipple, then lines and patterns, nearest first")

@@ -11,7 +11,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadInput
 from breastrig.drawings.drawing_file import shape_document
-from breastrig.drawings.lesions import Distance, PlacedLesion, Slice
+from breastrig.drawings.lesions import BALL, Distance, PlacedLesion, Slice
 from breastrig.drawings.plan_on_scan import PlannedLine, PlannedScan, PlanOnScan, plan_on_scan
 from breastrig.drawings.plan_schema import Plan, PlanItem, PlanNote, PlanTumour, checked_plan, empty_plan_on_scan
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -94,13 +94,20 @@ def _lesion(each: PlacedLesion, fit: FitFolder) -> dict[str, Any]:
         "center": _place(each.center, fit),
         "radius_mm": each.item.radius_mm,
         "error_mm": None if each.error is None else round(1e3 * each.error, 2),
-        "covariance_mm2": None if each.covariance is None else (np.round(1e6 * each.covariance, 3) + 0.0).tolist(),
+        "ellipsoid_mm": None if each.covariance is None else _semi_axes(each.covariance),
         "depth_mm": round(1e3 * each.depth, 2),
         "seen": each.is_seen,
         "distances": [_distance(distance, fit) for distance in each.distances],
         "slices": [_slice(cut) for cut in each.slices],
         "carried": each.is_carried,
     }
+
+
+def _semi_axes(covariance: Array) -> list[list[float]]:
+    """Of the ellipsoid that holds nine of ten, mm: three vectors at right angles, the shortest first."""
+    squares, directions = np.linalg.eigh(covariance)
+    axes = 1e3 * BALL * np.sqrt(squares.clip(0.0)) * directions
+    return [[float(value) for value in axis] for axis in np.round(axes.T, 3) + 0.0]
 
 
 def _distance(each: Distance, fit: FitFolder) -> dict[str, Any]:

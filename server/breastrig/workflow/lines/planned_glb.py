@@ -10,7 +10,7 @@ from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.lines.lines_glb import Ball
 from breastrig.gltf.lines.with_lines import with_lines
 
-SAID = ("id", "name", "radius_mm", "error_mm", "covariance_mm2", "depth_mm", "carried")  # of a lesion
+SAID = ("id", "name", "radius_mm", "error_mm", "ellipsoid_mm", "depth_mm", "carried")  # of a lesion
 
 
 def planned_glb(fitted: bytes, plan: Mapping[str, Any], own: Sequence[Polyline] = ()) -> bytes:

@@ -2,6 +2,9 @@
 import type { PlanLesion, PlanOnScan, Vector } from "../../api/types";
 import { newId } from "../lines/lines";
 
+export type LaidLesion = PlanOnScan["lesions"][number];
+export type LesionDistance = LaidLesion["distances"][number];
+
 /** Three numbers in mm, with spaces, commas or semicolons between; null for anything else. */
 export function readCenter(written: string): Vector | null {
   const hasPoints = written.includes(".");
@@ -15,3 +18,9 @@ export const lesionAt = (name: string, center: Vector, radiusMm: number): PlanLe
 
 /** Where each lies in the body of a scan, its own and those that were carried there. */
 export const lesionsOnScan = (plan: PlanOnScan | null): PlanOnScan["lesions"] => plan?.lesions ?? [];
+
+/** What is said of one: skin, nipple, and the line that is chosen, else the nearest of all. */
+export function saidDistances({ distances }: LaidLesion, line: string | null): readonly LesionDistance[] {
+  const lines = distances.filter(({ kind }) => kind === "line");
+  return [...distances.filter(({ kind }) => kind !== "line"), ...(lines.filter(({ to }) => to === line).concat(lines).slice(0, 1))];
+}

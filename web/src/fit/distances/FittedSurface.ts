@@ -8,7 +8,7 @@ import { isUnit, metresFromMm, mmFrom } from "../../ui/units";
 import { extent } from "../../viewer/extent";
 import type { Surface } from "../../viewer/picking";
 import { lidMaterial, tintLid, withLids } from "../../viewer/openings";
-import { bringNearer, depthMaterial, MODEL_SHARE, ORDER, pushAway } from "../../viewer/overlaid";
+import { bringNearer, depthMaterial, GLASS, MODEL_SHARE, ORDER, pushAway } from "../../viewer/overlaid";
 import { isBeside, type ViewSlice } from "../../viewer/state";
 import { geometryOf, type Triangles } from "../../viewer/ply";
 import { nearestNormal } from "../../viewer/lines/surfacePoints";
@@ -67,12 +67,13 @@ export class FittedSurface implements Part<State>, Surface {
     this.map.unknown.copy(this.viewer.palette.unknown);
     const isAlone = state.overlay !== "both";
     this.isOver = !isAlone;
-    for (const pass of this.passes) pass.visible = !isAlone;
-    this.plain.opacity = isAlone ? 1 : MODEL_SHARE;
-    this.plain.side = isAlone ? DoubleSide : FrontSide;
+    const { isGlass } = this.viewer;
+    for (const pass of this.passes) pass.visible = !isAlone && !(isGlass && pass.material === this.solid);
+    this.plain.opacity = isGlass ? GLASS : isAlone ? 1 : MODEL_SHARE;
+    this.plain.side = isAlone && !isGlass ? DoubleSide : FrontSide;
     for (const clay of [this.plain, this.solid]) clay.color.copy(this.viewer.palette.clay);
     tintLid(this.lid, hasMap ? this.viewer.palette.unknown : this.viewer.palette.clay); // no distance is known of a lid
-    this.lids?.show(isAlone);
+    this.lids?.show(isAlone && !isGlass);
     this.mesh.visible = showsFittedSurface(state) && state.overlay !== "scan";
     this.viewer.inHalf(this.mesh, isBeside(state.overlay) ? "model" : null);
     this.viewer.invalidate();

@@ -26,11 +26,12 @@ export function openSharedViewer(store: Store<VisitorState>, stage: Stage, lookF
   const scan = new ScanMesh(viewer, ready, (file) => store.set((state) => withLoose(state, file)));
   const torso = new TorsoModel(viewer, ready); // stays empty: the rig is not part of a link
   const fitted = new FittedSurface(viewer, ready);
+  const balls = new LesionBalls(viewer);
   const parts: Part<VisitorState>[] = [
+    { update: ({ plan, lesion }) => balls.update({ plan, lesion, line: null }) }, // first: it turns the skin to glass
     { update: (state) => scan.update(state, hasModelShown(state)) },
     fitted,
     new ReferenceLines(viewer, scan, torso, fitted),
-    new LesionBalls(viewer),
     new ErrorBands(viewer, scan, fitted, stage.canvas),
     new SideLetters(viewer),
     new HoverValue(viewer, fitted, stage.canvas),
