@@ -9,6 +9,7 @@ import pytest
 import breastrig
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.rotations import exp_so3
+from breastrig.rig.stance_priors import mean_weights
 
 MRI = (
     "suprasternal_notch",
@@ -23,10 +24,9 @@ TURN = exp_so3(np.array([0.4, 2.1, -1.3]))
 
 
 @pytest.fixture(scope="module")
-def prone() -> tuple[breastrig.Fit, dict[str, np.ndarray]]:
+def skin() -> tuple[breastrig.Scan, dict[str, np.ndarray]]:
     rig = breastrig.load_model()
-    hanging = [rig.shape_names.index(f"ptosis_{side}") for side in "LR"]
-    body = rig.template + 0.8 * rig.blendshapes[hanging].sum(axis=0)
+    body = rig.template + np.tensordot(mean_weights(rig, "prone"), rig.blendshapes, axes=1)
     breasts = np.concatenate([rig.regions["breast_L"], rig.regions["breast_R"]])
     low = body[breasts].min(axis=0) - np.array([0.03, 0.03, 0.0])
     high = body[breasts].max(axis=0) + np.array([0.03, 0.08, 1.0])
@@ -34,9 +34,15 @@ def prone() -> tuple[breastrig.Fit, dict[str, np.ndarray]]:
     faces = rig.faces[seen[rig.faces].all(axis=1)]
     places = rig.landmark_points(MRI).positions(body, rig.faces)
     picks = {name: 1e3 * place @ TURN.T for name, place in zip(MRI, places, strict=True)}
-    return breastrig.fit(
-        breastrig.Scan.from_arrays(1e3 * body @ TURN.T, faces, unit="mm"), picks, stance="prone"
-    ), picks
+    return breastrig.Scan.from_arrays(1e3 * body @ TURN.T, faces, unit="mm"), picks
+
+
+@pytest.fixture(scope="module")
+def prone(
+    skin: tuple[breastrig.Scan, dict[str, np.ndarray]],
+) -> tuple[breastrig.Fit, dict[str, np.ndarray]]:
+    scan, picks = skin
+    return breastrig.fit(scan, picks, stance="prone"), picks
 
 
 def test_a_prone_skin_is_fitted_to_its_landmarks_and_never_called_good(
@@ -64,3 +70,14 @@ def test_a_prone_fit_is_loaded_and_carries_a_lesion_to_itself(
     (lesion,) = document["lesions"]
     np.testing.assert_allclose(lesion["center"], center, atol=1.0)
     assert lesion["carried"]
+
+
+def test_without_landmarks_nipples_and_xiphoid_are_found_by_the_form_of_hanging_breasts(
+    skin: tuple[breastrig.Scan, dict[str, np.ndarray]],
+) -> None:
+    scan, true = skin
+    fit = breastrig.fit(scan, stance="prone")
+    off = {name: float(np.linalg.norm(fit.landmarks[name] - place)) for name, place in true.items()}
+    assert max(off["nipple_L"], off["nipple_R"]) < 8.0, off
+    assert off["xiphoid"] < 12.0, off
+    assert fit.verdict.level == "check"

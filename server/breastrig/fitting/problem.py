@@ -12,6 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from breastrig.core.arrays import Array, Booleans
+from breastrig.core.stances import PRONE, STANDING
 from breastrig.correspondence.match import Correspondences, MatchRules, match
 from breastrig.energies.body_prior import BodyPrior
 from breastrig.energies.folding import Folding
@@ -39,6 +40,7 @@ from breastrig.rig.joints import Joints
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import BONE_DOFS, RigParameters
 from breastrig.rig.skinning import pose
+from breastrig.rig.stance_priors import in_stance, mean_weights, rest_turns
 from breastrig.rig.state import BodyState
 
 Terms = list[ResidualTerm[BodyState]]
@@ -111,7 +113,7 @@ class ScanProblem:
         """All residuals at a state; those of scan and landmarks are made for it."""
         data = data_term(self.task, stage, progress, state, matches)
         picks = [] if self._picks is None else [landmark_term(self._picks, stage, progress, state)]
-        if stage.relief is None:
+        if stage.relief is None and self.task.stance != PRONE:  # a prone body is found by its breasts
             return [*self.priors, data, *picks]
         if self.relief is None:
             self._look(state, [*self.priors, data], picks)
@@ -222,16 +224,17 @@ def landmark_term(picks: Picks, stage: Stage, progress: float, state: BodyState)
 
 def expected_shapes(rig: Rig, settings: Shapes, stance: str) -> tuple[Array, Array]:
     """(S,), (S,): expected size and mean of every shape weight."""
-    sigma = np.array([settings.sigma or shape.sigma * settings.factor for shape in rig.shapes])
-    gravity = np.array([shape.kind == "gravity" for shape in rig.shapes], dtype=np.bool_)
+    shapes, mean = in_stance(rig, stance).shapes, mean_weights(rig, stance)
+    sigma = np.array([settings.sigma or shape.sigma * settings.factor for shape in shapes])
+    gravity = np.array([shape.kind == "gravity" for shape in shapes], dtype=np.bool_)
     if stance == "supine":
-        return sigma, np.where(gravity, settings.supine_gravity_mean, 0.0)
-    return np.where(gravity, sigma * settings.standing_gravity_factor, sigma), np.zeros(len(rig.shapes))
+        return sigma, np.where(gravity, settings.supine_gravity_mean, mean)
+    return np.where(gravity & (stance == STANDING), sigma * settings.standing_gravity_factor, sigma), mean
 
 
 def expected_joints(task: FitTask) -> Joints:
     """The rig's joints with the recipe's expected sizes."""
-    settings, rig = task.recipe.joints, task.rig
+    settings, rig = task.recipe.joints, in_stance(task.rig, task.stance)
     joints = tuple(
         replace(
             joint,
@@ -244,7 +247,7 @@ def expected_joints(task: FitTask) -> Joints:
         )
         for joint in rig.joints
     )
-    return Joints(rig, joints)
+    return Joints(task.rig, joints, rest_turns(task.rig, task.stance))
 
 
 def prior_terms(task: FitTask, joints: Joints) -> Terms:
@@ -257,7 +260,7 @@ def prior_terms(task: FitTask, joints: Joints) -> Terms:
     if recipe.shapes.symmetry_sigma or recipe.scales.symmetry_sigma:
         terms.append(Symmetry(rig, recipe.shapes.symmetry_sigma or np.inf, recipe.scales.symmetry_sigma or np.inf))
     if recipe.shapes.folding is not None:
-        terms.append(Folding(rig, recipe.shapes.folding.least, recipe.shapes.folding.sigma))
+        terms.append(Folding(in_stance(rig, task.stance), recipe.shapes.folding.least, recipe.shapes.folding.sigma))
     contact = table_contact(task)
     return terms if contact is None else [*terms, contact]
 
@@ -322,7 +325,7 @@ def step_scaling(task: FitTask) -> Array:
 
 def step_bounds(task: FitTask, x: RigParameters) -> Bounds:
     """Room left for the scales and the shape weights."""
-    rig, constraint = task.rig, task.recipe.shapes.constraint
+    rig, constraint = in_stance(task.rig, task.stance), task.recipe.shapes.constraint
     lower, upper = np.full(x.dof, -np.inf), np.full(x.dof, np.inf)
     bones = len(rig.bones)
     for side, values in ((lower, [b.scale_min for b in rig.bones]), (upper, [b.scale_max for b in rig.bones])):
@@ -343,7 +346,7 @@ def allowed_start(task: FitTask) -> RigParameters:
     """The task's start with its shape weights moved to where the recipe allows them; steps then keep them there."""
     x, constraint = task.start, task.recipe.shapes.constraint
     if constraint == "box":
-        ranges = np.array([[shape.min, shape.max] for shape in task.rig.shapes])
+        ranges = np.array([[shape.min, shape.max] for shape in in_stance(task.rig, task.stance).shapes])
         return replace(x, weights=np.clip(x.weights, ranges[:, 0], ranges[:, 1]))
     return replace(x, weights=onto_simplex(x.weights)) if constraint == "simplex" else x
 

@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.core.stances import PRONE
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.stance import found_stance
 from breastrig.fitting.starts.orientation import start_from_scan
+from breastrig.fitting.starts.prone import prone_start
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
@@ -113,6 +115,9 @@ def scan_orientation(
     start = start_from_scan(rig, scan.target, scan.frame.fronts)
     task = FitTask(rig, scan.target, start.parameters, recipe, {})
     found = found_stance(task, scan.frame)
+    if found.stance == PRONE:
+        start = prone_start(rig, scan.target, scan.frame.front) or start
+        task = replace(task, start=start.parameters)
     last = found.iterates[-1] if found.iterates and found.iterates[-1].is_finite else None
     orientation = ScanOrientation(
         rig.sha256,

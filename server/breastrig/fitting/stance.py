@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from breastrig.fitting.picks.checked_fit import checked_iterates
+from breastrig.fitting.starts.orientation import Start
 from breastrig.fitting.starts.supine_or_standing import arm_angles, likely_stance, measured_signs
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.rig.similarity import umeyama
@@ -48,6 +49,7 @@ class FoundStance:
     stance: str  # standing | supine | prone
     reason: str
     iterates: tuple[FitIterate, ...] = ()
+    start: Start | None = None  # where the stance has one of its own
 
 
 def found_stance(task: FitTask, frame: Frame) -> FoundStance:

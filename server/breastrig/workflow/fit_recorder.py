@@ -28,6 +28,7 @@ from breastrig.fitting.verdicts.verdict import shows_a_part, verdict, verdict_li
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.least_squares.newton import Status
 from breastrig.rig.model import Rig
+from breastrig.rig.stance_priors import in_stance
 from breastrig.workflow.events import Iterated, NodePose
 from breastrig.workflow.fit_outcome import FitOutcome, ModelAlone
 from breastrig.workflow.propose_on_scan import propose_on_scan
@@ -80,7 +81,7 @@ class FitRecorder:
         doubtful = rejected if task.from_colour else (*rejected, *unusual(posterior))  # nobody can be asked about those
         vertices = posterior.state.vertices
         compared = Comparison(target, vertices, rig.faces)
-        signals = fit_signals(rig, last.parameters, compared, ready.clearness)
+        signals = fit_signals(in_stance(rig, task.stance), last.parameters, compared, ready.clearness)
         limits, given = verdict_limits(rig), ready.given
         if given.placed and shows_a_part(signals, limits):
             given = replace(given, repeated=self._only_repeats())

@@ -8,12 +8,13 @@ up to what the last iterations leave open (0.1 to 0.6 mm on average, measured wi
 from dataclasses import replace
 
 from breastrig.core.errors import BadSettings
-from breastrig.core.stances import AUTO
+from breastrig.core.stances import AUTO, PRONE
 from breastrig.fitting.body.hanging_start import hanging_shapes
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.scan_orientation import ScanOrientation
 from breastrig.fitting.stance import FoundStance, found_stance
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS, best_start, start_from_scan
+from breastrig.fitting.starts.prone import prone_start
 from breastrig.fitting.task import FitTask
 from breastrig.gltf.pose_nodes import posed_by_nodes
 from breastrig.workflow.jobs import EarlierFit
@@ -47,7 +48,12 @@ def with_stance(
         found = FoundStance(orientation.stance, orientation.stance_reason)
     else:
         found = found_stance(task, scan.frame)
-    return replace(task, stance=found.stance), found
+    task = replace(task, stance=found.stance)
+    if found.stance != PRONE or len(task.landmarks) >= MIN_LANDMARKS:
+        return task, found
+    if orientation is None or orientation.stance != PRONE:
+        found = replace(found, start=prone_start(task.rig, task.target, scan.frame.front))
+    return (task if found.start is None else replace(task, start=found.start.parameters)), found
 
 
 def with_earlier_start(task: FitTask, stance: str, earlier: EarlierFit) -> tuple[FitTask, FoundStance]:

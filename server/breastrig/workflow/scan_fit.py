@@ -240,6 +240,7 @@ def prepare_fit(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
         task, clearness = with_start(task, ready, orientation)
         timing["align"] = clock.lap()
         task, stance = with_stance(task, settings.stance, ready, orientation)
+        clearness = clearness if stance.start is None else stance.start.margin
         known = orientation is not None and settings.preset == DEFAULT and orientation.stance == task.stance
         fitted = orientation.fitted if orientation is not None and known else None
         task, known_iterates, shown = _with_colour(task, stance.iterates, fitted, clearness, scan)

@@ -31,7 +31,7 @@ def write_case(
     """Everything of one stance with (F, 3) triangles `skin`, in a frame drawn here; case.json also says `more`."""
     placed = placed_at_random(unit, random)
     place.mkdir(parents=True, exist_ok=True)
-    _write_ply(place / "scan.ply", moved(scan.vertices, placed), scan.faces)
+    write_ply(place / "scan.ply", moved(scan.vertices, placed), scan.faces)
     write_known(place, body, skin, scan, unit, placed, more)
 
 
@@ -45,7 +45,7 @@ def write_known(
     more: dict[str, Any],
 ) -> None:
     """What is known of a scan in the frame that (4, 4) `placed` leads to: truth.ply, landmarks.json, case.json."""
-    _write_ply(place / "truth.ply", moved(body.vertices, placed), skin)
+    write_ply(place / "truth.ply", moved(body.vertices, placed), skin)
     names = sorted(body.landmarks)
     places = np.array([body.landmarks[name] for name in names])
     gaps, _ = cKDTree(scan.vertices).query(places)
@@ -91,7 +91,8 @@ def moved(points: Array, placed: Array) -> Array:
     return np.asarray(points @ placed[:3, :3].T + placed[:3, 3])
 
 
-def _write_ply(path: Path, vertices: Array, faces: Integers) -> None:
+def write_ply(path: Path, vertices: Array, faces: Integers) -> None:
+    """(V, 3) vertices and (F, 3) triangles, binary."""
     mesh = trimesh.Trimesh(vertices, faces, process=False)
     path.write_bytes(mesh.export(file_type="ply", include_attributes=False))
 

@@ -9,9 +9,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.core.stances import STANDING
+from breastrig.core.stances import PRONE, STANDING
 from breastrig.energies.landmark_observations import LandmarkObservations
-from breastrig.fitting.body.hanging import hanging_shifts, hangs_by, outwards
+from breastrig.fitting.body.hanging import body_axes, hanging_shifts, hangs_by, outwards
 from breastrig.fitting.recipe import Stage
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.geometry.closest_point import ClosestPointSearch
@@ -20,6 +20,7 @@ from breastrig.least_squares.newton import value
 from breastrig.least_squares.problem import ResidualTerm
 from breastrig.relief.limits import relief as relief_limits
 from breastrig.relief.observe import NOT_SHOWN, Expected, ReliefObservation, relief_observations
+from breastrig.relief.prone import REASON, seen_from
 from breastrig.relief.shoulder import lying_tip, shoulder_tip
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
@@ -35,6 +36,8 @@ def observe_relief(task: FitTask, state: BodyState) -> dict[str, ReliefObservati
     rig = task.rig
     points = rig.landmark_points()
     places = points.positions(state.vertices, rig.faces)
+    if task.stance == PRONE:
+        return _prone(task, state)
     if len(places) < 3 or not np.isfinite(places).all():
         return {}
     covered = np.any(hanging_shifts(state, task, rig.landmark_names) != 0.0, axis=1)
@@ -47,6 +50,21 @@ def observe_relief(task: FitTask, state: BodyState) -> dict[str, ReliefObservati
     }
     tips = _tips if task.stance == STANDING else _lying_tips
     return relief_observations(task.target, expected, axes) | tips(task, state, expected, axes)
+
+
+def _prone(task: FitTask, state: BodyState) -> dict[str, ReliefObservation]:
+    """What hanging breasts show."""
+    axes = body_axes(task.rig, state.vertices)
+    view = seen_from(task.target.vertices, task.target.faces, axes)
+    if view is None:
+        return {}
+    seen = {}
+    for name, place in view.places.items():
+        if name in task.rig.landmark_names and name not in task.landmarks:
+            own = axes * outwards(name)
+            covariance = (own * np.array(view.errors[name]) ** 2) @ own.T
+            seen[name] = ReliefObservation(place, covariance, REASON, all_round=name.startswith(("nipple", "xiphoid")))
+    return seen
 
 
 def _lying_tips(
@@ -110,12 +128,12 @@ def _shown(task: FitTask, places: Array, near: float) -> bool:
 
 
 def relief_terms(rig: Rig, relief: Mapping[str, ReliefObservation], stage: Stage) -> list[ResidualTerm[BodyState]]:
-    """Their residual term, in stages with a weight `relief`; none without observations."""
-    if stage.relief is None or not relief:
+    """Their residual term; none without observations."""
+    if not relief:
         return []
     places, covariances = zip(*((each.place, each.slack**2 * each.covariance) for each in relief.values()), strict=True)
     points = rig.landmark_points(tuple(relief))
-    return [LandmarkObservations(rig, points, np.array(places), stage.relief**2 * np.array(covariances))]
+    return [LandmarkObservations(rig, points, np.array(places), (stage.relief or 1.0) ** 2 * np.array(covariances))]
 
 
 def energy_without_relief(task: FitTask, last: FitIterate) -> float:

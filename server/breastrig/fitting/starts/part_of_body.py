@@ -20,7 +20,7 @@ SHIFTS = (0.0, 0.03, 0.06, -0.03, -0.06)  # m along the body; half of the basin,
 
 
 @cache
-def _judge() -> Recipe:
+def judge() -> Recipe:
     """The settings that every start is judged by, whatever those of the fit: the place belongs to the scan."""
     recipe = load_recipe("default")
     return recipe.model_copy(update={"stages": recipe.stages[:2]})
@@ -34,7 +34,7 @@ def best_height(rig: Rig, target: ScanTarget, place: Similarity) -> Similarity:
         return replace(place, translation=place.translation + shift * place.rotation[:, 1])
 
     def energy(start: Similarity) -> float:
-        *_, last = fit_iterates(FitTask(rig, target, similar_parameters(rig, start), _judge(), {}, stance))
+        *_, last = fit_iterates(FitTask(rig, target, similar_parameters(rig, start), judge(), {}, stance))
         return last.energy if last.is_finite else np.inf
 
     return min(map(at, SHIFTS), key=energy)

@@ -25,6 +25,7 @@ from breastrig.fitting.verdicts.verdict import verdict, verdict_limits
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.similarity import Similarity, similar_parameters
+from breastrig.rig.stance_priors import in_stance
 from breastrig_studies.studies.case import Scene
 
 SHOWN = 0.01  # m; a landmark farther from the scan cannot be picked
@@ -68,7 +69,9 @@ def _judged(
     posterior = Posterior(ended(task, last), last.parameters)
     doubts: tuple[Doubt, ...] = (*last.not_followed, *unusual(posterior))
     vertices = posterior.state.vertices
-    signals = fit_signals(rig, last.parameters, Comparison(scene.target, vertices, rig.faces), clearness)
+    signals = fit_signals(
+        in_stance(rig, task.stance), last.parameters, Comparison(scene.target, vertices, rig.faces), clearness
+    )
     repeated = len(picked_names(picks, proposed)) < MIN_LANDMARKS
     left = len(rig.landmark_names) - len(picks)
     given = GivenLandmarks(picked=len(picks), left=left, followed=len(picks), repeated=repeated)

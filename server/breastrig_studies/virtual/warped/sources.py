@@ -98,11 +98,11 @@ def _of_a_folder(folder: Path) -> list[Source]:
 
 def _patient(folder: Path) -> Source:
     about = _document(folder / "patient.json")
-    standing, faces, landmarks = _truth(folder / "standing")
+    standing, faces, landmarks = read_body(folder / "standing")
     lying = []
     for kind in ("supine", "supine_physics"):
         if (folder / kind / "truth.ply").is_file():
-            vertices, same, _ = _truth(folder / kind)
+            vertices, same, _ = read_body(folder / kind)
             if not np.array_equal(same, faces):
                 raise BadInput(f"{folder / kind / 'truth.ply'} has other triangles than the standing one.")
             table = float(vertices[np.abs(vertices[:, 0]) < TRUNK, 2].min())
@@ -156,7 +156,7 @@ def _document(path: Path) -> dict[str, Any]:
     return document
 
 
-def _truth(folder: Path) -> tuple[Array, Integers, dict[str, Array]]:
+def read_body(folder: Path) -> tuple[Array, Integers, dict[str, Array]]:
     """((V, 3) m, (F, 3), landmarks (3,) m) in body coordinates: case.json's matrix leads from body mm to the scan."""
     try:
         back = np.linalg.inv(np.array(_document(folder / "case.json")["body_mm_to_scan"], dtype=np.float64))

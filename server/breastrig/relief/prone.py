@@ -1,0 +1,160 @@
+"""Nipples, folds and xiphoid of a prone body from the depth of its skin along the front axis (docs/decisions/0019).
+
+Hanging breasts are the two foremost places of the skin, one on each side; a nipple is the place near its breast's apex
+that stands out most from the skin around.  A fold is where the skin below is most concave along the body; the xiphoid
+lies between the folds.  Errors are those on made bodies (breastrig_studies/virtual/warped/prone.py).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import gaussian_filter
+
+from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.core.stances import OUTWARDS, split_side
+from breastrig.geometry.normals import face_areas
+from breastrig.geometry.rays import RayCaster
+from breastrig.geometry.rotations import exp_so3
+
+STEP = 0.003  # m, of the depth's grid
+TILT = 0.22  # rad, by which the mean normal of a front is turned to the head: 0.09 to 0.36
+SMOOTH, FINE, COARSE = 0.006, 0.003, 0.010  # m, Gaussians: of the skin, and of what a nipple stands out from
+BESIDE = 0.02  # m from the middle, where a breast's apex lies at least
+NEAR_APEX, STEEP = 0.022, 0.8  # m, where a nipple is looked for, and the slope on which none is
+PER_SQUARE = 2.0  # 1/m, by which standing out counts less away from the apex
+BELOW, WIDE = 0.02, 0.024  # m under the nipple, and to its sides: where a fold is looked for
+NIPPLE_DOWN, FOLD_UP, XIPHOID_DOWN = 0.003, 0.004, 0.009  # m from what is seen to where the landmarks are
+NOTCH = "suprasternal_notch"
+STERNUM, MIDLINE, AT_TOP = (0.13, 0.28), 0.012, 0.006  # m above the xiphoid, beside the midline, under the scan's end
+CONCAVE = 12.0  # 1/m; less is no notch
+OF_THE_TOP = (0.008, 0.020, 0.010)  # m outwards, up, front, of a notch at the upper end of an MRI's field of view
+ERRORS = {  # m outwards, up, front, of these places
+    "nipple": (0.005, 0.005, 0.003),
+    "inframammary_fold": (0.015, 0.005, 0.010),
+    "xiphoid": (0.006, 0.008, 0.003),
+    NOTCH: (0.008, 0.010, 0.005),
+}
+REASON = "form of the hanging breasts"
+ROUNDS = 2  # in which the axes follow the nipples
+LEAST = 400  # places of the grid with skin; fewer are no front
+
+
+@dataclass(frozen=True, eq=False)
+class ProneView:
+    """What a skin shows from its front."""
+
+    axes: Array  # (3, 3) columns: the body's left, up and front in the scan's frame
+    places: dict[str, Array]  # (3,) m, in the scan's frame
+    errors: dict[str, tuple[float, float, float]]  # m outwards, up, front, of these
+
+
+def prone_views(vertices: Array, faces: Integers, front: Array) -> Iterator[ProneView]:
+    """For (V, 3) m of a front that faces along the unit `front`: the head on the one side, then on the other."""
+    areas, centres = face_areas(vertices, faces), vertices[faces].mean(axis=1)
+    flat = centres - np.average(centres, axis=0, weights=areas)
+    flat -= np.outer(flat @ front, front)
+    across = np.linalg.eigh((flat * areas[:, None]).T @ flat)[1][
+        :, 2
+    ]  # a chest is wider than its field of view is high
+    for left in (across, -across):
+        left = left - (left @ front) * front
+        left /= np.linalg.norm(left)
+        axes = np.column_stack([left, np.cross(front, left), front]) @ exp_so3(np.array([TILT, 0.0, 0.0]))
+        view = seen_from(vertices, faces, axes)
+        for _ in range(ROUNDS if view is not None else 0):
+            assert view is not None
+            apart = (view.places["nipple_L"] - view.places["nipple_R"]) @ axes
+            axes = axes @ exp_so3(np.array([0.0, 0.0, np.arctan2(apart[1], apart[0])]))
+            view = seen_from(vertices, faces, axes)
+            if view is None:
+                break
+        if view is not None:
+            yield view
+
+
+def seen_from(vertices: Array, faces: Integers, axes: Array) -> ProneView | None:
+    """For (3, 3) axes of the body (columns left, up, front); None where there is no front with two breasts."""
+    local = vertices @ axes
+    low, high = local.min(axis=0), local.max(axis=0)
+    x, y = (np.arange(low[k], high[k], STEP) for k in (0, 1))
+    if len(x) < 8 or len(y) < 8 or len(x) * len(y) > 1_000_000:
+        return None
+    depth = _depth(local, faces, x, y, float(high[2]))
+    skin = np.isfinite(depth)
+    if skin.sum() < LEAST:
+        return None
+    smooth = _smoothed(depth, SMOOTH)
+    fine = _smoothed(depth, FINE) - _smoothed(depth, COARSE)
+    slopes = np.gradient(smooth, STEP)
+    level = np.hypot(*slopes) < STEEP
+    bent = np.gradient(slopes[0], STEP, axis=0) / (1.0 + slopes[0] ** 2) ** 1.5
+    middle = float(x[np.nonzero(skin)[1]].mean())
+    places = {}
+    for side, outwards in OUTWARDS.items():
+        apex = _highest(np.where((x - middle) * outwards > BESIDE, smooth, np.nan))
+        if apex is None:
+            return None
+        away = (x - x[apex[1]]) ** 2 + (y - y[apex[0]])[:, None] ** 2
+        nipple = _highest(np.where((away < NEAR_APEX**2) & level, fine - PER_SQUARE * away, np.nan)) or apex
+        below = np.where((y < y[nipple[0]] - BELOW)[:, None] & (np.abs(x - x[apex[1]]) < WIDE), bent, np.nan)
+        counts = np.isfinite(below).sum(axis=1)
+        rows = np.where(counts > 0, np.nansum(below, axis=1) / np.maximum(counts, 1), -np.inf)
+        fold = (int(rows.argmax()), apex[1])
+        places[f"nipple_{side}"] = np.array([x[nipple[1]], y[nipple[0]] - NIPPLE_DOWN, depth[nipple]])
+        if np.isfinite(rows.max()) and np.isfinite(smooth[fold]):
+            places[f"inframammary_fold_{side}"] = np.array([x[fold[1]], y[fold[0]] + FOLD_UP, smooth[fold]])
+    folds = [place for name, place in places.items() if name.startswith("inframammary")]
+    if len(folds) == len(OUTWARDS):
+        at_x = 0.5 * (places["nipple_L"][0] + places["nipple_R"][0])
+        at_y = 0.5 * (folds[0][1] + folds[1][1]) - FOLD_UP - XIPHOID_DOWN
+        at_z = smooth[np.abs(y - at_y).argmin(), np.abs(x - at_x).argmin()]
+        if np.isfinite(at_z):
+            places["xiphoid"] = np.array([at_x, at_y, at_z])
+    errors = {name: ERRORS[split_side(name)[0]] for name in places}
+    if "xiphoid" in places and (notch := _notch(places["xiphoid"], x, y, smooth, bent)) is not None:
+        places[NOTCH], errors[NOTCH] = notch
+    return ProneView(axes, {name: axes @ place for name, place in places.items()}, errors)
+
+
+def _notch(
+    xiphoid: Array, x: Array, y: Array, depth: Array, bent: Array
+) -> tuple[Array, tuple[float, float, float]] | None:
+    """(3,) m and its errors: where the midline is most concave, else about the upper end of the field of view."""
+    middle = np.abs(x - xiphoid[0]) < MIDLINE
+    skin = np.isfinite(depth[:, middle]).any(axis=1)
+    rows = np.flatnonzero(skin & (y > xiphoid[1] + STERNUM[0]) & (y < xiphoid[1] + STERNUM[1]))
+    if not len(rows) or not middle.any():
+        return None
+    top = rows[-1]
+    inside = rows[y[rows] < y[top] - AT_TOP]
+    concave = np.nanmean(bent[inside][:, middle], axis=1) if len(inside) else np.zeros(0)
+    at, error, beyond = (
+        (inside[concave.argmax()], ERRORS[NOTCH], 0.0)
+        if len(concave) and concave.max() > CONCAVE
+        else (top, OF_THE_TOP, AT_TOP)
+    )
+    return np.array([xiphoid[0], y[at] + beyond, np.nanmean(depth[at, middle])]), error
+
+
+def _depth(local: Array, faces: Integers, x: Array, y: Array, high: float) -> Array:
+    """(Y, X) m along the front, nan where there is no skin."""
+    starts = np.stack([*(each.ravel() for each in np.meshgrid(x, y)), np.full(len(x) * len(y), high + STEP)], axis=1)
+    hits = RayCaster(local, faces).hits(starts, np.broadcast_to([0.0, 0.0, -1.0], starts.shape))
+    return np.where(hits.faces >= 0, starts[:, 2] - hits.distances, np.nan).reshape(len(y), len(x))
+
+
+def _smoothed(depth: Array, size: float) -> Array:
+    """Gaussian of this standard deviation (m) over the skin that there is."""
+    there: Booleans = np.isfinite(depth)
+    share = gaussian_filter(there.astype(np.float64), size / STEP)
+    mean = gaussian_filter(np.where(there, depth, 0.0), size / STEP) / np.maximum(share, 1e-6)
+    return np.where(there, mean, np.nan)
+
+
+def _highest(values: Array) -> tuple[int, int] | None:
+    """Where the largest value is; None where all are nan."""
+    if not np.isfinite(values).any():
+        return None
+    row, column = np.unravel_index(int(np.nanargmax(values)), values.shape)
+    return int(row), int(column)
