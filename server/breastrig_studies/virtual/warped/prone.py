@@ -124,7 +124,8 @@ def read_donors(data: Path) -> dict[str, Donor]:
 def carried(values: Array, skin: Array, faces: Integers, at: Places, body: VirtualBody, body_faces: Integers) -> Array:
     """(V, ...) the (W, ...) values on another skin, at the standing body's places; `at`: its landmarks."""
     names = sorted(at.keys() & body.landmarks.keys())
-    there = RBFInterpolator(*(np.array([of[name] for name in names]) for of in (body.landmarks, at)))(body.vertices)
+    own, other = (np.array([of[name] for name in names]) for of in (body.landmarks, at))
+    there = RBFInterpolator(own, other)(body.vertices)
     near = ClosestPointSearch(skin, faces).query(there)
     found = np.einsum("mc,mc...->m...", near.barycentric, values[faces[near.faces]])
     mean = csr_array(0.5 * (diags_array(np.ones(len(found))) + neighbours(body_faces, len(found))))
