@@ -11,7 +11,7 @@ help:
 	@echo "make serve   build the page and serve it at http://127.0.0.1:$(PORT)/?token=...   (PORT=... DATA=... to change)"
 	@echo "make test    everything that must hold: check, unit tests of page and package, browser test"
 	@echo "make check   lint and types only"
-	@echo "make room    ROOM=rig: lint, types and tests of one room of the package   (TESTS=tests/fitting/test_stance.py: only these)"
+	@echo "make room    ROOM=rig: lint, types and quick tests of one room of the package   (TESTS=tests/rig: all; TESTS=tests/fitting/test_stance.py: only these)"
 	@echo "make mutants wrong changes that no test of a numeric room sees   (MUTANTS=\"drawings report --count 40 --seed 1\")"
 	@echo "make docs    build the documentation into dist/docs; warnings are errors"
 	@echo "make bench   measure the hot paths   (BENCH=--benchmark-timer=time.process_time where other work runs)"
@@ -38,8 +38,9 @@ check: web-packages $(VENV)/.stamp-test
 	$(IN_VENV) npm --prefix web run --silent typecheck
 	$(IN_VENV) npm --prefix web run --silent lint
 
-# The inner loop: one room of server/breastrig, with all of its tests or some (a file, a folder, several).
-TESTS = tests/$(ROOM)
+# The inner loop: one room of server/breastrig, with its tests apart from the slow ones, which are listed in a file (a line
+# a test: what --durations=0 shows of those that make whole fits), or with those that are named (a file, a folder, several).
+TESTS = @tests/slow_tests.txt tests/$(ROOM)
 room: $(VENV)/.stamp-test
 	@{ [ -n "$(ROOM)" ] && [ -f "server/breastrig/$(ROOM)/__init__.py" ] && [ -d "tests/$(ROOM)" ]; } || \
 	    { echo "error: say which room: make room ROOM=fitting; there are" $$(cd server/breastrig && for room in */; do \

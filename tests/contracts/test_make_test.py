@@ -1,4 +1,5 @@
-"""What the parts of `make test` install is there before they run side by side: two installations exclude each other."""
+"""What the parts of `make test` install is there before they run side by side, as two installations exclude each other;
+and what `make room` leaves out is there."""
 
 import re
 from pathlib import Path
@@ -19,3 +20,11 @@ def test_every_program_of_the_parts_is_looked_for_before_they_start(repository: 
     assert {".ci/chromium.sh", ".ci/postgres.sh", ".ci/nginx.sh"} <= needed
     assert "programs" in before
     assert needed <= set(re.findall(r"sh (\.ci/\S+\.sh)", _rule(makefile, "programs")[1]))
+
+
+def test_the_slow_tests_that_a_room_leaves_out_are_there(repository: Path) -> None:
+    lines = (repository / "tests" / "slow_tests.txt").read_text("utf-8").splitlines()
+    assert lines == sorted(set(lines))
+    for line in lines:
+        file, name = line.removeprefix("--deselect=").split("::")
+        assert re.search(rf"^def {name}\(", (repository / file).read_text("utf-8"), re.MULTILINE), line

@@ -11,7 +11,7 @@ import pytest
 from helpers.waiting import until
 
 from breastrig.core.scratch import scratch_folder, sweep_scratch
-from breastrig.execution.scratch_sweeper import scratch_swept
+from breastrig.execution.worker import scratch_swept
 
 HOLD = """
 import os, sys, time
@@ -55,7 +55,7 @@ def test_the_folder_of_a_killed_process_is_removed_and_that_of_a_living_one_is_n
 
 
 def test_whoever_kills_processes_sweeps_on(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("breastrig.execution.scratch_sweeper.SWEEP_S", 0.01)
+    monkeypatch.setattr("breastrig.execution.worker.SWEEP_S", 0.01)
     with scratch_swept():
         for name in ("left", "left_again"):
             (place / name).mkdir(parents=True, mode=0o700)

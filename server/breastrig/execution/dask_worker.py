@@ -16,8 +16,7 @@ from breastrig.core.scratch import sweep_scratch
 from breastrig.execution.dask_pool import CONNECT_S, UNREACHABLE, distributed, no_scheduler
 from breastrig.execution.dask_task import RESOURCE, lane_of, stop_children
 from breastrig.execution.limits import FitLimits
-from breastrig.execution.scratch_sweeper import scratch_swept
-from breastrig.execution.worker import preload
+from breastrig.execution.worker import preload, scratch_swept
 
 
 def run_worker(address: str, workers: int, on_ready: Callable[[], None], task_modules: Iterable[str] = ()) -> bool:

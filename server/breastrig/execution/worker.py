@@ -6,6 +6,7 @@ pickled fails its own task only.
 """
 
 import gc
+import logging
 import multiprocessing
 import os
 import pickle
@@ -13,8 +14,8 @@ import resource
 import signal
 import threading
 import traceback
-from collections.abc import Callable, Iterable
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing import forkserver, resource_tracker
 from multiprocessing.connection import wait
@@ -25,11 +26,15 @@ from threadpoolctl import threadpool_limits
 
 from breastrig.core.errors import BreastRigError
 from breastrig.core.log_lines import set_up_logs_from_environment
+from breastrig.core.scratch import sweep_scratch
 
 START_S = 60.0  # for the fork server to import everything, on a slow machine
 IDLE_S = 300.0  # a process that is asked nothing for so long ends itself, and its memory is gone
 BEGUN = b""
+SWEEP_S = 5.0  # how long a killed process's folder stays at most, where nobody else makes one
 DIED = "The process of this task ended unexpectedly."
+
+log = logging.getLogger(__name__)
 
 _context = multiprocessing.get_context("forkserver")
 _preloaded = [
@@ -55,6 +60,28 @@ def start_fork_server() -> None:
         forkserver.ensure_running()
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def scratch_swept() -> Iterator[None]:
+    """For whoever starts and kills processes: sweeps every few seconds until the block ends, and then once more."""
+    over = threading.Event()
+
+    def sweep_on() -> None:
+        while not over.wait(SWEEP_S):
+            try:
+                sweep_scratch()
+            except Exception:
+                log.exception("scratch folders cannot be swept")
+
+    thread = threading.Thread(target=sweep_on, name="breastrig-scratch", daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
+        sweep_scratch()
 
 
 class NotBegun(Exception):

@@ -29,7 +29,7 @@ from breastrig.interface.posterior import Posterior, posterior_of
 from breastrig.report.bands import sure_text
 from breastrig.rig.named_parameters import Parameters, parameters_by_name
 from breastrig.scan.clean import Surface
-from breastrig.workflow.fit_outcome import FitOutcome
+from breastrig.workflow.fit_recorder import FitOutcome
 from breastrig.workflow.folder.fit_files import fit_file, result_of
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_of_files, fitted, read_fit_files
 
@@ -190,11 +190,11 @@ class Fit:
 
 def fit_of_outcome(outcome: FitOutcome, inputs: tuple[Path, ...]) -> Fit:
     """The Fit of a fit that has just ended."""
-    target, radii = outcome.target, outcome.radii
+    target, radii, rig = outcome.ready.task.target, outcome.radii, outcome.ready.task.rig
     with one_thread():
         result = result_of(outcome)
         found = fitted(
-            outcome.rig,
+            rig,
             result,
             Surface(target.vertices, target.faces, ()),
             outcome.vertices,
@@ -202,7 +202,7 @@ def fit_of_outcome(outcome: FitOutcome, inputs: tuple[Path, ...]) -> Fit:
             None if radii is None else radii.vertices,
         )
         made = _fit(FitFiles({RESULT: result.content()}, outcome), found, outcome.verdict, inputs)
-        return replace(made, known_posterior=posterior_of(outcome.rig, outcome.parameters, outcome.covariance))
+        return replace(made, known_posterior=posterior_of(rig, outcome.parameters, outcome.covariance))
 
 
 def _by_name(doubted: Sequence[DoubtedPick]) -> dict[str, str]:

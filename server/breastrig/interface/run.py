@@ -23,8 +23,7 @@ from breastrig.interface.scan import ScanLike, ScanSource
 from breastrig.rig.named_parameters import Parameters, in_metres, parameters_by_name
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
-from breastrig.workflow.fit_outcome import FitOutcome
-from breastrig.workflow.fit_recorder import RecordedIterate
+from breastrig.workflow.fit_recorder import FitOutcome, RecordedIterate
 from breastrig.workflow.jobs import FIRST, EarlierFit, FitSettings
 from breastrig.workflow.run_fit import fit_steps
 from breastrig.workflow.scan_fit import Clock, FitPlan, ReadyScan, fit_plan, prepare_fit

@@ -24,8 +24,7 @@ from breastrig.core.errors import BadScan, NotFound, NotRemoved, unknown_name
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits, UploadLimits
 from breastrig.execution.pool import Pool
-from breastrig.execution.scratch_sweeper import scratch_swept
-from breastrig.execution.worker import preload
+from breastrig.execution.worker import preload, scratch_swept
 from breastrig.scan.stored_scan import STORED
 from breastrig.service.events.feeds import Notifier, StreamItem, follow
 from breastrig.service.failed_tasks import explained

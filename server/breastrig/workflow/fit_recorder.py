@@ -3,34 +3,39 @@
 Nothing is written here: the same outcome becomes a folder of files, an event, or a program's `Fit`.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from breastrig.colour.areolae import ObservedAreola
+from breastrig.core.arrays import Array
 from breastrig.core.errors import BreastRigError, FitFailed
-from breastrig.correspondence.distances import Comparison
+from breastrig.correspondence.distances import Comparison, SurfaceDistances
 from breastrig.drawings.line_error import with_errors
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.fitting.body.trunk_depth import skin_behind
 from breastrig.fitting.fit import FitIterate
 from breastrig.fitting.observed.areolae import observed_areolae
-from breastrig.fitting.observed.landmarks import followed
+from breastrig.fitting.observed.landmarks import ObservedLandmark, followed
 from breastrig.fitting.picks.checked_fit import without
 from breastrig.fitting.picks.mistakes import explained
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.refine import refined
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS
-from breastrig.fitting.uncertainty.radii import radii
+from breastrig.fitting.task import Doubt
+from breastrig.fitting.uncertainty.radii import Radii, radii
 from breastrig.fitting.verdicts.fit_signals import fit_signals
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, picked_names
-from breastrig.fitting.verdicts.verdict import shows_a_part, verdict, verdict_limits
+from breastrig.fitting.verdicts.verdict import Verdict, shows_a_part, verdict, verdict_limits
+from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.least_squares.newton import Status
-from breastrig.rig.model import Rig
+from breastrig.rig.model import ModelDrawing, Rig
+from breastrig.rig.parameters import RigParameters
 from breastrig.rig.stance_priors import in_stance
 from breastrig.workflow.events import Iterated, NodePose
-from breastrig.workflow.fit_outcome import FitOutcome, ModelAlone
 from breastrig.workflow.propose_on_scan import propose_on_scan
 from breastrig.workflow.scan_fit import Clock, ReadyScan
 
@@ -41,6 +46,39 @@ class RecordedIterate:
 
     iterate: FitIterate
     event: Iterated
+
+
+@dataclass(frozen=True, eq=False)
+class ModelAlone:
+    """The rig as its bones and shapes have it, without the free-form layer."""
+
+    vertices: Array  # (V, 3) m, in the scan's frame
+    distances: SurfaceDistances
+
+
+@dataclass(frozen=True, eq=False)
+class FitOutcome:
+    """All that is known at the end of a fit: what its files, a report or a program's `Fit` are made from.
+
+    Parameters are in the scan's frame, metres.
+    """
+
+    ready: ReadyScan  # what was fitted, and as what
+    recorded: tuple[RecordedIterate, ...]
+    parameters: RigParameters
+    covariance: Array  # (P, P) of a step from the parameters (fitting/posterior.py)
+    vertices: Array  # (V, 3) m, the fitted surface in the scan's frame, refined or not
+    model_alone: ModelAlone
+    timing_s: dict[str, float]
+    distances: SurfaceDistances
+    seen: Mapping[str, ObservedLandmark]  # by name, from colours, with radii of their own
+    doubts: tuple[Doubt, ...]  # picks that are asked about
+    drawing: ModelDrawing | None
+    drawing_missing: tuple[str, ...]  # of each pattern that does not fit on this patient why, a sentence or two
+    lines: tuple[Polyline, ...]
+    radii: Radii | None  # None: nothing is known of this model's errors
+    areolae: Mapping[str, ObservedAreola | None]  # by side, None where none is seen; empty for a scan without texture
+    verdict: Verdict
 
 
 @dataclass(eq=False)
@@ -114,35 +152,21 @@ class FitRecorder:
         areolae = observed_areolae(rig, vertices, ready.landmarks, ready.scan, ready.shown)
         timing["total"] = clock.total()
         return FitOutcome(
-            scan=ready.scan,
-            target=target,
-            rig=rig,
-            stance=ready.task.stance,
-            stance_reason=ready.stance_reason,
-            preset=ready.task.recipe.name,
+            ready=ready,
+            recorded=tuple(self._recorded),
             parameters=last.parameters,
             covariance=posterior.covariance(),
             vertices=vertices,
-            refined=ready.settings.refine,
             model_alone=alone,
-            history=tuple(each.iterate.parameters for each in self._recorded),
-            times_s=tuple(each.iterate.elapsed_s for each in self._recorded),
-            log=tuple(each.event for each in self._recorded),
-            status=last.status,
             timing_s=timing,
             distances=compared.distances,
-            landmarks=ready.landmarks,
             seen=seen,
             doubts=doubts,
             drawing=drawing,
             drawing_missing=missing,
             lines=lines,
             radii=known,
-            agreed=ready.agreed,
-            notes=ready.notes,
             areolae=areolae,
-            table_triangles=ready.table_triangles,
-            cut_away=ready.cut_away,
             verdict=found_verdict,
         )
 

@@ -8,8 +8,7 @@ from collections.abc import Generator, Iterator
 
 from breastrig.fitting.picks.checked_fit import checked_iterates
 from breastrig.workflow.events import Done, Event
-from breastrig.workflow.fit_outcome import FitOutcome
-from breastrig.workflow.fit_recorder import FitRecorder, RecordedIterate
+from breastrig.workflow.fit_recorder import FitOutcome, FitRecorder, RecordedIterate
 from breastrig.workflow.folder.fit_files import write_fit_files
 from breastrig.workflow.jobs import FitJob
 from breastrig.workflow.scan_fit import (

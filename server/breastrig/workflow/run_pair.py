@@ -19,8 +19,7 @@ from breastrig.fitting.two_stances import ALIKE, Coupling, SharedBody, fit_pair_
 from breastrig.rig.model import Rig
 from breastrig.scan.scan import Scan
 from breastrig.workflow.events import Done, Event
-from breastrig.workflow.fit_outcome import FitOutcome
-from breastrig.workflow.fit_recorder import FitRecorder, RecordedIterate
+from breastrig.workflow.fit_recorder import FitOutcome, FitRecorder, RecordedIterate
 from breastrig.workflow.folder.fit_files import write_fit_files
 from breastrig.workflow.jobs import FitJob
 from breastrig.workflow.scan_fit import (

@@ -45,7 +45,7 @@ from breastrig.least_squares.newton import Status
 from breastrig.report.body_frame import body_frame
 from breastrig.report.files.surface_files import surface_ply
 from breastrig.rig.known import NOT_CALIBRATED
-from breastrig.workflow.fit_outcome import FitOutcome
+from breastrig.workflow.fit_recorder import FitOutcome
 
 
 def _rounded(values: Array, digits: int = 6) -> list[float]:
@@ -69,7 +69,8 @@ def library_versions() -> dict[str, str]:
 
 def result_of(outcome: FitOutcome) -> ResultFile:
     """What the fit says of itself."""
-    rig, x, scan = outcome.rig, outcome.parameters, outcome.scan
+    ready, x, last = outcome.ready, outcome.parameters, outcome.recorded[-1].iterate
+    task, rig, scan = ready.task, ready.task.rig, ready.scan
     per_unit = scan.metres_per_unit
     model_landmarks, alone_landmarks = (
         dict(zip(rig.landmark_names, rig.landmark_points().positions(vertices, rig.faces), strict=True))
@@ -86,10 +87,10 @@ def result_of(outcome: FitOutcome) -> ResultFile:
             unit=cast(Unit, scan.unit),
             unit_reason=scan.unit_reason,
             sha256=scan.sha256,
-            table_triangles=outcome.table_triangles,
+            table_triangles=ready.table_triangles,
             cut_by_hand_triangles=scan.cut_by_hand,
             reconstructed_from_points=scan.from_points,
-            cut_away_cm2=round(1e4 * outcome.cut_away),
+            cut_away_cm2=round(1e4 * ready.cut_away),
         ),
         model=ModelSummary(
             name=rig.name,
@@ -98,31 +99,31 @@ def result_of(outcome: FitOutcome) -> ResultFile:
             bones=len(rig.bones),
             blendshapes=len(rig.shapes),
         ),
-        stance=cast(Stance, outcome.stance),
-        stance_reason=outcome.stance_reason,
-        preset=outcome.preset,
-        refined=outcome.refined,
-        converged=outcome.status is Status.CONVERGED,
-        stop_reason=outcome.status.value,
+        stance=cast(Stance, task.stance),
+        stance_reason=ready.stance_reason,
+        preset=task.recipe.name,
+        refined=ready.settings.refine,
+        converged=last.status is Status.CONVERGED,
+        stop_reason=last.status.value,
         verdict=Verdict(level=outcome.verdict.level, reasons=outcome.verdict.reasons),
-        iterations=outcome.log[-1].iteration,
+        iterations=last.iteration,
         timing_s={name: round(seconds, 4) for name, seconds in outcome.timing_s.items()},
-        **_distances(outcome.distances, model_landmarks, outcome.landmarks),
-        model_alone=ModelAlone(**_distances(outcome.model_alone.distances, alone_landmarks, outcome.landmarks)),
+        **_distances(outcome.distances, model_landmarks, ready.landmarks),
+        model_alone=ModelAlone(**_distances(outcome.model_alone.distances, alone_landmarks, ready.landmarks)),
         landmarks_not_followed=[_doubted(doubt) for doubt in outcome.doubts if not doubt.followed],
         landmarks_unusual=[_doubted(doubt) for doubt in outcome.doubts if doubt.followed],
         not_calibrated=None if outcome.radii else f"{NOT_CALIBRATED}: how far off its fits are is not known.",
         median_plane=_median_plane(outcome),
         landmark_uncertainty_mm={} if outcome.radii is None else _in_mm(outcome.radii.landmarks),
         line_error_mm=None if outcome.radii is None else round(1e3 * outcome.radii.lines, 1),
-        landmarks_agreed=list(outcome.agreed),
+        landmarks_agreed=list(ready.agreed),
         landmarks={name: _rounded(place / per_unit) for name, place in (model_landmarks | seen).items()},
         landmarks_seen={name: each.reason for name, each in outcome.seen.items()},
-        landmarks_picked={name: _rounded(place / per_unit) for name, place in outcome.landmarks.items()},
+        landmarks_picked={name: _rounded(place / per_unit) for name, place in ready.landmarks.items()},
         areolae=areolae_document(outcome.areolae, per_unit),
         lesions=[
             ResultLesion(name=each.name, center=_rounded(each.center / per_unit), radius_mm=round(1e3 * each.radius, 3))
-            for each in outcome.scan.lesions
+            for each in scan.lesions
         ],
         parameters=ResultParameters(
             bones=[
@@ -137,7 +138,7 @@ def result_of(outcome: FitOutcome) -> ResultFile:
             blendshapes=dict(zip(rig.shape_names, _rounded(x.weights, 9), strict=True)),
         ),
         drawing_missing=list(outcome.drawing_missing),
-        notes=list(outcome.notes),
+        notes=list(ready.notes),
         versions={"breastrig": __version__} | library_versions(),
     )
 
@@ -152,9 +153,9 @@ def _distances(found: FoundDistances, model: Mapping[str, Array], picked: Mappin
 
 
 def _median_plane(outcome: FitOutcome) -> MedianPlane:
-    frame = body_frame(outcome.rig, outcome.vertices)
+    frame = body_frame(outcome.ready.task.rig, outcome.vertices)
     normal = frame.axes[:, 0]
-    offset = float(normal @ frame.middle) / outcome.scan.metres_per_unit
+    offset = float(normal @ frame.middle) / outcome.ready.scan.metres_per_unit
     return MedianPlane(normal=_rounded(normal, 9), offset=round(offset, 6))
 
 
@@ -163,9 +164,9 @@ def drawing_json(outcome: FitOutcome) -> dict[str, object]:
     return {
         "schema": "breastrig/drawing@1",
         "name": outcome.drawing.name if outcome.drawing else None,
-        "unit": outcome.scan.unit,
+        "unit": outcome.ready.scan.unit,
         "notice": LIMITS_OF_USE,
-        "shapes": [shape_document(line, outcome.scan.metres_per_unit) for line in outcome.lines],
+        "shapes": [shape_document(line, outcome.ready.scan.metres_per_unit) for line in outcome.lines],
     }
 
 
@@ -200,21 +201,25 @@ def write_fit_files(outcome: FitOutcome, folder: Path) -> ResultFile:
 
 def _scan_ply(outcome: FitOutcome) -> bytes:
     """The cleaned scan, in its own frame and unit."""
-    return surface_ply(outcome.target.vertices, outcome.target.faces, outcome.scan.metres_per_unit)
+    target = outcome.ready.task.target
+    return surface_ply(target.vertices, target.faces, outcome.ready.scan.metres_per_unit)
 
 
 def _fitted_ply(outcome: FitOutcome) -> bytes:
-    return surface_ply(outcome.vertices, outcome.rig.faces, outcome.scan.metres_per_unit)
+    return surface_ply(outcome.vertices, outcome.ready.task.rig.faces, outcome.ready.scan.metres_per_unit)
 
 
 def _fitted_glb(outcome: FitOutcome) -> bytes:
-    surface = outcome.vertices if outcome.refined else None
-    extras = {"preset": outcome.preset}
-    return fitted_glb(outcome.rig, outcome.history, outcome.times_s, outcome.drawing, extras, surface)
+    task = outcome.ready.task
+    surface = outcome.vertices if outcome.ready.settings.refine else None
+    history = [each.iterate.parameters for each in outcome.recorded]
+    times_s = [each.iterate.elapsed_s for each in outcome.recorded]
+    return fitted_glb(task.rig, history, times_s, outcome.drawing, {"preset": task.recipe.name}, surface)
 
 
 def _log(outcome: FitOutcome) -> bytes:
-    return "".join(event.model_dump_json(exclude={"nodes"}) + "\n" for event in outcome.log).encode()
+    events = (each.event for each in outcome.recorded)
+    return "".join(event.model_dump_json(exclude={"nodes"}) + "\n" for event in events).encode()
 
 
 MAKERS: dict[str, Callable[[FitOutcome], bytes]] = {
