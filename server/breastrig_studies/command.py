@@ -35,11 +35,8 @@ from breastrig_studies.tables.accuracy import console, failures_table
 from breastrig_studies.tables.colour_landmarks import console as landmarks_by_colour
 from breastrig_studies.tables.ink import console as colour_console
 
-HELP = "measure the fit on a folder of patients"
 
-
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("evaluate", help=HELP, description=__doc__)
+def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "cohort", type=Path, nargs="?", metavar="COHORT", help="PATIENT/STANCE/{scan.ply, landmarks.json, ...}"
     )

@@ -4,7 +4,7 @@ import pytest
 from helpers.rows import add_waiting_fit
 
 from breastrig.core.errors import Conflict, NotFound
-from breastrig.storage.rows.events import append, events_after, events_of_kind, news_after
+from breastrig.storage.rows.events import append, event_of_kind, events_after, news_after
 from breastrig.storage.rows.fits import claim_fit, fits_in_state, get_fit, next_queued, put_back
 from breastrig.storage.storage import Storage
 
@@ -18,7 +18,7 @@ def test_events_are_numbered_from_one_and_replayed_from_any_number(storage: Stor
     assert [event.number for event in events_after(storage, fit_id, 0)] == [1, 2, 3]
     assert [event.number for event in events_after(storage, fit_id, 2)] == [3]
     assert events_after(storage, fit_id, 9) == []
-    assert '"iteration":1' in events_of_kind(storage, fit_id, "iterated", offset=1)[0].json
+    assert '"iteration":1' in event_of_kind(storage, fit_id, "iterated", offset=1).json
 
 
 def test_the_fit_follows_its_events(storage: Storage, fit_id: str) -> None:

@@ -9,10 +9,11 @@ from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.fitting.two_stances import ONE_BODY
+from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.workflow.events import Done, Event, Iterated, Started
 from breastrig.workflow.jobs import FitJob
-from breastrig.workflow.run_pair import run_pair
+from breastrig.workflow.run_pair import pair_document, run_pair
 
 EXAMPLE = asset_folder("example")
 
@@ -29,7 +30,7 @@ def job(stance: str, out: Path) -> FitJob:
 def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[tuple[int, Event]]]:
     folder = tmp_path_factory.mktemp("pair")
     jobs = job("standing", folder / "a"), job("supine", folder / "b")
-    events = list(run_pair(*jobs, folder / "pair.json", ONE_BODY))
+    events = list(run_pair(*jobs, ONE_BODY))
     return folder, events
 
 
@@ -46,9 +47,9 @@ def test_both_stories_are_whole_and_end_together(told: tuple[Path, list[tuple[in
 
 
 def test_the_body_is_one_and_the_soft_tissue_is_not(told: tuple[Path, list[tuple[int, Event]]]) -> None:
-    folder = told[0]
-    pair = json.loads((folder / "pair.json").read_text())
-    results = [json.loads((folder / pair["results"][name]).read_text()) for name in ("first", "second")]
+    ends = [event.result for _, event in told[1] if isinstance(event, Done)]
+    pair = pair_document(read_rig(default_rig_path()), ends, ("a/result.json", "b/result.json"), ONE_BODY)
+    results = [json.loads((told[0] / place).read_text()) for place in pair["results"].values()]
     scales = [{bone["name"]: bone["scale"] for bone in result["parameters"]["bones"]} for result in results]
     assert scales[0] == scales[1] == pair["shared"]["bone_scales"]
     shapes = [result["parameters"]["blendshapes"] for result in results]

@@ -61,11 +61,7 @@ def browser_forgets() -> None:
 
 def in_memory(content: bytes) -> OpenedFile:
     """Content that was made for an answer, as a file."""
-    return OpenedFile(None, len(content), _etag(content), lambda: io.BytesIO(content))
-
-
-def _etag(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()[:32]
+    return OpenedFile(None, len(content), hashlib.sha256(content).hexdigest()[:32], lambda: io.BytesIO(content))
 
 
 def file_answer(file: OpenedFile, media_type: str, caching: str) -> Response:
@@ -109,11 +105,7 @@ def opened(file: OpenedFile) -> IO[bytes]:
 
 def bytes_answer(content: bytes, media_type: str, caching: str) -> Response:
     """The same for content that was made in memory."""
-    response = Response(content, mimetype=media_type)
-    response.set_etag(_etag(content))
-    response.headers["Cache-Control"] = caching
-    response.make_conditional(request, accept_ranges=True, complete_length=len(content))
-    return response
+    return file_answer(in_memory(content), media_type, caching)
 
 
 def public_answer(content: bytes, media_type: str, caching: str) -> Response:

@@ -21,7 +21,6 @@ from breastrig.batch.manifest import INPUTS, BadManifest, BatchRow, read_manifes
 from breastrig.batch.run import SPARE, Batch, exclusive, run_batch
 from breastrig.batch.table import FILE, MEASURES, Outcome, is_table, write_table
 from breastrig.batch.task import measured_fit
-from breastrig.cli.commands import COMMANDS
 from breastrig.cli.output_options import add_output_options, output_folder
 from breastrig.core.errors import BadSettings
 from breastrig.core.output_files import OutputSet, check_inputs_kept, check_output
@@ -46,14 +45,8 @@ on two machines, beside a scheduler (dask scheduler --host ADDRESS):
 """
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser(
-        "batch",
-        help=COMMANDS["batch"],
-        description=__doc__,
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.epilog, parser.formatter_class = EXAMPLE, argparse.RawDescriptionHelpFormatter
     parser.add_argument("manifest", type=Path, metavar="MANIFEST.csv", help="one scan a row")
     add_output_options(parser, "DIR", "folder for the results")
     where = parser.add_mutually_exclusive_group()

@@ -1,6 +1,6 @@
 """The commands and what each of them is for, in one line; nothing else is needed to list them.
 
-Other packages add commands by the entry points `breastrig.commands`: modules with HELP, add_parser and run.
+Other packages add commands by the entry points `breastrig.commands`: modules with a docstring, add_options and run.
 """
 
 import importlib

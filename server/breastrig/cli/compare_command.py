@@ -9,14 +9,12 @@ import argparse
 import sys
 from pathlib import Path
 
-from breastrig.cli.commands import COMMANDS
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
 from breastrig.core.output_files import OutputSet, all_or_nothing
 from breastrig.workflow.lines.compare import COMPARE_FILES, COMPARE_RECORD, SCHEMA, CompareJob, compare
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("compare", help=COMMANDS["compare"], description=__doc__)
+def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("first", type=Path, metavar="FIRST", help="a drawing on the scan, or on the model; black")
     parser.add_argument("second", type=Path, metavar="SECOND", help="another one; white")
     parser.add_argument("--on", dest="fit", type=Path, required=True, metavar="OUT", help="the scan's fit")

@@ -4,12 +4,10 @@ import argparse
 import os
 
 from breastrig.api.settings import token_source
-from breastrig.cli.commands import COMMANDS
 from breastrig.cli.service_options import add_service_options, service_settings
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("config", help=COMMANDS["config"], description=__doc__)
+def add_options(parser: argparse.ArgumentParser) -> None:
     add_service_options(parser)
 
 

@@ -4,7 +4,6 @@ landmarks, lines, regions and caps as named sets of vertices (JSON)."""
 import argparse
 from pathlib import Path
 
-from breastrig.cli.commands import COMMANDS
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
 from breastrig.core.output_files import OutputSet, all_or_nothing
 from breastrig.core.private_files import write_files
@@ -13,8 +12,7 @@ from breastrig.workflow.export_fit import EXPORT_FILES, EXPORT_RECORD, export_fi
 from breastrig.workflow.lines.transfer import drawing_document
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("export", help=COMMANDS["export"], description=__doc__)
+def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("fit", type=Path, metavar="OUT", help="folder that `breastrig fit` wrote")
     parser.add_argument(
         "--plan", type=Path, metavar="FILE", help="plan or drawing that is exported instead of the fit's own drawing"

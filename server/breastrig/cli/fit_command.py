@@ -13,7 +13,6 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from breastrig.cli.commands import COMMANDS
 from breastrig.cli.interruption import raise_if_asked
 from breastrig.cli.output_options import add_output_options, files_of_model, output_folder
 from breastrig.core.errors import BadSettings
@@ -30,8 +29,7 @@ from breastrig.report.bands import sure_text
 from breastrig.workflow.jobs import FIRST
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("fit", help=COMMANDS["fit"], description=__doc__)
+def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "scan",
         type=Path,

@@ -4,7 +4,6 @@ import argparse
 from collections import Counter
 from pathlib import Path
 
-from breastrig.cli.commands import COMMANDS
 from breastrig.cli.output_options import add_output_options, output_file
 from breastrig.core.documents import json_bytes
 from breastrig.core.output_files import all_or_nothing, check_output
@@ -13,8 +12,7 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.interface.ink import find_ink
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("ink", help=COMMANDS["ink"], description=__doc__)
+def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scan", type=Path, metavar="SCAN", help="as for breastrig fit; with its colours")
     parser.add_argument("--units", default="auto", choices=["auto", *METRES_PER_UNIT], help="unit of the scan")
     add_output_options(parser, "FILE", ".json, a drawing; each shape says its kind, marker and length")

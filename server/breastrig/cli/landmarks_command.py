@@ -5,7 +5,6 @@ import json
 import sys
 from pathlib import Path
 
-from breastrig.cli.commands import COMMANDS
 from breastrig.cli.output_options import add_output_options, files_of_model, output_file
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.private_files import write_private
@@ -15,8 +14,7 @@ from breastrig.interface.scan import read_coloured
 from breastrig.scan.landmarks.landmark_files import landmark_file
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("landmarks", help=COMMANDS["landmarks"], description=__doc__)
+def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scan", type=Path, metavar="SCAN", help="as for breastrig fit")
     parser.add_argument("--units", default="auto", choices=["auto", *METRES_PER_UNIT], help="unit of the scan")
     parser.add_argument("--model", type=Path, metavar="GLB", help="another rig of the same form")

@@ -28,7 +28,8 @@ def parser(command: str | None = None) -> argparse.ArgumentParser:
     root.add_argument("--version", action="version", version=f"BreastRig {__version__}. {RESEARCH_USE_ONLY}")
     parsers = root.add_subparsers(dest="command", required=True, metavar="COMMAND")
     if command is not None:
-        _module(command).add_parser(parsers)
+        module = _module(command)
+        module.add_options(parsers.add_parser(command, description=module.__doc__))
     else:
         for name, what in (COMMANDS | further_commands()).items():
             parsers.add_parser(name, help=what)

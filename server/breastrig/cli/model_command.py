@@ -5,7 +5,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-from breastrig.cli.commands import COMMANDS
 from breastrig.core.errors import BadInput
 from breastrig.core.stances import STANCES
 from breastrig.drawings.skin_maps.lying_motion import lying_motion
@@ -22,8 +21,7 @@ from breastrig.rig.model import Rig
 from breastrig.rig.validation.rules import check_rig, describe_rig
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("model", help=COMMANDS["model"], description=__doc__)
+def add_options(parser: argparse.ArgumentParser) -> None:
     actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
     for name, what in (
         ("info", "bones, shapes, landmarks and drawings of a rig"),

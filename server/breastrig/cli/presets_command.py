@@ -2,12 +2,10 @@
 
 import argparse
 
-from breastrig.cli.commands import COMMANDS
 from breastrig.fitting.presets.preset_files import preset_names, preset_text
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("presets", help=COMMANDS["presets"], description=__doc__)
+def add_options(parser: argparse.ArgumentParser) -> None:
     actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
     actions.add_parser("list", help="the names of those that come with the package")
     show = actions.add_parser("show", help="one of them as the TOML that it is, with the reason beside each number")

@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from breastrig.api.settings import read_days, without_password
-from breastrig.cli.commands import COMMANDS
 from breastrig.cli.service_options import PLACES, add_setting_options, chosen_location
 from breastrig.core.errors import BadSettings
 from breastrig.service.sweep import overdue
@@ -17,8 +16,7 @@ from breastrig.storage.rows.scans import scan_ids
 from breastrig.storage.storage import Storage, Unremoved
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("purge", help=COMMANDS["purge"], description=__doc__)
+def add_options(parser: argparse.ArgumentParser) -> None:
     which = parser.add_mutually_exclusive_group(required=True)
     which.add_argument("--all", action="store_true", help="every scan")
     which.add_argument("--older-than", type=days, metavar="DAYS", help="scans uploaded more than so many days ago")

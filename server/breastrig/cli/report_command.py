@@ -5,7 +5,6 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-from breastrig.cli.commands import COMMANDS
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
 from breastrig.core import wall_clock
 from breastrig.core.identity import SAYS_NOTHING, Identity, file_name, random_code
@@ -17,8 +16,7 @@ from breastrig.workflow.lines.transfer import drawing_document
 from breastrig.workflow.report import MEASURES_TABLE, REPORT_RECORD, write_report
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("report", help=COMMANDS["report"], description=__doc__)
+def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "fit", type=Path, metavar="OUT", help="folder that `breastrig fit` wrote, with or without --with"
     )

@@ -18,7 +18,6 @@ from breastrig.api.app import create_app
 from breastrig.api.config import TOKEN_VARIABLE, Config, checked_token
 from breastrig.api.settings import location_of, token_source
 from breastrig.api.web_server import Server, ServerLimits
-from breastrig.cli.commands import COMMANDS
 from breastrig.cli.interruption import NUMBERS, raise_if_asked
 from breastrig.cli.service_options import add_service_options, service_settings
 from breastrig.core.log_lines import set_up_logs
@@ -32,8 +31,7 @@ from breastrig.storage.storage import Storage
 from breastrig.workflow.tasks import run_fit, run_pair
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("serve", help=COMMANDS["serve"], description=__doc__)
+def add_options(parser: argparse.ArgumentParser) -> None:
     add_service_options(parser)
 
 

@@ -9,14 +9,12 @@ import argparse
 import sys
 from pathlib import Path
 
-from breastrig.cli.commands import COMMANDS
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_file
 from breastrig.core.output_files import all_or_nothing
 from breastrig.interface.transfer import transfer
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("transfer", help=COMMANDS["transfer"], description=__doc__)
+def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--from", dest="from_fit", type=Path, required=True, metavar="OUT_A", help="fit of scan A")
     parser.add_argument("--to", dest="to_fit", type=Path, required=True, metavar="OUT_B", help="fit of scan B")
     parser.add_argument("--drawing", type=Path, metavar="FILE", help="a drawing on scan A or on the model, or a plan")

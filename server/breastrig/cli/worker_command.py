@@ -8,7 +8,6 @@ DASK_DISTRIBUTED__COMM__TLS__...).
 import argparse
 import sys
 
-from breastrig.cli.commands import COMMANDS
 from breastrig.core.errors import BadSettings
 from breastrig.core.log_lines import set_up_logs
 from breastrig.execution.dask_worker import run_worker
@@ -16,8 +15,7 @@ from breastrig.execution.limits import FitLimits
 from breastrig.service.task_modules import REMOTE_MODULES, TASK_MODULES
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("worker", help=COMMANDS["worker"], description=__doc__)
+def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("address", metavar="ADDRESS", help="the scheduler's, as in tcp://host:8786")
     parser.add_argument(
         "--workers", type=int, metavar="N", help="fits that run at once (default: one a core, at most 8)"

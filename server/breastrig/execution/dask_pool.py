@@ -17,7 +17,7 @@ from typing import Any
 
 from breastrig.core.errors import BadSettings
 from breastrig.execution.dask_task import RESOURCE, execute, still_running
-from breastrig.execution.executor import STOPPED, Task
+from breastrig.execution.executor import STOPPED, Task, nothing
 from breastrig.execution.worker import Answer, packed, unpacked
 
 CONNECT_S = 10.0  # a scheduler that is there answers within a second
@@ -93,7 +93,7 @@ class DaskPool:
     def warm_up(self) -> None:
         """Waits until a worker has answered; not at all while there is none, for one may come at any time."""
         if self.found_workers:
-            self.schedule(_nothing, (), timeout=60.0).result()
+            self.schedule(nothing, (), timeout=60.0).result()
 
     def schedule(
         self, function: Callable[..., Any], args: tuple[Any, ...], timeout: float, key: str | None = None
@@ -190,7 +190,3 @@ class _Remote(Task):
         super().__init__(withdraw)
         self.key = f"task-{secrets.token_hex(16)}"  # says nothing about its content and cannot be guessed
         self.remote: Any = None  # distributed's future
-
-
-def _nothing() -> None:
-    pass

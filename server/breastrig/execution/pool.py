@@ -18,7 +18,7 @@ from itertools import count
 from typing import Any
 
 from breastrig.core.errors import BreastRigError, TooMany
-from breastrig.execution.executor import STOPPED, Task
+from breastrig.execution.executor import STOPPED, Task, nothing
 from breastrig.execution.worker import Answer, NotBegun, Worker, packed
 
 client_key: ContextVar[str | None] = ContextVar("client_key", default=None)
@@ -66,14 +66,14 @@ class Lane:
         return self.schedule(function, args, timeout, key).result()
 
     def warm_up(self) -> None:
-        self._scheduled(None, _nothing, (), 60.0).result()
+        self._scheduled(None, nothing, (), 60.0).result()
 
     def answer(self, wait_s: float) -> bool:
         """Taken for granted while all are at work."""
         if self.running.total() >= self.workers:
             return not self.pool.is_stopped
         try:
-            self._scheduled(None, _nothing, (), wait_s).result(wait_s)
+            self._scheduled(None, nothing, (), wait_s).result(wait_s)
         except (OSError, RuntimeError, TimeoutError):
             return False
         return True
@@ -237,7 +237,3 @@ class Pool:
         for task in tasks:
             if task.thread.ident is not None and task.thread is not threading.current_thread():
                 task.thread.join()
-
-
-def _nothing() -> None:
-    pass

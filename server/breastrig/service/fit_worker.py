@@ -22,7 +22,7 @@ from breastrig.service.events.event_writer import EventWriter, Superseded
 from breastrig.storage.files import Draft, fit_place, scan_place, upload_name
 from breastrig.storage.folders import FolderDraft
 from breastrig.storage.location import Location
-from breastrig.storage.rows.events import events_of_kind
+from breastrig.storage.rows.events import event_of_kind
 from breastrig.storage.rows.fits import FitRow, claim_fit, get_fit
 from breastrig.storage.rows.scans import ScanRow, get_scan
 from breastrig.storage.storage import Storage
@@ -161,9 +161,11 @@ def _job(storage: Storage, fit: FitRow, out: Path, model: Path | None) -> Iterat
 def earlier_fit(storage: Storage, fit_id: str) -> EarlierFit:
     """A fit that is done, as its last iteration stands, to go on from."""
     earlier = get_fit(storage, fit_id)
-    first = events_of_kind(storage, earlier.id, "started")
-    last = events_of_kind(storage, earlier.id, "iterated", offset=earlier.iterations - 1)
-    return EarlierFit(earlier.stance, json.loads(last[0].json)["nodes"], json.loads(first[0].json)["model_sha256"])
+    first = event_of_kind(storage, earlier.id, "started")
+    last = event_of_kind(storage, earlier.id, "iterated", earlier.iterations - 1)
+    assert first is not None
+    assert last is not None
+    return EarlierFit(earlier.stance, json.loads(last.json)["nodes"], json.loads(first.json)["model_sha256"])
 
 
 def fit_job(scan: ScanRow, fit: FitRow, folder: Path, out: Path, model: Path | None) -> FitJob:

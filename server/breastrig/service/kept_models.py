@@ -17,7 +17,7 @@ from breastrig.core.errors import BadInput
 from breastrig.core.scratch import scratch_folder
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.storage.files import MODELS
-from breastrig.storage.rows.events import events_of_kind
+from breastrig.storage.rows.events import event_of_kind
 from breastrig.storage.storage import Storage
 
 LONG_AGO = (1980, 1, 1, 0, 0, 0)  # of all entries, so that the same files are the same bytes
@@ -50,8 +50,8 @@ class KeptModels:
 
     def sha256_of(self, fit_id: str) -> str:
         """Of the model that the fit was made with; the service's own for one that has not started."""
-        started = events_of_kind(self._storage, fit_id, "started")
-        return str(json.loads(started[0].json)["model_sha256"]) if started else self.own_sha256
+        started = event_of_kind(self._storage, fit_id, "started")
+        return self.own_sha256 if started is None else str(json.loads(started.json)["model_sha256"])
 
     @contextmanager
     def of_fits(self, fit_ids: Sequence[str]) -> Iterator[Path | None]:

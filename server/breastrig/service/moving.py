@@ -16,7 +16,7 @@ from breastrig.service.failed_tasks import explained
 from breastrig.service.fit_worker import earlier_fit, fit_job
 from breastrig.service.kept_models import KeptModels
 from breastrig.storage.files import fit_place, scan_place, upload_name
-from breastrig.storage.rows.events import events_of_kind
+from breastrig.storage.rows.events import event_of_kind
 from breastrig.storage.rows.fits import FitRow, get_fit
 from breastrig.storage.rows.scans import Points, get_scan
 from breastrig.storage.storage import Storage
@@ -75,7 +75,8 @@ class Moving:
         return fit
 
     def _not_followed(self, fit: FitRow) -> tuple[str, ...]:
-        (done,) = events_of_kind(self._storage, fit.id, "done")
+        done = event_of_kind(self._storage, fit.id, "done")
+        assert done is not None
         result = Done.model_validate_json(done.json).result
         return tuple(name for each in result.landmarks_not_followed for name in each.names)
 

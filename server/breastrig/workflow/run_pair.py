@@ -3,17 +3,13 @@
 Whoever stops consuming a generator cancels both.
 """
 
-import os
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
-from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.notice import LIMITS_OF_USE
-from breastrig.core.private_files import write_files
-from breastrig.files.result import RESULT, ResultFile
+from breastrig.files.result import ResultFile
 from breastrig.fitting.picks.checked_fit import agreeing_picks
 from breastrig.fitting.two_stances import ALIKE, Coupling, SharedBody, fit_pair_iterates
 from breastrig.rig.model import Rig
@@ -73,13 +69,10 @@ def pair_steps(
     yield PairOutcome(recorders[0].finish(solve, clock), recorders[1].finish(solve, clock))
 
 
-def run_pair(
-    first: FitJob, second: FitJob, pair_file: Path | None = None, coupling: Coupling = ALIKE
-) -> Generator[tuple[int, Event], None, None]:
+def run_pair(first: FitJob, second: FitJob, coupling: Coupling = ALIKE) -> Generator[tuple[int, Event], None, None]:
     """(0 or 1 for the stance, its event): each stance's Started, Iterated …, Done; a BreastRigError ends both.
 
-    Each stance leaves the files of a fit in its own job's folder before its Done; pair_file (breastrig/pair@1),
-    when given, says what the two have in common.
+    Each stance leaves the files of a fit in its own job's folder before its Done.
     """
     if first.model != second.model:
         raise BadSettings("Two stances are fitted together with one model; give the same model for both.")
@@ -92,10 +85,6 @@ def run_pair(
     for step in pair_steps(ready, coupling, clock):
         if isinstance(step, PairOutcome):
             results = write_fit_files(step.first, first.out), write_fit_files(step.second, second.out)
-            if pair_file is not None:
-                places = [os.path.relpath(job.out / RESULT, pair_file.parent) for job in (first, second)]
-                document = pair_document(rig, results, places, coupling)
-                write_files({pair_file.name: json_bytes(document)}, pair_file.parent)
             yield from enumerate(Done(result=result) for result in results)
         else:
             yield from enumerate(each.event for each in step)

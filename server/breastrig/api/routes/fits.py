@@ -1,6 +1,5 @@
 """Fits: ask for one, look at it, cancel it, fetch what it made."""
 
-import json
 import re
 from collections.abc import Sequence
 from dataclasses import replace
@@ -18,7 +17,7 @@ from breastrig.api.wire import common as wire
 from breastrig.core.errors import BadScan, BadSettings, Conflict, NotFound, unknown_name
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.fitting.presets.preset_files import preset_names
-from breastrig.storage.rows.events import events_of_kind
+from breastrig.storage.rows.events import event_of_kind
 from breastrig.storage.rows.fits import FitRow, NewFit, Once, fits_page, get_fit, queue_positions
 from breastrig.storage.rows.scans import Picks, ScanRow, cuts_digest, get_cuts, get_landmarks, get_scan
 from breastrig.storage.storage import Storage
@@ -249,8 +248,8 @@ def _answers(rows: Sequence[FitRow]) -> list[wire.Fit]:
 
 def _stored_iteration(storage: Storage, fit: FitRow, iteration: int) -> Iterated:
     """Raises NotFound when the fit has no such iteration, or not yet."""
-    found = events_of_kind(storage, fit.id, "iterated", offset=iteration) if iteration < MOST_ITERATION else []
-    event = Iterated.model_validate(json.loads(found[0].json)) if found else None
+    found = event_of_kind(storage, fit.id, "iterated", iteration) if iteration < MOST_ITERATION else None
+    event = None if found is None else Iterated.model_validate_json(found.json)
     if event is None or event.iteration != iteration:
         raise NotFound(f"This fit has no iteration {iteration}; it has {fit.iterations} so far, from 0.")
     return event

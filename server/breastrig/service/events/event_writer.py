@@ -9,7 +9,7 @@ from contextlib import suppress
 from typing import Any
 
 from breastrig.core.errors import Conflict, FitFailed, NotFound
-from breastrig.storage.rows.events import append, events_of_kind
+from breastrig.storage.rows.events import append, event_of_kind
 from breastrig.storage.rows.fits import FitRow, get_fit
 from breastrig.storage.storage import Storage
 from breastrig.workflow.events import LAST_KINDS, Event, Started
@@ -54,8 +54,8 @@ class EventWriter:
         return False
 
     def _check_model(self, event: Started) -> None:
-        known = events_of_kind(self._storage, self.fit.id, "started")
-        if known and json.loads(known[0].json).get("model_sha256") != event.model_sha256:
+        known = event_of_kind(self._storage, self.fit.id, "started")
+        if known is not None and json.loads(known.json).get("model_sha256") != event.model_sha256:
             raise FitFailed(OTHER_MODEL)
 
 

@@ -18,6 +18,7 @@ from sqlalchemy import bindparam, case, func, insert, select, update
 from breastrig.core.errors import Conflict, NotFound
 from breastrig.storage import schema
 from breastrig.storage.rows.fits import ENDED
+from breastrig.storage.rows.queries import value_of
 from breastrig.storage.storage import Storage
 
 # Asked many times a second while somebody follows a fit; to put one together takes three times as long as its answer.
@@ -105,18 +106,13 @@ def events_after(storage: Storage, fit_id: str, after: int, limit: int | None = 
         return [StoredEvent(number, kind, text) for number, kind, text in found]
 
 
-def events_of_kind(storage: Storage, fit_id: str, kind: str, offset: int = 0, limit: int = 1) -> list[StoredEvent]:
-    """Some events of one kind, in order: for instance the iteration at `offset`."""
+def event_of_kind(storage: Storage, fit_id: str, kind: str, offset: int = 0) -> StoredEvent | None:
+    """The first event of a kind, or the one so many after it: for instance an iteration."""
     table = schema.events
+    chosen = select(table.c.number, table.c.kind, table.c.json).where(table.c.fit == fit_id, table.c.kind == kind)
     with storage.database.reading() as connection:
-        query = (
-            select(table.c.number, table.c.kind, table.c.json)
-            .where(table.c.fit == fit_id, table.c.kind == kind)
-            .order_by(table.c.number)
-            .offset(offset)
-            .limit(limit)
-        )
-        return [StoredEvent(row.number, row.kind, row.json) for row in connection.execute(query)]
+        row = connection.execute(chosen.order_by(table.c.number).offset(offset).limit(1)).one_or_none()
+    return None if row is None else value_of(StoredEvent, row)
 
 
 def news_after(storage: Storage, position: int) -> list[News]:
