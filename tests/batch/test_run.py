@@ -18,12 +18,14 @@ from breastrig.batch.table import Outcome, write_table
 from breastrig.batch.task import FitOfBytes, fit_of_bytes
 from breastrig.core.errors import BadSettings
 from breastrig.execution.pool import Lane, Pool
+from breastrig.execution.worker import preload
 from breastrig.workflow.events import Event
 from breastrig.workflow.jobs import FitJob
 
 
 @pytest.fixture(scope="module")
 def processes() -> Iterator[Lane]:
+    preload(["breastrig.batch.task", "helpers.fake_batch"])
     processes = Pool().lane(2, 4 * 2**30)
     yield processes
     processes.stop()
@@ -35,7 +37,7 @@ def batch_of(folder: Path, scans: dict[str, str]) -> Batch:
         (folder / f"{name}.ply").write_text(content)
         rows.append(BatchRow(name, folder / f"{name}.ply", None, "auto", "auto", "default", None, False))
     (folder / "out").mkdir(exist_ok=True)
-    return Batch(rows, folder / "out", "0" * 64, runner=fake_batch.scripted_fit, wall_s=0.5)
+    return Batch(rows, folder / "out", "0" * 64, runner=fake_batch.scripted_fit, wall_s=2.0)
 
 
 def silent(_outcome: Outcome) -> None:
@@ -52,7 +54,7 @@ def test_a_failing_row_stops_no_other_and_says_why(processes: Lane, tmp_path: Pa
         "The fit broke for a reason inside BreastRig (ZeroDivisionError).",
         DIED,
         "The fit needed more memory than it may use; give a smaller scan.",
-        "The fit took longer than 0.5 s and was stopped.",
+        "The fit took longer than 2 s and was stopped.",
         None,
     ]
     assert sorted(outcome.name for outcome in outcomes_seen) == sorted(scans)
