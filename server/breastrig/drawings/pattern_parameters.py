@@ -3,49 +3,50 @@
 All of it is read from the classes that check the values, so what is offered and what is taken cannot differ.
 """
 
-from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, Literal
 
-from pydantic import BaseModel
+from pydantic import BaseModel, Field
 
 from breastrig.drawings.patterns import LABELS, PATTERNS, able_patterns
 from breastrig.rig.model import Rig
 
-UNITS = {"mm": "mm", "deg": "deg", "clock": "h"}  # by the last word of a parameter's name
+Unit = Literal["mm", "deg", "h", ""]
+UNITS: dict[str, Unit] = {"mm": "mm", "deg": "deg", "clock": "h"}  # by the last word of a parameter's name
 
 
-@dataclass(frozen=True)
-class Parameter:
+class PatternParameter(BaseModel, extra="forbid", frozen=True):
+    """A number, or one of some choices."""
+
     name: str
     label: str
-    about: str
-    unit: str  # mm, deg, h, or nothing
-    default: float | str | None
-    needed: bool
-    min: float | None
+    about: str = Field(description="one sentence for people")
+    unit: Unit
+    default: float | str | None = Field(description="null: must be given, or when `needed` is false chosen by itself")
+    needed: bool = Field(description="whether it must be given")
+    min: float | None = Field(description="null for a choice and for a place")
     max: float | None
     choices: tuple[str, ...] | None
 
 
-@dataclass(frozen=True)
-class PatternForm:
+class PatternInfo(BaseModel, extra="forbid", frozen=True):
+    """A drawing made from numbers: asked for as `name:parameter=value,parameter=value`."""
+
     name: str
     label: str
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[PatternParameter, ...]
 
 
-def pattern_forms(rig: Rig) -> tuple[PatternForm, ...]:
+def pattern_forms(rig: Rig) -> list[PatternInfo]:
     """What can be asked for on this rig."""
-    return tuple(PatternForm(name, LABELS[name], _parameters(name)) for name in able_patterns(rig))
-
-
-def _parameters(name: str) -> tuple[Parameter, ...]:
-    return tuple(parameters_of(PATTERNS[name]).values())
+    return [
+        PatternInfo(name=name, label=LABELS[name], parameters=tuple(parameters_of(PATTERNS[name]).values()))
+        for name in able_patterns(rig)
+    ]
 
 
 @cache
-def parameters_of(kind: type[BaseModel]) -> dict[str, Parameter]:
+def parameters_of(kind: type[BaseModel]) -> dict[str, PatternParameter]:
     """The parameters of a class of patterns, by name; reading them from its schema takes some milliseconds."""
     schema = kind.model_json_schema()
     return {
@@ -54,9 +55,9 @@ def parameters_of(kind: type[BaseModel]) -> dict[str, Parameter]:
     }
 
 
-def _parameter(name: str, shape: dict[str, Any], needed: bool) -> Parameter:
+def _parameter(name: str, shape: dict[str, Any], needed: bool) -> PatternParameter:
     kind = next((one for one in shape.get("anyOf", ()) if one.get("type") != "null"), shape)
-    return Parameter(
+    return PatternParameter(
         name=name,
         label=shape["title"],
         about=shape["description"],

@@ -44,8 +44,9 @@ class Started(Event):
     )
 
 
-class Iterated(Event):
-    kind: Literal["iterated"] = "iterated"
+class IterationNumbers(EventPart):
+    """An iterated event without its nodes."""
+
     iteration: int = Field(description="0 is the start, before the first step")
     stage: str
     energy: float = Field(description="comparable within one iteration only: matches and sigmas change")
@@ -53,6 +54,12 @@ class Iterated(Event):
     landmark_distance_mm: float | None = Field(description="mean over the picked landmarks")
     coverage: float = Field(description="share of the model's vertices with an accepted match")
     elapsed_s: float
+
+
+class Iterated(IterationNumbers, Event):
+    """One iteration."""
+
+    kind: Literal["iterated"] = "iterated"
     nodes: list[NodePose]
 
 

@@ -371,6 +371,7 @@ export type InkShape = {
   cut?: boolean;
 };
 
+/** One iteration. */
 export type Iterated = {
   kind?: "iterated";
   /** 0 is the start, before the first step */
@@ -390,11 +391,16 @@ export type Iterated = {
 
 /** An iterated event without its nodes. */
 export type IterationNumbers = {
+  /** 0 is the start, before the first step */
   iteration: number;
   stage: string;
+  /** comparable within one iteration only: matches and sigmas change */
   energy: number;
+  /** mean distance of matched model vertices to the scan */
   mean_distance_mm: number;
+  /** mean over the picked landmarks */
   landmark_distance_mm: number | null;
+  /** share of the model's vertices with an accepted match */
   coverage: number;
   elapsed_s: number;
 };

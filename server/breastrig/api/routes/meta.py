@@ -1,7 +1,5 @@
 """Who we are, and what there is to try."""
 
-from dataclasses import asdict
-
 from apiflask import APIBlueprint
 
 from breastrig.api.app_context import app_context
@@ -47,7 +45,7 @@ def about() -> wire_meta.Meta:
             *(wire_meta.DrawingInfo.of(drawing) for drawing in rig.drawings),
             *(wire_meta.DrawingInfo(name=name, label=label) for name, label in offered_patterns(rig)),
         ],
-        patterns=[wire_meta.PatternInfo.model_validate(asdict(form)) for form in pattern_forms(rig)],
+        patterns=pattern_forms(rig),
     )
 
 

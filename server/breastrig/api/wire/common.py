@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from breastrig.core.stances import Stance as OneStance
 from breastrig.drawings.drawing_schema import SCHEMA, SHAPES, DrawnShape, SurfacePoint
-from breastrig.workflow.events import FitEvent, NodePose
+from breastrig.workflow.events import FitEvent, IterationNumbers, NodePose
 
 Units = Literal["auto", "m", "dm", "cm", "mm", "in", "ft"]
 StanceWish = Literal["auto", "standing", "supine", "prone"]
@@ -321,18 +321,6 @@ class FitAccepted(Wire):
     links: FitLinks
     cuts: str = Field(description="the digest of what is cut out of the scan")
     partner: FitPartner | None = Field(None, description="the fit of the second scan, when there is one")
-
-
-class IterationNumbers(Wire):
-    """An iterated event without its nodes."""
-
-    iteration: int
-    stage: str
-    energy: float
-    mean_distance_mm: float
-    landmark_distance_mm: float | None
-    coverage: float
-    elapsed_s: float
 
 
 class Fit(Wire):

@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from breastrig.api.wire.common import LandmarkFile, Scan, Wire
+from breastrig.drawings.pattern_parameters import PatternInfo
 from breastrig.files.result import ModelSummary
 
 
@@ -39,28 +40,6 @@ class LandmarkInfo(Wire):
 class DrawingInfo(Wire):
     name: str
     label: str
-
-
-class PatternParameter(Wire):
-    """A number, or one of some choices."""
-
-    name: str
-    label: str
-    about: str = Field(description="one sentence for people")
-    unit: Literal["mm", "deg", "h", ""]
-    default: float | str | None = Field(description="null: must be given, or when `needed` is false chosen by itself")
-    needed: bool = Field(description="whether it must be given")
-    min: float | None = Field(description="null for a choice and for a place")
-    max: float | None
-    choices: list[str] | None
-
-
-class PatternInfo(Wire):
-    """A drawing made from numbers: asked for as `name:parameter=value,parameter=value`."""
-
-    name: str
-    label: str
-    parameters: list[PatternParameter]
 
 
 class Meta(Wire):

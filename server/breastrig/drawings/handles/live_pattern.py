@@ -28,7 +28,7 @@ from breastrig.drawings.handles.tumour import tumour_handles
 from breastrig.drawings.handles.vertical import vertical_handles
 from breastrig.drawings.handles.wise import wise_handles
 from breastrig.drawings.line_error import radii_at
-from breastrig.drawings.pattern_parameters import UNITS, Parameter, parameters_of
+from breastrig.drawings.pattern_parameters import UNITS, PatternParameter, parameters_of
 from breastrig.drawings.patterns import Pattern, pattern_of
 from breastrig.drawings.project_drawing import shapes_on_scan
 from breastrig.drawings.skin_maps.skin_map import FittedScan
@@ -221,7 +221,7 @@ def _on_side(pattern: Pattern, side: str | None) -> Pattern:
     return one_sided
 
 
-def _field(pattern: Pattern, parameter: str) -> Parameter:
+def _field(pattern: Pattern, parameter: str) -> PatternParameter:
     assert isinstance(pattern, BaseModel)
     return parameters_of(type(pattern))[parameter]
 

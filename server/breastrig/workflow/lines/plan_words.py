@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from breastrig.core.stances import SIDES
-from breastrig.drawings.pattern_parameters import Parameter, parameters_of
+from breastrig.drawings.pattern_parameters import PatternParameter, parameters_of
 from breastrig.drawings.patterns import LABELS, PATTERNS, drawing_with
 from breastrig.drawings.plan_schema import PlanItem, PlanLesion, PlanLine, PlanNote, PlanPattern, PlanTumour, asked_of
 from breastrig.report.document import PlannedItem
@@ -65,7 +65,7 @@ def _values(item: PlanItem, fit: FitFolder | None) -> tuple[tuple[str, str], ...
     return known if fit is None or len(known) == len(given) else (*known, *_as_drawn(item, fit))
 
 
-def _value(parameter: Parameter, value: float | str | None) -> str:
+def _value(parameter: PatternParameter, value: float | str | None) -> str:
     if isinstance(value, float | int):
         return clock(value) if parameter.unit == "h" else f"{value:g}{UNITS.get(parameter.unit, '')}"
     return "" if value is None else str(value)

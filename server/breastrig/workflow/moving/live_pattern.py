@@ -4,7 +4,7 @@ The first question reads the fit's folder, half a second of work; what was read 
 the next ones take a tenth of it.  The process serves one fit and ends with its deletion (execution/kept_processes.py).
 """
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -78,15 +78,5 @@ def _handle(each: HandleOnScan) -> dict[str, Any]:
         "label": each.label,
         "at_mm": [round(1e3 * float(value), 3) for value in each.at],
         "grows": [round(float(value), 6) for value in each.handle.grows],
-        "numbers": [
-            {
-                "parameter": number.parameter,
-                "label": number.label,
-                "unit": number.unit,
-                "value": round(number.value, 2),
-                "min": number.min,
-                "max": number.max,
-            }
-            for number in each.numbers
-        ],
+        "numbers": [asdict(number) | {"value": round(number.value, 2)} for number in each.numbers],
     }
