@@ -13,13 +13,14 @@ from sqlalchemy import func, insert, select
 
 from breastrig.cli.main import main
 from breastrig.core.errors import BadInput, BadSettings, Conflict
+from breastrig.core.picks import Picks
 from breastrig.storage import postgres as database
 from breastrig.storage import schema
 from breastrig.storage.deletion import delete_rows, remove_files
 from breastrig.storage.location import Location
 from breastrig.storage.rows.events import append, events_after
 from breastrig.storage.rows.fits import claim_fit, fits_page, get_fit, next_queued, queue_positions
-from breastrig.storage.rows.scans import Picks, ScanRow, add_scan, get_landmarks, get_scan, put_landmarks
+from breastrig.storage.rows.scans import ScanRow, add_scan, get_landmarks, get_scan, put_landmarks
 from breastrig.storage.rows.shares import (
     ShareRow,
     add_opening,

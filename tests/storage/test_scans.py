@@ -3,10 +3,11 @@ from helpers.on_disk import bytes_below
 from helpers.rows import add_waiting_fit
 
 from breastrig.core.errors import NotFound
+from breastrig.core.picks import Picks
 from breastrig.storage.deletion import delete_rows, remove_files
 from breastrig.storage.rows.events import append
 from breastrig.storage.rows.fits import get_fit
-from breastrig.storage.rows.scans import Picks, get_landmarks, get_scan, put_landmarks, scan_ids
+from breastrig.storage.rows.scans import get_landmarks, get_scan, put_landmarks, scan_ids
 from breastrig.storage.storage import Storage
 
 

@@ -6,32 +6,23 @@ import numpy as np
 
 from breastrig.api.served_model import ServedModel
 from breastrig.core.errors import BadDrawing, BadLandmarks, unknown_name
+from breastrig.core.picks import Picks
 from breastrig.core.units import METRES_PER_UNIT, distance_text
-from breastrig.scan.landmarks.landmark_files import (
-    REACH,
-    certain_landmarks,
-    checked_certain,
-    landmark_confidences,
-    metres_per_unit,
-    read_landmarks,
-)
+from breastrig.scan.landmarks.landmark_files import REACH, checked_certain, landmarks_of_file
 from breastrig.scan.landmarks.names import by_known_names, known_name
-from breastrig.storage.rows.scans import Picks, ScanRow
+from breastrig.storage.rows.scans import ScanRow
 
 DRAWN_REACH_M = 0.05  # beyond the scan's bounds: a line may cross a hole at the rim, further out it is of another scan
 
 
-def landmarks_of_file(data: bytes, scan: ScanRow, model: ServedModel) -> Picks:
-    """What a file says of landmarks on this scan, in mm and under the model's names.  Raises BadLandmarks."""
-    places, unit = read_landmarks(data)
+def picks_of_file(data: bytes, scan: ScanRow, model: ServedModel) -> Picks:
+    """What a file says of landmarks on this scan, under the model's names.  Raises BadLandmarks."""
     bounds = scan.facts["bounds_m"]
-    metres = metres_per_unit(
-        places, unit, METRES_PER_UNIT[scan.facts["unit"]], (np.array(bounds["min"]), np.array(bounds["max"]))
-    )
+    measured = METRES_PER_UNIT[scan.facts["unit"]], (np.array(bounds["min"]), np.array(bounds["max"]))
+    found = landmarks_of_file(data, lambda: measured)
     known = {each.name: (each.label, each.latin) for each in model.rig.landmarks}
-    points = {name: (1e3 * metres * place).tolist() for name, place in by_known_names(places, known).items()}
-    certain = tuple(known_name(name, known) for name in certain_landmarks(data))
-    picks = Picks(points, certain, by_known_names(landmark_confidences(data), known))
+    certain = tuple(known_name(name, known) for name in found.certain)
+    picks = Picks(by_known_names(found.points_mm, known), certain, by_known_names(found.confidence, known))
     check_landmarks(picks, scan, model)
     return picks
 

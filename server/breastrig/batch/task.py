@@ -4,15 +4,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from breastrig.batch.table import MEASURES
+from breastrig.core.arrays import Array
+from breastrig.core.picks import Picks
 from breastrig.core.private_files import write_private
 from breastrig.core.scratch import scratch_folder
-from breastrig.core.units import METRES_PER_UNIT
-from breastrig.scan.landmarks.landmark_files import (
-    certain_landmarks,
-    landmark_confidences,
-    metres_per_unit,
-    read_landmarks,
-)
+from breastrig.scan.landmarks.landmark_files import landmarks_of_file
 from breastrig.scan.read import read_scan
 from breastrig.workflow.events import Event
 from breastrig.workflow.jobs import FitJob, ReportJob
@@ -37,17 +33,14 @@ class FitOfBytes:
     drawing: str | None
     refine: bool
 
-    def landmarks_mm(self) -> dict[str, list[float]]:
-        """The picks in mm; those without a unit of their own have the scan's."""
+    def picks(self) -> Picks:
+        """Those without a unit of their own have the scan's."""
         if self.landmarks is None:
-            return {}
-        places, unit = read_landmarks(self.landmarks, self.landmarks_ending)
-        if unit:
-            metres = METRES_PER_UNIT[unit]
-        else:
-            scan = read_scan(self.scan, self.ending, self.units, texture=False)
-            metres = metres_per_unit(places, unit, scan.metres_per_unit, scan.bounds)
-        return {name: [1e3 * metres * float(value) for value in place] for name, place in places.items()}
+            return Picks()
+        return landmarks_of_file(self.landmarks, self._measured, self.landmarks_ending)
+
+    def _measured(self) -> tuple[float, tuple[Array, Array]]:
+        return read_scan(self.scan, self.ending, self.units, texture=False).measured
 
 
 def measured_fit(job: FitJob) -> Iterator[Event]:
@@ -65,12 +58,13 @@ def fit_of_bytes(task: FitOfBytes, runner: Runner) -> dict[str, bytes]:
         if task.preset_file is not None:
             preset = str(folder / "preset.toml")
             (folder / "preset.toml").write_bytes(task.preset_file)
+        picks = task.picks()
         job = FitJob(
             scan=scan,
             out=folder / "out",
-            landmarks_mm=task.landmarks_mm(),
-            landmark_confidence=landmark_confidences(task.landmarks) if task.landmarks is not None else {},
-            certain=certain_landmarks(task.landmarks) if task.landmarks is not None else (),
+            landmarks_mm=picks.points_mm,
+            landmark_confidence=picks.confidence,
+            certain=picks.certain,
             units=task.units,
             stance=task.stance,
             preset=preset,

@@ -1,7 +1,7 @@
 """Landmarks as programs give and get them: names with places in the scan's unit and frame."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -9,16 +9,11 @@ from numpy.typing import ArrayLike
 
 from breastrig.core.arrays import Array, frozen
 from breastrig.core.errors import BadLandmarks
-from breastrig.core.units import METRES_PER_UNIT
+from breastrig.core.picks import Picks
 from breastrig.interface.model import Model, loaded
 from breastrig.interface.one_thread import one_thread
 from breastrig.interface.scan import Scan, ScanSource
-from breastrig.scan.landmarks.landmark_files import (
-    certain_landmarks,
-    landmark_confidences,
-    metres_per_unit,
-    read_landmarks,
-)
+from breastrig.scan.landmarks.landmark_files import landmarks_of_file
 from breastrig.workflow.propose_on_scan import propose_on_scan
 
 
@@ -60,16 +55,7 @@ def propose_landmarks(scan: Scan | str | Path, *, units: str = "auto", model: Mo
     }
 
 
-@dataclass(frozen=True)
-class GivenLandmarks:
-    """What a program or a file says of a scan's landmarks."""
-
-    places_mm: dict[str, list[float]] = field(default_factory=dict)  # in the scan's frame
-    confidences: dict[str, float] = field(default_factory=dict)  # of proposed ones
-    certain: tuple[str, ...] = ()
-
-
-def landmarks_in_mm(given: Landmarks, scan: ScanSource, certain: Sequence[str] = ()) -> GivenLandmarks:
+def landmarks_in_mm(given: Landmarks, scan: ScanSource, certain: Sequence[str] = ()) -> Picks:
     """Places in mm, the confidences that stand beside them, and what is certain: `certain` and what the file names.
 
     A file without a unit of its own has the scan's; only then, or for places that a program gives, the scan is read.
@@ -78,21 +64,14 @@ def landmarks_in_mm(given: Landmarks, scan: ScanSource, certain: Sequence[str] =
     if isinstance(certain, str):
         raise BadLandmarks(f'certain must be a list of landmarks\' names, as in ["{certain[:100]}"].')
     if given is None:
-        return GivenLandmarks(certain=tuple(certain))
+        return Picks(certain=tuple(certain))
     if isinstance(given, str | Path):
-        places, unit = read_landmarks(Path(given))
-        metres = METRES_PER_UNIT[unit] if unit else _metres(places, scan)
-        found = {name: [1e3 * metres * float(value) for value in place] for name, place in places.items()}
-        return GivenLandmarks(found, landmark_confidences(Path(given)), (*certain_landmarks(Path(given)), *certain))
+        found = landmarks_of_file(Path(given), lambda: scan.read()[0].measured)
+        return replace(found, certain=(*found.certain, *certain))
     metres = scan.read()[0].metres_per_unit
     confidences = {name: each.confidence for name, each in given.items() if isinstance(each, Proposal)}
     places_mm = {name: _in_mm(name, each, 1e3 * metres) for name, each in given.items()}
-    return GivenLandmarks(places_mm, confidences, tuple(certain))
-
-
-def _metres(places: Mapping[str, Array], scan: ScanSource) -> float:
-    found, _ = scan.read()
-    return metres_per_unit(places, None, found.metres_per_unit, found.bounds)
+    return Picks(places_mm, tuple(certain), confidences)
 
 
 def _in_mm(name: str, given: ArrayLike | Proposal, mm_per_unit: float) -> list[float]:

@@ -249,13 +249,13 @@ class GivenScan:
             stance=settings.stance,
             preset=settings.preset,
             drawing=settings.drawing_text,
-            landmark_confidence=self.landmarks.confidences,
+            landmark_confidence=self.landmarks.confidence,
             certain=self.landmarks.certain,
             refine=settings.refine,
             earlier=settings.earlier(rig),
             locked=settings.locked,
         )
-        return fit_plan(asked, rig, self.landmarks.places_mm)
+        return fit_plan(asked, rig, self.landmarks.points_mm)
 
 
 def iterate_of(step: RecordedIterate, ready: ReadyScan) -> Iterate:

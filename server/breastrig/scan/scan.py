@@ -52,6 +52,11 @@ class Scan:
         """The (3,) lowest and highest place, m."""
         return self.vertices.min(axis=0), self.vertices.max(axis=0)
 
+    @property
+    def measured(self) -> tuple[float, tuple[Array, Array]]:
+        """Its unit in m, and its bounds: what places without a unit of their own are compared with."""
+        return self.metres_per_unit, self.bounds
+
     @cached_property
     def shows_colour(self) -> bool:
         """Whether there is anything to see: many programs write one grey for all vertices of a scan without colours."""

@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 from breastrig.core.errors import Conflict, NotFound
+from breastrig.core.picks import Points
 from breastrig.execution.pool import Lane
 from breastrig.service.failed_tasks import explained
 from breastrig.service.fit_worker import earlier_fit, fit_job
@@ -18,7 +19,7 @@ from breastrig.service.kept_models import KeptModels
 from breastrig.storage.files import fit_place, scan_place, upload_name
 from breastrig.storage.rows.events import event_of_kind
 from breastrig.storage.rows.fits import FitRow, get_fit
-from breastrig.storage.rows.scans import Points, get_scan
+from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.events import Done
 from breastrig.workflow.jobs import FollowJob, LengthsQuestion, LiveQuestion

@@ -20,10 +20,11 @@ from typing import Any
 import numpy as np
 
 from breastrig.core.errors import BadScan, BreastRigError, FitFailed, NotFound
+from breastrig.core.picks import Picks
 from breastrig.execution.executor import Executor
 from breastrig.scan.hand_cuts import are_cut
 from breastrig.storage.files import scan_place, upload_name
-from breastrig.storage.rows.scans import Picks, ScanRow, cuts_digest, get_cuts, get_landmarks, get_scan
+from breastrig.storage.rows.scans import ScanRow, cuts_digest, get_cuts, get_landmarks, get_scan
 from breastrig.storage.rows.searches import drop_ink, get_ink, get_proposals, put_ink, put_proposals
 from breastrig.storage.storage import Storage
 from breastrig.workflow.jobs import InkJob, ProposeJob

@@ -21,6 +21,7 @@ from typing import IO, Any
 
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadScan, NotFound, NotRemoved, unknown_name
+from breastrig.core.picks import Points
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits, UploadLimits
 from breastrig.execution.pool import Pool
@@ -46,7 +47,7 @@ from breastrig.storage.folders import new_id
 from breastrig.storage.rows import scans as scan_rows
 from breastrig.storage.rows.fits import FitRow, NewFit, Once, add_fits, fits_of_scan, made_before
 from breastrig.storage.rows.patients import get_patient, put_items_of_scan, scans_of_patient
-from breastrig.storage.rows.scans import Points, ScanRow
+from breastrig.storage.rows.scans import ScanRow
 from breastrig.storage.storage import Storage, Unremoved, utc_now
 from breastrig.workflow.jobs import TransferJob, UploadJob
 from breastrig.workflow.tasks import keeping, propose_on_file, read_upload, run_fit, run_pair, transfer

@@ -15,11 +15,12 @@ from breastrig.api.place_checks import check_landmarks
 from breastrig.api.trusted_proxy import client_of
 from breastrig.api.wire import common as wire
 from breastrig.core.errors import BadScan, BadSettings, Conflict, NotFound, unknown_name
+from breastrig.core.picks import Picks
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.fitting.presets.preset_files import preset_names
 from breastrig.storage.rows.events import event_of_kind
 from breastrig.storage.rows.fits import FitRow, NewFit, Once, fits_page, get_fit, queue_positions
-from breastrig.storage.rows.scans import Picks, ScanRow, cuts_digest, get_cuts, get_landmarks, get_scan
+from breastrig.storage.rows.scans import ScanRow, cuts_digest, get_cuts, get_landmarks, get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.events import Iterated
 

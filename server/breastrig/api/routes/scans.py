@@ -10,9 +10,10 @@ from flask import Response
 from breastrig.api.answers import GLB, PNG, browser_forgets, file_of
 from breastrig.api.app_context import app_context
 from breastrig.api.errors import refuse
-from breastrig.api.place_checks import check_landmarks, landmarks_of_file
+from breastrig.api.place_checks import check_landmarks, picks_of_file
 from breastrig.api.wire import common as wire
 from breastrig.core.errors import NotFound
+from breastrig.core.picks import Picks
 from breastrig.scan.file_type import ENDINGS
 from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES
 from breastrig.storage.files import MESH, THUMBNAIL, scan_place
@@ -20,7 +21,6 @@ from breastrig.storage.rows.patients import PatientRow, patients_of_scans
 from breastrig.storage.rows.queries import no_such_scan
 from breastrig.storage.rows.scans import (
     Cuts,
-    Picks,
     ScanRow,
     cuts_digest,
     get_cuts,
@@ -174,7 +174,7 @@ def read_landmark_file(scan_id: str, files_data: wire.LandmarkUpload) -> wire.La
     """
     context = app_context()
     row = get_scan(context.service.storage, scan_id)
-    found = landmarks_of_file(files_data.file.stream.read(LIMIT_BYTES + 1), row, context.model)
+    found = picks_of_file(files_data.file.stream.read(LIMIT_BYTES + 1), row, context.model)
     return wire.LandmarkFile(landmarks=found.points_mm, certain=list(found.certain), confidence=found.confidence)
 
 

@@ -9,7 +9,7 @@ import csv
 import json
 import math
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -18,6 +18,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadLandmarks
+from breastrig.core.picks import Picks
 from breastrig.core.private_files import read_ordinary, shown
 from breastrig.core.units import BEYOND, METRES_PER_UNIT
 from breastrig.scan.landmarks.tables import Pairs, fcsv_landmarks, is_fcsv, number, table_landmarks
@@ -294,6 +295,19 @@ def metres_per_unit(
     spread = float(np.abs(points if len(points) == 1 else np.ptp(points, axis=0)).max())
     others = (METRES_PER_UNIT[other] for other in ("m", "cm", "mm"))
     return next((metres for metres in others if lie_on_scan(metres) and metres * spread > APART), scan_unit)
+
+
+def landmarks_of_file(
+    source: Path | bytes, scan: Callable[[], tuple[float, tuple[Array, Array]]], file_type: str | None = None
+) -> Picks:
+    """What a file says of landmarks; `scan` gives unit (m) and bounds as above, asked where the file has none.
+
+    Raises BadLandmarks with one sentence.
+    """
+    places, unit = read_landmarks(source, file_type)
+    metres = METRES_PER_UNIT[unit] if unit else metres_per_unit(places, None, *scan())
+    points = {name: (1e3 * metres * place).tolist() for name, place in places.items()}
+    return Picks(points, certain_landmarks(source), landmark_confidences(source))
 
 
 def _checked(pairs: list[tuple[str, Any]]) -> dict[str, Array]:

@@ -8,11 +8,12 @@ from typing import Any
 from sqlalchemy import ColumnElement, Connection, bindparam, case, func, insert, or_, select, update
 
 from breastrig.core.errors import BadInput, NotFound
+from breastrig.core.picks import Points
 from breastrig.storage import schema
 from breastrig.storage.file_journal import clear_entries
 from breastrig.storage.files import fit_place
 from breastrig.storage.rows.queries import check_scan, newest_first, value_of
-from breastrig.storage.rows.scans import Cuts, Points
+from breastrig.storage.rows.scans import Cuts
 from breastrig.storage.storage import Storage
 
 STATES = ("queued", "running", "done", "failed", "cancelled")

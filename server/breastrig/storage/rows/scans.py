@@ -3,11 +3,12 @@
 import hashlib
 import json
 from collections.abc import Collection, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from sqlalchemy import Connection, delete, insert, select, tuple_
 
+from breastrig.core.picks import Picks
 from breastrig.storage import schema
 from breastrig.storage.file_journal import clear_entries
 from breastrig.storage.files import scan_place
@@ -16,17 +17,7 @@ from breastrig.storage.rows.patients import put_scan
 from breastrig.storage.rows.queries import check_scan, no_such_scan, value_of
 from breastrig.storage.storage import Storage
 
-Points = dict[str, list[float]]  # landmark name -> x, y, z in mm, scan frame
 Cuts = tuple[dict[str, Any], ...]  # {to_picture, lasso}, see scan/hand_cuts.py
-
-
-@dataclass(frozen=True)
-class Picks:
-    """A person's landmarks on a scan."""
-
-    points_mm: Points
-    certain: tuple[str, ...] = ()  # names of those that a fit follows whatever all else says
-    confidence: dict[str, float] = field(default_factory=dict)  # 0 to 1, of those that were proposed; absent: placed
 
 
 @dataclass(frozen=True)
