@@ -22,10 +22,10 @@ from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.files.result import ResultFile
+from breastrig.fitting.task import Doubt
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.pictures.companions import NO_MATERIAL
-from breastrig.workflow.fit_outcome import Doubt
 from breastrig.workflow.fit_recorder import FitRecorder
 
 EXAMPLE = asset_folder("example") / "standing"

@@ -76,7 +76,7 @@ def _start_nothing(_status: str, _headers: list[tuple[str, str]], _error: object
 
 
 class BehindProxy:
-    """WSGI middleware that takes over what the trusted proxy forwards, and drops the same from all others."""
+    """WSGI middleware that takes over what the trusted proxy forwards, once, and drops the same from all others."""
 
     def __init__(self, app: Callable[..., Iterable[bytes]], proxy: TrustedProxy | None) -> None:
         self._app = app
@@ -86,7 +86,7 @@ class BehindProxy:
 
     def __call__(self, environ: dict[str, Any], start_response: Any) -> Iterable[bytes]:
         environ["REMOTE_ADDR"] = plain_address(environ.get("REMOTE_ADDR", ""))
-        if self._proxy is not None and self._proxy.is_at(environ["REMOTE_ADDR"]):
+        if self._proxy is not None and FORWARDED not in environ and self._proxy.is_at(environ["REMOTE_ADDR"]):
             environ[FORWARDED] = "HTTP_X_FORWARDED_FOR" in environ
             self._fix(environ, _start_nothing)
             environ["REMOTE_ADDR"] = plain_address(environ["REMOTE_ADDR"])
