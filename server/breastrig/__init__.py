@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from breastrig.interface.run import FitRun, Iterate, fit, iterates
     from breastrig.interface.scan import Scan, read_scan
     from breastrig.interface.transfer import transfer
+    from breastrig.interface.volume import Volume, volume_mesh
     from breastrig.rig.named_parameters import BonePose, Parameters
 
 __all__ = [
@@ -66,6 +67,7 @@ __all__ = [
     "Rig",
     "Scan",
     "TooLarge",
+    "Volume",
     "__version__",
     "find_ink",
     "fit",
@@ -77,6 +79,7 @@ __all__ = [
     "propose_landmarks",
     "read_scan",
     "transfer",
+    "volume_mesh",
 ]
 
 _MODULES = {
@@ -93,6 +96,7 @@ _MODULES = {
     "interface.run": "FitRun Iterate fit iterates",
     "interface.scan": "Scan read_scan",
     "interface.transfer": "transfer",
+    "interface.volume": "Volume volume_mesh",
 }
 _PLACES = {name: module for module, names in _MODULES.items() for name in names.split()}
 

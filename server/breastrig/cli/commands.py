@@ -17,6 +17,7 @@ COMMANDS = {
     "compare": "superimpose two drawings of one scan",
     "report": "measures and pictures of one or two fits",
     "export": "drawing and closed surface for other programs",
+    "volume": "tetrahedra of the fitted body for finite elements",
     "landmarks": "propose the landmarks on one scan",
     "ink": "find lines that were drawn on the skin of one scan",
     "batch": "fit the model to many scans",

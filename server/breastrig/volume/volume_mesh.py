@@ -54,6 +54,11 @@ class VolumeMesh:
         return np.isin(self.region, [REGIONS.index(name) for name in names])
 
     @property
+    def node_sets(self) -> dict[str, Integers]:
+        """All sets of nodes by name."""
+        return {"fixed": self.fixed, "sliding": self.sliding, **self.sets}
+
+    @property
     def soft(self) -> Booleans:
         """(M,) the tetrahedra over the chest wall."""
         return np.asarray(self.region < SOFT)

@@ -1,0 +1,38 @@
+"""The inside of a fitted body for finite elements: tetrahedra in the regions skin (with the fat under it), breast_L,
+breast_R, chest_wall and trunk; which nodes are held, may slide, or hold the breast; and the model vertex of each node of
+the skin."""
+
+import argparse
+from pathlib import Path
+
+from breastrig.cli.commands import COMMANDS
+from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_file
+from breastrig.core.output_files import all_or_nothing
+from breastrig.core.private_files import write_private
+from breastrig.volume.mesh_files import check_name
+from breastrig.volume.volume_mesh import REGIONS
+from breastrig.workflow.folder.fit_folder import read_fit_folder
+from breastrig.workflow.volume import volume_file, volume_of
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = commands.add_parser("volume", help=COMMANDS["volume"], description=__doc__)
+    parser.add_argument("fit", type=Path, metavar="OUT", help="folder that `breastrig fit` wrote")
+    parser.add_argument("--model", type=Path, metavar="GLB", help="the rig that the fit was made with")
+    add_output_options(parser, "FILE", "torso.vtu, .msh, .scn (SOFA) or .feb (FEBio)")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Writes the file and says what is in it; returns 0."""
+    check_name(options.output.name)
+    inputs = [*files_of_fit(options.fit), *files_of_model(options.model)]
+    with all_or_nothing(output_file(options, inputs)) as out:
+        fit = read_fit_folder(options.fit, options.model)
+        mesh = volume_of(fit)
+        write_private(out / options.output.name, volume_file(fit, mesh, options.output.name))
+    litres = ", ".join(f"{name} {1e3 * mesh.volumes[mesh.inside(name)].sum():.2f} l" for name in REGIONS)
+    print(
+        f"{len(mesh.points)} nodes, {len(mesh.tetrahedra)} tetrahedra: {litres}; "
+        f"scaled Jacobian from {mesh.scaled_jacobian.min():.2f}."
+    )
+    return 0

@@ -1,0 +1,29 @@
+"""The inside of a fitted body, from its folder: tetrahedra for finite elements."""
+
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.report.body_frame import body_frame
+from breastrig.volume.mesh_files import Wanted, mesh_file
+from breastrig.volume.tetrahedra import volume_mesh
+from breastrig.volume.volume_mesh import VolumeMesh
+from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of
+from breastrig.workflow.jobs import ReportJob
+
+DOWN = {"standing": (1, -1.0), "supine": (2, -1.0), "prone": (2, 1.0)}  # axis of the body (left, up, front) and sign
+
+
+def volume_of(fit: FitFolder) -> VolumeMesh:
+    """In metres, in the scan's frame.  Raises BadInput for a rig whose inside is not known."""
+    return volume_mesh(fit.rig, fit.parameters, fit.vertices)
+
+
+def volume_file(fit: FitFolder, mesh: VolumeMesh, name: str) -> bytes:
+    """The content of the file `name`, by its ending.  Raises BadInput."""
+    axis, sign = DOWN[fit.stance]
+    down = sign * body_frame(fit.rig, fit.vertices).axes[:, axis]
+    return mesh_file(mesh, name, Wanted(fit.metres_per_unit, down))
+
+
+def volume_vtu_of(job: ReportJob) -> bytes:
+    """volume.vtu of the job's fit: what the service's worker makes."""
+    fit = fit_folder_of(job.fit, read_rig(job.model or default_rig_path()))
+    return volume_file(fit, volume_of(fit), "volume.vtu")
