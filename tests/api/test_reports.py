@@ -3,6 +3,7 @@
 import io
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pypdf
@@ -15,6 +16,7 @@ from helpers.waiting import ended
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.api.wire.files import MeasuresFile
+from breastrig.cli.main import main
 from breastrig.drawings.plan_schema import ITEMS, POINTS, TEXT
 from breastrig.execution.limits import FitLimits
 from breastrig.service.reports import TWO_PATIENTS
@@ -219,6 +221,15 @@ def test_a_report_of_scans_that_are_filed_as_two_patients_says_so(real: Real) ->
     assert client.get(asked).json["doubts"] == []
 
 
+def test_the_volume_is_that_of_the_command(real: Real, tmp_path: Path) -> None:
+    service, client, _, fits = real
+    answer = client.get(f"/api/fits/{fits['standing']}/volume.vtu")
+    assert answer.mimetype == "application/vnd.vtk.vtu"
+    assert main(["volume", str(service.storage.folders.fit(fits["standing"])), "-o", str(tmp_path / "torso.vtu")]) == 0
+    assert answer.data == (tmp_path / "torso.vtu").read_bytes()
+    assert client.get("/api/fits/nobody/volume.vtu").status_code == 404
+
+
 @pytest.mark.parametrize("name", ["report.pdf", "measures.json"])
 def test_what_is_refused(real: Real, name: str) -> None:
     _, client, _, fits = real
@@ -236,7 +247,7 @@ def test_what_is_refused(real: Real, name: str) -> None:
 
 def test_a_fit_that_is_not_done_has_no_report(client: FlaskClient, scan_id: str) -> None:
     fit = client.post("/api/fits", json={"scan": scan_id, "preset": "paper"}).json["id"]
-    for name in ("report.pdf", "measures.json"):
+    for name in ("report.pdf", "measures.json", "volume.vtu"):
         assert client.get(f"/api/fits/{fit}/{name}").status_code == 409
     client.post(f"/api/fits/{fit}/cancel")
 

@@ -218,7 +218,7 @@ def test_every_route_with_every_credential(
             assert status in expected(credential, call), (credential, call, status)
 
 
-REFUSED = ("report.pdf", "measures.json", "/ink")  # the fit here is a fake, and the scan has no colours
+REFUSED = ("report.pdf", "measures.json", "volume.vtu", "/ink")  # the fit here is a fake, and the scan has no colours
 
 
 def expected(credential: str, call: Call) -> set[int]:

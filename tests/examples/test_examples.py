@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import runpy
 import shutil
 import subprocess
@@ -11,8 +12,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.example_fits import write_example_fits
 from PIL import Image
 
+from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 
 EXAMPLE = asset_folder("example")
@@ -40,7 +43,7 @@ def run(repository: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Captur
 
 def test_every_example_is_run_here(repository: Path) -> None:
     there = {file.name for file in (repository / "server" / "examples").iterdir() if file.suffix == ".py"}
-    assert there == {"fit_with_plot.py", "folder_to_table.py", "drawing_between_stances.py"}
+    assert there == {"fit_with_plot.py", "folder_to_table.py", "drawing_between_stances.py", "weight_of_breasts.py"}
 
 
 def test_one_fit_is_watched_and_drawn(repository: Path, tmp_path: Path) -> None:
@@ -115,3 +118,11 @@ def test_an_example_says_in_a_sentence_what_is_wrong(run: Run, tmp_path: Path) -
     assert isinstance(code, str)  # with which Python ends a program in 1 and this line on standard error
     assert code.startswith("There is no scan file")
     assert "\n" not in code
+
+
+def test_breasts_weigh_on_the_mesh_as_it_is_written(run: Run, tmp_path: Path) -> None:
+    write_example_fits(tmp_path)
+    assert main(["volume", str(tmp_path / "standing"), "-o", str(tmp_path / "torso.msh")]) == 0
+    unit = json.loads((tmp_path / "standing" / "result.json").read_text())["scan"]["unit"]
+    _, said, _ = run("weight_of_breasts.py", tmp_path / "torso.msh", unit, "0", "0", "-1")
+    assert re.search(r"^breast_L: up to [1-9]\d?\.\d mm\nbreast_R: up to [1-9]\d?\.\d mm$", said, re.MULTILINE)

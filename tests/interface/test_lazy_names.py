@@ -14,7 +14,9 @@ from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BreastRigError
 
 SCAN = str(asset_folder("example") / "standing" / "scan.ply")
-PLACES = {"find_ink", "fit", "fit_pair", "iterates", "pair_iterates", "propose_landmarks", "read_scan", "transfer"}
+PLACES = {
+    "find_ink", "fit", "fit_pair", "iterates", "pair_iterates", "propose_landmarks", "read_scan", "transfer", "volume_mesh",
+}  # fmt: skip
 
 
 def modules_after(code: str, folder: Path) -> set[str]:

@@ -1,15 +1,15 @@
 """The inside of fitted bodies: sound tetrahedra, the skin kept, and a wall that breasts do not move."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.example_fits import write_example_fits
 from helpers.random_pose import random_parameters
 
+from breastrig.core.arrays import Array
 from breastrig.core.errors import BadInput, BadModel
 from breastrig.geometry.caps import closed
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.files.exported import enclosed_volume
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
@@ -18,24 +18,19 @@ from breastrig.volume.sound import _Shapes
 from breastrig.volume.tetrahedra import chest_wall, volume_mesh
 from breastrig.volume.volume_mesh import REGIONS, VolumeMesh, outer_triangles
 from breastrig.workflow.folder.fit_folder import fit_folder_of
+from breastrig.workflow.volume import volume_of
 
-
-@pytest.fixture(scope="module")
-def rig() -> Rig:
-    return read_rig(default_rig_path())
+Fitted = tuple[VolumeMesh, Array]
 
 
 @pytest.fixture(scope="module", params=["standing", "supine"])
-def fitted(
-    request: pytest.FixtureRequest, rig: Rig, tmp_path_factory: pytest.TempPathFactory
-) -> tuple[VolumeMesh, np.ndarray]:
-    folder = tmp_path_factory.mktemp("fits")
-    write_example_fits(folder)
-    fit = fit_folder_of(folder / request.param, rig)
-    return volume_mesh(rig, fit.parameters, fit.vertices), fit.vertices
+def fitted(request: pytest.FixtureRequest, rig: Rig, fits: Path) -> Fitted:
+    """The mesh of a fit, and the (V, 3) m skin that it was made from."""
+    fit = fit_folder_of(fits / request.param, rig)
+    return volume_of(fit), fit.vertices
 
 
-def test_tetrahedra_of_a_fit_are_sound_and_fill_its_closed_skin(fitted, rig: Rig) -> None:
+def test_tetrahedra_of_a_fit_are_sound_and_fill_its_closed_skin(fitted: Fitted, rig: Rig) -> None:
     mesh, skin = fitted
     assert mesh.scaled_jacobian.min() >= 0.1
     assert mesh.volumes.min() > 0.0
@@ -46,7 +41,7 @@ def test_tetrahedra_of_a_fit_are_sound_and_fill_its_closed_skin(fitted, rig: Rig
     assert np.median(moved) == 0.0
 
 
-def test_the_surface_is_the_rigs_own(fitted, rig: Rig) -> None:
+def test_the_surface_is_the_rigs_own(fitted: Fitted, rig: Rig) -> None:
     mesh, skin = fitted
     outer = {tuple(sorted(row)) for row in outer_triangles(mesh.tetrahedra).tolist()}
     assert {tuple(sorted(row)) for row in mesh.surface.tolist()} < outer
@@ -54,7 +49,7 @@ def test_the_surface_is_the_rigs_own(fitted, rig: Rig) -> None:
     assert (mesh.model_vertex[len(skin) :] == -1).all()
 
 
-def test_regions_and_sets_say_what_holds_the_breasts(fitted, rig: Rig) -> None:
+def test_regions_and_sets_say_what_holds_the_breasts(fitted: Fitted, rig: Rig) -> None:
     mesh, skin = fitted
     wall = np.unique(mesh.wall)
     soft, core = (np.unique(mesh.tetrahedra[part]) for part in (mesh.soft, ~mesh.soft))

@@ -31,6 +31,7 @@ GLTF = "model/gltf+json"
 JSON = "application/json"
 BINARY = "application/octet-stream"
 PDF = "application/pdf"
+VTU = "application/vnd.vtk.vtu"
 PNG = "image/png"
 ZIP = "application/zip"
 

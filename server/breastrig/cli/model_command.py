@@ -19,6 +19,8 @@ from breastrig.report.calibration import measure_calibration
 from breastrig.rig.body_statistics import body_statistics
 from breastrig.rig.model import Rig
 from breastrig.rig.validation.rules import check_rig, describe_rig
+from breastrig.volume.known_volume import FILE as VOLUME
+from breastrig.volume.known_volume import known_volume
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -58,6 +60,8 @@ def read_all_known(rig: Rig) -> None:
     """BadModel says what is wrong with what is known of it."""
     _ = calibration(rig), verdict_limits(rig), measure_calibration(rig), skin_map_settings(rig)
     _ = body_statistics(rig), trunk_depth(rig), lying_motion(rig)
+    if VOLUME in rig.known:
+        known_volume(rig)
     for stance in STANCES:
         hidden_skin(rig, stance)
 

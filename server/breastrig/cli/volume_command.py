@@ -1,6 +1,5 @@
 """The inside of a fitted body for finite elements: tetrahedra in the regions skin (with the fat under it), breast_L,
-breast_R, chest_wall and trunk; which nodes are held, may slide, or hold the breast; and the model vertex of each node of
-the skin."""
+breast_R, chest_wall, trunk; which nodes are held, slide, or hold the breast; and the skin nodes' model vertices."""
 
 import argparse
 from pathlib import Path

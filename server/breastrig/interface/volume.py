@@ -45,7 +45,9 @@ class Volume:
 
 
 def volume_mesh(fit: Fit | str | Path, model: Model = None) -> Volume:
-    """Tetrahedra of a fit or of the folder of one, in seconds; `model` is that of a folder.
+    """Tetrahedra of a fit or of the folder of one, made in seconds, in the scan's unit and frame.
+
+    The same nodes and tetrahedra for all fits of a model; `model` is that of a folder.
 
     Raises BadInput for a folder that is no fit, and for a model whose inside is not known.
     """

@@ -22,11 +22,15 @@ from breastrig.storage.rows.patients import PatientRow, get_patient, get_plan, p
 from breastrig.storage.rows.scans import Cuts, cuts_digest, get_cuts, get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.jobs import ReportJob
-from breastrig.workflow.tasks import measures_json_of, report_pdf_of
+from breastrig.workflow.tasks import measures_json_of, report_pdf_of, volume_vtu_of
 
-MAKERS: dict[str, Callable[[ReportJob], bytes]] = {"report.pdf": report_pdf_of, "measures.json": measures_json_of}
+MAKERS: dict[str, Callable[[ReportJob], bytes]] = {
+    "report.pdf": report_pdf_of,
+    "measures.json": measures_json_of,
+    "volume.vtu": volume_vtu_of,
+}
 PLANNED = ("report.pdf",)  # what shows the plan; measures are those of the body
-REMEMBERED = 32  # of half a megabyte
+REMEMBERED = 32  # of half a megabyte, volumes of more than one
 TWO_PATIENTS = f"The two scans are filed as those of two patients; {SAYS_NOTHING}"
 DAY = len("2026-11-25")  # of a time as ISO 8601
 WALL_S = 180.0  # two stances take about four seconds; a slow or busy machine with huge scans may take many
@@ -52,6 +56,10 @@ class Reports:
     def measures(self, fit_id: str, other_id: str | None) -> bytes:
         """The same numbers as JSON, the document breastrig/report@1.  Raises likewise."""
         return self._remembered_or_made("measures.json", fit_id, other_id)
+
+    def volume(self, fit_id: str) -> bytes:
+        """Tetrahedra of the fitted body, VTU.  Raises likewise, and BadInput for a model whose inside is not known."""
+        return self._remembered_or_made("volume.vtu", fit_id, None)
 
     def file_name(self, what: str, *fit_ids: str) -> str:
         """What a file of these fits is called: the patient's code, the stances, the day of the first scan, `what`."""

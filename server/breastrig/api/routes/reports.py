@@ -4,7 +4,7 @@ from apiflask import APIBlueprint
 from flask import Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from breastrig.api.answers import JSON, PDF, PERSONAL, bytes_answer, file_of, in_memory
+from breastrig.api.answers import JSON, PDF, PERSONAL, VTU, bytes_answer, file_of, in_memory
 from breastrig.api.app_context import app_context
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.wire import files as wire_files
@@ -54,6 +54,23 @@ def show_measures(fit_id: str, query_data: ReportQuery) -> Response:
     """
     _check_done(fit_id, query_data.with_)
     return bytes_answer(app_context().service.reports.measures(fit_id, query_data.with_), JSON, PERSONAL)
+
+
+@reports.get("/<fit_id>/volume.vtu")
+@reports.doc(
+    operation_id="getVolume",
+    responses={200: file_of(VTU, "Tetrahedra of the fitted body"), 409: "Not done"},
+)
+def show_volume(fit_id: str) -> Response:
+    """The inside of the body, VTU
+
+    Tetrahedra for finite elements, in the scan's unit and frame: regions skin, breast_L, breast_R, chest_wall, trunk;
+    of each node the model's vertex, and whether it is fixed or slides.
+    """
+    _check_done(fit_id, None)
+    made = app_context().service.reports
+    scans = [get_fit(app_context().service.storage, fit_id).scan]
+    return app_context().patients_file(scans, in_memory(made.volume(fit_id)), VTU, made.file_name("volume.vtu", fit_id))
 
 
 def _check_done(fit_id: str, other: str | None) -> None:
