@@ -4,7 +4,6 @@ breast_R, chest_wall, trunk; which nodes are held, slide, or hold the breast; an
 import argparse
 from pathlib import Path
 
-from breastrig.cli.commands import COMMANDS
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_file
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.private_files import write_private
@@ -14,8 +13,7 @@ from breastrig.workflow.folder.fit_folder import read_fit_folder
 from breastrig.workflow.volume import volume_file, volume_of
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("volume", help=COMMANDS["volume"], description=__doc__)
+def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("fit", type=Path, metavar="OUT", help="folder that `breastrig fit` wrote")
     parser.add_argument("--model", type=Path, metavar="GLB", help="the rig that the fit was made with")
     add_output_options(parser, "FILE", "torso.vtu, .msh, .scn (SOFA) or .feb (FEBio)")
