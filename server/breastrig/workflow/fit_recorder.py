@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from breastrig.colour.areolae import ObservedAreola
+from breastrig.colour.features.observation import Observation
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BreastRigError, FitFailed
 from breastrig.correspondence.distances import Comparison, SurfaceDistances
@@ -17,15 +18,15 @@ from breastrig.drawings.project_drawing import on_scan
 from breastrig.fitting.body.trunk_depth import skin_behind
 from breastrig.fitting.fit import FitIterate
 from breastrig.fitting.observed.areolae import observed_areolae
-from breastrig.fitting.observed.landmarks import ObservedLandmark, followed
-from breastrig.fitting.picks.checked_fit import without
+from breastrig.fitting.observed.landmarks import followed
+from breastrig.fitting.picks.checked_fit import ended
 from breastrig.fitting.picks.mistakes import explained
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.refine import refined
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS
 from breastrig.fitting.task import Doubt
-from breastrig.fitting.uncertainty.radii import Radii, radii
+from breastrig.fitting.uncertainty.radii import HOLDS_90, Radii, radii
 from breastrig.fitting.verdicts.fit_signals import fit_signals
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, picked_names
 from breastrig.fitting.verdicts.verdict import Verdict, shows_a_part, verdict, verdict_limits
@@ -71,7 +72,7 @@ class FitOutcome:
     model_alone: ModelAlone
     timing_s: dict[str, float]
     distances: SurfaceDistances
-    seen: Mapping[str, ObservedLandmark]  # by name, from colours, with radii of their own
+    seen: Mapping[str, Observation]  # by name, from colours
     doubts: tuple[Doubt, ...]  # picks that are asked about
     drawing: ModelDrawing | None
     drawing_missing: tuple[str, ...]  # of each pattern that does not fit on this patient why, a sentence or two
@@ -114,8 +115,7 @@ class FitRecorder:
         ready, last = self.ready, self._recorded[-1].iterate
         task, rig, target = ready.task, ready.task.rig, ready.task.target
         rejected = (*ready.exchanged, *last.not_followed)
-        fitted = replace(without(task, rejected), relief=last.relief, hanging=last.hanging)
-        posterior = Posterior(fitted, last.parameters)
+        posterior = Posterior(ended(task, last), last.parameters)
         doubtful = rejected if task.from_colour else (*rejected, *unusual(posterior))  # nobody can be asked about those
         vertices = posterior.state.vertices
         compared = Comparison(target, vertices, rig.faces)
@@ -140,7 +140,9 @@ class FitRecorder:
             compared = Comparison(target, vertices, rig.faces)
         seen = followed(task, ready.shown, {name for doubt in rejected for name in doubt.names})
         if known is not None and seen:
-            known = replace(known, landmarks=known.landmarks | {name: each.radius for name, each in seen.items()})
+            known = replace(
+                known, landmarks=known.landmarks | {name: HOLDS_90 * each.error for name, each in seen.items()}
+            )
         doubts = tuple(doubt for doubt in doubtful if not task.certain.issuperset(doubt.names))
         doubted = {name for doubt in doubts for name in doubt.names}
         # a pattern begins where measures do: as picked, else as seen, else where the model has it

@@ -7,10 +7,11 @@ read its scan already.  Everything that can be wrong with the request itself is 
 import time
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import numpy as np
 
+from breastrig.colour.features.observation import Observation
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadLandmarks, BadSettings, unknown_name
 from breastrig.core.stances import AUTO, STANCES, Stance
@@ -40,9 +41,6 @@ from breastrig.workflow.events import Started
 from breastrig.workflow.fit_start import with_earlier_start, with_stance, with_start
 from breastrig.workflow.jobs import DEFAULT, FIRST, FitJob, FitSettings
 from breastrig.workflow.kept_scan import prepared_scan
-
-if TYPE_CHECKING:
-    from breastrig.colour.features.observe import Observation
 
 ALL_EXCHANGED = "Left and right of the landmarks look exchanged, or the scan is mirrored; none of them was followed."
 SHOWN_BY_COLOUR = 0.74  # confidence; on 98 scans form proposed none surer than 0.72, colour none less sure than 0.75
@@ -126,7 +124,7 @@ class ReadyScan:
     stance_reason: str
     task: FitTask
     clearness: float | None  # of the start, where the scan alone placed it
-    shown: "Mapping[str, Observation] | None"  # what colours show of the landmarks; None: not looked at
+    shown: Mapping[str, Observation] | None  # what colours show of the landmarks; None: not looked at
     known_iterates: tuple[FitIterate, ...]  # all iterates of the task's fit, where they were needed to find the stance
     timing_s: dict[str, float]  # solve is what the stance took
 
@@ -275,7 +273,7 @@ def _with_colour(
     fitted: RigParameters | None,
     clearness: float | None,
     scan: Scan,
-) -> tuple[FitTask, tuple[FitIterate, ...], "Mapping[str, Observation] | None"]:
+) -> tuple[FitTask, tuple[FitIterate, ...], Mapping[str, Observation] | None]:
     """The task with landmarks that the colours show, its iterates as far as they are known, and what is shown.
 
     `fitted` is where the task without landmarks is known to end.
@@ -303,7 +301,7 @@ def _unchecked(plan: FitPlan) -> tuple[str, ...]:
     return (f"{which} as proposed from this scan, and did not pull at the fit.",)
 
 
-def _words(shown: "Mapping[str, Observation] | None") -> tuple[str, ...]:
+def _words(shown: Mapping[str, Observation] | None) -> tuple[str, ...]:
     """A note of what was found by colour."""
     if not shown:
         return ()

@@ -8,13 +8,12 @@ from helpers.painted_body import painted_body
 from PIL import Image
 
 from breastrig.colour.features import crosses, observe
-from breastrig.colour.features.crosses import CrossObservation, marked_by_crosses
+from breastrig.colour.features.crosses import marked_by_crosses
 from breastrig.colour.features.limits import features
+from breastrig.colour.features.observation import Expectation, Observation
 from breastrig.colour.features.observe import (
     BETWEEN_CROSSES,
     CROSSED,
-    Expectation,
-    Observation,
     observed_landmarks,
 )
 from breastrig.colour.ink.find_ink import MARKERS, InkLine
@@ -75,7 +74,7 @@ def test_the_picture_is_decoded_once_also_when_crosses_are_looked_for(monkeypatc
     assert len(opened) == 1
 
 
-def middle_of(crossed: dict[str, CrossObservation], form: Array, monkeypatch: pytest.MonkeyPatch) -> Observation | None:
+def middle_of(crossed: dict[str, Observation], form: Array, monkeypatch: pytest.MonkeyPatch) -> Observation | None:
     monkeypatch.setattr(observe, "marked_by_crosses", lambda *_: crossed)
     expected = {name: Expectation(place, FRONT, 0.015) for name, place in EXPECTED.items()}
     expected[BETWEEN_CROSSES] = Expectation(form, FRONT, 0.017)
@@ -85,7 +84,7 @@ def middle_of(crossed: dict[str, CrossObservation], form: Array, monkeypatch: py
 def test_the_middle_of_the_breast_bone_is_between_two_crosses_along_the_skin(monkeypatch: pytest.MonkeyPatch) -> None:
     true = painted_body(side=640).body.landmarks
     error = features().crosses.error
-    crossed = {name: CrossObservation(true[name], error**2 / 2.0 * np.eye(3)) for name in CROSSED}
+    crossed = {name: Observation(true[name], error**2 / 2.0 * np.eye(3), "") for name in CROSSED}
     seen = middle_of(crossed, moved(true[BETWEEN_CROSSES], 0.0, 0.015, 0.0), monkeypatch)
     assert seen is not None
     assert np.linalg.norm(seen.place - true[BETWEEN_CROSSES]) < 0.002
@@ -99,8 +98,8 @@ def test_the_middle_is_left_to_the_form_without_both_crosses_and_where_the_form_
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     true = painted_body(side=640).body.landmarks
-    crossed = {name: CrossObservation(true[name], 1e-5 * np.eye(3)) for name in CROSSED}
+    crossed = {name: Observation(true[name], 1e-5 * np.eye(3), "") for name in CROSSED}
     assert middle_of({"xiphoid": crossed["xiphoid"]}, true[BETWEEN_CROSSES], monkeypatch) is None
     assert middle_of(crossed, moved(true[BETWEEN_CROSSES], 0.0, 0.06, 0.0), monkeypatch) is None
-    off = {name: CrossObservation(moved(each.place, 0.5, 0.0, 0.0), each.covariance) for name, each in crossed.items()}
+    off = {name: Observation(moved(each.place, 0.5, 0.0, 0.0), each.covariance, "") for name, each in crossed.items()}
     assert middle_of(off, true[BETWEEN_CROSSES], monkeypatch) is None

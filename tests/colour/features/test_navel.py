@@ -5,13 +5,14 @@ import pytest
 from helpers.painted_body import PaintedBody, painted_body
 
 from breastrig.colour.features.limits import features
-from breastrig.colour.features.navel import NavelObservation, find_navel
+from breastrig.colour.features.navel import find_navel
+from breastrig.colour.features.observation import Observation
 from breastrig.colour.features.patch import ColouredSkin
 
 FRONT, UP = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])
 
 
-def seen(woman: PaintedBody, aside: float, higher: float) -> NavelObservation | None:
+def seen(woman: PaintedBody, aside: float, higher: float) -> Observation | None:
     place = woman.body.landmarks["umbilicus"] + np.array([aside, higher, 0.0])
     return find_navel(ColouredSkin(woman.scan), place, FRONT, UP, 0.037, features().navel)
 

@@ -7,8 +7,9 @@ import pytest
 from helpers.painted_body import PaintedBody, painted_body
 
 from breastrig.colour.features.limits import features
-from breastrig.colour.features.nipple import NippleObservation, find_nipple
-from breastrig.colour.features.observe import AREOLA_SEEN, Expectation, observed_landmarks
+from breastrig.colour.features.nipple import AREOLA_SEEN, find_nipple
+from breastrig.colour.features.observation import Expectation, Observation
+from breastrig.colour.features.observe import observed_landmarks
 from breastrig.colour.features.patch import ColouredSkin
 from breastrig.core.arrays import Array
 
@@ -16,7 +17,7 @@ FRONT, LEFT, UP = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0]), np.array
 OFF = np.array([0.009, -0.011, 0.0])  # m, as far off as the form expects a nipple
 
 
-def seen(woman: PaintedBody, side: str, off: Array = OFF) -> NippleObservation | None:
+def seen(woman: PaintedBody, side: str, off: Array = OFF) -> Observation | None:
     place = woman.body.landmarks[f"nipple_{side}"] + off
     return find_nipple(ColouredSkin(woman.scan), place, FRONT, UP, 0.012, features().areola)
 

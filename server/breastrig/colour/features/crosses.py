@@ -6,12 +6,13 @@ only, which takes a tenth of the time that the whole scan would.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from breastrig.colour.features.limits import CrossLimits
+from breastrig.colour.features.observation import Observation
 from breastrig.colour.features.patch import ColouredSkin
 from breastrig.colour.ink.find_ink import find_ink
 from breastrig.colour.ink.kinds import Kind
@@ -20,13 +21,7 @@ from breastrig.core.errors import BreastRigError
 from breastrig.geometry.polyline import arc_lengths, point_along
 from breastrig.scan.scan import Scan
 
-
-@dataclass(frozen=True, eq=False)
-class CrossObservation:
-    """A landmark that a cross marks."""
-
-    place: Array  # (3,) m, in the scan's frame
-    covariance: Array  # (3, 3) m²
+CROSS_SEEN, BETWEEN_SEEN = "marked by a cross", "between two crosses"
 
 
 def marked_by_crosses(
@@ -36,7 +31,7 @@ def marked_by_crosses(
     left: Array,
     limits: CrossLimits,
     image: NDArray[np.uint8] | None = None,
-) -> dict[str, CrossObservation]:
+) -> dict[str, Observation]:
     """Those of the `expected` places (3,) m, on the midline, that a cross marks.
 
     `spreads` (m) say how far off they are as a rule, `left` (3,) is the body's unit direction, `image`
@@ -54,7 +49,7 @@ def marked_by_crosses(
         near = [cross for cross in crosses if abs((cross - place) @ left) < limits.aside]
         near = [cross for cross in near if np.linalg.norm(cross - place) < limits.farthest * spreads[name]]
         if near and np.ptp(near, axis=0).max() < limits.one_place:
-            found[name] = CrossObservation(np.mean(near, axis=0), limits.error**2 / 2.0 * np.eye(3))
+            found[name] = Observation(np.mean(near, axis=0), limits.error**2 / 2.0 * np.eye(3), CROSS_SEEN)
     return found
 
 
@@ -78,8 +73,8 @@ LEAST_SEEN = 0.9  # share of the profile that the scan must show
 
 
 def between_crosses(
-    skin: ColouredSkin, notch: CrossObservation, xiphoid: CrossObservation, front: Array, error: float
-) -> CrossObservation | None:
+    skin: ColouredSkin, notch: Observation, xiphoid: Observation, front: Array, error: float
+) -> Observation | None:
     """The middle of the profile from cross to cross, seen along `front` (3,); None where too little skin is seen.
 
     `error` (m) is how far off it is, root mean square, from exact ends; that of the crosses adds to it.
@@ -96,4 +91,4 @@ def between_crosses(
         return None
     middle = point_along(profile, 0.5 * arc_lengths(profile)[-1])
     covariance = 0.25 * (notch.covariance + xiphoid.covariance) + error**2 / 2.0 * np.eye(3)
-    return CrossObservation(middle, covariance)
+    return Observation(middle, covariance, BETWEEN_SEEN)

@@ -5,32 +5,24 @@ picture is narrow and high, and both signs are looked for in it, each in units o
 of it.  Where they leave one place, it is the navel; where they leave several, none is taken.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
-from scipy.ndimage import gaussian_filter
 
 from breastrig.colour.features.areola import level_colour
 from breastrig.colour.features.limits import NavelLimits
-from breastrig.colour.features.nipple import height_above
+from breastrig.colour.features.nipple import height_above, standing_out
+from breastrig.colour.features.observation import Observation
 from breastrig.colour.features.patch import ColouredSkin
-from breastrig.core.arrays import Array, Booleans
+from breastrig.core.arrays import Array
 
 PIXEL = 0.0015  # m
 HALF = 0.085  # m, half the side of the picture
-
-
-@dataclass(frozen=True, eq=False)
-class NavelObservation:
-    """Where it is."""
-
-    place: Array  # (3,) m, on the skin, in the scan's frame
-    covariance: Array  # (3, 3) m²
+AROUND = 1.6  # radii of a spot or dent: the Gaussian of what is around it
+NAVEL_SEEN = "navel seen"
 
 
 def find_navel(
     skin: ColouredSkin, expected: Array, outwards: Array, up: Array, spread: float, limits: NavelLimits
-) -> NavelObservation | None:
+) -> Observation | None:
     """Near the `expected` place (3,) m, which is `spread` m off as a rule; None where none stands out."""
     patch = skin.patch(expected, skin.normal(expected, outwards, 0.03), up, HALF, PIXEL)
     level, known = level_colour(patch)
@@ -39,8 +31,8 @@ def find_navel(
     if inside.sum() < 0.3 * inside.size * 3.0 * limits.aside / HALF:
         return None
     colour = limits.lightness * -level[..., 0] + limits.redness * level[..., 1]
-    spot = _standing_out(colour, known, inside, limits.spot, patch.pixel)
-    dent = _standing_out(-height_above(patch), known, inside, limits.dent, patch.pixel)
+    spot = standing_out(colour, known, inside, limits.spot / patch.pixel, AROUND)
+    dent = standing_out(-height_above(patch), known, inside, limits.dent / patch.pixel, AROUND)
     evidence = limits.weight * (np.minimum(spot, limits.most) + np.minimum(dent, limits.most))
     evidence = evidence - 0.5 * ((right / limits.aside) ** 2 + (high / max(spread, limits.least_spread)) ** 2)
     chance = np.where(inside, np.exp(evidence - evidence[inside].max()), 0.0)
@@ -57,12 +49,4 @@ def find_navel(
     off = np.stack([right - mean[0], high - mean[1]], axis=-1)
     flat = np.einsum("rc,rci,rcj->ij", share, off, off)
     axes = patch.axes[:2]
-    return NavelObservation(place, axes.T @ flat @ axes + limits.floor**2 * (axes.T @ axes))
-
-
-def _standing_out(value: Array, known: Booleans, inside: Booleans, radius: float, pixel: float) -> Array:
-    """(N, N) how much a spot of this radius (m) exceeds what is around it, in its scatter over the belly; 0 or more."""
-    filled = np.where(known, value, np.median(value[inside]))
-    difference = gaussian_filter(filled, 0.6 * radius / pixel) - gaussian_filter(filled, 1.6 * radius / pixel)
-    scatter = 1.4826 * float(np.median(np.abs(difference[inside] - np.median(difference[inside]))))
-    return np.asarray(np.maximum(difference / max(scatter, 1e-9), 0.0))
+    return Observation(place, axes.T @ flat @ axes + limits.floor**2 * (axes.T @ axes), NAVEL_SEEN)

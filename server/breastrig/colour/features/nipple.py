@@ -6,33 +6,26 @@ observation: its mean is the place, its second moments are the error; where neit
 left with the error that it has.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from breastrig.colour.features.areola import Areola, candidates, level_colour, measured
 from breastrig.colour.features.limits import AreolaLimits
+from breastrig.colour.features.observation import Observation
 from breastrig.colour.features.patch import ColouredSkin, Patch
 from breastrig.core.arrays import Array, Booleans
 
 SEARCH_PIXEL = 0.0015  # m
 SEARCH_HALF = 0.075  # m, half the side of the picture in which an areola is searched
 PIXEL = 0.001  # m
-
-
-@dataclass(frozen=True, eq=False)
-class NippleObservation:
-    """A nipple with the areola that it was found in."""
-
-    place: Array  # (3,) m, on the skin, in the scan's frame
-    covariance: Array  # (3, 3) m²
-    areola: Areola
+AROUND = 1.3  # radii of a spot or bump: the Gaussian of what is around it
+MOST = 5.0  # standard deviations; more says no more
+AREOLA_SEEN = "areola seen"
 
 
 def find_nipple(
     skin: ColouredSkin, expected: Array, outwards: Array, up: Array, spread: float, limits: AreolaLimits
-) -> NippleObservation | None:
+) -> Observation | None:
     """Near the `expected` place (3,) m, which is `spread` m off as a rule; None where no areola can be seen.
 
     `outwards` and `up` (3,) are unit directions of the body there.
@@ -64,7 +57,7 @@ def is_areola(areola: Areola, limits: AreolaLimits) -> bool:
     )
 
 
-def _within(skin: ColouredSkin, areola: Areola, up: Array, limits: AreolaLimits) -> NippleObservation:
+def _within(skin: ColouredSkin, areola: Areola, up: Array, limits: AreolaLimits) -> Observation:
     patch = skin.patch(areola.centre, areola.normal, up, areola.radius + 0.010, PIXEL)
     level, known = level_colour(patch)
     right, high = patch.offsets()
@@ -73,8 +66,11 @@ def _within(skin: ColouredSkin, areola: Areola, up: Array, limits: AreolaLimits)
     if inside.sum() < 30:
         return _at_the_middle(areola, limits)
     colour = limits.lightness * -level[..., 0] + limits.redness * level[..., 1]
-    evidence = limits.spot_weight * _standing_out(colour, known, inside, limits.spot, patch.pixel)
-    evidence += limits.bump_weight * _standing_out(height_above(patch), known, inside, limits.spot, patch.pixel)
+    spot, bump = (
+        np.minimum(standing_out(value, known, inside, limits.spot / patch.pixel, AROUND), MOST)
+        for value in (colour, height_above(patch))
+    )
+    evidence = limits.spot_weight * spot + limits.bump_weight * bump
     evidence -= 0.5 * (away / limits.off_centre) ** 2
     chance = np.where(inside, np.exp(evidence - evidence[inside].max()), 0.0)
     chance /= chance.sum()
@@ -86,21 +82,21 @@ def _within(skin: ColouredSkin, areola: Areola, up: Array, limits: AreolaLimits)
     flat = np.einsum("rc,rci,rcj->ij", chance, off, off)
     axes = patch.axes[:2]
     covariance = limits.error_scale**2 * (axes.T @ flat @ axes) + areola.covariance + limits.floor**2 * np.eye(3)
-    return NippleObservation(place, covariance, areola)
+    return Observation(place, covariance, AREOLA_SEEN, areola)
 
 
-def _at_the_middle(areola: Areola, limits: AreolaLimits) -> NippleObservation:
+def _at_the_middle(areola: Areola, limits: AreolaLimits) -> Observation:
     flat = np.eye(3) - np.outer(areola.normal, areola.normal)
     error = limits.off_centre**2 * flat + limits.floor**2 * np.eye(3)
-    return NippleObservation(areola.centre, areola.covariance + error, areola)
+    return Observation(areola.centre, areola.covariance + error, AREOLA_SEEN, areola)
 
 
-def _standing_out(value: Array, known: Booleans, inside: Booleans, radius: float, pixel: float) -> Array:
-    """(N, N) how much a spot of this radius (m) exceeds what is around it, in its own scatter over the areola."""
+def standing_out(value: Array, known: Booleans, inside: Booleans, radius: float, around: float) -> Array:
+    """(N, N) how much a spot of this radius (pixels) exceeds what is `around` (radii), in its scatter inside; >= 0."""
     filled = np.where(known, value, np.median(value[inside]))
-    difference = gaussian_filter(filled, 0.6 * radius / pixel) - gaussian_filter(filled, 1.3 * radius / pixel)
+    difference = gaussian_filter(filled, 0.6 * radius) - gaussian_filter(filled, around * radius)
     scatter = 1.4826 * float(np.median(np.abs(difference[inside] - np.median(difference[inside]))))
-    return np.clip(difference / max(scatter, 1e-9), 0.0, 5.0)
+    return np.asarray(np.maximum(difference / max(scatter, 1e-9), 0.0))
 
 
 def height_above(patch: Patch) -> Array:

@@ -7,15 +7,14 @@ expected place, and both are dropped where they would lie the wrong way round or
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
-from breastrig.colour.features.areola import Areola
 from breastrig.colour.features.crosses import between_crosses, marked_by_crosses
 from breastrig.colour.features.limits import Features, features
 from breastrig.colour.features.navel import find_navel
-from breastrig.colour.features.nipple import NippleObservation, find_nipple
+from breastrig.colour.features.nipple import find_nipple
+from breastrig.colour.features.observation import Expectation, Observation
 from breastrig.colour.features.patch import ColouredSkin
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BreastRigError
@@ -24,34 +23,7 @@ from breastrig.scan.scan import Scan
 NIPPLES = {"L": "nipple_L", "R": "nipple_R"}
 NAVEL = "umbilicus"
 CROSSED = ("suprasternal_notch", "xiphoid")
-CROSS_SEEN = "marked by a cross"
-BETWEEN_CROSSES, BETWEEN_SEEN = "mid_sternum", "between two crosses"
-AREOLA_SEEN = "areola seen"
-NAVEL_SEEN = "navel seen"
-
-
-@dataclass(frozen=True, eq=False)
-class Expectation:
-    """Where the form has a landmark."""
-
-    place: Array  # (3,) m, in the scan's frame
-    outwards: Array  # (3,) unit, out of the body there
-    spread: float  # m, root mean square error
-
-
-@dataclass(frozen=True, eq=False)
-class Observation:
-    """A landmark that colour shows."""
-
-    place: Array  # (3,) m, on the skin, in the scan's frame
-    covariance: Array  # (3, 3) m²
-    reason: str  # a few words
-    areola: Areola | None = None  # of a nipple, with which it was found
-
-    @property
-    def error(self) -> float:
-        """m, root mean square."""
-        return float(np.sqrt(np.trace(self.covariance)))
+BETWEEN_CROSSES = "mid_sternum"
 
 
 def observed_landmarks(
@@ -68,13 +40,12 @@ def observed_landmarks(
         skin = ColouredSkin(scan)
     except BreastRigError:
         return {}
-    nipples = _nipples(skin, expected, left, up, features())
-    found = {name: Observation(each.place, each.covariance, AREOLA_SEEN, each.areola) for name, each in nipples.items()}
+    found = _nipples(skin, expected, left, up, features())
     if NAVEL in expected:
         form = expected[NAVEL]
         navel = find_navel(skin, form.place, form.outwards, up, form.spread, features().navel)
         if navel is not None:
-            found[NAVEL] = Observation(navel.place, navel.covariance, NAVEL_SEEN)
+            found[NAVEL] = navel
     on_midline = {name: expected[name] for name in CROSSED if name in expected}
     crosses = marked_by_crosses(
         scan,
@@ -84,19 +55,19 @@ def observed_landmarks(
         features().crosses,
         skin.image,
     )
-    found |= {name: Observation(each.place, each.covariance, CROSS_SEEN) for name, each in crosses.items()}
+    found |= crosses
     if BETWEEN_CROSSES in expected and len(crosses) == len(CROSSED):
         form = expected[BETWEEN_CROSSES]
         notch, xiphoid = (crosses[name] for name in CROSSED)
         middle = between_crosses(skin, notch, xiphoid, form.outwards, features().crosses.between)
         if middle is not None and np.linalg.norm(middle.place - form.place) < features().crosses.farthest * form.spread:
-            found[BETWEEN_CROSSES] = Observation(middle.place, middle.covariance, BETWEEN_SEEN)
+            found[BETWEEN_CROSSES] = middle
     return found
 
 
 def _nipples(
     skin: ColouredSkin, expected: Mapping[str, Expectation], left: Array, up: Array, limits: Features
-) -> dict[str, NippleObservation]:
+) -> dict[str, Observation]:
     rules, seen = limits.areola, {}
     for name in NIPPLES.values():
         if name not in expected:

@@ -4,17 +4,14 @@ Colours of vertices are left out: their triangles are as large as the difference
 """
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 from breastrig.colour.areolae import ObservedAreola
+from breastrig.colour.features.observation import Observation
 from breastrig.core.arrays import Array
 from breastrig.core.stances import SIDES
 from breastrig.fitting.observed.landmarks import areola_of, expectations
 from breastrig.rig.model import Rig
 from breastrig.scan.scan import Scan
-
-if TYPE_CHECKING:
-    from breastrig.colour.features.observe import Observation
 
 KNOWN = 0.006  # m, root mean square error of a fitted or picked nipple
 NIPPLES = {f"nipple_{side}": side for side in SIDES}
@@ -25,7 +22,7 @@ def observed_areolae(
     vertices: Array,
     picked: Mapping[str, Array],
     scan: Scan,
-    observed: "Mapping[str, Observation] | None" = None,
+    observed: Mapping[str, Observation] | None = None,
 ) -> dict[str, ObservedAreola | None]:
     """Side -> the areola there, None where none is seen; empty for a scan without a texture.
 

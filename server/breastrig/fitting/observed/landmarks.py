@@ -7,12 +7,12 @@ there without bending the rest, and form that says otherwise more clearly keeps 
 """
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import replace
 
 import numpy as np
 
 from breastrig.colour.areolae import ObservedAreola
+from breastrig.colour.features.observation import Expectation, Observation
 from breastrig.core.arrays import Array
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.task import FitTask
@@ -24,25 +24,12 @@ from breastrig.rig.similarity import umeyama
 from breastrig.rig.skinning import pose
 from breastrig.scan.scan import Scan
 
-if TYPE_CHECKING:
-    from breastrig.colour.features.observe import Expectation, Observation
-
-
-@dataclass(frozen=True, eq=False)
-class ObservedLandmark:
-    """Where colour shows a landmark; the model, whose shapes need not reach it, may end beside."""
-
-    place: Array  # (3,) m, on the skin, in the scan's frame
-    radius: float  # m, holds the true place with 90 %
-    reason: str  # what shows it, a few words
-
-
 UNKNOWN = 0.02  # m, error of the form with models of which nobody knows how far bodies are from them
 
 
 def colour_observations(
     task: FitTask, fitted: RigParameters, margin: float | None, scan: Scan
-) -> dict[str, "Observation"]:
+) -> dict[str, Observation]:
     """What the colours of the scan show of the rig's landmarks; nothing for a scan without colours, or of a single one.
 
     `fitted` is where the fit of the `task` without landmarks ended, `margin` how clear its start was (Start.margin).
@@ -60,13 +47,11 @@ def colour_observations(
 
 def expectations(
     rig: Rig, vertices: Array, errors: Mapping[str, float], picked: Mapping[str, Array]
-) -> tuple[Array, dict[str, "Expectation"]]:
+) -> tuple[Array, dict[str, Expectation]]:
     """((3, 3) columns: the body's left, up and front, by name where the landmarks with these errors (m) are expected).
 
     By the fitted model of (V, 3) m `vertices`, or where they were `picked`, in the scan's frame.
     """
-    from breastrig.colour.features.observe import Expectation  # loads image filters
-
     points = rig.landmark_points()
     places = points.positions(vertices, rig.faces)
     outwards = unit_vectors(points.positions(vertex_normals(vertices, rig.faces), rig.faces))
@@ -78,24 +63,20 @@ def expectations(
     return umeyama(points.positions(rig.template, rig.faces), places).rotation, expected
 
 
-def areola_of(observation: "Observation") -> ObservedAreola | None:
+def areola_of(observation: Observation) -> ObservedAreola | None:
     """The areola that a nipple was found in, as measures have it."""
     areola = observation.areola
     return None if areola is None else ObservedAreola(2.0 * areola.radius, areola.diameter_half, areola.rim)
 
 
 def followed(
-    task: FitTask, shown: "Mapping[str, Observation] | None", rejected: Collection[str]
-) -> dict[str, ObservedLandmark]:
+    task: FitTask, shown: Mapping[str, Observation] | None, rejected: Collection[str]
+) -> dict[str, Observation]:
     """Name -> the colour observations that the finished fit followed: those `shown` less those it `rejected`."""
-    return {
-        name: ObservedLandmark(each.place, HOLDS_90 * each.error, each.reason)
-        for name, each in (shown or {}).items()
-        if name in task.from_colour and name not in rejected
-    }
+    return {name: each for name, each in (shown or {}).items() if name in task.from_colour and name not in rejected}
 
 
-def with_observations(task: FitTask, seen: Mapping[str, "Observation"], fitted: RigParameters) -> FitTask:
+def with_observations(task: FitTask, seen: Mapping[str, Observation], fitted: RigParameters) -> FitTask:
     """The task that goes on from where it `fitted` without landmarks, with what colour shows among its observations."""
     if not seen:
         return task
