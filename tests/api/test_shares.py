@@ -24,8 +24,8 @@ from breastrig.api.access import rate_limits
 from breastrig.api.access.session import COOKIE as SESSION_COOKIE
 from breastrig.api.app_context import KEY, AppContext
 from breastrig.api.config import Config
-from breastrig.api.routes.shares import passcode as passcode_module
 from breastrig.api.routes.shares import share_credential
+from breastrig.api.routes.shares import share_credential as passcode_module
 from breastrig.core.glb import split_glb
 from breastrig.core.gltf_arrays import GltfArrays
 from breastrig.geometry.closest_point import ClosestPointSearch

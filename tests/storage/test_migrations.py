@@ -17,7 +17,7 @@ from breastrig.cli.main import main
 from breastrig.core.errors import BadSettings
 from breastrig.storage import schema
 from breastrig.storage.data_folder import SQLITE_FILE
-from breastrig.storage.migrate import alembic_config, known_revisions
+from breastrig.storage.database import alembic_config, known_revisions
 from breastrig.storage.storage import Storage
 
 

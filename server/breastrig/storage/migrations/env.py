@@ -1,4 +1,4 @@
-"""What Alembic runs around its commands; the connection, inside its transaction, comes from `migrate`."""
+"""What Alembic runs around its commands; the connection, inside its transaction, comes from `database`."""
 
 from alembic import context
 

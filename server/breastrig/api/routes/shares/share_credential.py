@@ -9,22 +9,36 @@ nothing once the visit was closed, is too old, or the link has ended, all of whi
 The cookie ends with the browser.  A second one, sent only to `/api/shared/open`, lists the visits of a browser by what
 is stored of them, which opens nothing: so a link that is opened again leaves no earlier visit behind, and the oldest
 visit ends before there are too many.
+
+Whoever gives a link's passcode gets in, whatever others have guessed: each address that guesses wrong waits longer and
+longer, others do not wait.  Beyond a number of wrong passcodes in all the link takes none, until its owner, who sees
+that number, unlocks it.  So no more than that number can ever be tried, however many addresses there are.
 """
 
 import hashlib
 import hmac
 import re
 import secrets
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
 from flask import Response, request
+from werkzeug.security import check_password_hash
 
 from breastrig.api.app_context import app_context
 from breastrig.api.errors import refuse
 from breastrig.api.share_limits import COOKIES, VISIT_S, WRONG_PASSCODES
-from breastrig.storage.rows.shares import ShareRow, add_opening, end_visit, share_of_token, share_of_visit
+from breastrig.api.trusted_proxy import client_of
+from breastrig.storage.rows.shares import (
+    ShareRow,
+    add_opening,
+    end_visit,
+    note_wrong_passcode,
+    share_of_token,
+    share_of_visit,
+)
 from breastrig.storage.storage import iso_utc, utc_now
 
 PATH = "/api/shared"
@@ -35,6 +49,8 @@ LOCKED = (
     f"This link takes no passcode any more, because {WRONG_PASSCODES} wrong ones were given; ask the person who sent "
     "it to unlock it."
 )
+
+_CHECKS = threading.BoundedSemaphore(2)  # at once: each takes 32 MB and a core for a twentieth of a second
 
 
 def new_token() -> str:
@@ -53,6 +69,31 @@ def share_of_secret(token: str) -> ShareRow:
     if share is None:
         raise refuse(404, "This link opens nothing; ask the person who sent it for a new one.")
     return _still_valid(share)
+
+
+def check_passcode(share: ShareRow, passcode: str | None) -> None:
+    """Raises 403 for a wrong or missing passcode, 423 when the link takes none, 429 for an address that has to wait."""
+    if share.passcode_hash is None:
+        return
+    if share.is_locked(WRONG_PASSCODES):
+        raise refuse(423, LOCKED)
+    if passcode is None:
+        raise refuse(403, "This link needs a passcode; ask the person who sent it.")
+    context, client = app_context(), client_of(request.remote_addr)
+    seconds = context.passcode_delays.begin(share.id, client)
+    if seconds:
+        raise refuse(
+            429,
+            f"Too many wrong passcodes came from here; try again in {seconds} s.",
+            {"Retry-After": str(seconds)},
+        )
+    with _CHECKS:
+        is_right = check_password_hash(share.passcode_hash, passcode)
+    if not is_right:
+        if not note_wrong_passcode(context.service.storage, share.id, utc_now(), WRONG_PASSCODES):
+            raise refuse(423, LOCKED)  # as a right one is answered then: nobody is to learn which it was
+        raise refuse(403, "This is not the link's passcode; ask the person who sent it.")
+    context.passcode_delays.was_right(share.id, client)
 
 
 def begin_visit(response: Response, share: ShareRow) -> None:

@@ -12,9 +12,9 @@ from breastrig.api.answers import BINARY, CHECK_AGAIN, GLB, JSON, PDF, bytes_ans
 from breastrig.api.app_context import app_context
 from breastrig.api.big_answers import big_answer
 from breastrig.api.errors import refuse
-from breastrig.api.routes.shares.passcode import check_passcode
 from breastrig.api.routes.shares.share_credential import (
     begin_visit,
+    check_passcode,
     close_visit,
     cookie_path,
     share_of_secret,

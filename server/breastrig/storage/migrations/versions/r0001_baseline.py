@@ -9,4 +9,4 @@ down_revision = None
 
 
 def upgrade() -> None:
-    """Nothing: new databases are made from `schema`, see `migrate`."""
+    """Nothing: new databases are made from `schema`, see `database`."""
