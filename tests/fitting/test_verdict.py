@@ -265,10 +265,21 @@ def test_repeated_proposals_do_not_place_a_part() -> None:
 
 
 def test_no_fit_is_good_in_a_stance_that_the_limits_were_not_chosen_on() -> None:
+    without = LIMITS.model_copy(update={"stances": ("standing", "supine")})
+
     def level(stance: str) -> Verdict:
-        return verdict(RIGHT, Status.CONVERGED, LIMITS, ALL, stance=stance)
+        return verdict(RIGHT, Status.CONVERGED, without, ALL, stance=stance)
 
     assert level("standing") == level("supine") == Verdict("good", ())
     assert level("prone") == Verdict(
         "check", ("How far off a fit of a prone body may be has not been measured; look at it closely.",)
     )
+
+
+def test_a_prone_bodys_front_is_all_that_its_scan_shows_and_nothing_of_that_counts_for_others() -> None:
+    front = replace(RIGHT, seen=0.5)
+    assert verdict(front, Status.CONVERGED, LIMITS, NONE, stance="prone").level == "good"
+    assert verdict(front, Status.CONVERGED, LIMITS, NONE, stance="standing").level == "check"
+    head_down = replace(RIGHT, beyond=0.09, angle_p90=0.48, distance_p95=0.0085, scan_p95=0.03)
+    assert verdict(head_down, Status.CONVERGED, LIMITS, ALL, stance="prone").level == "unusable"
+    assert LIMITS.in_stance("standing") == LIMITS == LIMITS.in_stance("supine")

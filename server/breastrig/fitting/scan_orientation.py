@@ -116,7 +116,7 @@ def scan_orientation(
     task = FitTask(rig, scan.target, start.parameters, recipe, {})
     found = found_stance(task, scan.frame)
     if found.stance == PRONE:
-        start = prone_start(rig, scan.target, scan.frame.front) or start
+        start = prone_start(rig, scan.target, scan.frame) or start
         task = replace(task, start=start.parameters)
     last = found.iterates[-1] if found.iterates and found.iterates[-1].is_finite else None
     orientation = ScanOrientation(

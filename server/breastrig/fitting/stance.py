@@ -1,15 +1,18 @@
-"""Whether the patient is standing or supine, where the scan has no table or what may be a wall.
+"""Whether the patient is standing, supine or prone.
 
 A table decides (scan/orient.py), unless plane and body are both upright in the scanner's axes: then the arms do.
-Without one, fits in both stances are weighed (starts/supine_or_standing.py); an unclear answer asks the user.
+Without one a small front whose breasts hang forwards is prone (starts/prone.py); of others fits in both stances are
+weighed (starts/supine_or_standing.py); an unclear answer asks the user.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from breastrig.core.stances import PRONE
 from breastrig.fitting.picks.checked_fit import checked_iterates
 from breastrig.fitting.starts.orientation import Start
+from breastrig.fitting.starts.prone import hangs_to_the_front
 from breastrig.fitting.starts.supine_or_standing import arm_angles, likely_stance, measured_signs
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.rig.similarity import umeyama
@@ -42,6 +45,9 @@ MAY_LIE = "Without a table it is not clear: she seems to lie. If she stands, say
 MAY_STAND = "Without a table it is not clear: she seems to stand. If she lies, say that she lies."
 
 
+HANGS = "Only the front of a chest is seen, and its breasts hang to the front: prone. If not, say how she is scanned."
+
+
 @dataclass(frozen=True, eq=False)
 class FoundStance:
     """A stance, why, and the fit that showed it: all iterates of the task in it, none where no fit was needed."""
@@ -58,9 +64,11 @@ def found_stance(task: FitTask, frame: Frame) -> FoundStance:
     Whoever fits the task next goes on from the iterates, so that nothing is fitted twice.
     """
     rule, wall = task.recipe.stance_rule, may_be_wall(task, frame)
-    is_said = frame.stance == "prone" or (frame.stance == "supine" and not wall)
+    is_said = frame.stance == PRONE or (frame.stance == "supine" and not wall)
     if is_said or not any(shape.kind == "gravity" for shape in task.rig.shapes):
         return FoundStance(frame.stance, frame.stance_reason)
+    if not wall and len(frame.fronts) == 1 and hangs_to_the_front(task.target, frame.front):
+        return FoundStance(PRONE, HANGS)
     standing = tuple(checked_iterates(replace(task, stance="standing")))
     arms = arm_angles(task.rig, standing[-1].parameters)
     if wall:  # what a lying back costs on a table would make lying bodies dear: the arms alone decide

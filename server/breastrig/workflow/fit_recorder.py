@@ -120,7 +120,8 @@ class FitRecorder:
         vertices = posterior.state.vertices
         compared = Comparison(target, vertices, rig.faces)
         signals = fit_signals(in_stance(rig, task.stance), last.parameters, compared, ready.clearness)
-        limits, given = verdict_limits(rig), ready.given
+        found_limits, given = verdict_limits(rig), ready.given
+        limits = None if found_limits is None else found_limits.in_stance(task.stance)
         if given.placed and shows_a_part(signals, limits):
             given = replace(given, repeated=self._only_repeats())
         known = radii(posterior, ready.clearness)

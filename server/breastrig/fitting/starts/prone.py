@@ -14,14 +14,22 @@ from breastrig.relief.prone import ProneView, prone_views
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import Similarity, similar_parameters
 from breastrig.rig.stance_priors import mean_weights
+from breastrig.scan.orient import Frame
 
+HIGH, WIDE = 0.38, 0.46  # m: skins of MRIs are 0.14 to 0.32 high and 0.28 to 0.42 wide, others 0.47 and 0.43 or more
+IN_FRONT = 0.03  # m; 0.035 to 0.1 prone, 0.005 to 0.034 standing
+FIELD = 2.0  # nipples are 0.28 to 0.5 of the way from the lower to the upper end, 0.66 to 0.85 the other way round
 USUAL_SCALE = 1.05  # of the trunk; hanging breasts say nothing of it
 
 
-def prone_start(rig: Rig, target: ScanTarget, front: Array) -> Start | None:
-    """For a scan whose front is about the unit (3,) `front`; None where it shows no two breasts."""
-    starts = [_placed(rig, view) for view in prone_views(target.vertices, target.faces, front)]
-    tried = sorted(((_energy(rig, target, each), k) for k, each in enumerate(starts)), key=lambda pair: pair[0])
+def prone_start(rig: Rig, target: ScanTarget, frame: Frame) -> Start | None:
+    """For a scan of this frame, whose way up counts where it is certain; None where it shows no two breasts."""
+    views = list(prone_views(target.vertices, target.faces, frame.front))
+    if frame.confidence == 1.0:
+        views = [view for view in views if view.axes[:, 1] @ frame.up > 0.0]
+    starts = [_placed(rig, view) for view in views]
+    dear = [_energy(rig, target, start) * _field(target, view) for start, view in zip(starts, views, strict=True)]
+    tried = sorted(zip(dear, range(len(dear)), strict=True))
     tried = [pair for pair in tried if np.isfinite(pair[0])]
     if not tried:
         return None
@@ -39,6 +47,33 @@ def _placed(rig: Rig, view: ProneView) -> Similarity:
     return Similarity(USUAL_SCALE, view.axes, seen - USUAL_SCALE * view.axes @ model)
 
 
+def _field(target: ScanTarget, view: ProneView) -> float:
+    """What the field of view makes of an energy: of the skin that an MRI shows most is above the nipples."""
+    up = view.axes[:, 1]
+    low, high = np.percentile(target.vertices @ up, [1.0, 99.0])
+    nipples = 0.5 * (view.places["nipple_L"] + view.places["nipple_R"]) @ up
+    return float(np.exp(FIELD * (nipples - low) / max(high - low, 1e-9)))
+
+
 def _energy(rig: Rig, target: ScanTarget, start: Similarity) -> float:
     *_, last = fit_iterates(FitTask(rig, target, similar_parameters(rig, start), judge(), {}, PRONE))
     return last.energy if last.is_finite else np.inf
+
+
+def hangs_to_the_front(target: ScanTarget, front: Array) -> bool:
+    """Whether the scan shows no more than an MRI's field of view, with two breasts and the skin between them behind."""
+    flat = target.vertices - np.outer(target.vertices @ front, front)
+    flat -= flat.mean(axis=0)
+    across = flat @ np.linalg.eigh(flat.T @ flat)[1][:, 1:]  # (V, 2) m
+    shorter, longer = np.sort(np.ptp(np.percentile(across, [1.0, 99.0], axis=0), axis=0))
+    if shorter > HIGH or longer > WIDE or len(across) == 0:
+        return False
+    return any(_in_front(view) > IN_FRONT for view in prone_views(target.vertices, target.faces, front))
+
+
+def _in_front(view: ProneView) -> float:
+    """m, of the nipples before the xiphoid; nothing where it is not seen."""
+    if "xiphoid" not in view.places:
+        return 0.0
+    nipples = 0.5 * (view.places["nipple_L"] + view.places["nipple_R"])
+    return float((nipples - view.places["xiphoid"]) @ view.axes[:, 2])

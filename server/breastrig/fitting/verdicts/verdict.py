@@ -59,6 +59,13 @@ class SignalLimits(_Part):
     scan_alone: bool = False  # says nothing where landmarks placed the fit
 
 
+class StanceLimits(_Part):
+    """Of one signal in one stance."""
+
+    check: float
+    no_torso: float
+
+
 class LineLimits(_Part):
     """m, of how far off nine of ten places of a line on the breasts may be."""
 
@@ -74,6 +81,13 @@ class VerdictLimits(_Part):
     unusable_at: Annotated[int, Field(ge=1)]
     refused_at: Annotated[int, Field(ge=2)]
     signals: dict[str, SignalLimits]
+    of_stance: dict[str, dict[str, StanceLimits]] = {}  # by stance and signal, where they differ
+
+    def in_stance(self, stance: str) -> "VerdictLimits":
+        """With the limits of this stance."""
+        others = self.of_stance.get(stance, {})
+        changed = {name: self.signals[name].model_copy(update=limit.model_dump()) for name, limit in others.items()}
+        return self.model_copy(update={"signals": self.signals | changed})
 
 
 @dataclass(frozen=True)
@@ -121,6 +135,7 @@ def verdict(
     if limits is None:
         level: Level = "check" if stopped or asked else "uncalibrated"
         return Verdict(level, sentences((*stopped, *asked, UNKNOWN_MODEL, *agreed)))
+    limits = limits.in_stance(stance)
     strengths = _strengths(signals, limits, given)
     found = _reasons(signals, strengths, limits, given)
     impossible = sum(strength >= 1.0 for strength in strengths.values())

@@ -77,7 +77,7 @@ def _judged(
     given = GivenLandmarks(picked=len(picks), left=left, followed=len(picks), repeated=repeated)
     known = radii(posterior, clearness)
     lines = None if known is None else known.lines
-    said = verdict(signals, last.status, verdict_limits(rig), given, doubts, lines)
+    said = verdict(signals, last.status, verdict_limits(rig), given, doubts, lines, task.stance)
     error = 1e3 * float(scene.landmark_errors(rig, vertices).mean())
     at = rig.landmark_points().positions(vertices, rig.faces)
     answer = {"level": said.level, "error_mm": round(error, 2), "reasons": list(said.reasons)}
