@@ -11,8 +11,7 @@ from helpers.scan_files import picture
 from helpers.toy_rig import toy_rig
 
 from breastrig.gltf.iterate import drawing_buffer, iterate_gltf, model_buffer
-from breastrig.gltf.lines.lines_glb import Ball, lines_glb
-from breastrig.gltf.lines.with_lines import with_lines
+from breastrig.gltf.lines.lines_glb import Ball, lines_glb, with_lines
 from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.replay import fitted_glb

@@ -6,8 +6,7 @@ from helpers.random_pose import random_parameters
 
 from breastrig.core.glb import split_glb
 from breastrig.core.gltf_arrays import GltfArrays
-from breastrig.gltf.lines.lines_glb import Ball
-from breastrig.gltf.lines.with_lines import with_lines
+from breastrig.gltf.lines.lines_glb import Ball, with_lines
 from breastrig.gltf.replay import fitted_glb
 from breastrig.rig.model import Rig
 

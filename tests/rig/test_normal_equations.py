@@ -8,10 +8,9 @@ from helpers.random_pose import random_parameters
 
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
-from breastrig.rig.normal_equations import normal_equations
+from breastrig.rig.normal_equations import normal_equations, vertex_variances
 from breastrig.rig.skinning import Posed
 from breastrig.rig.vertex_groups import vertex_groups
-from breastrig.rig.vertex_variances import vertex_variances
 
 
 @pytest.fixture(scope="module")

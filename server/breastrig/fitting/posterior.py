@@ -14,9 +14,9 @@ from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.task import FitTask
 from breastrig.least_squares.problem import HARD
 from breastrig.least_squares.quadratic_program import cholesky, solve_lower
+from breastrig.rig.normal_equations import vertex_variances
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.state import BodyState
-from breastrig.rig.vertex_variances import vertex_variances
 
 FLOOR = 1e-6  # of an unknown's natural size: keeps directions that nothing holds out of the inverse
 

@@ -13,8 +13,8 @@ import breastrig.scan.read as scan_files
 from breastrig.core.arrays import Array, Integers, frozen
 from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.private_files import is_ordinary, shown
-from breastrig.scan.coloured_scan import coloured_scan
 from breastrig.scan.hand_cuts import read_cuts, without_hand_cuts
+from breastrig.scan.read import coloured_scan
 from breastrig.scan.scan import Scan as ScanInMetres
 
 if TYPE_CHECKING:

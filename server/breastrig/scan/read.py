@@ -106,6 +106,14 @@ def read_scan(
     return replace(scan, from_label_map=True, lesions=inside) if pieces.is_label_map else scan
 
 
+def coloured_scan(source: Path, file_type: str | None, units: str) -> Scan:
+    """As `read_scan`; a scan whose picture alone is over a limit comes without colours."""
+    try:
+        return read_scan(source, file_type, units, for_display=False)
+    except TooLarge:
+        return read_scan(source, file_type, units, texture=False)
+
+
 def scan_of_arrays(vertices: Array, faces: Integers, colours: NDArray[np.uint8] | None, units: str) -> Scan:
     """The scan of (V, 3) vertices in this unit and (F, 3) triangles, colours (V, 3) sRGB; checked as a file's."""
     joined, notes = _joined(Pieces((Piece(vertices, faces, colours),)))

@@ -13,8 +13,8 @@ from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.scan_orientation import ScanOrientation, orientation_from
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
-from breastrig.scan.coloured_scan import coloured_scan
 from breastrig.scan.hand_cuts import without_hand_cuts
+from breastrig.scan.read import coloured_scan
 from breastrig.scan.scan import Scan
 from breastrig.workflow.jobs import ProposeJob
 from breastrig.workflow.kept_scan import prepared_scan

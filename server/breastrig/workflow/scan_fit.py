@@ -32,10 +32,10 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.blocks import block
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
-from breastrig.scan.coloured_scan import coloured_scan
 from breastrig.scan.hand_cuts import without_hand_cuts
 from breastrig.scan.landmarks.landmark_files import checked_certain
 from breastrig.scan.landmarks.names import by_known_names, known_name
+from breastrig.scan.read import coloured_scan
 from breastrig.scan.scan import Scan
 from breastrig.workflow.events import Started
 from breastrig.workflow.fit_start import with_earlier_start, with_stance, with_start

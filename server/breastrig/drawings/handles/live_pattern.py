@@ -23,10 +23,8 @@ from breastrig.drawings.constructions.reduction import Reduction
 from breastrig.drawings.constructions.tumour import Tumour
 from breastrig.drawings.constructions.vertical import Vertical
 from breastrig.drawings.handles.handle import Handle
-from breastrig.drawings.handles.rings import ellipse_handles, periareolar_handles
-from breastrig.drawings.handles.tumour import tumour_handles
-from breastrig.drawings.handles.vertical import vertical_handles
-from breastrig.drawings.handles.wise import wise_handles
+from breastrig.drawings.handles.reductions import vertical_handles, wise_handles
+from breastrig.drawings.handles.rings import ellipse_handles, periareolar_handles, tumour_handles
 from breastrig.drawings.line_error import radii_at
 from breastrig.drawings.pattern_parameters import UNITS, PatternParameter, parameters_of
 from breastrig.drawings.patterns import Pattern, pattern_of

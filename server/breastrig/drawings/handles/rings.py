@@ -1,4 +1,4 @@
-"""The handles of what is drawn around the nipple: the periareolar rings and the mastectomy ellipse."""
+"""The handles of what is drawn around a place: periareolar rings, mastectomy ellipse, tumour."""
 
 import numpy as np
 
@@ -6,8 +6,8 @@ from breastrig.core.stances import OUTWARDS, sides_of
 from breastrig.drawings.clock import FittedSkin, clock_place, on_clock
 from breastrig.drawings.constructions.ellipse import MastectomyEllipse
 from breastrig.drawings.constructions.periareolar import Periareolar
-from breastrig.drawings.handles.areola import OUTSIDE, across_handle, areola_handle
-from breastrig.drawings.handles.handle import Handle, towards
+from breastrig.drawings.constructions.tumour import Tumour
+from breastrig.drawings.handles.handle import OUTSIDE, Handle, across_handle, areola_handle, towards
 from breastrig.geometry.surface_points import SurfacePoints
 
 ASIDE = np.radians(30.0)  # from the lateral end of the long axis, upwards: where the ellipse is held to be turned
@@ -69,3 +69,35 @@ def _axis(pattern: MastectomyEllipse, skin: FittedSkin, side: str, nipple: Surfa
         return {"axis_deg": (over + 90.0) % 180.0 - 90.0}
 
     return Handle(f"axis_{side}", side, {"axis_deg": pattern.axis_deg}, at, towards(at, higher), values_at)
+
+
+def tumour_handles(pattern: Tumour, skin: FittedSkin) -> list[Handle]:
+    """BadDrawing when the tumour is not on that breast."""
+    side = pattern.side
+    nipple, centre = skin.landmark(f"nipple_{side}"), pattern.centre(skin)
+
+    def place_of(place: SurfacePoints) -> dict[str, float]:
+        distance, angle = clock_place(skin, nipple, place)
+        hour = float(np.degrees(angle)) / 30.0 % 12.0
+        return {"clock": hour if hour >= 0.5 else hour + 12.0, "distance_mm": 1e3 * distance}
+
+    at = skin.at(centre)[0]
+    rim = skin.at(on_clock(skin, centre, 1e-3 * pattern.radius_mm, np.array([OUTSIDE[side]])))[0]
+    return [
+        Handle(
+            f"centre_{side}",
+            side,
+            {"clock": pattern.clock, "distance_mm": pattern.distance_mm},
+            at,
+            np.zeros(3),
+            place_of,
+        ),
+        Handle(
+            f"radius_{side}",
+            side,
+            {"radius_mm": pattern.radius_mm},
+            rim,
+            towards(at, rim),
+            lambda place: {"radius_mm": 1e3 * skin.geodesics.distance(centre, place)},
+        ),
+    ]

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.core.glb import parse_document, split_glb
-from breastrig.core.gltf_arrays import GltfArrays, entry, whole
+from breastrig.core.gltf_arrays import DTYPES, GltfArrays, entry, whole
 from breastrig.geometry.rotations import rotation_from_quaternion
-from breastrig.scan.formats import draco, meshopt_views
+from breastrig.scan.formats.compressed import DRACO, MESHOPT, draco_mesh, unpacked_views
 from breastrig.scan.formats.polygons import strip
 from breastrig.scan.limits import (
     GLTF_DEPTH,
@@ -95,7 +95,7 @@ def _document(data: bytes, files: Companions, kind: str) -> tuple[dict[str, Any]
         if found > most:
             raise TooLarge(f"This {kind} has {found:,} {name}, more than the {most:,} allowed; join its meshes.")
     for name in document.get("extensionsRequired", []):
-        if not str(name).startswith((*HARMLESS, draco.EXTENSION, *meshopt_views.EXTENSIONS)):
+        if not str(name).startswith((*HARMLESS, DRACO, *MESHOPT)):
             raise BadScan(f"This {kind} needs a glTF extension that is not read here; export it as plain glTF 2.0.")
     _bring_pictures(document, inside)
     return document, _joined_buffers(document, binary, inside, files, kind)
@@ -165,7 +165,7 @@ class _Drawn:
         primitives = [entry(self._document, "meshes", mesh)["primitives"] for mesh, _, _ in placed]
         self._check_counts(primitives)
         draws = [(place[2], primitive) for place, own in zip(placed, primitives, strict=True) for primitive in own]
-        self._binary = meshopt_views.unpacked(self._document, self._binary)
+        self._binary = unpacked_views(self._document, self._binary)
         self._arrays = GltfArrays(self._document, self._binary)
         with np.errstate(all="ignore"):  # infinite numbers are found afterwards, in every kind of file
             pieces = [piece for transform, drawn in draws if (piece := self._piece(drawn, transform)) is not None]
@@ -222,7 +222,7 @@ class _Drawn:
         mode = _mode(primitive)
         if mode not in (TRIANGLE_LIST, TRIANGLE_STRIP, TRIANGLE_FAN):
             return None
-        if draco.EXTENSION in primitive.get("extensions", {}):
+        if DRACO in primitive.get("extensions", {}):
             primitive = self._unpacked(primitive)
         attributes = primitive["attributes"]
         vertices = self._values(attributes["POSITION"], (3,)).astype(np.float64)  # quantised ones are whole numbers
@@ -256,13 +256,13 @@ class _Drawn:
         """The primitive with accessors of its own in place of those that Draco compressed."""
         key = id(primitive)
         if key not in self._unpacked_primitives:
-            compressed = primitive["extensions"][draco.EXTENSION]
-            arrays, faces = draco.decoded(self._content(compressed["bufferView"]))
+            compressed = primitive["extensions"][DRACO]
+            arrays, faces = draco_mesh(self._content(compressed["bufferView"]))
             accessors, attributes = self._document["accessors"], dict(primitive["attributes"])
             for name, number in compressed["attributes"].items():
                 if name in attributes:
                     accessor = entry(self._document, "accessors", attributes[name])
-                    values = np.asarray(arrays[number]).astype(draco.KINDS[accessor["componentType"]])
+                    values = np.asarray(arrays[number]).astype(DTYPES[accessor["componentType"]])
                     attributes[name] = self._added(accessors, accessor, values)
             corners = self._added(accessors, {"type": "SCALAR"}, faces.ravel())
             self._unpacked_primitives[key] = {**primitive, "attributes": attributes, "indices": corners, "mode": 4}

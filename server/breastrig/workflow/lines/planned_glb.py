@@ -7,8 +7,7 @@ from breastrig.core.srgb import rgb
 from breastrig.drawings.drawing_file import lesions_on_scan, planned_on_scan
 from breastrig.drawings.lesions import COLOR
 from breastrig.geometry.polyline import Polyline
-from breastrig.gltf.lines.lines_glb import Ball
-from breastrig.gltf.lines.with_lines import with_lines
+from breastrig.gltf.lines.lines_glb import Ball, with_lines
 
 SAID = ("id", "name", "radius_mm", "error_mm", "ellipsoid_mm", "depth_mm", "carried")  # of a lesion
 

@@ -1,17 +1,44 @@
-"""Buffer views that meshopt compressed (gltfpack does), by its own decoder, which `breastrig[formats]` brings."""
+"""What Draco or meshopt compressed in a GLB, by their own decoders, which the extra `breastrig[formats]` brings.
+
+What comes out is as hostile as an ordinary array: its indices are checked with those of all other files.
+"""
 
 from typing import Any
 
+from breastrig.core.arrays import Integers
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.core.gltf_arrays import whole
-from breastrig.scan.limits import FILE_BYTES, MEBIBYTE
+from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES, VERTICES
 
-EXTENSIONS = ("EXT_meshopt_compression", "KHR_meshopt_compression")
-HOW_TO_OPEN = 'This GLB file is compressed (meshopt); install "breastrig[formats]", or export it without compression.'
+DRACO = "KHR_draco_mesh_compression"
+HOW_TO_OPEN = 'This GLB file is compressed ({}); install "breastrig[formats]", or export it without compression.'
+
+
+def draco_mesh(data: bytes) -> tuple[dict[int, Any], Integers]:
+    """The attributes, as arrays by their numbers in the file, and the (F, 3) triangles.
+
+    Raises BadScan or TooLarge with a sentence.
+    """
+    try:
+        import DracoPy
+    except ImportError:
+        raise BadScan(HOW_TO_OPEN.format("Draco")) from None
+    try:
+        mesh = DracoPy.decode(data)
+        faces = mesh.faces.astype("i8")
+        attributes = {int(each["unique_id"]): each["data"] for each in mesh.attributes}
+    except Exception as error:  # a decoder of untrusted bytes can raise anything
+        raise BadScan("This GLB file is damaged: its Draco data cannot be unpacked; export it again.") from error
+    if len(faces) > TRIANGLES or max(map(len, attributes.values()), default=0) > VERTICES:
+        raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
+    return attributes, faces
+
+
+MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 MOST_STRIDE = 256
 
 
-def unpacked(document: dict[str, Any], binary: bytes) -> bytes:
+def unpacked_views(document: dict[str, Any], binary: bytes) -> bytes:
     """The buffer with all views unpacked behind it, where the document then finds them.
 
     Raises BadScan or TooLarge with a sentence, or ValueError for what makes no sense.
@@ -22,7 +49,7 @@ def unpacked(document: dict[str, Any], binary: bytes) -> bytes:
     try:
         import meshopt
     except ImportError:
-        raise BadScan(HOW_TO_OPEN) from None
+        raise BadScan(HOW_TO_OPEN.format("meshopt")) from None
     parts, size = [binary], len(binary)
     for view, found in packed:
         count, stride = (
@@ -50,4 +77,4 @@ def unpacked(document: dict[str, Any], binary: bytes) -> bytes:
 
 def _compression(view: dict[str, Any]) -> dict[str, Any] | None:
     extensions = view.get("extensions", {})
-    return next((extensions[name] for name in EXTENSIONS if name in extensions), None)
+    return next((extensions[name] for name in MESHOPT if name in extensions), None)
