@@ -4,8 +4,6 @@ The new nipple goes up and down the meridian, never below the nipple that is the
 it: a hand that means to go up trembles to the sides, and the meridian leans.
 """
 
-from typing import Protocol
-
 import numpy as np
 
 from breastrig.core.arrays import Array
@@ -23,17 +21,8 @@ HOLDS_MM = 5.0  # that it is pulled aside before it leaves the meridian,
 HOLDS_SHARE = 0.4  # or so much of how far it is pulled up or down: some twenty degrees
 
 
-class PlannedNipple(Protocol):
-    """A pattern that moves the nipple."""
-
-    @property
-    def nipple_above_fold_mm(self) -> float: ...
-    @property
-    def nipple_outward_mm(self) -> float: ...
-
-
 def new_nipple_handle(
-    skin: FittedSkin, side: str, new: SurfacePoints, meridian: Array, planned: PlannedNipple
+    skin: FittedSkin, side: str, new: SurfacePoints, meridian: Array, planned: Reduction | Vertical
 ) -> Handle:
     """`meridian` is (M, 3) m from the collarbone to the nipple; `new` is where the nipple is planned."""
     up, outward = skin.axes[:, 1], OUTWARDS[side] * skin.axes[:, 0]

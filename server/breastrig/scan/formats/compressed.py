@@ -11,6 +11,8 @@ from breastrig.core.gltf_arrays import whole
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES, VERTICES
 
 DRACO = "KHR_draco_mesh_compression"
+MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
+MOST_STRIDE = 256
 HOW_TO_OPEN = 'This GLB file is compressed ({}); install "breastrig[formats]", or export it without compression.'
 
 
@@ -32,10 +34,6 @@ def draco_mesh(data: bytes) -> tuple[dict[int, Any], Integers]:
     if len(faces) > TRIANGLES or max(map(len, attributes.values()), default=0) > VERTICES:
         raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
     return attributes, faces
-
-
-MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
-MOST_STRIDE = 256
 
 
 def unpacked_views(document: dict[str, Any], binary: bytes) -> bytes:
