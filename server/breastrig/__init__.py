@@ -27,7 +27,7 @@ if TYPE_CHECKING:
         FitFailed,
         TooLarge,
     )
-    from breastrig.interface.drawing import Drawing, Line
+    from breastrig.interface.drawing import Drawing, Lesion, Line
     from breastrig.interface.fit_result import Fit
     from breastrig.interface.ink import Ink, InkLine, find_ink
     from breastrig.interface.landmarks import Proposal, propose_landmarks
@@ -58,6 +58,7 @@ __all__ = [
     "Ink",
     "InkLine",
     "Iterate",
+    "Lesion",
     "Line",
     "Measure",
     "Number",
@@ -84,7 +85,7 @@ __all__ = [
 
 _MODULES = {
     "core.errors": ("BadDrawing BadInput BadLandmarks BadModel BadScan BadSettings BreastRigError FitFailed TooLarge"),
-    "interface.drawing": "Drawing Line",
+    "interface.drawing": "Drawing Lesion Line",
     "interface.fit_result": "Fit",
     "interface.ink": "Ink InkLine find_ink",
     "interface.landmarks": "Proposal propose_landmarks",

@@ -2,6 +2,9 @@
 
 import nibabel
 import numpy as np
+from scipy.interpolate import LinearNDInterpolator
+
+from breastrig.rig.model import Rig
 
 SIZES = np.array([1.0, 1.1, 2.0])  # mm
 LOW = np.array([-130.0, -100.0, 50.0])  # mm, LPS
@@ -28,10 +31,34 @@ def body_labels() -> np.ndarray:
     return labels
 
 
-def nifti(labels: np.ndarray, turned: bool = False) -> bytes:
+def front_labels(rig: Rig, lesion: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray, float]:
+    """Labels of the template's front from the folds' belly to the collar bones: 1 for the body, 2 for a ball inside.
+
+    And (3,) mm, LPS, of the first voxel, and the voxels' size.  `lesion` is (3,) m in the template's frame.
+    """
+    regions = ("breast_L", "breast_R", "areola_L", "areola_R", "chest", "belly")
+    shown = np.unique(np.concatenate([rig.regions[name] for name in regions]))
+    front = shown[rig.normals_at(rig.template)[shown, 2] > 0.2]
+    skin = in_lps(rig.template[front])
+    size, low = 2.0, np.floor(skin.min(axis=0)) - 6.0
+    shape = np.ceil((skin.max(axis=0) - low) / size).astype(int)
+    left, back, up = (low[k] + size * np.arange(shape[k]) for k in range(3))
+    depth = LinearNDInterpolator(skin[:, [0, 2]], skin[:, 1])(left[:, None], up[None, :])
+    labels = (back[None, :, None] > depth[:, None, :]).astype(np.uint8)  # nothing where it is not known
+    away = [(axis - middle) ** 2 for axis, middle in zip((left, back, up), in_lps(lesion), strict=True)]
+    labels[(away[0][:, None, None] + away[1][:, None] + away[2]) < radius**2] = 2
+    return labels, low, size
+
+
+def in_lps(points: np.ndarray) -> np.ndarray:
+    """(..., 3) mm of (..., 3) m in the template's frame: left, up, front."""
+    return 1e3 * points[..., [0, 2, 1]] * [1.0, -1.0, 1.0]
+
+
+def nifti(labels: np.ndarray, turned: bool = False, low: np.ndarray = LOW, sizes: np.ndarray = SIZES) -> bytes:
     """As NIfTI has it, RAS; `turned` with the voxels stored in another order, which changes nothing."""
     affine = np.diag([-1.0, -1.0, 1.0, 1.0]) @ np.block(
-        [[np.diag(SIZES), LOW[:, None]], [np.zeros((1, 3)), np.ones((1, 1))]]
+        [[np.diag(sizes), low[:, None]], [np.zeros((1, 3)), np.ones((1, 1))]]
     )
     image = nibabel.Nifti1Image(labels, affine)
     if turned:

@@ -119,7 +119,7 @@ def test_each_lesion_has_its_numbers_and_slices_for_each_stance(toy_stance: Stan
         ("nipple", "nipple_L", 40.0, None, None),
         ("line", "cut", 9.0, 5.0, 13.0),
     ]
-    slices = [{"plane": "axial", "outlines_mm": [[[-90.0, 10.0], [0.0, 20.0], [90.0, 10.0]]]}]
+    slices = [{"plane": "axial", "outlines_mm": [[[-90.0, 10.0], [0.0, 20.0], [90.0, 10.0]]], "wall_mm": []}]
     given = {
         "id": "m", "name": "MRI 1", "radius_mm": 6.5, "error_mm": 0.0, "carried": False, "seen": True, "slices": slices,
         "distances": [dict(zip(("kind", "to", "mm", "low_mm", "high_mm"), way, strict=True)) for way in ways],

@@ -23,12 +23,12 @@ from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.skin_maps.interior_map import InteriorMap
 from breastrig.drawings.skin_maps.settings import skin_map_settings
 from breastrig.drawings.skin_maps.skin_map import FittedScan
-from breastrig.geometry.closest_point import closest_barycentric
+from breastrig.geometry.closest_point import ClosestPointSearch, closest_barycentric
 from breastrig.geometry.normals import unit_vectors, vertex_normals
 from breastrig.geometry.polyline import Polyline
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 
-Kind = Literal["skin", "nipple", "line"]
+Kind = Literal["skin", "nipple", "chest_wall", "line"]
 
 COLOR = "#b83280"
 BALL = float(np.sqrt(chi2.ppf(0.9, 3)))  # standard deviations: radius of the ball that holds nine of ten points
@@ -60,7 +60,8 @@ class Slice:
     plane: str  # axial | sagittal | coronal
     right: Array  # (3,) unit, in the scan's frame: what is right in the picture; the patient's left, or her back
     up: Array  # (3,) unit
-    outlines: tuple[Array, ...]  # (M, 2) m each, from the centre along both
+    outlines: tuple[Array, ...]  # (M, 2) m each, of the skin, from the centre along both
+    wall: tuple[Array, ...]  # of the chest wall, where it is known
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +74,7 @@ class PlacedLesion:
     covariance: Array | None  # (3, 3) m², of its centre, in the scan's frame
     depth: float  # m below the fitted skin; negative outside
     is_seen: bool  # whether the scan shows the skin next to it
-    distances: tuple[Distance, ...]  # to the skin and the nearer nipple
+    distances: tuple[Distance, ...]  # to the skin, the nearer nipple and the chest wall
     slices: tuple[Slice, ...]
     is_carried: bool
 
@@ -81,8 +82,9 @@ class PlacedLesion:
 class LesionsOnScan:
     """What a fitted scan says of lesions in it; built once, then asked for each."""
 
-    def __init__(self, rig: Rig, scan: FittedScan) -> None:
-        self._rig, self._scan = rig, scan
+    def __init__(self, rig: Rig, scan: FittedScan, wall: Array | None = None) -> None:
+        """`wall` (V, 3) m: the chest wall under each vertex, where the rig knows it."""
+        self._rig, self._scan, self._wall = rig, scan, wall
         self._skin = FittedSkin(rig, scan.vertices, scan.known)
         self._settings = skin_map_settings(rig)
         self._normals = vertex_normals(scan.vertices, rig.faces)
@@ -118,6 +120,10 @@ class LesionsOnScan:
             if split_side(name)[0] == "nipple"
             for place in self._skin.at(self._skin.landmark(name))
         ]
+        walls = []
+        if self._wall is not None:
+            place = ClosestPointSearch(self._wall, self._rig.faces).query(center[None]).points[0]
+            walls = [_distance("chest_wall", "chest_wall", place, center, covariance, self._settings.wall_error)]
         return PlacedLesion(
             item,
             center,
@@ -125,7 +131,7 @@ class LesionsOnScan:
             covariance,
             depth=float(np.copysign(to_skin.length, (skin - center) @ outwards)),
             is_seen=is_seen,
-            distances=(to_skin, *sorted(nipples, key=lambda each: each.length)[:1]),
+            distances=(to_skin, *sorted(nipples, key=lambda each: each.length)[:1], *walls),
             slices=self._slices(center),
             is_carried=False,
         )
@@ -144,12 +150,18 @@ class LesionsOnScan:
     def _slices(self, center: Array) -> tuple[Slice, ...]:
         from trimesh import Trimesh  # 0.4 s, which a plan without lesions need not wait for
 
-        skin, axes, slices = Trimesh(self._scan.vertices, self._rig.faces, process=False), self._skin.axes, []
+        surfaces = [self._scan.vertices] if self._wall is None else [self._scan.vertices, self._wall]
+        meshes = [Trimesh(vertices, self._rig.faces, process=False) for vertices in surfaces]
+        axes, slices = self._skin.axes, []
         for plane, ((across, sign), (along, upwards)) in PLANES.items():
             right, up = sign * axes[:, across], upwards * axes[:, along]
-            cut = skin.section(plane_normal=np.cross(right, up), plane_origin=center)
-            paths = [] if cut is None else [cut.vertices[each.points] - center for each in cut.entities]
-            slices.append(Slice(plane, right, up, tuple(path @ np.column_stack([right, up]) for path in paths)))
+            cuts = [mesh.section(plane_normal=np.cross(right, up), plane_origin=center) for mesh in meshes]
+            flat = np.column_stack([right, up])
+            skin, wall = (
+                tuple((cut.vertices[each.points] - center) @ flat for each in cut.entities) if cut is not None else ()
+                for cut in (*cuts, None)[:2]
+            )
+            slices.append(Slice(plane, right, up, skin, wall))
         return tuple(slices)
 
     def outline(self, lesion: PlacedLesion) -> Polyline:

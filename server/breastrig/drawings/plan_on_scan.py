@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.clock import FittedSkin
 from breastrig.drawings.lesions import LesionsOnScan, PlacedLesion, distances_to_lines
@@ -33,6 +34,7 @@ class PlannedScan:
     name: str  # for people: standing, supine
     scan: FittedScan
     items: Sequence[PlanItem]
+    wall: Array | None = None  # (V, 3) m, its chest wall under each vertex of the model
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +68,7 @@ def plan_on_scan(rig: Rig, here: PlannedScan, others: Sequence[PlannedScan]) -> 
     An item that cannot be drawn or carried is missing, with the reason; the others are there all the same.
     """
     lines, missing = _drawn(rig, here.scan, here.items)
-    inside = LesionsOnScan(rig, here.scan)
+    inside = LesionsOnScan(rig, here.scan, here.wall)
     lesions = inside.own(here.items)
     for other in others:
         lesions += inside.carried(other.scan, other.items)

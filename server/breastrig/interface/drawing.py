@@ -35,14 +35,29 @@ class Line:
 
 
 @dataclass(frozen=True, eq=False)
+class Lesion:
+    """A ball inside the body, in a scan's unit and frame; lengths in their names' unit."""
+
+    name: str
+    center: Array  # (3,)
+    radius_mm: float
+    error_mm: float | None  # radius that holds its true centre with 90 %; 0 where it was given, None: not known
+    ellipsoid_mm: Array | None  # (3, 3) semi-axes, a row each, of the ellipsoid that holds it with 90 %
+    depth_mm: float  # below the fitted skin
+    seen: bool  # whether the scan shows the skin next to it; where not, its depth is the model's guess
+    distances_mm: dict[str, tuple[float, float, float]]  # skin, nipple_L, chest_wall, lines: with a 90 % band, or nan
+
+
+@dataclass(frozen=True, eq=False)
 class Drawing:
-    """The lines on one scan, in its unit and frame."""
+    """The lines on one scan and lesions in it, in its unit and frame."""
 
     name: str | None
     unit: str
     lines: tuple[Line, ...]
     document: dict[str, Any] = field(repr=False)  # breastrig/drawing@1
     inputs: tuple[Path, ...] = field(default=(), repr=False)  # files that it was made from; saving replaces none
+    lesions: tuple[Lesion, ...] = field(default=(), kw_only=True)
 
     def save(self, file: str | Path, *, force: bool = False) -> None:
         """Writes drawing JSON (breastrig/drawing@1, which names its unit), for its owner only.
@@ -65,12 +80,33 @@ class _Shape(BaseModel):
     distance_to_mm: list[float | None] | None = None
 
 
+class _Distance(BaseModel):
+    to: str
+    mm: float
+    low_mm: float | None
+    high_mm: float | None
+
+
+class _Lesion(BaseModel):
+    model_config = ConfigDict(extra="ignore", defer_build=True)
+
+    name: str
+    center: Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
+    radius_mm: float
+    error_mm: float | None
+    ellipsoid_mm: list[list[float]] | None
+    depth_mm: float
+    seen: bool
+    distances: list[_Distance]
+
+
 class _File(BaseModel):
     model_config = ConfigDict(extra="ignore", defer_build=True)
 
     name: str | None = None
     unit: Literal["m", "dm", "cm", "mm", "in", "ft"]
     shapes: list[_Shape]
+    lesions: list[_Lesion] = []
 
 
 def drawing_of(document: Any, inputs: tuple[Path, ...] = ()) -> Drawing:
@@ -81,7 +117,7 @@ def drawing_of(document: Any, inputs: tuple[Path, ...] = ()) -> Drawing:
     except ValidationError as error:
         where = ".".join(map(str, error.errors(include_url=False, include_input=False)[0]["loc"])) or "the whole"
         raise BadDrawing(f"This is no drawing on a scan ({where}); fit the scan again.") from error
-    return Drawing(found.name, found.unit, lines, document, inputs)
+    return Drawing(found.name, found.unit, lines, document, inputs, lesions=tuple(map(_lesion, found.lesions)))
 
 
 def _line(shape: _Shape) -> Line:
@@ -99,6 +135,17 @@ def _line(shape: _Shape) -> Line:
         _distances(shape.distance_from_mm),
         _distances(shape.distance_to_mm),
     )
+
+
+def _lesion(found: _Lesion) -> Lesion:
+    bands = {each.to: (each.mm, _known(each.low_mm), _known(each.high_mm)) for each in found.distances}
+    given = found.model_dump(exclude={"distances", "center", "ellipsoid_mm"})
+    ellipsoid = None if found.ellipsoid_mm is None else frozen(found.ellipsoid_mm)
+    return Lesion(**given, center=frozen(found.center), ellipsoid_mm=ellipsoid, distances_mm=bands)
+
+
+def _known(mm: float | None) -> float:
+    return float("nan") if mm is None else mm
 
 
 def _distances(values: list[float | None] | None) -> Array | None:

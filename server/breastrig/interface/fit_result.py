@@ -22,7 +22,7 @@ from breastrig.core.output_files import all_or_nothing
 from breastrig.core.private_files import write_files
 from breastrig.files.result import FIT_FILES, RESULT, UNCERTAINTY, DoubtedPick, damaged, fit_set, folder_name
 from breastrig.fitting.verdicts.verdict import Verdict
-from breastrig.interface.drawing import Drawing, drawing_of
+from breastrig.interface.drawing import Drawing, Lesion, drawing_of
 from breastrig.interface.model import Model, Rig, loaded, public
 from breastrig.interface.one_thread import one_thread
 from breastrig.interface.posterior import Posterior, posterior_of
@@ -32,6 +32,7 @@ from breastrig.scan.clean import Surface
 from breastrig.workflow.fit_recorder import FitOutcome
 from breastrig.workflow.folder.fit_files import fit_file, result_of
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_of_files, fitted, read_fit_files
+from breastrig.workflow.lines.transfer import lesions_document
 
 if TYPE_CHECKING:
     import trimesh
@@ -134,6 +135,12 @@ class Fit:
         except (ValueError, RecursionError) as error:
             raise BadDrawing("drawing.json of this fit is damaged; fit the scan again.") from error
         return drawing_of(document, self.inputs)
+
+    @cached_property
+    def lesions(self) -> tuple[Lesion, ...]:
+        """What the label map that was fitted shows inside, with depth and distances; `transfer` carries it."""
+        with one_thread():
+            return drawing_of(lesions_document(self.in_metres)).lesions
 
     def to_trimesh(self) -> "trimesh.Trimesh":
         """A copy of the fitted model as a trimesh.Trimesh, in the scan's unit and frame, vertices in their order."""

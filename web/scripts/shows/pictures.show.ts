@@ -1,11 +1,11 @@
 // The pictures of README and docs: the page on the example patient.  page.webp moves: the fit settles, a pattern is drawn, the
-// other stance stands beside it.  page.png and tablet.png are stills.
+// other stance stands beside it.  page.png, tablet.png and lesion.png are stills.
 import { execFileSync } from "node:child_process";
 import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { expect, type Page, test } from "@playwright/test";
-import { hook, untilFitted, untilStill } from "../../e2e/page";
+import { hook, trueLandmarks, untilFitted, untilStill } from "../../e2e/page";
 import { findPython, REPOSITORY, startService } from "../../e2e/service";
 
 const SCREEN = { width: 1280, height: 720 };
@@ -18,6 +18,24 @@ async function fit(page: Page): Promise<void> {
   await page.getByRole("button", { name: "Use the example's landmarks" }).click();
   await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).click();
   await untilFitted(page);
+}
+
+/** In the outer upper part of the left breast, on both stances. */
+async function lookAtLesion(page: Page): Promise<void> {
+  const { nipple_L: nipple, acromion_L: shoulder, mid_sternum: middle } = trueLandmarks();
+  const center = nipple!.map((value, i) => 0.72 * value + 0.16 * shoulder![i]! + 0.12 * middle![i]!);
+  await page.getByRole("button", { name: "Work here" }).click();
+  await page.keyboard.press("4");
+  await page.locator(".pattern").evaluate((pattern: HTMLDetailsElement) => (pattern.open = false));
+  const lesions = page.locator(".lesions").first();
+  await lesions.locator("summary").first().click();
+  await lesions.getByLabel("Name").fill("MRI 1");
+  await lesions.getByLabel("Centre").fill(center.map((mm) => mm.toFixed(1)).join(" "));
+  await lesions.getByRole("button", { name: "Add" }).click();
+  await expect(page.locator(".lesion-slices")).toBeVisible();
+  await lesions.locator(".lesions > summary").click();
+  await page.locator(".lesion-view").scrollIntoViewIfNeeded();
+  await expect.poll(() => page.evaluate(() => window.__breastrig!.state().stances.other!.drawn.onScan?.plan.lesions.length)).toBe(1);
 }
 
 test("pictures", async ({ browser }) => {
@@ -87,6 +105,12 @@ test("pictures", async ({ browser }) => {
   await page.emulateMedia({ colorScheme: "dark", reducedMotion: "reduce" });
   await untilStill(page);
   await page.screenshot({ path: join(folder, "tablet.png") });
+
+  await page.setViewportSize(SCREEN);
+  await page.emulateMedia({ colorScheme: "light", reducedMotion: "reduce" });
+  await lookAtLesion(page);
+  await untilStill(page);
+  await page.screenshot({ path: join(folder, "lesion.png") });
   writeFileSync(join(frames, "frames.json"), JSON.stringify(taken));
   execFileSync(findPython(), [join(import.meta.dirname, "moving_picture.py"), join(frames, "frames.json"), join(folder, "page.webp")], { stdio: "inherit" });
   await service.stop();

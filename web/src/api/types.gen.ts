@@ -460,7 +460,7 @@ export type LengthsQuestion = {
 
 /** From the centre of a lesion, straight, to the nearest point of what is named. */
 export type LesionDistance = {
-  kind: "skin" | "nipple" | "line";
+  kind: "skin" | "nipple" | "chest_wall" | "line";
   /** the landmark's or the shape's name */
   to: string;
   /** in the drawing's unit */
@@ -478,8 +478,10 @@ export type LesionSlice = {
   right: [number, number, number];
   /** unit vector in the scan's frame: cranial, or her front where axial */
   up: [number, number, number];
-  /** from the centre, to the right and up */
+  /** of the skin, from the centre to the right and up */
   outlines_mm: [number, number][][];
+  /** of the chest wall; empty where nothing is known of the rig's inside */
+  wall_mm: [number, number][][];
 };
 
 export type Limits = {
@@ -933,7 +935,7 @@ export type PlannedLesion = {
   depth_mm: number;
   /** whether the scan shows the skin next to it; where not, depth is the model's guess */
   seen: boolean;
-  /** skin, nearer nipple, then lines and patterns, nearest first */
+  /** skin, nearer nipple, chest wall if known; lines and patterns, nearest first */
   distances: LesionDistance[];
   slices: LesionSlice[];
   /** whether it was given on another scan */

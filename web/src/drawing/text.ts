@@ -88,7 +88,7 @@ export const lesions = {
   add: "Add",
   remove: (name: string) => `Remove ${name}`,
   noPlace: "The centre needs three numbers in millimetres, as 12.5 -80 43.",
-  says: (radius: number, depth: number | null) => [`radius ${radius}\u00a0mm`, depth === null ? "" : `${Math.round(depth)}\u00a0mm deep`].filter((part) => part !== "").join(", "),
+  says: (radius: number, depth: number | null) => [`radius ${Number(radius.toFixed(1))}\u00a0mm`, depth === null ? "" : `${Math.round(depth)}\u00a0mm deep`].filter((part) => part !== "").join(", "),
 };
 
 export const drawing = {

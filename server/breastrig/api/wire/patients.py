@@ -105,12 +105,15 @@ class PlannedShape(DrawnShape):
 class LesionDistance(Wire):
     """From the centre of a lesion, straight, to the nearest point of what is named."""
 
-    kind: Literal["skin", "nipple", "line"]
+    kind: Literal["skin", "nipple", "chest_wall", "line"]
     to: str = Field(description="the landmark's or the shape's name")
     point: Point = Field(description="in the drawing's unit")
     mm: float
     low_mm: float | None = Field(description="with the high one the band that holds nine of ten; null where not known")
     high_mm: float | None
+
+
+Outline = list[Annotated[list[float], Field(min_length=2, max_length=2)]]
 
 
 class LesionSlice(Wire):
@@ -119,9 +122,8 @@ class LesionSlice(Wire):
     plane: Literal["axial", "sagittal", "coronal"]
     right: Point = Field(description="unit vector in the scan's frame: patient's left, or her back where sagittal")
     up: Point = Field(description="unit vector in the scan's frame: cranial, or her front where axial")
-    outlines_mm: list[list[Annotated[list[float], Field(min_length=2, max_length=2)]]] = Field(
-        description="from the centre, to the right and up"
-    )
+    outlines_mm: list[Outline] = Field(description="of the skin, from the centre to the right and up")
+    wall_mm: list[Outline] = Field(description="of the chest wall; empty where nothing is known of the rig's inside")
 
 
 class PlannedLesion(Wire):
@@ -137,7 +139,9 @@ class PlannedLesion(Wire):
     )
     depth_mm: float = Field(description="of the centre below the fitted skin")
     seen: bool = Field(description="whether the scan shows the skin next to it; where not, depth is the model's guess")
-    distances: list[LesionDistance] = Field(description="skin, nearer nipple, then lines and patterns, nearest first")
+    distances: list[LesionDistance] = Field(
+        description="skin, nearer nipple, chest wall if known; lines and patterns, nearest first"
+    )
     slices: list[LesionSlice]
     carried: bool = Field(description="whether it was given on another scan")
 

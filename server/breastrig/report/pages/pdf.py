@@ -207,7 +207,7 @@ def _lesion_values(lesion: Mapping[str, Any]) -> list[tuple[str, str]]:
     distances = [each for each in lesion["distances"] if each["kind"] != "line"]
     distances += [each for each in lesion["distances"] if each["kind"] == "line"][:1]
     return [
-        ("radius", f"{lesion['radius_mm']:g} mm"),
+        ("radius", f"{lesion['radius_mm']:.3g} mm"),
         *((f"to {_whither(each)}", _banded(each)) for each in distances),
         ("its place", off),
     ]

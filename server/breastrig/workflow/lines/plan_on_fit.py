@@ -4,6 +4,8 @@ It reads one or more scans, and carries from each of them, so the service runs i
 """
 
 from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,9 +15,18 @@ from breastrig.core.errors import BadInput
 from breastrig.drawings.drawing_file import shape_document
 from breastrig.drawings.lesions import BALL, Distance, PlacedLesion, Slice
 from breastrig.drawings.plan_on_scan import PlannedLine, PlannedScan, PlanOnScan, plan_on_scan
-from breastrig.drawings.plan_schema import Plan, PlanItem, PlanNote, PlanTumour, checked_plan, empty_plan_on_scan
+from breastrig.drawings.plan_schema import (
+    Plan,
+    PlanItem,
+    PlanLesion,
+    PlanNote,
+    PlanTumour,
+    checked_plan,
+    empty_plan_on_scan,
+)
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
+from breastrig.volume.tetrahedra import chest_wall
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of
 from breastrig.workflow.jobs import PlanJob
 from breastrig.workflow.one_body import body_doubt
@@ -44,13 +55,12 @@ def plan_on_folders(rig: Rig, plan: Plan, fits: Sequence[tuple[FitFolder, str]],
     """
     names = [name or scan_of_plan(plan, fit) for fit, name in fits]
     here, *others = (
-        PlannedScan(
-            fit.stance,
-            fit.fitted_scan,
-            items_of(plan, name, is_home=place == home),
-        )
+        PlannedScan(fit.stance, fit.fitted_scan, items_of(plan, name, is_home=place == home))
         for place, ((fit, _), name) in enumerate(zip(fits, names, strict=True))
     )
+    if any(isinstance(item, PlanLesion) for item in plan.items):
+        with suppress(BadInput):  # a rig whose inside nobody knows
+            here = replace(here, wall=chest_wall(rig, fits[0][0].parameters))
     return plan_on_scan(rig, here, [other for other in others if other.items])
 
 
@@ -125,8 +135,13 @@ def _slice(cut: Slice) -> dict[str, Any]:
         "plane": cut.plane,
         "right": [round(float(value), 6) for value in cut.right],
         "up": [round(float(value), 6) for value in cut.up],
-        "outlines_mm": [(np.round(1e3 * outline, 1) + 0.0).tolist() for outline in cut.outlines],
+        "outlines_mm": _millimetres(cut.outlines),
+        "wall_mm": _millimetres(cut.wall),
     }
+
+
+def _millimetres(outlines: Sequence[Array]) -> list[list[list[float]]]:
+    return [(np.round(1e3 * outline, 1) + 0.0).tolist() for outline in outlines]
 
 
 def _place(point: Array, fit: FitFolder) -> list[float]:

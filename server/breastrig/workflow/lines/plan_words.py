@@ -56,7 +56,7 @@ def _values(item: PlanItem, fit: FitFolder | None) -> tuple[tuple[str, str], ...
             ("Below the skin", depth),
         )
     if isinstance(item, PlanLesion):
-        return (("Radius", f"{item.radius_mm:g} mm"),)
+        return (("Radius", f"{item.radius_mm:.3g} mm"),)
     if not isinstance(item, PlanPattern) or item.name not in PATTERNS:
         return ()
     parameters = [each for each in parameters_of(PATTERNS[item.name]).values() if each.name != "side"]

@@ -83,8 +83,14 @@ def _own(folder: Path, fit: FitFolder) -> Drawing:
 
 def _with_lesions(folder: Path, fit: FitFolder) -> Plan:
     """A plan of the fit's own drawing and of what its label map shows inside."""
+    lines = [each.model_dump(mode="json") for each in checked_plan(drawing_document(folder / "drawing.json")).items]
+    return checked_plan({"schema": PLAN_SCHEMA, "items": [*lines, *_lesions(fit)]})
+
+
+def _lesions(fit: FitFolder) -> list[dict[str, Any]]:
+    """As items of a plan."""
     to_mm = 1e3 * fit.metres_per_unit
-    lesions = [
+    return [
         {
             "kind": "lesion",
             "id": f"lesion-{number}",
@@ -94,8 +100,12 @@ def _with_lesions(folder: Path, fit: FitFolder) -> Plan:
         }
         for number, each in enumerate(fit.result.lesions, 1)
     ]
-    lines = [each.model_dump(mode="json") for each in checked_plan(drawing_document(folder / "drawing.json")).items]
-    return checked_plan({"schema": PLAN_SCHEMA, "items": [*lines, *lesions]})
+
+
+def lesions_document(fit: FitFolder) -> dict[str, Any]:
+    """What the fit's label map shows inside, as a plan on its own scan."""
+    plan = checked_plan({"schema": PLAN_SCHEMA, "items": _lesions(fit)})
+    return plan_document(plan, fit, plan_on_folders(fit.rig, plan, [(fit, "")]))
 
 
 def _plan_on(rig: Rig, plan: Plan, source: FitFolder, goal: FitFolder, other_patient: bool) -> dict[str, Any]:

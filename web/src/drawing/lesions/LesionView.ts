@@ -28,12 +28,13 @@ export function lesionView(lesion: LaidLesion, line: string | null, hand: Hand |
   );
 }
 
+const pathOf = (lines: LesionSlice["wall_mm"]): string => lines.map((points) => points.map(([x, y], k) => `${k === 0 ? "M" : "L"}${x} ${-y}`).join("")).join("");
+
 /** A figure 140 mm across around where the plan has the lesion; the ball is where it is now. */
 function sliceView(lesion: LaidLesion, slice: LesionSlice, hand: Hand | null): HTMLElement {
   const { radius_mm: radius, error_mm: error } = lesion;
-  const skin = slice.outlines_mm.map((points) => points.map(([x, y], k) => `${k === 0 ? "M" : "L"}${x} ${-y}`).join("")).join("");
   const ball = svg("g", {}, svg("circle", { r: radius + (error ?? 0), class: "reach" }), svg("circle", { r: radius, class: "ball" }));
-  const picture = svg("svg", { viewBox: `${-HALF_MM} ${-HALF_MM} ${2 * HALF_MM} ${2 * HALF_MM}`, role: "img", "aria-label": words.slice(slice.plane) }, svg("path", { d: skin, class: "skin" }), ball);
+  const picture = svg("svg", { viewBox: `${-HALF_MM} ${-HALF_MM} ${2 * HALF_MM} ${2 * HALF_MM}`, role: "img", "aria-label": words.slice(slice.plane) }, svg("path", { d: pathOf(slice.wall_mm), class: "wall" }), svg("path", { d: pathOf(slice.outlines_mm), class: "skin" }), ball);
   const figure = el("figure", {}, el("figcaption", { class: "small muted" }, slice.plane));
   figure.prepend(picture);
   if (!hand) return figure;

@@ -2,7 +2,7 @@
 import { drawing } from "../text";
 
 export const lesionView = {
-  to: ({ kind, to }: { kind: string; to: string }) => ({ skin: "Below the skin", nipple: "To the nipple", line: `To ${drawing.shapeName(to)}` })[kind] ?? to,
+  to: ({ kind, to }: { kind: string; to: string }) => ({ skin: "Below the skin", nipple: "To the nipple", chest_wall: "To the chest wall", line: `To ${drawing.shapeName(to)}` })[kind] ?? to,
   banded: ({ mm, low_mm: low, high_mm: high }: { mm: number; low_mm: number | null; high_mm: number | null }) => `${mm.toFixed(0)}\u00a0mm${low === null || high === null ? "" : `, ${low.toFixed(0)} to ${high.toFixed(0)}`}`,
   place: "Its place",
   placed: ({ carried, error_mm: error }: { carried: boolean; error_mm: number | null }) => (!carried ? "as given" : error === null ? "carried, how far off is not known" : `carried, ±\u00a0${error.toFixed(0)}\u00a0mm`),
