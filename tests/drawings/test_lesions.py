@@ -9,7 +9,7 @@ from helpers.surfaces import sphere
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.lesions import LesionsOnScan
 from breastrig.drawings.plan_on_scan import PlannedScan, plan_on_scan
-from breastrig.drawings.plan_schema import PlanLesion, PlanLine
+from breastrig.drawings.plan_schema import PlanLesion, PlanLine, PlanTumour
 from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
@@ -27,6 +27,10 @@ def ball(toy_rig: Rig) -> Rig:
 def scanned(rig: Rig, keep: np.ndarray | None = None, stance: str = "standing") -> FittedScan:
     faces = rig.faces if keep is None else rig.faces[keep[rig.faces].all(axis=1)]
     return FittedScan(ScanTarget(rig.template, faces), rig.template, {}, stance, np.full(len(rig.template), 0.004))
+
+
+def places(rig: Rig) -> dict[str, np.ndarray]:
+    return dict(zip(rig.landmark_names, rig.landmark_points().positions(rig.template, rig.faces), strict=True))
 
 
 def lesion(center: list[float]) -> PlanLesion:
@@ -91,3 +95,20 @@ def test_the_nearer_nipple_and_the_bodys_directions() -> None:
         (coronal.right, [1, 0, 0]), (coronal.up, [0, 1, 0]),
     ):  # fmt: skip
         np.testing.assert_allclose(direction, expected, atol=1e-6)
+
+
+def test_a_tumour_by_the_clock_whose_depth_is_known_lies_inside_with_its_circle_over_it() -> None:
+    rig = read_rig(default_rig_path())
+    scan = replace(scanned(rig), landmarks=places(rig))
+    hour = {"kind": "tumour", "side": "L", "clock": 10.0, "distance_mm": 30.0, "radius_mm": 10.0}
+    deep, flat = (
+        PlanTumour.model_validate(hour | {"id": name, "depth_mm": mm}) for name, mm in (("a", 15.0), ("b", None))
+    )
+    found = plan_on_scan(rig, PlannedScan("standing", scan, [deep, flat]), [])
+    (lesion,) = found.lesions
+    assert (lesion.item.id, lesion.item.radius_mm, lesion.item.name) == ("a", 10.0, "Tumour, left")
+    assert lesion.depth == pytest.approx(0.015, abs=2e-3)
+    assert lesion.error == pytest.approx(0.004)
+    assert [each.item.id for each in found.lines] == ["a", "b"]
+    (carried,) = plan_on_scan(rig, PlannedScan("supine", scan, []), [PlannedScan("standing", scan, [deep])]).lesions
+    np.testing.assert_allclose(carried.center, lesion.center, atol=2e-3)

@@ -7,7 +7,8 @@ along it.  Slices are cuts of the fitted skin.
 Evidence: docs/decisions/0015.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -15,10 +16,12 @@ import numpy as np
 from scipy.stats import chi2, norm
 
 from breastrig.core.arrays import Array
-from breastrig.core.stances import split_side
+from breastrig.core.errors import BadDrawing
+from breastrig.core.stances import SIDES, split_side
 from breastrig.drawings.clock import FittedSkin
+from breastrig.drawings.constructions.tumour import Tumour
 from breastrig.drawings.line_error import carried_errors, radii_at
-from breastrig.drawings.plan_schema import PlanItem, PlanLesion
+from breastrig.drawings.plan_schema import PlanItem, PlanLesion, PlanTumour, asked_of
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.skin_maps.interior_map import InteriorMap
 from breastrig.drawings.skin_maps.settings import skin_map_settings
@@ -90,12 +93,15 @@ class LesionsOnScan:
         self._normals = vertex_normals(scan.vertices, rig.faces)
 
     def own(self, items: Iterable[PlanItem]) -> list[PlacedLesion]:
-        """Those that were given on this scan, where they were given."""
-        return [self._placed(item, _center(item), 0.0) for item in items if isinstance(item, PlanLesion)]
+        """Those that were given on this scan; a tumour by the clock is as far off as the skin there."""
+        return [
+            self._placed(item, _center(item), self._radius(_center(item)) if is_by_clock else 0.0)
+            for item, is_by_clock in _lesions(self._rig, self._scan, items)
+        ]
 
     def carried(self, other: FittedScan, items: Iterable[PlanItem]) -> list[PlacedLesion]:
         """Those that were given on another scan of the same patient."""
-        lesions = [item for item in items if isinstance(item, PlanLesion)]
+        lesions = [item for item, _ in _lesions(self._rig, other, items)]
         if not lesions:
             return []
         there = np.array([_center(item) for item in lesions])
@@ -142,10 +148,15 @@ class LesionsOnScan:
             (error / BALL) ** 2 * 3.0 / (2.0 + share) * (np.eye(3) - (1.0 - share) * np.outer(outwards, outwards))
         )
 
-    def _off(self, place: Array) -> float | None:
-        """m: half of the interval that holds, along any direction, a place of the fitted skin with 90 %."""
+    def _radius(self, place: Array) -> float | None:
+        """m, of the ball that holds the true place of the skin there with 90 %."""
         radii, search = self._scan.radii, self._scan.search(self._rig)
-        return None if radii is None else LINE / BALL * float(radii_at(self._rig, search, radii, place[None])[0])
+        return None if radii is None else float(radii_at(self._rig, search, radii, place[None])[0])
+
+    def _off(self, place: Array) -> float | None:
+        """m: half of the interval that holds it along any direction."""
+        radius = self._radius(place)
+        return None if radius is None else LINE / BALL * radius
 
     def _slices(self, center: Array) -> tuple[Slice, ...]:
         from trimesh import Trimesh  # 0.4 s, which a plan without lesions need not wait for
@@ -202,6 +213,24 @@ def _distance(
         return Distance(kind, to, point, length, None)
     along = way / max(length, 1e-9)
     return Distance(kind, to, point, length, float(np.hypot(LINE * np.sqrt(along @ covariance @ along), off)))
+
+
+def _lesions(rig: Rig, scan: FittedScan, items: Iterable[PlanItem]) -> Iterator[tuple[PlanLesion, bool]]:
+    """Lesions and, as such, tumours by the clock whose depth is known; and whether it is one of these."""
+    skin = FittedSkin(rig, scan.vertices, scan.known)
+    for item in items:
+        if isinstance(item, PlanLesion):
+            yield item, False
+        elif isinstance(item, PlanTumour) and item.depth_mm is not None:
+            with suppress(BadDrawing):  # its circle is missing, with the reason
+                place = Tumour.model_validate(asked_of(item)[1]).centre(skin)
+                outwards = place.directions(vertex_normals(scan.vertices, rig.faces), rig.faces)[0]
+                center = 1e3 * skin.at(place)[0] - item.depth_mm * outwards
+                name = f"Tumour, {SIDES[item.side]}"
+                yield (
+                    PlanLesion(id=item.id, scan=item.scan, name=name, center=center.tolist(), radius_mm=item.radius_mm),
+                    True,
+                )
 
 
 def _center(item: PlanLesion) -> Array:

@@ -16,7 +16,7 @@ from breastrig.drawings.clock import FittedSkin
 from breastrig.drawings.lesions import LesionsOnScan, PlacedLesion, distances_to_lines
 from breastrig.drawings.line_error import with_errors
 from breastrig.drawings.patterns import drawing_with
-from breastrig.drawings.plan_schema import PlanItem, PlanLesion, PlanLine, PlanNote, PlanPattern, asked_of
+from breastrig.drawings.plan_schema import PlanItem, PlanLesion, PlanLine, PlanNote, PlanPattern, PlanTumour, asked_of
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.drawings.transfer import transferred
@@ -80,7 +80,12 @@ def plan_on_scan(rig: Rig, here: PlannedScan, others: Sequence[PlannedScan]) -> 
     outside = [each for each in lesions if each.depth < -OUTSIDE]
     missing += [MissingItem(each.item, _outside(each)) for each in outside]
     found = tuple(_with_lines(each, _unique(lines)) for each in lesions if each not in outside)
-    lines += [PlannedLine(each.item, inside.outline(each), "projection", each.is_carried) for each in found]
+    have_circles = {each.item.id for each in lines if isinstance(each.item, PlanTumour)}
+    lines += [
+        PlannedLine(each.item, inside.outline(each), "projection", each.is_carried)
+        for each in found
+        if each.item.id not in have_circles
+    ]
     return PlanOnScan(_unique(lines), found, tuple(missing))
 
 

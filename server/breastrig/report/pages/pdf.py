@@ -203,7 +203,7 @@ def _lesions(stances: Sequence[Reported]) -> list[Table]:
 def _lesion_values(lesion: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Of the lines the nearest alone."""
     error = lesion["error_mm"]
-    off = "as given" if not lesion["carried"] else margin_text(error)
+    off = "as given" if error == 0.0 else margin_text(error)
     distances = [each for each in lesion["distances"] if each["kind"] != "line"]
     distances += [each for each in lesion["distances"] if each["kind"] == "line"][:1]
     return [
