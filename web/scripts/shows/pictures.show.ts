@@ -20,10 +20,10 @@ async function fit(page: Page): Promise<void> {
   await untilFitted(page);
 }
 
-/** In the outer upper part of the left breast, on both stances. */
+/** In the left breast, on both stances. */
 async function lookAtLesion(page: Page): Promise<void> {
-  const { nipple_L: nipple, acromion_L: shoulder, mid_sternum: middle } = trueLandmarks();
-  const center = nipple!.map((value, i) => 0.72 * value + 0.16 * shoulder![i]! + 0.12 * middle![i]!);
+  const { nipple_L: nipple, acromion_L: shoulder, inframammary_fold_L: fold } = trueLandmarks();
+  const center = nipple!.map((value, i) => 0.5 * value + 0.25 * shoulder![i]! + 0.25 * fold![i]!);
   await page.getByRole("button", { name: "Work here" }).click();
   await page.keyboard.press("4");
   await page.locator(".pattern").evaluate((pattern: HTMLDetailsElement) => (pattern.open = false));
@@ -31,6 +31,8 @@ async function lookAtLesion(page: Page): Promise<void> {
   await lesions.locator("summary").first().click();
   await lesions.getByLabel("Name").fill("MRI 1");
   await lesions.getByLabel("Centre").fill(center.map((mm) => mm.toFixed(1)).join(" "));
+  await lesions.getByLabel("Radius").fill("8");
+  await lesions.getByLabel("Radius").press("Tab");
   await lesions.getByRole("button", { name: "Add" }).click();
   await expect(page.locator(".lesion-slices")).toBeVisible();
   await lesions.locator(".lesions > summary").click();
