@@ -9,7 +9,7 @@ from helpers.surfaces import sphere
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.drawings.lesions import COLOR
+from breastrig.drawings.inside.lesions import COLOR
 from breastrig.drawings.plan_on_scan import PlannedScan, plan_on_scan
 from breastrig.drawings.plan_schema import PlanLesion
 from breastrig.drawings.skin_maps.interior_map import InteriorMap

@@ -7,7 +7,7 @@ import pytest
 from helpers.surfaces import sphere
 
 from breastrig.correspondence.target import ScanTarget
-from breastrig.drawings.lesions import LesionsOnScan
+from breastrig.drawings.inside.lesions import LesionsOnScan
 from breastrig.drawings.plan_on_scan import PlannedScan, plan_on_scan
 from breastrig.drawings.plan_schema import PlanLesion, PlanLine, PlanTumour
 from breastrig.drawings.skin_maps.skin_map import FittedScan

@@ -13,7 +13,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.clock import FittedSkin
-from breastrig.drawings.lesions import LesionsOnScan, PlacedLesion, distances_to_lines
+from breastrig.drawings.inside.lesions import LesionsOnScan, PlacedLesion, distances_to_lines
 from breastrig.drawings.line_error import with_errors
 from breastrig.drawings.patterns import drawing_with
 from breastrig.drawings.plan_schema import PlanItem, PlanLesion, PlanLine, PlanNote, PlanPattern, PlanTumour, asked_of

@@ -13,7 +13,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadInput
 from breastrig.drawings.drawing_file import shape_document
-from breastrig.drawings.lesions import BALL, Distance, PlacedLesion, Slice
+from breastrig.drawings.inside.lesions import BALL, Distance, PlacedLesion, Slice
 from breastrig.drawings.plan_on_scan import PlannedLine, PlannedScan, PlanOnScan, plan_on_scan
 from breastrig.drawings.plan_schema import (
     Plan,

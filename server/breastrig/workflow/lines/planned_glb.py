@@ -5,7 +5,7 @@ from typing import Any
 
 from breastrig.core.srgb import rgb
 from breastrig.drawings.drawing_file import lesions_on_scan, planned_on_scan
-from breastrig.drawings.lesions import COLOR
+from breastrig.drawings.inside.lesions import COLOR
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.lines.lines_glb import Ball, with_lines
 
