@@ -48,6 +48,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="make N warped bodies into DIR/warped and take them; a COHORT's patients are warped, too",
     )
     parser.add_argument(
+        "--prone",
+        action="store_true",
+        help="warped bodies as a breast MRI shows them, into DIR/prone; the COHORT's patients need PATIENT/prone",
+    )
+    parser.add_argument(
         "--hanging",
         type=float,
         metavar="SHARE",
@@ -88,6 +93,8 @@ def _cohort(options: argparse.Namespace) -> Path:
         return _painted(options)
     if options.warped is not None:
         return _warped(options)
+    if options.prone:
+        raise BadInput("--prone is how warped bodies are scanned; give --warped N.")
     if options.hanging is not None:
         raise BadInput("--hanging is a share of the warped bodies; give --warped N.")
     if options.half is not None:
@@ -146,6 +153,7 @@ def _warped(options: argparse.Namespace) -> Path:
     """The folder of the warped bodies, with those that were not there yet."""
     from breastrig_studies.virtual.warped import make_warped
     from breastrig_studies.virtual.warped.numbers import HANGING
+    from breastrig_studies.virtual.warped.prone import make_prone
 
     if options.virtual:
         raise BadInput("Give --warped or --virtual, not both.")
@@ -154,8 +162,11 @@ def _warped(options: argparse.Namespace) -> Path:
     share = HANGING if options.hanging is None else options.hanging
     if not 0.0 <= share <= 1.0:
         raise BadInput("--hanging is a share of the bodies; give a number from 0 to 1.")
-    folder = Path(options.output) / "warped"
-    if folder.is_dir() and any(not each.name.startswith("warped_") for each in folder.iterdir()):
+    if options.prone and (options.cohort is None or options.hanging is not None):
+        raise BadInput("--prone needs a COHORT with prone patients, and takes no --hanging.")
+    kind = "prone" if options.prone else "warped"
+    folder = Path(options.output) / kind
+    if folder.is_dir() and any(not each.name.startswith(f"{kind}_") for each in folder.iterdir()):
         raise BadInput(f"{folder} holds other things than warped bodies; choose another folder with -o.")
     private_folder(folder)
     with tqdm(unit="scan", disable=not sys.stderr.isatty(), leave=False, desc="warped bodies") as bar:
@@ -165,6 +176,9 @@ def _warped(options: argparse.Namespace) -> Path:
             bar.update()
             raise_if_asked()
 
+        if options.prone:
+            make_prone(folder, progress, options.cohort, options.warped, half=options.half or "both")
+            return folder
         make_warped(folder, progress, options.cohort, options.warped, half=options.half or "both", hanging=share)
     return folder
 

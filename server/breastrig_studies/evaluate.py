@@ -18,6 +18,7 @@ from breastrig_studies.tables import transfer as transfer_tables
 from breastrig_studies.tables import unseen as unseen_tables
 from breastrig_studies.tables import verdicts as verdict_tables
 from breastrig_studies.tables.breasts import by_breasts
+from breastrig_studies.tables.prone import prone_table
 from breastrig_studies.tables.table import Table
 
 WORK = "work"  # folder of the records
@@ -74,6 +75,7 @@ def possible_tables(results: Results) -> list[Table]:
         transfer_tables.lesions_table(found),
         transfer_tables.other_patient_table(found),
         unseen_tables.unseen_table(found),
+        prone_table(found),
         by_breasts(certainty_tables.certainty_table, found),
         by_breasts(certainty_tables.reliability_table, found),
         by_breasts(certainty_tables.believed_table, found),

@@ -196,6 +196,8 @@ def test_a_failed_fit_is_reported_and_the_others_go_on(
         (["--virtual", "--half", "choose"], "--half"),
         (["--virtual", "--hanging", "1"], "--hanging is a share"),
         (["--warped", "1", "--hanging", "2"], "--hanging is a share"),
+        (["--warped", "1", "--prone"], "--prone needs a COHORT"),
+        (["--prone"], "--prone is how warped bodies are scanned"),
         (["nowhere", "--preset", "fast"], "fast"),
         (["nowhere", "--jobs", "0"], "--jobs"),
         (["nowhere", "--rotations", "-1"], "--rotations"),

@@ -14,11 +14,13 @@ from breastrig.rig.model import Rig
 from breastrig_studies.cohort import Case
 from breastrig_studies.evaluate import Results, possible_tables
 from breastrig_studies.page.publish import TABLES
+from breastrig_studies.page.study_sections import prone_section
 from breastrig_studies.studies.plan import Plan, counts, first_shapes, shape_effects
 from breastrig_studies.studies.result_cache import Record, Unit
 from breastrig_studies.tables.accuracy import console, groups, landmarks_table, turn_numbers, turns_table
 from breastrig_studies.tables.breasts import by_breasts, of_all
 from breastrig_studies.tables.certainty import believed_table, certainty_table
+from breastrig_studies.tables.prone import prone_table
 from breastrig_studies.tables.table import Column, Row, Table, mean_row
 from breastrig_studies.tables.verdicts import verdicts_table
 
@@ -156,3 +158,24 @@ def test_an_evaluation_knows_each_of_its_tables_as_a_file_of_its_own() -> None:
     plan = Plan((), (load_recipe("default"),), default_rig_path(), rotations=1, quick=False)
     made = [table.name for table in possible_tables(Results(plan, [], {}))]
     assert sorted(made) == sorted({*TABLES} - {"blendshape_order"})  # that one only where the plan has a scan
+
+
+def test_prone_fits_have_medians_worst_and_shares_by_what_was_given() -> None:
+    def fit(nipples: float | None, level: str) -> dict[str, Any]:
+        return {"surface_mm": 1.0, "nipples_mm": nipples, "error_mm": 4.0, "level": level}
+
+    kinds = ("given", "half", "none", "head_down")
+    first = {"stance": "prone", "fits": {kind: fit(2.0, "good") for kind in kinds}}
+    second = {"stance": "standing", "fits": {kind: fit(None, "check") for kind in kinds}}
+    records = [record("independent", "prone", each, question="prone") for each in (first, second)]
+    table = prone_table(records)
+    assert [row.cells[1] for row in table.rows] == ["given", "half given", "none given", "head down"]
+    by_name = dict(zip((column.name for column in table.columns), table.rows[0].cells, strict=True))
+    assert (by_name["n"], by_name["surface_mm"], by_name["nipples_mm"], by_name["nipples_worst_mm"]) == (
+        2,
+        1.0,
+        2.0,
+        2.0,
+    )
+    assert (by_name["good"], by_name["check"], by_name["unusable"], by_name["found"]) == (50.0, 50.0, 0.0, 50.0)
+    assert "2.00" in prone_section(table).answers[0]

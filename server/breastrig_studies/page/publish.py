@@ -35,6 +35,7 @@ TABLES = (
     "lesions",
     "other_patient",
     "unseen",
+    "prone",
     "certainty",
     "reliability",
     "believed",

@@ -15,6 +15,31 @@ from breastrig_studies.tables.studies import PICKS
 from breastrig_studies.tables.table import Row, Table, mean
 
 
+def prone_section(table: Table) -> Section:
+    """One sentence a family and kind of fit."""
+    place = {column.name: index for index, column in enumerate(table.columns)}
+
+    def words(row: Row) -> str:
+        surface, nipples, worst = (
+            mm(cell if isinstance(cell, float) else None)
+            for cell in (row.cells[place[name]] for name in ("surface_mm", "nipples_mm", "nipples_worst_mm"))
+        )
+        return (
+            f"{str(row.cells[0]).capitalize()} bodies, {row.cells[1]}: the model alone is {surface} from the skin, "
+            f"nipples {nipples} off, at worst {worst}; {row.cells[place['unusable']]:.0f} % are called unusable."
+        )
+
+    return Section(
+        "prone",
+        "How good are fits of a breast MRI's skin?",
+        "The front of the chest, breasts hanging, fitted with the landmarks that an MRI shows, with every second of "
+        "them, with none, and from a start that is turned head down.",
+        tuple(words(row) for row in table.rows),
+        (),
+        ("prone",),
+    )
+
+
 def verdicts_section(table: Table) -> Section:
     """Of whole scans that are fitted rightly, and of all that are not."""
     place = {column.name: index for index, column in enumerate(table.columns)}
@@ -300,6 +325,8 @@ def all_sections(results: Results, tables: dict[str, Table]) -> list[Section]:
     found += [sections.clicks(results), sections.wrong_picks(results)]
     if "unseen" in tables:
         found.append(unseen_sections.unseen_section(results.records))
+    if "prone" in tables:
+        found.append(prone_section(tables["prone"]))
     if "certainty" in tables:
         found.append(certainty_section(results.records))
     if "measures" in tables:

@@ -13,6 +13,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan, FitFailed
+from breastrig.core.stances import PRONE
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.correspondence.distances import ACCEPTED, summary_mm
 from breastrig.correspondence.match import match
@@ -24,7 +25,8 @@ from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.stance import found_stance
-from breastrig.fitting.starts.orientation import best_start
+from breastrig.fitting.starts.orientation import MIN_LANDMARKS, Start, best_start, start_from_scan
+from breastrig.fitting.starts.prone import prone_start
 from breastrig.fitting.task import Doubt
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
@@ -78,8 +80,15 @@ class Scene:
         """The stance that the program finds by itself, without landmarks."""
         return found_stance(FitTask(rig, self.target, start, recipe, {}), self.frame).stance
 
+    def place(self, rig: Rig) -> Start:
+        """Where the program finds the body in the known stance, without landmarks."""
+        prone = prone_start(rig, self.target, self.frame) if self.case.stance == PRONE else None
+        return prone or start_from_scan(rig, self.target, self.frame.fronts)
+
     def start(self, rig: Rig, given: dict[str, Array]) -> RigParameters:
         """The start that the program chooses for these landmarks ((3,) m by name)."""
+        if len(given) < MIN_LANDMARKS:
+            return self.place(rig).parameters
         return best_start(rig, self.target, given, lambda: self.frame.fronts)
 
     def fitted(

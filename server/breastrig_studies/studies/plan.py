@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
+from breastrig.core.stances import PRONE
 from breastrig.fitting.recipe import Recipe
 from breastrig.rig.model import Rig
 from breastrig_studies.cohort import Case
@@ -44,6 +45,7 @@ class Plan:
         units = [unit for recipe in self.recipes for unit in self._each("accuracy", recipe)]
         for question in ("halves", "no_landmarks", "clicks", "one_wrong", "exchanged_sides"):
             units += self._each(question)
+        units += [unit for unit in self._each("prone") if unit.cases[0].stance == PRONE]
         if self.rotations:
             units += self._each("random_turns", rotations=self.rotations)
         if not self.quick:

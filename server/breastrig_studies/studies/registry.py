@@ -23,6 +23,7 @@ from breastrig_studies.studies.ink import ink_study, ink_transfer_study
 from breastrig_studies.studies.lesions import lesions_study
 from breastrig_studies.studies.measures import measures_study
 from breastrig_studies.studies.other_patient import other_patient
+from breastrig_studies.studies.prone import prone
 from breastrig_studies.studies.transfer import transfer_study
 from breastrig_studies.studies.trust import certainty
 from breastrig_studies.studies.trust.verdicts import verdicts
@@ -96,6 +97,7 @@ ANSWERS: dict[str, Answer] = {
     "certainty": _of_one_case(certainty.certainty),
     "measures": _of_one_case(measures_study),
     "verdicts": _of_one_case(verdicts),
+    "prone": _of_one_case(prone),
     "peer": _of_one_case(peers.peer),
     "two_stances": two_stances,
     "transfer": transfer_study,

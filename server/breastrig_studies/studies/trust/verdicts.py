@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.correspondence.distances import Comparison
+from breastrig.correspondence.distances import Comparison, surface_summary_mm
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
@@ -38,23 +38,23 @@ def verdicts(scene: Scene, rig: Rig, recipe: Recipe) -> dict[str, Any]:
     shown = {n: place for (n, place), gap in zip(scene.landmarks.items(), gaps, strict=True) if gap < SHOWN}
     found = start_from_scan(rig, scene.target, scene.frame.fronts)
     fits: dict[str, Any] = {}
-    none, proposed = _judged(scene, rig, recipe, found.parameters, {}, found.margin, {})
+    none, proposed = judged(scene, rig, recipe, found.parameters, {}, found.margin, {})
     near = scene.target.search.query(np.array(list(proposed.values())))
     on_skin = dict(zip(proposed, near.points, strict=True))
     if len(shown) >= MIN_LANDMARKS:
-        fits["landmarks"], _ = _judged(scene, rig, recipe, scene.start(rig, shown), shown, None, on_skin)
+        fits["landmarks"], _ = judged(scene, rig, recipe, scene.start(rig, shown), shown, None, on_skin)
     fits["none"] = none
     nodded = {
         n: at for n, at, gap in zip(proposed, near.points, near.distances, strict=True) if gap < SHOWN
     }  # one picks on skin
     if len(nodded) >= MIN_LANDMARKS:
-        fits["accepted"], _ = _judged(scene, rig, recipe, scene.start(rig, nodded), nodded, None, on_skin)
-    fits["head_down"], _ = _judged(scene, rig, recipe, _head_down(rig, scene, found.similarity), {}, None, {})
+        fits["accepted"], _ = judged(scene, rig, recipe, scene.start(rig, nodded), nodded, None, on_skin)
+    fits["head_down"], _ = judged(scene, rig, recipe, head_down(rig, scene, found.similarity), {}, None, {})
     capture = json.loads((scene.case.folder / "case.json").read_text("utf-8")).get("capture", WHOLE[0])
     return {"whole": capture in WHOLE, "fits": fits}
 
 
-def _judged(
+def judged(
     scene: Scene,
     rig: Rig,
     recipe: Recipe,
@@ -69,9 +69,8 @@ def _judged(
     posterior = Posterior(ended(task, last), last.parameters)
     doubts: tuple[Doubt, ...] = (*last.not_followed, *unusual(posterior))
     vertices = posterior.state.vertices
-    signals = fit_signals(
-        in_stance(rig, task.stance), last.parameters, Comparison(scene.target, vertices, rig.faces), clearness
-    )
+    compared = Comparison(scene.target, vertices, rig.faces)
+    signals = fit_signals(in_stance(rig, task.stance), last.parameters, compared, clearness)
     repeated = len(picked_names(picks, proposed)) < MIN_LANDMARKS
     left = len(rig.landmark_names) - len(picks)
     given = GivenLandmarks(picked=len(picks), left=left, followed=len(picks), repeated=repeated)
@@ -80,11 +79,17 @@ def _judged(
     said = verdict(signals, last.status, verdict_limits(rig), given, doubts, lines, task.stance)
     error = 1e3 * float(scene.landmark_errors(rig, vertices).mean())
     at = rig.landmark_points().positions(vertices, rig.faces)
-    answer = {"level": said.level, "error_mm": round(error, 2), "reasons": list(said.reasons)}
+    surface = surface_summary_mm(compared.distances.model)["mean"]
+    answer = {
+        "level": said.level,
+        "error_mm": round(error, 2),
+        "surface_mm": surface,
+        "reasons": list(said.reasons),
+    }
     return answer, dict(zip(rig.landmark_names, at, strict=True))
 
 
-def _head_down(rig: Rig, scene: Scene, right: Similarity) -> RigParameters:
+def head_down(rig: Rig, scene: Scene, right: Similarity) -> RigParameters:
     """The start turned by half a turn about the way it faces, around the middle of the scan."""
     turn = right.rotation @ np.diag([-1.0, -1.0, 1.0]) @ right.rotation.T
     middle = scene.target.vertices.mean(axis=0)
