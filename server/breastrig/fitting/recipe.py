@@ -10,37 +10,33 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from breastrig.core.errors import BadSettings, unknown_name
 from breastrig.core.private_files import is_ordinary, shown
+from breastrig.core.settings_file import Positive, SettingsPart
 from breastrig.core.stances import split_side
 from breastrig.fitting.presets.preset_files import changed, preset_names, preset_text
 
 COMMON = "default"  # what a preset is silent about is taken from it:
 COMMON_PARTS = ("outliers", "stance_rule", "lying", "landmarks")
 
-Positive = Annotated[float, Field(gt=0.0)]
 Range = tuple[Positive, Positive]
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Stop(_Part):
+class Stop(SettingsPart):
     distance_change_m: Positive  # converged when the mean distance changes by less than this
     patience: Annotated[int, Field(ge=1)]  # so many iterations in a row
 
 
-class Observations(_Part):
+class Observations(SettingsPart):
     spacing: Positive  # m on the skin between observations that tell something new of each other
     focus: tuple[str, ...] = ()  # regions of the rig, where it is narrower; those that the rig lacks are left out
     focus_spacing: Positive = 1.0  # m, in these regions, at most `spacing`
     growth: Annotated[float, Field(ge=0.0)] = 0.0  # of the spacing, m for each m of distance from the regions
 
 
-class Joints(_Part):
+class Joints(SettingsPart):
     rotation_sigma: Positive | None = None  # rad, the same for all joints; else the rig's own
     translation_sigma: Annotated[float, Field(ge=0.0)] | None = None  # m; 0 is a hard joint; else the rig's own
     rotation_factor: Positive = 1.0
@@ -48,13 +44,13 @@ class Joints(_Part):
     limit_sigma: Positive | None = None  # rad, how softly the rig's limits are met; absent: no limits
 
 
-class Scales(_Part):
+class Scales(SettingsPart):
     sigma: Positive
     neighbour_sigma: Positive | None = None
     symmetry_sigma: Positive | None = None
 
 
-class Body(_Part):
+class Body(SettingsPart):
     """How far the statistics of bodies are believed; see fitting/body and energies/body_prior.py."""
 
     share: Positive  # of their covariance
@@ -62,14 +58,14 @@ class Body(_Part):
     shape_factor: Positive  # likewise single weights, in units of what is expected of them (Shapes)
 
 
-class Folding(_Part):
+class Folding(SettingsPart):
     """How far shapes may press the skin together; see energies/folding.py."""
 
     least: Annotated[float, Field(lt=1.0)]  # stretch of an edge along itself
     sigma: Positive  # of that stretch
 
 
-class Shapes(_Part):
+class Shapes(SettingsPart):
     constraint: Literal["simplex", "box", "free"]
     sigma: Positive | None = None  # the same for all shapes; else the rig's own times the factor
     factor: Positive = 1.0
@@ -79,7 +75,7 @@ class Shapes(_Part):
     folding: Folding | None = None  # absent: the skin may fold
 
 
-class Stage(_Part):
+class Stage(SettingsPart):
     name: str
     iterations: Annotated[int, Field(ge=1, le=500)]  # at most
     tighten: Annotated[int, Field(ge=1, le=500)]  # iterations until every range is at its end; then it may converge
@@ -106,7 +102,7 @@ class Stage(_Part):
         return self
 
 
-class Outliers(_Part):
+class Outliers(SettingsPart):
     """When a picked landmark is asked about, and when it is not followed; see fitting/picks."""
 
     unusual: Positive  # standard deviations from where it is expected, beyond which a pick is asked about
@@ -119,7 +115,7 @@ class Outliers(_Part):
     exchanged_least: Positive  # m; which is larger than this as they are
 
 
-class Lying(_Part):
+class Lying(SettingsPart):
     """Where a back rests on a table that the scan shows; see energies/table_contact.py."""
 
     sigma: Positive  # m, of the height of the whole back
@@ -129,7 +125,7 @@ class Lying(_Part):
     heights: dict[str, float]  # m, expected mean height of the back above the table, by bone
 
 
-class LandmarkErrors(_Part):
+class LandmarkErrors(SettingsPart):
     """Of one landmark, or of all that are not named."""
 
     misfit: Positive  # m on each axis, what the model cannot show of real bodies there
@@ -140,14 +136,14 @@ class LandmarkErrors(_Part):
     mirrored: Positive | None = None  # m on each axis, of one side from the other's pick; absent: not used
 
 
-class StanceRule(_Part):
+class StanceRule(SettingsPart):
     """Standing or lying, where no table tells; see stance.py."""
 
     arms_hanging: Positive  # rad from the chest's long axis; nobody lies with the arms this close
     arms_between: Positive  # rad, between standing and lying patients
 
 
-class Hanging(_Part):
+class Hanging(SettingsPart):
     """When a fit begins again with breasts that hang; see body/hanging_start.py."""
 
     after: str  # the stage that shows whether they were flattened
@@ -157,7 +153,7 @@ class Hanging(_Part):
     sigma: Positive  # of that expectation
 
 
-class Recipe(_Part):
+class Recipe(SettingsPart):
     name: str
     description: str
     damping: Positive  # in units of the priors' information

@@ -1,30 +1,22 @@
 """Numbers that distinguish concavities from the skin around them; each has its reason beside it in features.toml."""
 
-import tomllib
 from functools import lru_cache
-from importlib import resources
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from breastrig.core.settings_file import NotNegative, Positive, SettingsPart, packaged
 from breastrig.core.stances import split_side
 
-Positive = Annotated[float, Field(gt=0.0)]
-NotNegative = Annotated[float, Field(ge=0.0)]
 
-
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Smooth(_Part):
+class Smooth(SettingsPart):
     """Skin on which nothing of a concavity is seen."""
 
     around: Positive  # m, of a place
     below: Positive  # logarithm of a chance, as `weight` and `most` make it
 
 
-class Concavity(_Part):
+class Concavity(SettingsPart):
     """One kind of concavity that a landmark lies in."""
 
     view: Literal["skin", "front"]  # along the skin's own normal around, or from the body's front
@@ -45,7 +37,7 @@ class Concavity(_Part):
     smooth: Smooth | None = None  # absent: nobody knows
 
 
-class Shoulder(_Part):
+class Shoulder(SettingsPart):
     """Where the tip of a hanging shoulder lies to the form of the arm below it."""
 
     edge_below: Positive  # m, under the tip
@@ -61,7 +53,7 @@ class Shoulder(_Part):
     reason: str  # a few words
 
 
-class LyingShoulder(_Part):
+class LyingShoulder(SettingsPart):
     """How far a lying shoulder's tip is from the form's; each a constant (m) and what it changes per metre of three
     lengths from the notch: outwards to the form's tip, frontwards to it, frontwards to the front of the upper arm."""
 
@@ -76,14 +68,14 @@ class LyingShoulder(_Part):
     reason: str  # a few words
 
 
-class MidSternum(_Part):
+class MidSternum(SettingsPart):
     """Where the middle of the breast bone is expected between its ends."""
 
     at: Annotated[float, Field(gt=0.0, lt=1.0)]  # share of the way from notch to xiphoid
     share: Annotated[float, Field(ge=0.0, le=1.0)]  # of the step there from the model's own place
 
 
-class Relief(_Part):
+class Relief(SettingsPart):
     """All of features.toml."""
 
     pixel: Positive  # m
@@ -102,5 +94,4 @@ class Relief(_Part):
 @lru_cache(maxsize=1)
 def relief() -> Relief:
     """The package's own."""
-    file = resources.files("breastrig.relief") / "features.toml"
-    return Relief.model_validate(tomllib.loads(file.read_text("utf-8")))
+    return packaged(Relief, "breastrig.relief", "features.toml")

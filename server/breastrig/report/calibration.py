@@ -1,22 +1,15 @@
 """How far measures by the model's outline are off where the truth is known, kept as data beside the rig."""
 
 from functools import lru_cache
-from typing import Annotated
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
 
+from breastrig.core.settings_file import NotNegative, SettingsPart
 from breastrig.rig.known import known_part
 from breastrig.rig.model import Rig
 
-NotNegative = Annotated[float, Field(ge=0.0)]
 
-
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Spread(_Part):
+class Spread(SettingsPart):
     """An error (90 %) that grows with the radii of the places, but is never less than so much."""
 
     least: NotNegative  # m
@@ -33,7 +26,7 @@ class Outline(Spread):
     outwards: float  # m, by which it lies too far in
 
 
-class Heights(_Part):
+class Heights(SettingsPart):
     """Of nipple, fold and lowest skin, along a standing body's axis."""
 
     picked: NotNegative  # m, 90 %, of a place that was picked
@@ -43,7 +36,7 @@ class Heights(_Part):
     hidden_fold: NotNegative  # m, 90 %, of that
 
 
-class MeasureCalibration(_Part):
+class MeasureCalibration(SettingsPart):
     """Of one rig's measures."""
 
     standing: Outline

@@ -5,25 +5,20 @@ Bodies in a breast MRI hang farther than any other and hold their arms overhead 
 
 from dataclasses import replace
 from functools import lru_cache
-from typing import Annotated
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+from pydantic import Field, FiniteFloat
 
 from breastrig.core.arrays import Array
+from breastrig.core.settings_file import Positive, SettingsPart
 from breastrig.core.stances import split_side
 from breastrig.rig.known import known_part
 from breastrig.rig.model import Rig
 
-Positive = Annotated[float, Field(gt=0.0)]
 MIRRORED = np.array([1.0, -1.0, -1.0])  # of a rotation vector, in the median plane
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class ShapePrior(_Part):
+class ShapePrior(SettingsPart):
     """Of one shape's weight; what is absent is the rig's."""
 
     min: FiniteFloat | None = None
@@ -32,7 +27,7 @@ class ShapePrior(_Part):
     mean: FiniteFloat = 0.0
 
 
-class JointPrior(_Part):
+class JointPrior(SettingsPart):
     """Of the joint above one bone; absent: the rig's, and no turn."""
 
     rotation_sigma: Positive | None = None  # rad
@@ -40,11 +35,11 @@ class JointPrior(_Part):
     rest: tuple[FiniteFloat, FiniteFloat, FiniteFloat] = (0.0, 0.0, 0.0)  # rad, rotation vector of the left side
 
 
-class StancePriors(_Part):
+class StancePriors(SettingsPart):
     """By the names of shapes and bones without their sides."""
 
-    shapes: dict[str, ShapePrior] = {}
-    joints: dict[str, JointPrior] = {}
+    shapes: dict[str, ShapePrior] = Field(default={})
+    joints: dict[str, JointPrior] = Field(default={})
 
 
 @lru_cache(maxsize=16)

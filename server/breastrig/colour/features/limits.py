@@ -1,20 +1,11 @@
 """Numbers that distinguish features from what looks like them; each has its reason beside it in features.toml."""
 
-import tomllib
 from functools import lru_cache
-from importlib import resources
-from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
-
-Positive = Annotated[float, Field(gt=0.0)]
+from breastrig.core.settings_file import Positive, SettingsPart, packaged
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class AreolaLimits(_Part):
+class AreolaLimits(SettingsPart):
     """Of colour/features/areola.py and nipple.py."""
 
     lightness: Positive  # weights of darker and redder in the search
@@ -43,7 +34,7 @@ class AreolaLimits(_Part):
     radius_floor: Positive  # m, likewise of the radius
 
 
-class NavelLimits(_Part):
+class NavelLimits(SettingsPart):
     """Of colour/features/navel.py."""
 
     lightness: Positive  # weights of darker and redder
@@ -60,7 +51,7 @@ class NavelLimits(_Part):
     floor: Positive  # m, error on each axis of the skin that the chances do not show
 
 
-class CrossLimits(_Part):
+class CrossLimits(SettingsPart):
     """Of colour/features/crosses.py."""
 
     around: Positive  # m, how far around a landmark ink is looked for
@@ -71,7 +62,7 @@ class CrossLimits(_Part):
     error: Positive  # m, root mean square, of a cross that was drawn on a landmark
 
 
-class Features(_Part):
+class Features(SettingsPart):
     """All of features.toml."""
 
     areola: AreolaLimits
@@ -82,5 +73,4 @@ class Features(_Part):
 @lru_cache(maxsize=1)
 def features() -> Features:
     """The package's own."""
-    file = resources.files("breastrig.colour") / "features" / "features.toml"
-    return Features.model_validate(tomllib.loads(file.read_text("utf-8")))
+    return packaged(Features, "breastrig.colour.features", "features.toml")

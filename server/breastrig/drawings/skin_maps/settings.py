@@ -8,21 +8,18 @@ from functools import lru_cache
 from importlib import resources
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from breastrig.core.settings_file import NotNegative, Positive, SettingsPart
 from breastrig.rig.known import checked_part, known_numbers
 from breastrig.rig.model import Rig
 
 FILE = "skin_map.toml"
-Positive = Annotated[float, Field(gt=0.0)]
-NotNegative = Annotated[float, Field(ge=0.0)]
 Count = Annotated[int, Field(ge=1)]
 
 
-class SkinMapSettings(BaseModel):
+class SkinMapSettings(SettingsPart):
     """Of drawings/skin_maps/skin_map.py; lengths in m, angles in rad."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     centres: Count
     length: Positive

@@ -5,16 +5,14 @@ the supine shapes, clipped.  Weights: stance_signs.toml, estimated by breastrig_
 docs/decisions/0004.
 """
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib import resources
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict
 
 from breastrig.core.arrays import Array
+from breastrig.core.settings_file import SettingsPart, packaged
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.body.hanging import body_axes
 from breastrig.fitting.body.relief import energy_without_relief
@@ -27,15 +25,13 @@ MEASURED = ("suprasternal_notch", "xiphoid", "nipple_L", "nipple_R")
 SHOWN = 0.015  # m from the scan
 
 
-class Sign(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+class Sign(SettingsPart):
     between: float  # its value that says nothing
     weight: float  # of the log odds of a supine body, for one unit more
     most: float | None = None  # farther from `between` it counts no more
 
 
-class StanceSigns(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+class StanceSigns(SettingsPart):
     unsure: float  # log odds, either way, up to which the answer is doubted
     signs: dict[str, Sign]
 
@@ -58,8 +54,7 @@ class LikelyStance:
 
 @lru_cache(maxsize=1)
 def stance_signs() -> StanceSigns:
-    file = resources.files("breastrig.fitting") / "starts" / "stance_signs.toml"
-    return StanceSigns.model_validate(tomllib.loads(file.read_text("utf-8")))
+    return packaged(StanceSigns, "breastrig.fitting.starts", "stance_signs.toml")
 
 
 def arm_angles(rig: Rig, x: RigParameters) -> Array:

@@ -5,30 +5,21 @@ is added to them, both chosen so that the radii hold nine of ten true places of 
 """
 
 from functools import lru_cache
-from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
-
+from breastrig.core.settings_file import NotNegative, Positive, SettingsPart
 from breastrig.core.stances import split_side
 from breastrig.rig.known import known_part
 from breastrig.rig.model import Rig
 
-Positive = Annotated[float, Field(gt=0.0)]
-NotNegative = Annotated[float, Field(ge=0.0)]
 
-
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Misfit(_Part):
+class Misfit(SettingsPart):
     """m, root mean square distance, of one kind of place."""
 
     shown: NotNegative  # by a pick, or by the scan
     hidden: NotNegative  # by neither
 
 
-class Hanging(_Part):
+class Hanging(SettingsPart):
     """m, root mean square distance that one unit of a hanging breast's shape adds, of a kind of landmark or region."""
 
     shown: NotNegative  # by a pick, or skin by the scan while there are picks
@@ -36,7 +27,7 @@ class Hanging(_Part):
     without_picks: NotNegative
 
 
-class WithoutPicks(_Part):
+class WithoutPicks(SettingsPart):
     """Of a fit without landmarks, which the scan alone has placed; see Start.margin for how clear that was."""
 
     stretch: NotNegative  # of the posterior's standard deviations, in the place of that with picks
@@ -54,7 +45,7 @@ class WithoutPicks(_Part):
         return self.astray * min(max((self.clear - margin) / (self.clear - self.unclear), 0.0), 1.0)
 
 
-class Calibration(_Part):
+class Calibration(SettingsPart):
     """Of one model."""
 
     stretch: NotNegative  # of the posterior's standard deviations

@@ -12,8 +12,9 @@ from functools import lru_cache
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from breastrig.core.settings_file import SettingsPart
 from breastrig.core.stances import STANDING
 from breastrig.fitting.task import Doubt
 from breastrig.fitting.verdicts.fit_signals import HANGS, FitSignals
@@ -41,11 +42,7 @@ PER_UNIT = {"percent": 100.0, "mm": 1e3, "degrees": 180.0 / np.pi}
 SHOWN = 2  # reasons in the sentence of a refusal: the strongest
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class SignalLimits(_Part):
+class SignalLimits(SettingsPart):
     """Of one signal; `above` says on which side of the limits it speaks against the fit."""
 
     above: bool
@@ -59,21 +56,21 @@ class SignalLimits(_Part):
     scan_alone: bool = False  # says nothing where landmarks placed the fit
 
 
-class StanceLimits(_Part):
+class StanceLimits(SettingsPart):
     """Of one signal in one stance."""
 
     check: float
     no_torso: float
 
 
-class LineLimits(_Part):
+class LineLimits(SettingsPart):
     """m, of how far off nine of ten places of a line on the breasts may be."""
 
     check: float  # farther off a plan needs a look
     unknown: float  # and beyond no place is known
 
 
-class VerdictLimits(_Part):
+class VerdictLimits(SettingsPart):
     """Of one model."""
 
     stances: tuple[str, ...]  # of the bodies that they were chosen on
@@ -81,7 +78,7 @@ class VerdictLimits(_Part):
     unusable_at: Annotated[int, Field(ge=1)]
     refused_at: Annotated[int, Field(ge=2)]
     signals: dict[str, SignalLimits]
-    of_stance: dict[str, dict[str, StanceLimits]] = {}  # by stance and signal, where they differ
+    of_stance: dict[str, dict[str, StanceLimits]] = Field(default={})  # by stance and signal, where they differ
 
     def in_stance(self, stance: str) -> "VerdictLimits":
         """With the limits of this stance."""
