@@ -20,8 +20,8 @@ from breastrig.volume.known_volume import KnownVolume, known_volume
 from breastrig.volume.sound import sound
 from breastrig.volume.volume_mesh import SOFT, VolumeMesh
 
-WALL_SPRING = 0.3  # the wall is an estimate,
-SKIN_SPRING = 30.0  # the skin is not
+WALL_SPRING = 3.0  # the wall is an estimate,
+SKIN_SPRING = 1000.0  # the skin is not
 
 
 def volume_mesh(rig: Rig, x: RigParameters, vertices: Array) -> VolumeMesh:
