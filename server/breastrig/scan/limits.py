@@ -3,6 +3,7 @@
 MEBIBYTE = 2**20
 FILE_BYTES = 400 * MEBIBYTE
 TRIANGLES = 2_000_000  # an edge of 1 mm on a torso; reading one takes 20 s, of which most is finding how she lies
+TOO_MANY_TRIANGLES = f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first."
 VERTICES = 3 * TRIANGLES  # an STL repeats every corner
 POINTS = 5_000_000  # of a cloud; a depth camera that goes around a torso sees some 500,000
 PCD_HEADER_BYTES = 10_000  # eleven lines

@@ -25,7 +25,7 @@ from breastrig.scan.formats.obj import read_obj
 from breastrig.scan.formats.ply import read_ply
 from breastrig.scan.formats.stl import read_stl
 from breastrig.scan.formats.usd_process import usd_pieces
-from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES
+from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TOO_MANY_TRIANGLES, TRIANGLES
 from breastrig.scan.pictures.companions import Companions, beside
 from breastrig.scan.pictures.joined_textures import UNPAINTED, joined_textures
 from breastrig.scan.pictures.texture import written_anew
@@ -286,7 +286,7 @@ def _check(whole: Piece, has_points: bool) -> None:
         what = "only points" if has_points else "no triangles"
         raise BadScan(f"This scan has {what}; export it as a triangle mesh.")
     if len(whole.faces) > TRIANGLES:
-        raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
+        raise TooLarge(TOO_MANY_TRIANGLES)
     if len(whole.faces) < MIN_TRIANGLES:
         count = "1 triangle" if len(whole.faces) == 1 else f"{len(whole.faces)} triangles"
         raise BadScan(f"This scan has only {count}, too few to show a torso; export the whole mesh.")

@@ -43,14 +43,7 @@ class RidgePoints:
 
     def at(self, rows: Integers) -> "RidgePoints":
         """Some of them."""
-        return RidgePoints(
-            self.places[rows],
-            self.tangents[rows],
-            self.faces[rows],
-            self.heights[rows],
-            self.spots[rows],
-            self.along[rows],
-        )
+        return RidgePoints(*(getattr(self, each.name)[rows] for each in fields(RidgePoints)))
 
 
 def darkening(density: NDArray[Real]) -> NDArray[Real]:

@@ -8,7 +8,7 @@ from typing import Any
 from breastrig.core.arrays import Integers
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.core.gltf_arrays import whole
-from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES, VERTICES
+from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TOO_MANY_TRIANGLES, TRIANGLES, VERTICES
 
 DRACO = "KHR_draco_mesh_compression"
 MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
@@ -32,7 +32,7 @@ def draco_mesh(data: bytes) -> tuple[dict[int, Any], Integers]:
     except Exception as error:  # a decoder of untrusted bytes can raise anything
         raise BadScan("This GLB file is damaged: its Draco data cannot be unpacked; export it again.") from error
     if len(faces) > TRIANGLES or max(map(len, attributes.values()), default=0) > VERTICES:
-        raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
+        raise TooLarge(TOO_MANY_TRIANGLES)
     return attributes, faces
 
 

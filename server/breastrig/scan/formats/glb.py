@@ -29,6 +29,7 @@ from breastrig.scan.limits import (
     GLTF_NODES,
     GLTF_PRIMITIVES,
     MEBIBYTE,
+    TOO_MANY_TRIANGLES,
     TRIANGLES,
     VERTICES,
 )
@@ -213,7 +214,7 @@ class _Drawn:
             triangles += corners // 3 if _mode(primitive) == TRIANGLE_LIST else corners
             vertices += points
         if triangles > TRIANGLES or vertices > VERTICES:
-            raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
+            raise TooLarge(TOO_MANY_TRIANGLES)
 
     def _count(self, accessor: Any) -> int:
         return whole(entry(self._document, "accessors", accessor).get("count"), "the length of an array")

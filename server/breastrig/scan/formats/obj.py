@@ -16,7 +16,7 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.formats.mtl import Material, read_materials
 from breastrig.scan.formats.polygons import fans
-from breastrig.scan.limits import MATERIALS, TRIANGLES, VERTICES
+from breastrig.scan.limits import MATERIALS, TOO_MANY_TRIANGLES, TRIANGLES, VERTICES
 from breastrig.scan.numbers_in_text import first_columns, numbers
 from breastrig.scan.pictures.companions import ONLY_PAINTING, UNPLACED, Companions
 from breastrig.scan.piece import PARTLY_COLOURED, UNCOLOURED, Piece, Pieces, PointCloud, colour_bytes, part
@@ -95,7 +95,7 @@ class _Lines:
         if len({name for _, name in self.materials}) > MATERIALS:
             raise TooLarge(f"This OBJ file uses more than the {MATERIALS} materials allowed; join them.")
         if len(self.points) > VERTICES:
-            raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
+            raise TooLarge(TOO_MANY_TRIANGLES)
 
     def _add(self, rest: bytes, normals: int) -> None:
         if len(rest) > LONGEST_LINE:
@@ -108,7 +108,7 @@ class _Lines:
         self.counts.append(len(words))
         self._triangles += len(words) - 2
         if self._triangles > TRIANGLES:
-            raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
+            raise TooLarge(TOO_MANY_TRIANGLES)
         self.polygons.extend(map(self.corners.__getitem__, words))
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.formats.polygons import fans, split, strip
-from breastrig.scan.limits import PLY_HEADER_BYTES, TRIANGLES, VERTICES
+from breastrig.scan.limits import PLY_HEADER_BYTES, TOO_MANY_TRIANGLES, TRIANGLES, VERTICES
 from breastrig.scan.numbers_in_text import numbers
 from breastrig.scan.pictures.companions import UNPLACED, Companions
 from breastrig.scan.piece import SEVERAL, Piece, Pieces, PointCloud, colour_bytes, part
@@ -71,7 +71,7 @@ def read_ply(data: bytes, files: Companions, texture: bool) -> Pieces:
     if max(element.count for element in elements) > VERTICES or any(
         element.name == "face" and element.count > TRIANGLES for element in elements
     ):
-        raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
+        raise TooLarge(TOO_MANY_TRIANGLES)
     if sum(element.count for element in elements) > len(data) - at:  # each takes a byte at least
         raise ValueError("more rows than bytes")
     read = _text(data[at:], elements) if form == "ascii" else _binary(data, at, elements, BYTE_ORDERS[form])
@@ -263,7 +263,7 @@ def _walked(data: bytes, at: int, element: Element, order: str) -> tuple[Columns
             raise ValueError("cut off")
     starts, counts = (np.array(found, np.int64).reshape(-1, element.count) for found in (walked, lengths))
     if int(counts.sum()) > 2 * VERTICES:
-        raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
+        raise TooLarge(TOO_MANY_TRIANGLES)
     content, found = np.frombuffer(data, np.uint8), dict[str, Any]()
     for each, (behind, offset) in reversed(list(zip(element.properties, places, strict=True))):
         size = np.dtype(each.kind).itemsize
@@ -297,7 +297,7 @@ def _faces(face: Columns, strips: Columns) -> tuple[Integers, Integers]:
     faces, polygons = np.zeros((0, 3), np.int64), np.zeros(0, np.int64)
     if corners is not None:
         if len(corners.counts) and int(np.maximum(corners.counts - 2, 0).sum()) > TRIANGLES:
-            raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
+            raise TooLarge(TOO_MANY_TRIANGLES)
         if (corners.counts < 3).any():
             raise ValueError("a polygon of fewer than three corners")
         order, polygons = fans(corners.counts)
@@ -305,7 +305,7 @@ def _faces(face: Columns, strips: Columns) -> tuple[Integers, Integers]:
     for each in strips.values():
         if isinstance(each, Ragged):
             if len(each.values) > VERTICES:
-                raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
+                raise TooLarge(TOO_MANY_TRIANGLES)
             values = _whole(each.values)
             ends = np.union1d(np.cumsum(each.counts), np.flatnonzero(values == -1))
             more = [strip(part[part != -1]) for part in np.split(values, ends)]

@@ -9,7 +9,7 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.file_type import BINARY_STL_HEADER, BINARY_STL_TRIANGLE, is_text_stl
 from breastrig.scan.formats.polygons import split
-from breastrig.scan.limits import STL_SOLIDS, TRIANGLES
+from breastrig.scan.limits import STL_SOLIDS, TOO_MANY_TRIANGLES, TRIANGLES
 from breastrig.scan.numbers_in_text import first_columns
 from breastrig.scan.piece import Piece, Pieces
 
@@ -41,10 +41,10 @@ def _binary(data: bytes) -> tuple[NDArray[np.void], tuple[str, ...]]:
     held, rest = divmod(len(data) - BINARY_STL_HEADER, BINARY_STL_TRIANGLE)
     is_no_count = announced == 0 or announced > TRIANGLES  # written before the triangles were counted
     if held < announced and not (is_no_count and rest == 0):
-        raise TooLarge(_too_many()) if held > TRIANGLES else BadScan(CUT_OFF)
+        raise TooLarge(TOO_MANY_TRIANGLES) if held > TRIANGLES else BadScan(CUT_OFF)
     count = held if announced != held and rest == 0 and _go_on(data, announced, held) else announced
     if count > TRIANGLES:
-        raise TooLarge(_too_many())
+        raise TooLarge(TOO_MANY_TRIANGLES)
     notes = () if count == announced else (WRONG_COUNT.format(count=count),)
     return np.frombuffer(data, ROW, count, BINARY_STL_HEADER), notes
 
@@ -63,16 +63,12 @@ def _go_on(data: bytes, announced: int, held: int) -> bool:
     return bool(((others >= low - margin) & (others <= high + margin)).all())
 
 
-def _too_many() -> str:
-    return f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first."
-
-
 def _text(data: bytes) -> Array:
     """(3 F, 3) corners."""
     text = END.sub(rb"end\1", data.replace(b"\r", b"\n").lower())
     rows = [line.split(None, 1)[1] for line in text.split(b"\n") if line.split(None, 1)[:1] == [b"vertex"]]
     if len(rows) > 3 * TRIANGLES:
-        raise TooLarge(_too_many())
+        raise TooLarge(TOO_MANY_TRIANGLES)
     if text.count(b"endsolid") > STL_SOLIDS:
         raise TooLarge(f"This STL file has more than the {STL_SOLIDS} parts allowed; join them.")
     if text.rfind(b"endsolid") <= text.rfind(b"vertex") or len(rows) != 3 * text.count(b"endfacet"):

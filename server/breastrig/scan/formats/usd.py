@@ -22,7 +22,7 @@ from breastrig.core.errors import BadInput, BadScan, TooLarge
 from breastrig.core.scratch import scratch_folder
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.scan.formats.polygons import fans, split
-from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES, USD_PRIMS, VERTICES, ZIP_ENTRIES
+from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TOO_MANY_TRIANGLES, TRIANGLES, USD_PRIMS, VERTICES, ZIP_ENTRIES
 from breastrig.scan.pictures.companions import PICTURES, UNPLACED, Companions, Reader
 from breastrig.scan.piece import Piece, Pieces, srgb_bytes
 
@@ -125,7 +125,7 @@ class _Scene:
             for piece in self._mesh(UsdGeom.Mesh(prim)):
                 triangles, vertices = triangles + len(piece.faces), vertices + len(piece.vertices)
                 if triangles > TRIANGLES or vertices > VERTICES:
-                    raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
+                    raise TooLarge(TOO_MANY_TRIANGLES)
                 pieces.append(piece)
         if not pieces:
             raise BadScan(NESTED if self._is_nested else DAMAGED)
