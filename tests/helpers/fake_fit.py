@@ -16,7 +16,7 @@ from breastrig.files.result import ResultFile
 from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.gltf.read_rig import read_rig
-from breastrig.report.files.surface_files import surface_ply
+from breastrig.report.files.geometry_files import surface_ply
 from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig.rig.skinning import Posed
 from breastrig.scan.clean import clean

@@ -3,7 +3,7 @@
 import numpy as np
 
 from breastrig.geometry.polyline import Polyline
-from breastrig.report.files.line_files import obj_lines, ply_lines
+from breastrig.report.files.geometry_files import obj_lines, ply_lines
 
 RING = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.2, 0.05]])
 LINES = (

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 from helpers.toy_rig import toy_rig
 
-from breastrig.report.files.surface_files import surface_ply, surface_stl
+from breastrig.report.files.geometry_files import surface_ply, surface_stl
 
 FAR = np.array([10_000.123456789, -4_321.987654321, 8_765.4321])  # m
 PER_UNIT = {"m": 1.0, "mm": 1e-3}

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from breastrig.core.errors import BadInput
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.gltf.mesh_glb import mesh_glb
-from breastrig.report.files.surface_files import surface_ply
+from breastrig.report.files.geometry_files import surface_ply
 from breastrig.scan.clean import clean
 from breastrig.scan.read import read_scan
 

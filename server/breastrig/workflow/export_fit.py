@@ -7,8 +7,7 @@ from breastrig.core.documents import json_bytes
 from breastrig.core.srgb import rgb
 from breastrig.gltf.lines.lines_glb import lines_glb
 from breastrig.report.files.exported import closed_model, vertex_sets
-from breastrig.report.files.line_files import obj_lines, ply_lines
-from breastrig.report.files.surface_files import surface_ply, surface_stl
+from breastrig.report.files.geometry_files import obj_lines, ply_lines, surface_ply, surface_stl
 from breastrig.workflow.folder.fit_folder import read_fit_folder
 from breastrig.workflow.report import laid_plan, planned_lines, stance_of
 

@@ -17,8 +17,7 @@ from breastrig.drawings.line_error import with_errors
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.fitting.body.trunk_depth import skin_behind
 from breastrig.fitting.fit import FitIterate
-from breastrig.fitting.observed.areolae import observed_areolae
-from breastrig.fitting.observed.landmarks import followed
+from breastrig.fitting.observed.landmarks import followed, observed_areolae
 from breastrig.fitting.picks.checked_fit import ended
 from breastrig.fitting.picks.mistakes import explained
 from breastrig.fitting.picks.unusual import unusual

@@ -23,7 +23,7 @@ from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.gltf.link_mesh import coloured_mesh, plain_mesh
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.replay import fitted_glb
-from breastrig.report.files.surface_files import surface_ply
+from breastrig.report.files.geometry_files import surface_ply
 from breastrig.rig.skinning import Posed
 from breastrig.scan.hand_cuts import are_cut
 from breastrig.scan.read import read_scan

@@ -13,7 +13,7 @@ import numpy as np
 from breastrig.colour.areolae import ObservedAreola
 from breastrig.core.arrays import Array
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.fitting.observed.areolae import NIPPLES
+from breastrig.fitting.observed.landmarks import NIPPLES
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.propose import Proposal, propose_landmarks
 from breastrig.fitting.recipe import Recipe

@@ -4,6 +4,9 @@ The form is fitted first and says where each landmark is expected, and how well 
 enters the normal equations as picks do, but with an error of its own: that of the observation, and that of the model,
 whose landmark need not lie where a real body has it (the misfit of the presets).  So an areola moves the model's nipple
 there without bending the rest, and form that says otherwise more clearly keeps its place.
+
+Areolae are also observed for the measures, whether or not they placed the nipples, on scans with a texture: colours of
+vertices are left out, for their triangles are as large as the differences that matter.
 """
 
 from collections.abc import Collection, Mapping
@@ -14,6 +17,7 @@ import numpy as np
 from breastrig.colour.areolae import ObservedAreola
 from breastrig.colour.features.observation import Expectation, Observation
 from breastrig.core.arrays import Array
+from breastrig.core.stances import SIDES
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
@@ -92,3 +96,32 @@ def with_observations(task: FitTask, seen: Mapping[str, Observation], fitted: Ri
         landmark_errors=errors,
         from_colour=frozenset(seen),
     )
+
+
+KNOWN = 0.006  # m, root mean square error of a fitted or picked nipple
+NIPPLES = {f"nipple_{side}": side for side in SIDES}
+
+
+def observed_areolae(
+    rig: Rig,
+    vertices: Array,
+    picked: Mapping[str, Array],
+    scan: Scan,
+    observed: Mapping[str, Observation] | None = None,
+) -> dict[str, ObservedAreola | None]:
+    """Side -> the areola there, None where none is seen; empty for a scan without a texture.
+
+    `vertices` (V, 3) m is the fitted model; landmarks count as `picked`.  `observed` is what was seen before the fit.
+    """
+    sides = {name: side for name, side in NIPPLES.items() if name in rig.landmark_names}
+    if scan.colour_kind != "texture" or not sides:
+        return {}
+    from breastrig.colour.features.observe import observed_landmarks  # loads image filters
+
+    if observed is None:
+        body, expected = expectations(rig, vertices, dict.fromkeys(sides, KNOWN), picked)
+        observed = observed_landmarks(scan, expected, body[:, 0], body[:, 1])
+    found: dict[str, ObservedAreola | None] = {}
+    for name, side in sides.items():
+        found[side] = areola_of(observed[name]) if name in observed else None
+    return found

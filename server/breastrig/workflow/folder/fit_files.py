@@ -43,7 +43,7 @@ from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.replay import fitted_glb
 from breastrig.least_squares.newton import Status
 from breastrig.report.body_frame import body_frame
-from breastrig.report.files.surface_files import surface_ply
+from breastrig.report.files.geometry_files import surface_ply
 from breastrig.rig.known import NOT_CALIBRATED
 from breastrig.workflow.fit_recorder import FitOutcome
 
