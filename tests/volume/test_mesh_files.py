@@ -129,3 +129,11 @@ def test_other_endings_and_a_missing_extra_are_sentences(
     assert main(["volume", str(fits / "standing"), "-o", str(tmp_path / "torso.vtu")]) == 2
     assert 'need "breastrig[volume]"' in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
+
+
+def test_unsound_tetrahedra_are_said(
+    fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("breastrig.volume.tetrahedra.sound", lambda points, *_: -points)
+    assert main(["volume", str(fits / "standing"), "-o", str(tmp_path / "torso.feb")]) == 3
+    assert "42046 are inverted), for the fitted skin is folded there" in capsys.readouterr().err

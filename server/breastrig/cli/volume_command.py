@@ -2,13 +2,14 @@
 breast_R, chest_wall, trunk; which nodes are held, slide, or hold the breast; and the skin nodes' model vertices."""
 
 import argparse
+import sys
 from pathlib import Path
 
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_file
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.private_files import write_private
 from breastrig.volume.mesh_files import check_name
-from breastrig.volume.volume_mesh import REGIONS
+from breastrig.volume.volume_mesh import REGIONS, SOUND
 from breastrig.workflow.folder.fit_folder import read_fit_folder
 from breastrig.workflow.volume import volume_file, volume_of
 
@@ -20,7 +21,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Writes the file and says what is in it; returns 0."""
+    """Writes the file and says what is in it; returns 0, or 3 when some tetrahedra are not sound."""
     check_name(options.output.name)
     inputs = [*files_of_fit(options.fit), *files_of_model(options.model)]
     with all_or_nothing(output_file(options, inputs)) as out:
@@ -32,4 +33,12 @@ def run(options: argparse.Namespace) -> int:
         f"{len(mesh.points)} nodes, {len(mesh.tetrahedra)} tetrahedra: {litres}; "
         f"scaled Jacobian from {mesh.scaled_jacobian.min():.2f}."
     )
-    return 0
+    unsound = int((mesh.scaled_jacobian < SOUND).sum())
+    if unsound:
+        inverted = int((mesh.volumes <= 0.0).sum())
+        print(
+            f"breastrig: {unsound} tetrahedra have a scaled Jacobian under {SOUND} ({inverted} are inverted), for the fitted skin "
+            "is folded there; see scaled_jacobian in a .vtu file, and look at the fit.",
+            file=sys.stderr,
+        )
+    return 3 if unsound else 0

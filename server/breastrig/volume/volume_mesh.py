@@ -9,6 +9,7 @@ import numpy as np
 from breastrig.core.arrays import Array, Booleans, Integers, frozen
 
 REGIONS = ("skin", "breast_L", "breast_R", "chest_wall", "trunk")
+SOUND = 0.1  # scaled Jacobian that every tetrahedron of a usable fit has
 SOFT = 3  # the regions before this one lie over the chest wall
 FACES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))  # of a tetrahedron, counter-clockwise from outside
 AT_CORNERS = ((0, 1, 2, 3), (1, 0, 3, 2), (2, 0, 1, 3), (3, 0, 2, 1))  # each corner, and the others as it sees them
