@@ -25,15 +25,16 @@ NEAR_APEX, STEEP = 0.022, 0.8  # m, where a nipple is looked for, and the slope 
 PER_SQUARE = 2.0  # 1/m, by which standing out counts less away from the apex
 BELOW, WIDE = 0.02, 0.024  # m under the nipple, and to its sides: where a fold is looked for
 NIPPLE_DOWN, FOLD_UP, XIPHOID_DOWN = 0.003, 0.004, 0.009  # m from what is seen to where the landmarks are
-NOTCH = "suprasternal_notch"
+NOTCH, MIDDLE = "suprasternal_notch", "mid_sternum"
+MIDDLE_ERRORS = (0.010, 0.012, 0.004)
 STERNUM, MIDLINE, AT_TOP = (0.13, 0.28), 0.012, 0.006  # m above the xiphoid, beside the midline, under the scan's end
 CONCAVE = 12.0  # 1/m; less is no notch
-OF_THE_TOP = (0.008, 0.020, 0.010)  # m outwards, up, front, of a notch at the upper end of an MRI's field of view
+OF_THE_TOP = (0.020, 0.020, 0.010)  # m outwards, up, front, of a notch at the upper end of an MRI's field of view
 ERRORS = {  # m outwards, up, front, of these places
     "nipple": (0.005, 0.005, 0.003),
     "inframammary_fold": (0.015, 0.005, 0.010),
     "xiphoid": (0.006, 0.008, 0.003),
-    NOTCH: (0.008, 0.010, 0.005),
+    NOTCH: (0.020, 0.010, 0.005),  # breasts of two sizes turn the axes
 }
 REASON = "form of the hanging breasts"
 ROUNDS = 2  # in which the axes follow the nipples
@@ -114,6 +115,10 @@ def seen_from(vertices: Array, faces: Integers, axes: Array) -> ProneView | None
     errors = {name: ERRORS[split_side(name)[0]] for name in places}
     if "xiphoid" in places and (notch := _notch(places["xiphoid"], x, y, smooth, bent)) is not None:
         places[NOTCH], errors[NOTCH] = notch
+        half = 0.5 * (places[NOTCH] + places["xiphoid"])
+        between = smooth[np.abs(y - half[1]).argmin(), np.abs(x - half[0]).argmin()]
+        if np.isfinite(between):
+            places[MIDDLE], errors[MIDDLE] = np.array([half[0], half[1], between]), MIDDLE_ERRORS
     return ProneView(axes, {name: axes @ place for name, place in places.items()}, errors)
 
 
