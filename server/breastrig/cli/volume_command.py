@@ -37,8 +37,8 @@ def run(options: argparse.Namespace) -> int:
     if unsound:
         inverted = int((mesh.volumes <= 0.0).sum())
         print(
-            f"breastrig: {unsound} tetrahedra have a scaled Jacobian under {SOUND} ({inverted} are inverted), for the fitted skin "
-            "is folded there; see scaled_jacobian in a .vtu file, and look at the fit.",
+            f"breastrig: {unsound} tetrahedra have a scaled Jacobian under {SOUND} ({inverted} are inverted), "
+            "for the fitted skin is folded there; see scaled_jacobian in a .vtu file, and look at the fit.",
             file=sys.stderr,
         )
     return 3 if unsound else 0
