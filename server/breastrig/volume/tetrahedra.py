@@ -2,7 +2,7 @@
 
 Skin nodes are the fitted vertices, wall nodes follow bones, scales and body shapes; the nodes between start on their
 harmonic extension and are moved until every tetrahedron is sound (sound.py).  The same nodes and tetrahedra for every
-body, and at once (docs/decisions/0019).
+body, and at once (docs/decisions/0021).
 """
 
 from functools import lru_cache
