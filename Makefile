@@ -13,6 +13,7 @@ help:
 	@echo "make check   lint and types only"
 	@echo "make room    ROOM=rig: lint, types and quick tests of one room of the package   (TESTS=tests/rig: all; TESTS=tests/fitting/test_stance.py: only these)"
 	@echo "make mutants wrong changes that no test of a numeric room sees   (MUTANTS=\"drawings report --count 40 --seed 1\")"
+	@echo "make cohort  solve women under gravity and estimate what it does to breasts   (WOMEN=400 COHORT=data/gravity)"
 	@echo "make docs    build the documentation into dist/docs; warnings are errors"
 	@echo "make bench   measure the hot paths   (BENCH=--benchmark-timer=time.process_time where other work runs)"
 	@echo "make fuzz    many made-up files and requests: a table of what each reader and call did   (FUZZ=20: eighty times as many as in make test)"
@@ -50,6 +51,12 @@ room: $(VENV)/.stamp-test
 	"$(VENV)/bin/mypy" --package "breastrig.$(ROOM)"
 	@said="$$("$(VENV)/bin/lint-imports" --no-cache)" || { echo "$$said"; exit 1; }
 	OPENBLAS_NUM_THREADS=1 "$(VENV)/bin/python" -m pytest -q -n 2 $(TESTS)
+
+# What gravity does to breasts: hours on two cores; an interrupted run goes on where it was.
+COHORT = data/gravity
+cohort: $(VENV)/.stamp-test
+	OPENBLAS_NUM_THREADS=1 "$(VENV)/bin/python" model_assets/make_gravity.py "$(COHORT)" $${WOMEN:+--women "$$WOMEN"}
+	"$(VENV)/bin/python" -m breastrig_studies.gravity.estimate "$(COHORT)"
 
 docs: $(VENV)/.stamp-docs
 	"$(VENV)/bin/sphinx-build" -W --keep-going -q -b html docs dist/docs
@@ -134,4 +141,4 @@ $(VENV)/.stamp-docs: $(VENV)/.stamp-venv pyproject.toml
 
 # Two recipes must not install into the same folder at once, whatever -j says.
 .NOTPARALLEL:
-.PHONY: help mutants serve test check room docs vitest pytest browser fuzz faults scale load routes bench clean page packages programs web-packages
+.PHONY: help cohort mutants serve test check room docs vitest pytest browser fuzz faults scale load routes bench clean page packages programs web-packages

@@ -14,6 +14,7 @@ GROUP = "breastrig.commands"
 COMMANDS = {
     "fit": "fit the model to one scan",
     "transfer": "show a drawing of one scan on another",
+    "predict": "show the patient of a scan in another stance",
     "compare": "superimpose two drawings of one scan",
     "report": "measures and pictures of one or two fits",
     "export": "drawing and closed surface for other programs",

@@ -164,6 +164,11 @@ class ResultFile(Document):
     model: ModelSummary
     stance: Stance
     stance_reason: str
+    predicted: bool = Field(
+        default=False,
+        exclude_if=not_,
+        description="computed from the scan of another stance: no scan shows it; absent in fits",
+    )
     preset: str
     refined: bool = Field(description="whether surface, drawing and distances are those of the free-form layer")
     converged: bool

@@ -53,7 +53,7 @@ def transfer(
     document, inputs = _document(source, drawing)
     inputs += tuple(Path(each) / name for each in (source, target) if not isinstance(each, Fit) for name in FIT_FILES)
     with ExitStack() as stack:
-        folders = [stack.enter_context(_folder(each, with_drawing=document is None)) for each in (source, target)]
+        folders = [stack.enter_context(folder_of(each, with_drawing=document is None)) for each in (source, target)]
         with one_thread():
             found = transfer_with(rig, TransferJob(folders[0], folders[1], document, other_patient))
     return drawing_of(found, inputs)
@@ -79,7 +79,7 @@ def _document(
 
 
 @contextmanager
-def _folder(fit: Fit | str | Path, with_drawing: bool) -> Iterator[Path]:
+def folder_of(fit: Fit | str | Path, with_drawing: bool) -> Iterator[Path]:
     """A folder of the fit; for the moment, where it has none."""
     if not isinstance(fit, Fit):
         yield Path(fit)

@@ -8,6 +8,7 @@ that what was measured with one rig is never said of another.
     hidden_STANCE.json   how deep skin lies that no scan shows                      fitting/body/hidden_skin.py
     trunk_depth.json     and how much deeper it lies under a high belly             fitting/body/trunk_depth.py
     lying_motion.json    how skin moves between standing and lying                  drawings/skin_maps/lying_motion.py
+    gravity.json            what gravity does to breasts in all stances            volume/predicted.py
     skin_map.toml        what differs from the common settings of the skin map      drawings/skin_maps/settings.py
     uncertainty.toml     how far bodies are from the model beyond what a fit knows  fitting/uncertainty/calibration.py
     verdict.toml         what right fits look like                                  fitting/verdicts/verdict.py

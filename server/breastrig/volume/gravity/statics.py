@@ -18,9 +18,9 @@ from breastrig.core.errors import BreastRigError
 from breastrig.volume.gravity.materials import Law, Membrane, NeoHookean
 
 TOLERANCE = 1e-4  # m, of the last Newton step; what is left is its square
-STEPS, HALVINGS = 30, 8  # of Newton and of its line search
-ROUNDS, RETURNED = 40, 1e-4  # of the fixed point, and m: how near it comes to the loaded shape
-SMALLEST_LOAD = 1.0 / 64.0  # share of the load below which a step is given up
+STEPS, HALVINGS = 16, 8  # of Newton and of its line search
+ROUNDS, RETURNED = 20, 3e-5  # of the fixed point, and m: how near it comes to the loaded shape
+SMALLEST_LOAD = 1.0 / 8.0  # share of the load below which a step is given up
 
 
 class NoEquilibrium(BreastRigError):
@@ -35,6 +35,7 @@ class Tissue:
     skin: float  # N/m: shear modulus of skin times its thickness
     incompressibility: float = 15.0  # λ/μ: a Poisson's ratio of 0.47
     density: float = 1000.0  # kg/m³
+    stretch: float = 1.0  # of the skin on the body without loads: living skin is taut
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +69,7 @@ class SoftBody:
             edge = FacetBasis(self.mesh, ElementTetP2(), facets=_facets(self.mesh, skin), intorder=2)
             normals = np.moveaxis(np.asarray(edge.normals), 0, -1)
             stiffness = np.full(len(normals), tissue.skin)
-            self._parts.append(_part(edge, Membrane(stiffness, _tangents(normals))))
+            self._parts.append(_part(edge, Membrane(stiffness, tissue.stretch * _tangents(normals))))
         mass = np.zeros(basis.N)
         for k, shape in enumerate(basis.basis):
             np.add.at(mass, basis.element_dofs[k], (np.asarray(shape[0]) * basis.dx).sum(axis=1))
@@ -88,6 +89,10 @@ class SoftBody:
             values += [a * (2.0 * a - 1.0), 4.0 * a * b]
         shape = len(triangles), len(self.nodes)
         return csr_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape)
+
+    def between(self, values: Array) -> Array:
+        """(N, 3) at the nodes: (P, 3) values of the points, and their means on the edges."""
+        return np.concatenate([values, values[np.asarray(self.mesh.edges)].mean(axis=0)])
 
     @staticmethod
     def _held_nodes(basis: Basis, held: Booleans) -> Booleans:
@@ -183,25 +188,28 @@ class SoftBody:
         return None
 
 
-def unloaded(loaded: Array, body_at: Callable[[Array], SoftBody], gravity: Array) -> tuple[SoftBody, Array]:
-    """(the body without loads, its (N, 3) m displacement at rest) whose points rest at (P, 3) m `loaded`.
+def unloaded(
+    loaded: Array, body_at: Callable[[Array], SoftBody], gravity: Array, near: float = RETURNED
+) -> tuple[SoftBody, Array]:
+    """(the body without loads, its (N, 3) m displacement at rest) whose points rest at (P, 3) m `loaded`,
+    `near` m from it in root mean square.
 
     `body_at` makes a body of (P, 3) points.  Fixed point: what the body misses is added to its unloaded points
     (Sellier, Journal of Fluids and Structures 27, 2011, 1461).  Raises NoEquilibrium where that does not converge.
     """
-    points, displacement, least = loaded, None, np.inf
+    points, least = loaded, np.inf
     for _ in range(ROUNDS):
         body = body_at(points)
-        displacement = body.at_rest(gravity, displacement)
+        displacement = body.at_rest(gravity)
         missed = loaded - points - displacement[: len(points)]
-        farthest = float(np.linalg.norm(missed, axis=1).max())
-        if farthest < RETURNED:
+        distance = float(np.sqrt((missed**2).sum(axis=1).mean()))
+        if distance < near:
             return body, displacement
-        if farthest > 2.0 * least:
+        if distance > least:
             break
-        least, points = min(least, farthest), points + missed
+        least, points = distance, points + missed
     raise NoEquilibrium(
-        f"No shape without gravity sinks into this one (missed by {1e3 * least:.1f} mm): it is too soft."
+        f"No shape without gravity sinks into this one (missed by {1e3 * least:.1f} mm in the mean): it is too soft."
     )
 
 

@@ -1,0 +1,57 @@
+"""Women drawn at random from MakeHuman's adult dials, far broader than the seven: for what gravity does to breasts."""
+
+import numpy as np
+from virtual_patient.woman import AVERAGE, OLDEST, YOUNGEST, Sides, Woman
+
+DETAILS = (  # local targets, pairs of opposites
+    ("breast/breast-dist-incr", "breast/breast-dist-decr"),
+    ("breast/breast-point-incr", "breast/breast-point-decr"),
+    ("breast/breast-trans-up", "breast/breast-trans-down"),
+    ("breast/breast-volume-vert-up", "breast/breast-volume-vert-down"),
+    ("torso/torso-scale-depth-incr", "torso/torso-scale-depth-decr"),
+    ("torso/torso-scale-horiz-incr", "torso/torso-scale-horiz-decr"),
+    ("torso/torso-scale-vert-incr", "torso/torso-scale-vert-decr"),
+    ("torso/torso-vshape-incr", "torso/torso-vshape-decr"),
+    ("torso/torso-muscle-pectoral-incr", "torso/torso-muscle-pectoral-decr"),
+    ("stomach/stomach-tone-incr", "stomach/stomach-tone-decr"),
+)
+DETAIL = 0.35  # standard deviation of each
+
+
+def sampled(number: int) -> Woman:
+    """The woman of that number; the same number is the same woman."""
+    rng = np.random.default_rng(number)
+
+    def dial(middle: float, spread: float) -> float:
+        return float(np.clip(rng.normal(middle, spread), -1.0, 1.0))
+
+    def sides(value: float, apart: float) -> Sides:
+        left, right = np.clip(value + apart * rng.normal(size=2), -1.0, 1.0)
+        return float(left), float(right)
+
+    details = []
+    for more, less in DETAILS:
+        amount = dial(0.0, DETAIL)
+        details.append((more if amount > 0.0 else less, (abs(amount), abs(amount))))
+    origin = rng.dirichlet([1.0, 1.0, 1.0])
+    weight = float(rng.uniform(-0.7, 1.0))
+    return Woman(
+        name=f"woman_{number:04d}",
+        size=AVERAGE.size,  # not measured
+        years=float(rng.uniform(YOUNGEST, OLDEST - 5.0)),
+        origin=(float(origin[0]), float(origin[1]), float(origin[2])),
+        muscle=dial(0.0, 0.35),
+        weight=weight,
+        height=dial(0.1, 0.3),
+        proportions=dial(0.0, 0.4),
+        cup=sides(float(rng.uniform(-0.7, 1.0)), 0.12),
+        firmness=sides(dial(0.0, 0.4), 0.1),
+        girth=float(rng.uniform(0.0, 0.9)) + 0.3 * max(weight, 0.0),
+        details=tuple(details),
+        softness=1.0,
+        belly=1.0,
+        standing_arms=(0.0, 0.0),
+        lying_arms=(0.0, 0.0),
+        lean=0.0,
+        asymmetric=True,
+    )

@@ -1,0 +1,35 @@
+"""`breastrig predict OUT --stance supine -o PREDICTED`: the patient of a fit in a stance that was not scanned.
+
+PREDICTED gets the files of a fit, marked as predicted; `breastrig transfer --to PREDICTED` shows drawings on it.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import get_args
+
+from breastrig.cli.commands import COMMANDS
+from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
+from breastrig.core.output_files import all_or_nothing
+from breastrig.core.stances import Stance
+from breastrig.files.result import fit_set
+from breastrig.interface.predict import predict
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = commands.add_parser("predict", help=COMMANDS["predict"], description=__doc__)
+    parser.add_argument("fit", type=Path, metavar="OUT", help="folder that `breastrig fit` wrote")
+    parser.add_argument("--stance", choices=get_args(Stance), required=True, help="the stance to predict")
+    parser.add_argument("--model", type=Path, metavar="GLB", help="the rig of the fit, when not the package's")
+    add_output_options(parser, "PREDICTED", "folder for the results")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Predicts and writes; returns 0."""
+    inputs = [*files_of_fit(options.fit), *files_of_model(options.model)]
+    with all_or_nothing(output_folder(options, [fit_set(Path())], inputs)) as out:
+        found = predict(options.fit, options.stance, options.model)
+        found.write(out)
+    if sys.stdout.isatty():
+        print(f"{found.verdict.reasons[0]}  Lines on the breasts within {found.in_metres.result.line_error_mm:.0f} mm.")
+    return 0

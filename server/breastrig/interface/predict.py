@@ -1,0 +1,25 @@
+"""A patient in a stance that was not scanned, for programs."""
+
+from pathlib import Path
+
+from breastrig.core.private_files import write_files
+from breastrig.core.scratch import scratch_folder
+from breastrig.core.stances import Stance
+from breastrig.interface.fit_result import Fit
+from breastrig.interface.model import Model, loaded
+from breastrig.interface.one_thread import one_thread
+from breastrig.interface.transfer import folder_of
+from breastrig.workflow.predict import predicted_files
+
+
+def predict(fit: Fit | str | Path, stance: Stance, model: Model = None) -> Fit:
+    """The patient of a fit, or of its folder, as she would be in another `stance`: standing, supine or prone.
+
+    Its trunk stays in the scan's unit and frame; `uncertainty_mm` (V,) holds the true place with 90 %, prediction and
+    fit together.  Its result says `predicted`; drawings are transferred to it as to a fit.  `model` is that
+    of a folder.  Raises BadInput, also for a model of which nobody knows what gravity does to it.
+    """
+    rig = fit.model if isinstance(fit, Fit) else loaded(model)
+    with folder_of(fit, with_drawing=True) as folder, scratch_folder() as made, one_thread():
+        write_files(predicted_files(rig, folder, stance), made)
+        return Fit.load(made, rig)

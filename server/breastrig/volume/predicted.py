@@ -1,0 +1,161 @@
+"""How a patient's skin lies in a stance that was not scanned, from the scan of another one.
+
+Two motions add up: that of the trunk and arms when a woman lies down (drawings/skin_maps/lying_motion.py), and what
+gravity does to her breasts.  That is estimated on a cohort solved by finite elements (breastrig_studies/gravity): the
+heights of a breast over the sheet of skin around it, in all stances, are one Gaussian
+
+    x_s = m_s + F_s z,   z ~ N(0, 1)   for each stance s,
+
+so that the heights seen in one stance say z, and z the others (conditional Gaussian; Bishop, Pattern Recognition and
+Machine Learning, 2006, 2.3 and 12.2).  The numbers are data beside the rig, found by its hash.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import BaseModel, Field, FiniteFloat
+from scipy.interpolate import RBFInterpolator
+from scipy.spatial import cKDTree
+
+from breastrig.core.arrays import Array
+from breastrig.core.errors import BadInput
+from breastrig.drawings.skin_maps.lying_motion import lying_motion
+from breastrig.rig.known import known_part
+from breastrig.rig.model import Rig
+from breastrig.rig.similarity import umeyama
+from breastrig.volume.gravity.breast_mesh import MIRROR, BreastMesh, breast_mesh
+
+FILE, SCHEMA = "gravity.json", "breastrig/gravity@1"
+STANCES = ("standing", "supine", "prone")
+LEAST = 1e-3  # m: no deviation is said to be smaller
+TENTH = 1e-4  # m: the unit of the file's integers
+STERNUM = 0.03  # m, half the width of the skin on the sternum
+SMOOTH = 1e-5  # of the sheet, as of the chest wall's
+ARMS_FROM, ARMS_TO = 0.045, 0.12  # m from the breasts, between which the arms' motion comes in where breasts hang
+
+
+class _File(BaseModel):
+    schema_: Literal["breastrig/gravity@1"] = Field(alias="schema")
+    women: int
+    mean: dict[str, list[int]]
+    factors: dict[str, list[list[int]]]
+    observation_mm: Annotated[FiniteFloat, Field(gt=0.0)]
+    band: Annotated[FiniteFloat, Field(gt=0.0)]
+    posture_mm: Annotated[FiniteFloat, Field(ge=0.0)]
+
+
+@dataclass(frozen=True, eq=False)
+class GravityPrior:
+    """P skin vertices of the left breast's block (volume/gravity/breast_mesh.py), K factors."""
+
+    mean: dict[str, Array]  # (P * 3,) m, heights by stance
+    factors: dict[str, Array]  # (K, P * 3) m
+    observation: float  # m: how far a fitted vertex may be from the same skin of the cohort
+    band: float  # times the standard deviation that holds the true place with 90 %
+    posture: float  # m: the radius of what posture leaves open, 90 %
+
+    def moved(self, heights: Array, stance: str, goal: str) -> tuple[Array, Array]:
+        """((P, 3) m from (P, 3) heights to those of the other stance, (P,) m radius that holds them with 90 %)."""
+        seen = self.factors[stance]
+        away = (heights.ravel() - self.mean[stance]) @ seen.T / self.observation**2
+        covariance = np.linalg.inv(np.eye(len(seen)) + seen @ seen.T / self.observation**2)
+        change = self.factors[goal] - seen
+        move = self.mean[goal] - self.mean[stance] + (covariance @ away) @ change
+        variance = np.einsum("kp,kl,lp->p", change, covariance, change)
+        radii = self.band * np.sqrt(np.maximum(variance.reshape(-1, 3).sum(axis=1), LEAST**2))
+        return move.reshape(-1, 3), radii
+
+
+@dataclass(frozen=True, eq=False)
+class Predicted:
+    """The body in the other stance, in the scan's frame: its trunk stays where it is."""
+
+    vertices: Array  # (V, 3) m
+    radii: Array  # (V,) m, of what the prediction leaves open, 90 %
+
+
+@lru_cache(maxsize=4)
+def gravity_prior(rig: Rig) -> GravityPrior | None:
+    """Of a rig; None where nobody has computed what gravity does to its breasts."""
+    found = known_part(rig, FILE, _File)
+    if found is None:
+        return None
+    return GravityPrior(
+        mean={name: TENTH * np.array(found.mean[name]) for name in STANCES},
+        factors={name: TENTH * np.array(found.factors[name]) for name in STANCES},
+        observation=1e-3 * found.observation_mm,
+        band=found.band,
+        posture=1e-3 * found.posture_mm,
+    )
+
+
+def predicted(rig: Rig, vertices: Array, stance: str, goal: str) -> Predicted:
+    """The (V, 3) m vertices of a body that was fitted in `stance`, in `goal`.  Raises BadInput."""
+    prior = gravity_prior(rig)
+    if prior is None:
+        raise BadInput(f"What gravity does to {rig.name} is not known; only the package's own model is predicted.")
+    if goal == stance:
+        raise BadInput(f"The scan is {stance} already; ask for another stance.")
+    local, turn = in_template(rig, vertices)
+    moves, radii = posture(rig, goal) - posture(rig, stance), np.full(len(vertices), prior.posture)
+    for mesh, sheet in blocks(rig):
+        mirror = MIRROR if mesh.side == "R" else np.ones(3)
+        heights = (local[mesh.skin] - sheet @ local[mesh.near]) * mirror
+        move, within = prior.moved(heights, stance, goal)
+        moves[mesh.skin] += move * mirror
+        radii[mesh.skin] = np.hypot(prior.posture, within)
+    return Predicted(vertices + moves @ turn, radii)
+
+
+def in_template(rig: Rig, vertices: Array) -> tuple[Array, Array]:
+    """((V, 3) m in the template's frame by the skin around the breasts, (3, 3) rotation into it)."""
+    ring = np.union1d(*(mesh.near for mesh, _ in blocks(rig)))
+    motion = umeyama(vertices[ring], rig.template[ring])
+    away = vertices - vertices[ring].mean(axis=0)
+    return away @ motion.rotation.T + rig.template[ring].mean(axis=0), motion.rotation
+
+
+@lru_cache(maxsize=4)
+def blocks(rig: Rig) -> tuple[tuple[BreastMesh, Array], ...]:
+    """Both sides with the (P, R) matrix from the skin around the breast to the sheet that fills its footprint."""
+    meshes = [breast_mesh(rig, side) for side in "LR"]
+    return tuple((mesh, _sheet(mesh, mesh.plane[mesh.skin])) for mesh in meshes)
+
+
+def _sheet(mesh: BreastMesh, at: Array) -> Array:
+    unit = np.eye(len(mesh.near))
+    return np.asarray(RBFInterpolator(mesh.plane[mesh.near], unit, kernel="thin_plate_spline", smoothing=SMOOTH)(at))
+
+
+@lru_cache(maxsize=8)
+def lying(rig: Rig) -> tuple[Array, Array]:
+    """(V, 3) m twice: how a body lies down while its sternum stays, without and with what its breasts do.
+
+    Without: as the skin around the breasts moves, across them.
+    """
+    motion = lying_motion(rig)
+    if motion is None:
+        return np.zeros_like(rig.template), np.zeros_like(rig.template)
+    middle = rig.regions["chest"]
+    middle = middle[np.abs(rig.template[middle, 0]) < STERNUM]
+    supine = rig.template + motion
+    turn = umeyama(supine[middle], rig.template[middle]).rotation
+    whole = (supine - supine[middle].mean(axis=0)) @ turn.T + rig.template[middle].mean(axis=0) - rig.template
+    trunk = whole.copy()
+    for mesh, sheet in blocks(rig):
+        trunk[mesh.skin[mesh.breast]] = (sheet @ whole[mesh.near])[mesh.breast]
+    return trunk, whole
+
+
+def posture(rig: Rig, stance: str) -> Array:
+    """(V, 3) m from a standing body: trunk and arms without the breasts; prone, the arms alone."""
+    if stance == "standing":
+        return np.zeros_like(rig.template)
+    if stance == "supine":
+        return lying(rig)[0].copy()
+    breasts = rig.template[np.union1d(rig.regions["breast_L"], rig.regions["breast_R"])]
+    away = cKDTree(breasts).query(rig.template)[0]
+    share = np.clip((away - ARMS_FROM) / (ARMS_TO - ARMS_FROM), 0.0, 1.0)
+    return np.asarray(lying(rig)[0] * (share * share * (3.0 - 2.0 * share))[:, None])

@@ -1,0 +1,106 @@
+"""A fit of the same patient in a stance that was not scanned: the files of a fit, marked as predicted.
+
+What the scan has seen is moved, skin, lines, landmarks and lesions, as the prediction moves the fitted model.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from breastrig.core.arrays import Array
+from breastrig.core.documents import json_bytes
+from breastrig.core.stances import Stance
+from breastrig.core.units import METRES_PER_UNIT
+from breastrig.files.result import FIT_FILES, RESULT, UNCERTAINTY, MedianPlane, ResultFile, ResultLesion, Verdict
+from breastrig.fitting.uncertainty.radii import line_error
+from breastrig.geometry.surface_points import SurfacePoints
+from breastrig.gltf.replay import fitted_glb
+from breastrig.report.body_frame import body_frame
+from breastrig.report.files.surface_files import surface_ply
+from breastrig.rig.model import Rig
+from breastrig.volume.predicted import predicted
+from breastrig.workflow.folder.fit_folder import fit_folder_of
+from breastrig.workflow.lines.transfer import drawing_document
+
+
+def predicted_files(rig: Rig, folder: Path, goal: Stance) -> dict[str, bytes]:
+    """FIT_FILES by name, of the fit in `folder` as the patient would be in `goal`.  Raises BadInput."""
+    fit = fit_folder_of(folder, rig)
+    found = predicted(rig, fit.vertices, fit.stance, goal)
+    radii = found.radii if fit.radii is None else np.hypot(found.radii, fit.radii)
+    search = fit.fitted_scan.search(rig)
+    moves = found.vertices - fit.vertices
+
+    def moved(points: Array) -> Array:
+        """(M, 3) m: skin at (M, 3) points follows the model nearest to it."""
+        nearest = search.query(points)
+        return points + SurfacePoints(nearest.faces, nearest.barycentric).positions(moves, rig.faces)
+
+    per_unit = fit.metres_per_unit
+
+    def moved_by_unit(points: Any) -> list[list[float]]:
+        places: list[list[float]] = np.round(moved(per_unit * np.array(points).reshape(-1, 3)) / per_unit, 6).tolist()
+        return places
+
+    drawing = drawing_document(folder / "drawing.json")
+    for shape in drawing.get("shapes", ()):
+        if shape.get("points"):
+            shape["points"] = moved_by_unit(shape["points"])
+    result = _result(rig, fit.result, found.vertices, radii, goal, moved_by_unit)
+    surface = surface_ply(moved(fit.surface.vertices), fit.surface.faces, per_unit)
+    made = {
+        "scan.ply": surface,
+        "fitted.ply": surface_ply(found.vertices, rig.faces, per_unit),
+        "fitted.glb": fitted_glb(rig, [fit.parameters], [0.0], None, {"predicted": True}, found.vertices),
+        "drawing.json": json_bytes(drawing),
+        "distances.bin": np.full(len(moves), np.nan, "<f4").tobytes(),
+        UNCERTAINTY: (1e3 * radii).astype("<f4").tobytes(),
+        "fit.log.jsonl": b"",
+        RESULT: result.content(),
+    }
+    return {name: made[name] for name in FIT_FILES}
+
+
+def _result(
+    rig: Rig,
+    given: ResultFile,
+    vertices: Array,
+    radii: Array,
+    goal: Stance,
+    moved: Callable[[Any], list[list[float]]],
+) -> ResultFile:
+    names = list(given.landmarks)
+    points = rig.landmark_points(tuple(given.landmark_uncertainty_mm or ()))
+    within = 1e3 * radii[rig.faces[points.faces]]
+    frame = body_frame(rig, vertices)
+    normal = frame.axes[:, 0]
+    said = f"Predicted from the {given.stance} scan: no scan shows the patient {goal}."
+    per_unit = METRES_PER_UNIT[given.scan.unit]
+    plane = MedianPlane(normal=normal.tolist(), offset=float(normal @ frame.middle) / per_unit)
+    seen = np.ones(len(vertices), dtype=np.bool_)
+    return given.model_copy(
+        update={
+            "predicted": True,
+            "stance": goal,
+            "stance_reason": said,
+            "refined": True,
+            "verdict": Verdict(level="check", reasons=(said,)),
+            "landmarks": dict(zip(names, moved(list(given.landmarks.values())), strict=True)),
+            "landmarks_picked": dict(
+                zip(given.landmarks_picked, moved(list(given.landmarks_picked.values())), strict=True)
+            ),
+            "landmark_uncertainty_mm": {
+                name: round(float(at @ share), 2)
+                for name, at, share in zip(given.landmark_uncertainty_mm, within, points.barycentric, strict=True)
+            },
+            "line_error_mm": round(1e3 * line_error(rig, radii, seen), 1),
+            "areolae": {},
+            "lesions": [
+                ResultLesion(name=each.name, center=center, radius_mm=each.radius_mm)
+                for each, center in zip(given.lesions, moved([each.center for each in given.lesions]), strict=True)
+            ],
+            "median_plane": plane,
+        }
+    )

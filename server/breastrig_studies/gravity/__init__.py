@@ -1,0 +1,1 @@
+"""A cohort of breasts solved under gravity, and what is estimated on it."""

@@ -1,0 +1,138 @@
+"""Writes gravity.json (volume/predicted.py) from solved women: `make cohort`, then
+
+    python -m breastrig_studies.gravity.estimate FOLDER
+
+Women are split by their numbers: half of them estimate the Gaussian, a quarter chooses its band, a quarter is sealed
+and only measured.
+"""
+
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from breastrig.core.arrays import Array, Booleans
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.model import Rig
+from breastrig.volume.gravity.breast_mesh import BreastMesh
+from breastrig.volume.predicted import FILE, SCHEMA, STANCES, TENTH, GravityPrior, blocks, in_template, lying
+
+PLACE = default_rig_path().with_suffix(".known") / FILE
+FACTORS = 12
+OBSERVATION = 0.03  # m, of each of hundreds of vertices whose errors are not independent: 2 mm each if they were
+POSTURE = 0.012  # m, 90 %: where two ways of computing a lying body have the same breast (docs/decisions/0020)
+HELD = 0.9
+
+
+@dataclass(frozen=True, eq=False)
+class Woman:
+    """The left breast's P vertices, heights over its sheet (m) by stance."""
+
+    number: int
+    heights: dict[str, Array]  # (P * 3,)
+
+    @property
+    def part(self) -> str:
+        return ("estimate", "choose", "estimate", "sealed")[self.number % 4]
+
+
+def read_women(rig: Rig, folder: Path) -> tuple[Woman, ...]:
+    """Of the files that make_gravity.py wrote."""
+    mesh, sheet = blocks(rig)[0]
+    return tuple(_woman(rig, mesh, sheet, file) for file in sorted(folder.glob("[0-9]*[0-9].npz")))
+
+
+def _woman(rig: Rig, mesh: BreastMesh, sheet: Array, file: Path) -> Woman:
+    found = {name: np.asarray(values, dtype=np.float64) for name, values in np.load(file).items()}
+    local, turn = in_template(rig, found["given"])
+    standing = local[mesh.skin] + found["standing_skin"] @ turn.T - sheet @ local[mesh.near]
+    moves = {"standing": 0.0} | {name: found[f"{name}_skin"] @ turn.T for name in STANCES[1:]}
+    return Woman(int(file.stem), {name: (standing + move).ravel() for name, move in moves.items()})
+
+
+def gaussian(women: Sequence[Woman]) -> GravityPrior:
+    """Mean and strongest factors of all stances together; motions count as much as shapes, which vary more."""
+    rows = {name: np.array([woman.heights[name] for woman in women]) for name in STANCES}
+    mean = {name: found.mean(axis=0) for name, found in rows.items()}
+    shape = rows["standing"] - mean["standing"]
+    moves = [rows[name] - rows["standing"] - mean[name] + mean["standing"] for name in STANCES[1:]]
+    weight = np.sqrt((shape**2).sum() / sum((move**2).sum() for move in moves))
+    _, sizes, ways = np.linalg.svd(np.hstack([shape, *(weight * move for move in moves)]), full_matrices=False)
+    kept = sizes[:FACTORS, None] * ways[:FACTORS] / np.sqrt(len(women))
+    standing, *moved = np.split(kept, len(STANCES), axis=1)
+    factors = {"standing": standing}
+    factors |= {name: standing + move / weight for name, move in zip(STANCES[1:], moved, strict=True)}
+    return GravityPrior(mean, factors, OBSERVATION, 1.0, POSTURE)
+
+
+def misses(prior: GravityPrior, women: Sequence[Woman], stance: str, goal: str) -> tuple[Array, Array]:
+    """((W, P) m: how far each vertex is from where it was predicted, (W, P) m its radius)."""
+    found = []
+    for woman in women:
+        move, radii = prior.moved(woman.heights[stance].reshape(-1, 3), stance, goal)
+        true = (woman.heights[goal] - woman.heights[stance]).reshape(-1, 3)
+        found.append((np.linalg.norm(move - true, axis=1), radii))
+    return np.array([miss for miss, _ in found]), np.array([radius for _, radius in found])
+
+
+def with_band(prior: GravityPrior, women: Sequence[Woman], breast: Booleans) -> GravityPrior:
+    """The band that holds nine of ten of the choosing women's (P,) bool `breast` vertices."""
+    ratios = [np.divide(*(each[:, breast] for each in misses(prior, women, "standing", goal))) for goal in STANCES[1:]]
+    return replace(prior, band=float(np.quantile(np.concatenate(ratios), HELD)))
+
+
+def with_lying_mean(rig: Rig, prior: GravityPrior) -> GravityPrior:
+    """With the mean of lying breasts from bodies known in both stances by two ways of computing (decision 0008).
+
+    The cohort, whose stiffness is drawn, says how a woman differs from that.
+    """
+    trunk, whole = lying(rig)
+    supine = prior.mean["standing"] + (whole - trunk)[blocks(rig)[0][0].skin].ravel()
+    return replace(prior, mean=prior.mean | {"supine": supine})
+
+
+def document(prior: GravityPrior, women: int) -> dict[str, Any]:
+    """As the file has it."""
+
+    def whole(values: Array) -> Any:
+        return np.rint(values / TENTH).astype(int).tolist()
+
+    return {
+        "schema": SCHEMA,
+        "women": women,
+        "observation_mm": 1e3 * prior.observation,
+        "band": round(prior.band, 3),
+        "posture_mm": 1e3 * prior.posture,
+        "mean": {name: whole(values) for name, values in prior.mean.items()},
+        "factors": {name: whole(values) for name, values in prior.factors.items()},
+    }
+
+
+def main(folder: Path, file: Path = PLACE) -> None:
+    """Estimates, prints what the sealed quarter says, and writes the file."""
+    rig = read_rig(default_rig_path())
+    women = read_women(rig, folder)
+    parts = {name: [woman for woman in women if woman.part == name] for name in ("estimate", "choose", "sealed")}
+    breast = blocks(rig)[0][0].breast
+    prior = with_band(gaussian(parts["estimate"]), parts["choose"], breast)
+    for stance, goal in (("standing", "supine"), ("standing", "prone"), ("prone", "supine"), ("supine", "standing")):
+        miss, radii = (each[:, breast] for each in misses(prior, parts["sealed"], stance, goal))
+        still = [
+            np.linalg.norm((w.heights[goal] - w.heights[stance]).reshape(-1, 3)[breast], axis=1)
+            for w in parts["sealed"]
+        ]
+        sys.stdout.write(
+            f"{stance} -> {goal}: {1e3 * miss.mean():.1f} mm mean, {1e3 * np.quantile(miss, 0.95):.1f} mm 95 %, "
+            f"{(miss <= radii).mean():.0%} within their radii; not moved {1e3 * np.mean(still):.1f} mm\n"
+        )
+    file.write_text(
+        json.dumps(document(with_lying_mean(rig, prior), len(women)), separators=(",", ":")) + "\n", "utf-8"
+    )
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), *map(Path, sys.argv[2:]))
