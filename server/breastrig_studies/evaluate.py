@@ -73,6 +73,7 @@ def possible_tables(results: Results) -> list[Table]:
         transfer_tables.transfer_table(found),
         transfer_tables.transfer_lines_table(found),
         transfer_tables.lesions_table(found),
+        transfer_tables.prediction_table(found),
         transfer_tables.other_patient_table(found),
         unseen_tables.unseen_table(found),
         prone_table(found),

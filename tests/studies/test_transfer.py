@@ -3,6 +3,7 @@
 import json
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,11 +16,14 @@ from breastrig.gltf.read_rig import default_rig_path
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig_studies.cohort import read_cohort
+from breastrig_studies.gravity.prediction import prediction_study
+from breastrig_studies.page.transfer_sections import prediction
 from breastrig_studies.studies.case import read_scene
 from breastrig_studies.studies.lesions import lesions_study
 from breastrig_studies.studies.other_patient import other_patient
 from breastrig_studies.studies.result_cache import Unit, answered
 from breastrig_studies.studies.transfer import ALL, PICKS, WAYS, by_landmarks, strokes, transfer_study
+from breastrig_studies.tables.transfer import prediction_table
 
 ALL_SIDES = -2.0  # of a normal
 
@@ -119,6 +123,22 @@ def test_a_body_without_a_breast_has_no_answer_and_no_other_body_loses_its_own(
         file.write_text(json.dumps(document))
     unit = Unit(read_cohort(tmp_path / "cohort"), question, load_recipe("default"), default_rig_path())
     assert answered(unit)["failed"] == f"The body has no nipple_{side}, without which this question has no answer."
+
+
+def test_a_body_that_does_not_change_is_worse_predicted_than_moved(stiff: Path, rig: Rig) -> None:
+    rows = prediction_study(tuple(read_cohort(stiff)), rig, load_recipe("default"))["rows"]
+    assert {(row["to"], row["places"]) for row in rows} == {("lying", kind) for kind in ("lines", "nipples", "breasts")}
+    for row in rows:
+        assert row["rigid"]["mean_mm"] < 1.0 < row["predicted"]["mean_mm"] < 25.0
+    record = SimpleNamespace(
+        unit=SimpleNamespace(question="prediction", recipe=SimpleNamespace(name="default")),
+        case=SimpleNamespace(family="independent", patient="p"),
+        failed=None,
+        answer={"rows": rows},
+    )
+    table = prediction_table([record])
+    assert [row.cells[1:4] for row in table.rows if row.mean] == [("mean", "lying", row["places"]) for row in rows]
+    assert len(prediction(table).answers) == 3
 
 
 def test_a_lesion_of_a_body_that_does_not_change_is_carried_to_its_place(stiff: Path, rig: Rig) -> None:

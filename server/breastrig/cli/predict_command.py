@@ -8,7 +8,6 @@ import sys
 from pathlib import Path
 from typing import get_args
 
-from breastrig.cli.commands import COMMANDS
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.stances import Stance
@@ -16,8 +15,7 @@ from breastrig.files.result import fit_set
 from breastrig.interface.predict import predict
 
 
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("predict", help=COMMANDS["predict"], description=__doc__)
+def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("fit", type=Path, metavar="OUT", help="folder that `breastrig fit` wrote")
     parser.add_argument("--stance", choices=get_args(Stance), required=True, help="the stance to predict")
     parser.add_argument("--model", type=Path, metavar="GLB", help="the rig of the fit, when not the package's")

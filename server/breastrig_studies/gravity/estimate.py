@@ -23,7 +23,7 @@ from breastrig.volume.predicted import FILE, SCHEMA, STANCES, TENTH, GravityPrio
 
 PLACE = default_rig_path().with_suffix(".known") / FILE
 FACTORS = 12
-OBSERVATION = 0.03  # m, of each of hundreds of vertices whose errors are not independent: 2 mm each if they were
+OBSERVATION = 0.06  # m, of each of hundreds of vertices whose errors are not independent (docs/decisions/0020)
 POSTURE = 0.012  # m, 90 %: where two ways of computing a lying body have the same breast (docs/decisions/0020)
 HELD = 0.9
 

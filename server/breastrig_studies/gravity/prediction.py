@@ -16,7 +16,7 @@ from breastrig.fitting.recipe import Recipe
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
-from breastrig.volume.predicted import predicted
+from breastrig.volume.predicted import gravity_prior, predicted
 from breastrig_studies.cohort import Case
 from breastrig_studies.studies.case import Scene, read_scene
 from breastrig_studies.studies.transfer import fitted, places
@@ -27,10 +27,12 @@ ON_SKIN = 0.015  # m: true skin that is farther from the model is not predicted
 
 def prediction_study(cases: tuple[Case, ...], rig: Rig, recipe: Recipe) -> dict[str, Any]:
     """{"rows": one for each other stance of the patient and kind of place}."""
-    [start] = [case for case in cases if case.stance == START]
-    scene = read_scene(start)
+    start = next(case for case in cases if case.stance == START)
+    scene, others = read_scene(start), [read_scene(case) for case in cases if case.stance != START]
+    if gravity_prior(rig) is None or scene.truth is None:
+        return {"rows": []}
     fit = fitted(rig, recipe, scene, scene.landmarks)
-    rows = [row for case in cases if case is not start for row in _rows(rig, scene, fit, read_scene(case))]
+    rows = [row for goal in others if goal.truth is not None for row in _rows(rig, scene, fit, goal)]
     return {"rows": rows}
 
 
@@ -53,6 +55,8 @@ def _rows(rig: Rig, scene: Scene, fit: FittedScan, goal: Scene) -> list[dict[str
     asked |= {"nipples": (marks[nipples], there[nipples]), "breasts": _breasts(rig, scene, goal, fit)}
     rows = []
     for kind, (points, true) in asked.items():
+        if not len(points):
+            continue
         gaps = {
             "predicted": _gaps(moved(marks), there, moved(points), true),
             "rigid": _gaps(marks, there, points, true),

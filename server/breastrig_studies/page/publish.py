@@ -33,6 +33,7 @@ TABLES = (
     "transfer",
     "transfer_lines",
     "lesions",
+    "prediction",
     "other_patient",
     "unseen",
     "prone",

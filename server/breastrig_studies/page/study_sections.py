@@ -346,6 +346,8 @@ def all_sections(results: Results, tables: dict[str, Table]) -> list[Section]:
         found.append(transfer_sections.transfer(tables["transfer"]))
     if "lesions" in tables:
         found.append(transfer_sections.lesions(tables["lesions"]))
+    if "prediction" in tables:
+        found.append(transfer_sections.prediction(tables["prediction"]))
     if "other_patient" in tables:
         found.append(transfer_sections.other_patient(tables["other_patient"]))
     return [*found, sections.refined(results), sections.failures(tables.get("failures"))]

@@ -71,6 +71,24 @@ def lesions(table: Table) -> Section:
     )
 
 
+def prediction(table: Table) -> Section:
+    names = [column.name for column in table.columns]
+    means = [dict(zip(names, row.cells, strict=True)) for row in table.rows if row.mean]
+    answers = [
+        f"{capital(str(cells[names[0]]))}, {cells['to']}, {cells['places']}: "
+        f"{mm(_number(cells['predicted_mm']), 1)}, moved rigidly {mm(_number(cells['rigid_mm']), 1)}."
+        for cells in means
+    ]
+    return Section(
+        "prediction",
+        "How far off is a stance that was not scanned?",
+        "Predicted from the standing scan with its landmarks alone. Decision 0020 says how.",
+        tuple(answers),
+        (),
+        (table.name,),
+    )
+
+
 def _number(cell: object) -> float | None:
     return float(cell) if isinstance(cell, int | float) else None
 

@@ -80,7 +80,8 @@ class Plan:
             cases = tuple(group)
             if {case.stance for case in cases} >= {"standing", "supine"}:
                 units += [
-                    Unit(cases, question, self.recipes[0], self.model) for question in ("two_stances", "transfer")
+                    Unit(cases, question, self.recipes[0], self.model)
+                    for question in ("two_stances", "transfer", "prediction")
                 ]
             if (cases[0].folder.parent / LESIONS).is_file():
                 units.append(Unit(cases, "lesions", self.recipes[0], self.model))

@@ -14,6 +14,7 @@ from breastrig.fitting.refine import refined
 from breastrig.geometry.normals import turned_triangles
 from breastrig.rig.model import Rig
 from breastrig_studies.cohort import Case
+from breastrig_studies.gravity.prediction import prediction_study
 from breastrig_studies.studies import landmarks as landmark_study
 from breastrig_studies.studies import orientation as orientation_study
 from breastrig_studies.studies import peers, sensitivity, unseen
@@ -102,6 +103,7 @@ ANSWERS: dict[str, Answer] = {
     "two_stances": two_stances,
     "transfer": transfer_study,
     "lesions": lesions_study,
+    "prediction": prediction_study,
     "other_patient": other_patient,
     "colour_landmarks": colour_landmarks,
     "ink": ink_study,
