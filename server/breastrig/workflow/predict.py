@@ -18,7 +18,7 @@ from breastrig.fitting.uncertainty.radii import line_error
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.gltf.replay import fitted_glb
 from breastrig.report.body_frame import body_frame
-from breastrig.report.files.surface_files import surface_ply
+from breastrig.report.files.geometry_files import surface_ply
 from breastrig.rig.model import Rig
 from breastrig.volume.predicted import predicted
 from breastrig.workflow.folder.fit_folder import fit_folder_of
