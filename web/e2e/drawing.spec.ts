@@ -325,7 +325,7 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   await lesions.getByLabel("Centre").fill(center.join(" "));
   const without = await hook.picture(page);
   await lesions.getByRole("button", { name: "Add" }).click();
-  await expect(lesions.locator("li")).toContainText(/MRI 1radius 5\smm, \d+\smm deepBelow the skin\d+\smm, \d+ to \d+To the nipple\d+\smm, \d+ to \d+To Wise/);
+  await expect(lesions.locator("li")).toContainText(/MRI 1radius 5\smm, \d+\smm deepBelow the skin\d+\smm, \d+ to \d+To the nipple\d+\smm, \d+ to \d+To the chest wall\d+\smm, \d+ to \d+To Wise/);
   await untilStill(page);
   expect((await hook.picture(page)).checksum, "the ball is seen through the skin").not.toBe(without.checksum);
   const laid = (await (await page.request.get(`${base}/api/fits/${first}/plan.json`)).json()) as PlanOnScan;
