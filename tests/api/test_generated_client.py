@@ -84,7 +84,7 @@ def files_of_the_schema() -> dict[str, dict[str, Any]]:
 
 def test_every_file_is_declared_as_bytes_or_as_json() -> None:
     files = files_of_the_schema()
-    assert {path.rsplit(".", 1)[1] for path in files} == {"glb", "gltf", "ply", "bin", "png", "pdf", "zip"}
+    assert {path.rsplit(".", 1)[1] for path in files} == {"glb", "gltf", "ply", "bin", "png", "pdf", "vtu", "zip"}
     for path, content in files.items():
         assert BINARY in content or all(one.endswith("+json") for one in content), path
         for media_type, declared in content.items():

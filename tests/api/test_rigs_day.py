@@ -66,6 +66,10 @@ def test_it_brings_what_is_known_of_it(tmp_path: Path, capfd: pytest.CaptureFixt
     model, scan, places = write_forearm(tmp_path / "arm")
     shutil.copytree(default_rig_path().with_suffix(".known"), model.with_suffix(".known"))
     assert main(["model", "bind", "--model", str(model)]) == 0
+    capfd.readouterr()
+    assert main(["model", "check", "--model", str(model)]) == 2  # tetrahedra are of one rig
+    assert "volume.json does not belong to this rig; mend it or take it away." in capfd.readouterr().err
+    (model.with_suffix(".known") / "volume.json").unlink()
     assert main(["model", "check", "--model", str(model)]) == 0
     fit = breastrig.fit(breastrig.read_scan(scan, "mm"), places, model=model)
     assert (fit.verdict.level, fit.result.get("not_calibrated")) == ("good", None)
