@@ -22,8 +22,8 @@ async function fit(page: Page): Promise<void> {
 
 /** In the left breast, on both stances. */
 async function lookAtLesion(page: Page): Promise<void> {
-  const { nipple_L: nipple, acromion_L: shoulder, inframammary_fold_L: fold } = trueLandmarks();
-  const center = nipple!.map((value, i) => 0.5 * value + 0.25 * shoulder![i]! + 0.25 * fold![i]!);
+  const { nipple_L: nipple, midclavicle_L: collarbone, xiphoid } = trueLandmarks();
+  const center = nipple!.map((value, i) => 0.6 * value + 0.2 * collarbone![i]! + 0.2 * xiphoid![i]!);
   await page.getByRole("button", { name: "Work here" }).click();
   await page.keyboard.press("4");
   await page.locator(".pattern").evaluate((pattern: HTMLDetailsElement) => (pattern.open = false));
@@ -31,12 +31,17 @@ async function lookAtLesion(page: Page): Promise<void> {
   await lesions.locator("summary").first().click();
   await lesions.getByLabel("Name").fill("MRI 1");
   await lesions.getByLabel("Centre").fill(center.map((mm) => mm.toFixed(1)).join(" "));
-  await lesions.getByLabel("Radius").fill("8");
+  await lesions.getByLabel("Radius").fill("10");
   await lesions.getByLabel("Radius").press("Tab");
   await lesions.getByRole("button", { name: "Add" }).click();
   await expect(page.locator(".lesion-slices")).toBeVisible();
   await lesions.locator(".lesions > summary").click();
+  await page.getByLabel("Show Reduction (Wise pattern)").uncheck(); // its handles would hide the ball
   await page.locator(".lesion-view").scrollIntoViewIfNeeded();
+  const view = (await page.locator("main.stage canvas.view").boundingBox())!;
+  await page.mouse.move(view.x + 0.58 * view.width, view.y + 0.48 * view.height);
+  for (let turn = 0; turn < 4; turn += 1) await page.mouse.wheel(0, -300);
+  await page.mouse.move(2, 2);
   await expect.poll(() => page.evaluate(() => window.__breastrig!.state().stances.other!.drawn.onScan?.plan.lesions.length)).toBe(1);
 }
 
