@@ -38,7 +38,7 @@ def test_a_drawing_is_shown_where_the_prediction_has_its_skin(fits: Path, tmp_pa
     for carried, moved in zip(json.loads(there.read_text())["shapes"], own["shapes"], strict=True):
         points, skin = np.array(carried["points"]), np.array(moved["points"])
         near = np.linalg.norm(skin[:, None] - points, axis=2).min(axis=1)
-        assert np.median(near) < 2.0 if own["unit"] == "mm" else 0.002
+        assert np.median(near) < (2.0 if own["unit"] == "mm" else 0.002)
 
 
 def test_the_prediction_is_nearer_to_the_lying_patient_than_she_was_standing(fits: Path) -> None:
@@ -60,3 +60,9 @@ def test_programs_predict_what_the_command_does(fits: Path) -> None:
     fit = breastrig.predict(breastrig.Fit.load(fits / "standing"), "supine")
     assert fit.stance == "supine"
     assert fit.vertices == pytest.approx(breastrig.Fit.load(fits / "predicted").vertices, rel=1e-5, abs=1e-5)
+
+
+def test_a_prediction_is_not_predicted_from(fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["predict", str(fits / "predicted"), "--stance", "prone", "-o", str(tmp_path / "out")]) == 2
+    assert "is itself predicted; predict from the fit of a scan." in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

@@ -167,7 +167,7 @@ class ResultFile(Document):
     predicted: bool = Field(
         default=False,
         exclude_if=not_,
-        description="computed from the scan of another stance: no scan shows it; absent in fits",
+        description="computed from the scan of another stance, of whose fit the distances are; absent in fits",
     )
     preset: str
     refined: bool = Field(description="whether surface, drawing and distances are those of the free-form layer")

@@ -1,6 +1,7 @@
 """A fit of the same patient in a stance that was not scanned: the files of a fit, marked as predicted.
 
-What the scan has seen is moved, skin, lines, landmarks and lesions, as the prediction moves the fitted model.
+What the scan has seen is moved, skin, lines and landmarks, as the prediction moves the fitted model.  What lies inside
+does not follow the skin alone: `breastrig transfer` carries it.
 """
 
 from collections.abc import Callable
@@ -11,9 +12,10 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.documents import json_bytes
+from breastrig.core.errors import BadInput
 from breastrig.core.stances import Stance
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.files.result import FIT_FILES, RESULT, UNCERTAINTY, MedianPlane, ResultFile, ResultLesion, Verdict
+from breastrig.files.result import FIT_FILES, RESULT, UNCERTAINTY, MedianPlane, ResultFile, Verdict
 from breastrig.fitting.uncertainty.radii import line_error
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.gltf.replay import fitted_glb
@@ -28,6 +30,8 @@ from breastrig.workflow.lines.transfer import drawing_document
 def predicted_files(rig: Rig, folder: Path, goal: Stance) -> dict[str, bytes]:
     """FIT_FILES by name, of the fit in `folder` as the patient would be in `goal`.  Raises BadInput."""
     fit = fit_folder_of(folder, rig)
+    if fit.result.predicted:
+        raise BadInput("This fit is itself predicted; predict from the fit of a scan.")
     found = predicted(rig, fit.vertices, fit.stance, goal)
     radii = found.radii if fit.radii is None else np.hypot(found.radii, fit.radii)
     search = fit.fitted_scan.search(rig)
@@ -97,10 +101,7 @@ def _result(
             },
             "line_error_mm": round(1e3 * line_error(rig, radii, seen), 1),
             "areolae": {},
-            "lesions": [
-                ResultLesion(name=each.name, center=center, radius_mm=each.radius_mm)
-                for each, center in zip(given.lesions, moved([each.center for each in given.lesions]), strict=True)
-            ],
+            "lesions": [],
             "median_plane": plane,
         }
     )

@@ -1028,7 +1028,7 @@ export type ResultFile = {
   model: ModelSummary;
   stance: "standing" | "supine" | "prone";
   stance_reason: string;
-  /** computed from the scan of another stance: no scan shows it; absent in fits */
+  /** computed from the scan of another stance, of whose fit the distances are; absent in fits */
   predicted?: boolean;
   preset: string;
   /** whether surface, drawing and distances are those of the free-form layer */

@@ -10,7 +10,8 @@ Evidence: docs/decisions/0015.
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Literal
+from functools import cached_property
+from typing import Any, Literal
 
 import numpy as np
 from scipy.stats import chi2, norm
@@ -87,7 +88,9 @@ class LesionsOnScan:
 
     def __init__(self, rig: Rig, scan: FittedScan, wall: Array | None = None) -> None:
         """`wall` (V, 3) m: the chest wall under each vertex, where the rig knows it."""
-        self._rig, self._scan, self._wall = rig, scan, wall
+        self._rig, self._scan = rig, scan
+        self._wall = None if wall is None else ClosestPointSearch(wall, rig.faces)
+        self._surfaces = [scan.vertices] if wall is None else [scan.vertices, wall]
         self._skin = FittedSkin(rig, scan.vertices, scan.known)
         self._settings = skin_map_settings(rig)
         self._normals = vertex_normals(scan.vertices, rig.faces)
@@ -128,7 +131,7 @@ class LesionsOnScan:
         ]
         walls = []
         if self._wall is not None:
-            place = ClosestPointSearch(self._wall, self._rig.faces).query(center[None]).points[0]
+            place = self._wall.query(center[None]).points[0]
             walls = [_distance("chest_wall", "chest_wall", place, center, covariance, self._settings.wall_error)]
         return PlacedLesion(
             item,
@@ -158,15 +161,18 @@ class LesionsOnScan:
         radius = self._radius(place)
         return None if radius is None else LINE / BALL * radius
 
-    def _slices(self, center: Array) -> tuple[Slice, ...]:
+    @cached_property
+    def _meshes(self) -> list[Any]:
+        """Trimeshes of skin and chest wall."""
         from trimesh import Trimesh  # 0.4 s, which a plan without lesions need not wait for
 
-        surfaces = [self._scan.vertices] if self._wall is None else [self._scan.vertices, self._wall]
-        meshes = [Trimesh(vertices, self._rig.faces, process=False) for vertices in surfaces]
+        return [Trimesh(vertices, self._rig.faces, process=False) for vertices in self._surfaces]
+
+    def _slices(self, center: Array) -> tuple[Slice, ...]:
         axes, slices = self._skin.axes, []
         for plane, ((across, sign), (along, upwards)) in PLANES.items():
             right, up = sign * axes[:, across], upwards * axes[:, along]
-            cuts = [mesh.section(plane_normal=np.cross(right, up), plane_origin=center) for mesh in meshes]
+            cuts = [mesh.section(plane_normal=np.cross(right, up), plane_origin=center) for mesh in self._meshes]
             flat = np.column_stack([right, up])
             skin, wall = (
                 tuple((cut.vertices[each.points] - center) @ flat for each in cut.entities) if cut is not None else ()
