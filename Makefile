@@ -128,7 +128,7 @@ $(VENV)/.stamp-venv:
 	@touch "$@"
 
 $(VENV)/.stamp-serve: $(VENV)/.stamp-venv pyproject.toml
-	$(IN_VENV) "$(VENV)/bin/python" -m pip install -qq --disable-pip-version-check --editable ".[server,mri]"
+	$(IN_VENV) "$(VENV)/bin/python" -m pip install -qq --disable-pip-version-check --editable ".[server,mri,volume]"
 	@touch "$@"
 
 $(VENV)/.stamp-test: $(VENV)/.stamp-venv pyproject.toml

@@ -2,6 +2,7 @@
 and what `make room` leaves out is there."""
 
 import re
+import tomllib
 from pathlib import Path
 
 
@@ -28,3 +29,17 @@ def test_the_slow_tests_that_a_room_leaves_out_are_there(repository: Path) -> No
     for line in lines:
         file, name = line.removeprefix("--deselect=").split("::")
         assert re.search(rf"^def {name}\(", (repository / file).read_text("utf-8"), re.MULTILINE), line
+
+
+def test_make_serve_installs_the_extras_of_all_that_the_service_reads_and_writes(repository: Path) -> None:
+    """Rooms that numerics of a request enter name an extra in the sentence that says what is missing."""
+    makefile = (repository / "Makefile").read_text("utf-8")
+    extras = tomllib.loads((repository / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
+    [names] = re.findall(r"\"\.\[([\w,]+)\]\"", _rule(makefile, r"\$\(VENV\)/\.stamp-serve")[1])
+    installed = set(names.split(","))
+    installed |= {
+        one for name in installed for each in extras[name] for one in re.findall(r"^breastrig\[(\w+)\]", each)
+    }
+    rooms = [repository / "server" / "breastrig" / room for room in ("scan", "volume")]
+    texts = [file.read_text("utf-8") for room in rooms for file in room.rglob("*.py")]
+    assert {name for text in texts for name in re.findall(r"breastrig\[(\w+)\]", text)} <= installed
