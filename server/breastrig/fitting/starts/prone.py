@@ -17,7 +17,8 @@ from breastrig.rig.stance_priors import mean_weights
 from breastrig.scan.orient import Frame
 
 HIGH, WIDE = 0.38, 0.46  # m: skins of MRIs are 0.14 to 0.32 high and 0.28 to 0.42 wide, others 0.47 and 0.43 or more
-IN_FRONT = 0.03  # m; 0.035 to 0.1 prone, 0.005 to 0.034 standing
+IN_FRONT = 0.03  # m, of nipples before the xiphoid; 0.035 to 0.1 prone, 0.005 to 0.034 standing
+CLEFT, BESIDE, ALONG = 0.045, 0.01, 0.03  # m, of nipples before the skin between them, which is this narrow and long
 FIELD = 2.0  # nipples are 0.28 to 0.5 of the way from the lower to the upper end, 0.66 to 0.85 the other way round
 USUAL_SCALE = 1.05  # of the trunk; hanging breasts say nothing of it
 
@@ -68,12 +69,14 @@ def hangs_to_the_front(target: ScanTarget, front: Array) -> bool:
     shorter, longer = np.sort(np.ptp(np.percentile(across, [1.0, 99.0], axis=0), axis=0))
     if shorter > HIGH or longer > WIDE or len(across) == 0:
         return False
-    return any(_in_front(view) > IN_FRONT for view in prone_views(target.vertices, target.faces, front))
+    return any(_hangs(target, view) for view in prone_views(target.vertices, target.faces, front))
 
 
-def _in_front(view: ProneView) -> float:
-    """m, of the nipples before the xiphoid; nothing where it is not seen."""
-    if "xiphoid" not in view.places:
-        return 0.0
+def _hangs(target: ScanTarget, view: ProneView) -> bool:
+    """Whether the nipples are far before the skin between them, and before the xiphoid where that is seen."""
     nipples = 0.5 * (view.places["nipple_L"] + view.places["nipple_R"])
-    return float((nipples - view.places["xiphoid"]) @ view.axes[:, 2])
+    away = (target.vertices - nipples) @ view.axes
+    between = away[(np.abs(away[:, 0]) < BESIDE) & (np.abs(away[:, 1]) < ALONG), 2]
+    if not len(between) or -np.quantile(between, 0.1) < CLEFT:
+        return False
+    return "xiphoid" not in view.places or bool((nipples - view.places["xiphoid"]) @ view.axes[:, 2] > IN_FRONT)

@@ -225,18 +225,32 @@ def make_prone(
         if _made_by(place) == made_by:
             continue
         prone, arms, donor, numbers = draw_prone(source, own, rig, random)
-        scan = mri_scan(prone, source.faces, arms, numbers, random)
-        placed = placed_at_random("mm", random)
-        if not numbers.turned:
-            placed[:3, :3] = 1e3 * LPS
         drawn: dict[str, Any] = {"source": source.name, "donor": donor.name, "numbers": asdict(numbers)}
-        (place / "prone").mkdir(parents=True, exist_ok=True)
-        write_ply(place / "prone" / "scan.ply", moved(scan.vertices, placed), scan.faces)
-        shown = VirtualBody("prone", prone.vertices, {name: prone.landmarks[name] for name in SHOWN}, None)
-        write_known(place / "prone", shown, source.faces, scan, "mm", placed, drawn)
         about = {"virtual": True, "origin": source.origin, "licence": source.licence, "family": source.family}
+        count = write_prone(place, prone, source.faces, arms, numbers, drawn, random)
         write_json(place / "patient.json", about | drawn | {"made_by": made_by})
-        progress(f"{place.name}: {len(scan.faces)} triangles")
+        progress(f"{place.name}: {count} triangles")
+
+
+def write_prone(
+    place: Path,
+    prone: VirtualBody,
+    skin: Integers,
+    arms: Array,
+    numbers: ProneNumbers,
+    drawn: dict[str, Any],
+    random: np.random.Generator,
+) -> int:
+    """Writes place/prone/{scan.ply, landmarks.json, case.json, truth.ply}; how many triangles the scan has."""
+    scan = mri_scan(prone, skin, arms, numbers, random)
+    placed = placed_at_random("mm", random)
+    if not numbers.turned:
+        placed[:3, :3] = 1e3 * LPS
+    (place / "prone").mkdir(parents=True, exist_ok=True)
+    write_ply(place / "prone" / "scan.ply", moved(scan.vertices, placed), scan.faces)
+    shown = VirtualBody("prone", prone.vertices, {name: prone.landmarks[name] for name in SHOWN}, None)
+    write_known(place / "prone", shown, skin, scan, "mm", placed, drawn)
+    return len(scan.faces)
 
 
 def _made_by(place: Path) -> object:
