@@ -169,6 +169,11 @@ class ResultFile(Document):
         exclude_if=not_,
         description="computed from the scan of another stance, of whose fit the distances are; absent in fits",
     )
+    simulated: bool = Field(
+        default=False,
+        exclude_if=not_,
+        description="predicted by finite elements of this patient's own breasts; absent in others",
+    )
     preset: str
     refined: bool = Field(description="whether surface, drawing and distances are those of the free-form layer")
     converged: bool

@@ -9,7 +9,7 @@ from breastrig.interface.fit_result import Fit
 from breastrig.interface.model import Model, loaded
 from breastrig.interface.one_thread import one_thread
 from breastrig.interface.transfer import folder_of
-from breastrig.workflow.predict import predicted_files
+from breastrig.workflow.predict import finished, predict_steps
 
 
 def predict(fit: Fit | str | Path, stance: Stance, model: Model = None) -> Fit:
@@ -21,5 +21,5 @@ def predict(fit: Fit | str | Path, stance: Stance, model: Model = None) -> Fit:
     """
     rig = fit.model if isinstance(fit, Fit) else loaded(model)
     with folder_of(fit, with_drawing=True) as folder, scratch_folder() as made, one_thread():
-        write_files(predicted_files(rig, folder, stance), made)
+        write_files(finished(predict_steps(rig, folder, stance)), made)
         return Fit.load(made, rig)

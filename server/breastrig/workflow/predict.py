@@ -4,7 +4,8 @@ What the scan has seen is moved, skin, lines and landmarks, as the prediction mo
 does not follow the skin alone: `breastrig transfer` carries it.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -27,8 +28,23 @@ from breastrig.workflow.folder.fit_folder import fit_folder_of
 from breastrig.workflow.lines.transfer import drawing_document
 
 
-def predicted_files(rig: Rig, folder: Path, goal: Stance) -> dict[str, bytes]:
-    """FIT_FILES by name, of the fit in `folder` as the patient would be in `goal`.  Raises BadInput."""
+@dataclass(frozen=True)
+class Progress:
+    """How far a prediction is."""
+
+    share: float  # of the work that is done, 0 to 1
+    said: str  # what is done next, in a few words
+
+
+def predict_steps(
+    rig: Rig, folder: Path, goal: Stance, simulate: bool = False, other: Path | None = None
+) -> Generator[Progress, None, dict[str, bytes]]:
+    """FIT_FILES by name, of the fit in `folder` as the patient would be in `goal`; whoever stops asking cancels.
+
+    `simulate`: this patient's own breasts are solved by finite elements, which takes minutes.  `other` is the folder of
+    a fit of the same patient in another stance, that says more of her.  Raises BadInput.
+    """
+    yield Progress(0.0, "reading the fit")
     fit = fit_folder_of(folder, rig)
     if fit.result.predicted:
         raise BadInput("This fit is itself predicted; predict from the fit of a scan.")
@@ -65,6 +81,16 @@ def predicted_files(rig: Rig, folder: Path, goal: Stance) -> dict[str, bytes]:
         RESULT: result.content(),
     }
     return {name: made[name] for name in FIT_FILES}
+
+
+def finished(steps: Generator[Progress, None, dict[str, bytes]]) -> dict[str, bytes]:
+    """What a prediction ends with, for those who do not watch it."""
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            files: dict[str, bytes] = end.value
+            return files
 
 
 def _result(

@@ -1030,6 +1030,8 @@ export type ResultFile = {
   stance_reason: string;
   /** computed from the scan of another stance, of whose fit the distances are; absent in fits */
   predicted?: boolean;
+  /** predicted by finite elements of this patient's own breasts; absent in others */
+  simulated?: boolean;
   preset: string;
   /** whether surface, drawing and distances are those of the free-form layer */
   refined: boolean;
