@@ -11,6 +11,7 @@ from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import BadScan
 from breastrig.geometry.boundary import triangle_components
 from breastrig.geometry.normals import face_crosses
+from breastrig.scan.caps import caps
 from breastrig.scan.scan import Scan
 from breastrig.scan.winding import outwards
 
@@ -69,9 +70,9 @@ def compact(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
 
 
 def clean(scan: Scan) -> Surface:
-    """The part of a scan that can be fitted: no dust, no triangles without area, all faces outwards.
+    """The part of a scan that can be fitted: no dust, no triangles without area, all faces outwards, no flat lids.
 
-    No word is said of these: nobody has to do anything about them, and no fit is another for them.
+    No word is said but of lids: nobody has to do anything about them, and no fit is another for them.
     """
     vertices, faces = welded(np.asarray(scan.vertices, dtype=np.float64), np.asarray(scan.faces, dtype=np.int64))
     crosses = face_crosses(vertices, faces)
@@ -90,4 +91,10 @@ def clean(scan: Scan) -> Surface:
     turned, count = outwards(vertices, faces, crosses)
     if count > INWARD_SHARE * len(faces):
         faces = turned
+    lids = caps(vertices, faces, face_crosses(vertices, faces))
+    if lids.any() and np.count_nonzero(~lids) >= MIN_TRIANGLES:
+        area = 0.5e4 * np.linalg.norm(face_crosses(vertices, faces[lids]), axis=1).sum()
+        return Surface(
+            *compact(vertices, faces[~lids]), (f"Flat lids that closed the scan were cut away: {area:,.0f} cm².",)
+        )
     return Surface(*compact(vertices, faces), ())
