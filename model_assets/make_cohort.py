@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 from steps.source import Source, fetch, read_source
 from steps.subdivide import subdivide
-from virtual_patient.body import Body, Turns, upper_body
+from virtual_patient.body import BOX, Body, Turns, upper_body
 from virtual_patient.lie_down import FOOTPRINT, at_rest, sagged
 from virtual_patient.lying import Tissue, back_on_table, chest_wall
 from virtual_patient.size import CUPS, FRENCH_BAND, under_bust_and_bust, volume_over
@@ -83,10 +83,12 @@ def main() -> None:
         draw(options.pictures, net, patients)
 
 
-def shared_net(source: Source) -> Net:
+def shared_net(
+    source: Source, box: tuple[float, float, float] = BOX, lowest: float = LOWEST, forearm: float = FOREARM
+) -> Net:
     """Cut on the average woman, so that the same skin is kept of all."""
     average = vertices_of(source, AVERAGE)
-    fine, faces, used = upper_body(source, average)
+    fine, faces, used = upper_body(source, average, box)
     body = Body(source, average, fine, faces)
     first, quads = subdivide(source.quads, len(average))
     # A subdivision puts the old vertices first, so those of the first one open the list of the second.
@@ -94,7 +96,7 @@ def shared_net(source: Source) -> Net:
     number = np.full(first.shape[0], -1)
     number[used[:count]] = np.arange(count)
     quads = number[quads]
-    inside = (body.carried(average)[:count, 1] > LOWEST) & (body.reach[:count] < FOREARM)
+    inside = (body.carried(average)[:count, 1] > lowest) & (body.reach[:count] < forearm)
     quads = quads[(quads >= 0).all(axis=1)]
     quads = quads[inside[quads].all(axis=1)]
     kept, renumbered = np.unique(quads, return_inverse=True)

@@ -31,7 +31,8 @@ BOX = (-0.03, 0.572, 0.40)  # m: lowest and highest height and half width that a
 # Bones of MakeHuman's standard rig that turn together, the joint around which they turn, and what carries them.
 HEAD = ("neck", "head", "jaw", "eye", "levator", "oculi", "orbicularis", "oris", "risorius", "special", "temporalis")
 CHEST = ("spine03", "spine02", "spine01", "breast", *HEAD, "tongue")
-ARM = ("upperarm", "lowerarm", "wrist", "finger", "metacarpal")
+FOREARM = ("lowerarm", "wrist", "finger", "metacarpal")
+ARM = ("upperarm", *FOREARM)
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +43,7 @@ class Turns:
     collar: dict[str, tuple[float, float]]  # side: (up, back)
     blade: dict[str, float]  # side: abduction of the shoulder blade's part
     arm: dict[str, tuple[float, float]]  # side: (abduction, backwards)
+    elbow: tuple[float, float] | None = None  # of both forearms: (abduction, backwards) against the upper arm
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,14 +104,16 @@ def virtual_patient(source: Source) -> Body:
     return Body(source, neutral, *upper_body(source, neutral)[:2])
 
 
-def upper_body(source: Source, vertices: Array) -> tuple[csr_matrix, Integers, Integers]:
+def upper_body(
+    source: Source, vertices: Array, box: tuple[float, float, float] = BOX
+) -> tuple[csr_matrix, Integers, Integers]:
     """(V, S) map to the fine surface, its (F, 3) triangles, and what its vertices but the lids' are called in the
     twice subdivided mesh, ascending; the (S, 3) m vertices decide where the box cuts."""
     first, quads = subdivide(source.quads, len(vertices))
     second, quads = subdivide(quads, first.shape[0])
     fine = second @ first
     place = np.asarray(fine @ vertices)
-    kept = (place[:, 1] > BOX[0]) & (place[:, 1] < BOX[1]) & (np.abs(place[:, 0]) < BOX[2])
+    kept = (place[:, 1] > box[0]) & (place[:, 1] < box[1]) & (np.abs(place[:, 0]) < box[2])
     quads = quads[kept[quads].all(axis=1)]
     used, renumbered = np.unique(quads, return_inverse=True)
     quads = renumbered.reshape(-1, 4)
@@ -188,7 +192,14 @@ def _posed(source: Source, vertices: Array, turns: Turns) -> tuple[Array, dict[s
         arm = _turned(blade, shoulder, _about(1, sign * backwards) @ _about(2, sign * raised))
         shoulders[side] = blade[0] @ shoulder + blade[1]
         parts += [(collar, _weight(source, ("clavicle",), side))]
-        parts += [(blade, _weight(source, ("shoulder01",), side)), (arm, _weight(source, ARM, side))]
+        parts += [(blade, _weight(source, ("shoulder01",), side))]
+        if turns.elbow is None:
+            parts += [(arm, _weight(source, ARM, side))]
+            continue
+        raised, backwards = turns.elbow
+        elbow = source.joint(f"{lower}-elbow", vertices)
+        forearm = _turned(arm, elbow, _about(1, sign * backwards) @ _about(2, sign * raised))
+        parts += [(arm, _weight(source, ("upperarm",), side)), (forearm, _weight(source, FOREARM, side))]
     rest = 1.0 - sum(weight for _, weight in parts)
     result = rest[:, None] * vertices
     for (linear, offset), weight in parts:
