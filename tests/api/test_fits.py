@@ -44,6 +44,8 @@ def test_a_fit_is_accepted_executed_and_described(client: FlaskClient, service: 
         "refine": True,
         "cuts": "",
         "start_from": None,
+        "predicted_from": None,
+        "simulate": False,
         "partner": None,
         "last_event": 6,
         "iterations": 4,

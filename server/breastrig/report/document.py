@@ -12,7 +12,7 @@ from breastrig.report.table import Row, flat_rows
 
 SCHEMA = "breastrig/report@1"
 FROM_RESULT = (
-    "stance", "stance_reason", "preset", "refined", "scan", "model", "verdict", "converged", "stop_reason",
+    "stance", "stance_reason", "predicted", "preset", "refined", "scan", "model", "verdict", "converged", "stop_reason",
     "iterations", "surface_distance_mm", "scan_to_model_mm", "landmark_distance_mm", "model_alone",
     "line_error_mm", "landmark_uncertainty_mm", "landmarks_agreed", "not_calibrated",
     "landmarks_not_followed", "landmarks_unusual", "drawing_missing",
@@ -42,6 +42,11 @@ class Reported:
     plan: tuple[PlannedItem, ...] = ()
     lesions: tuple[Mapping[str, Any], ...] = ()  # as plan_document has them
     doubts: tuple[str, ...] = ()  # about the stances together: whether they are of one patient
+
+
+def stance_said(result: ResultFile) -> str:
+    """The stance of a fit as the report calls it: what no scan shows is predicted."""
+    return f"{result.stance}, predicted" if result.predicted else result.stance
 
 
 def stance_names(kinds: Sequence[str]) -> list[str]:

@@ -13,11 +13,13 @@ from collections.abc import Callable, Generator, Iterator
 from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import cast
 
 from sqlalchemy.exc import SQLAlchemyError
 
 from breastrig.core.errors import BadSettings, BreastRigError, NotFound
 from breastrig.core.scratch import scratch_folder
+from breastrig.core.stances import Stance
 from breastrig.service.events.event_writer import EventWriter, Superseded
 from breastrig.storage.files import Draft, fit_place, scan_place, upload_name
 from breastrig.storage.folders import FolderDraft
@@ -27,18 +29,20 @@ from breastrig.storage.rows.fits import FitRow, claim_fit, get_fit
 from breastrig.storage.rows.scans import ScanRow, get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.events import Event, Failed
-from breastrig.workflow.jobs import EarlierFit, FitJob
+from breastrig.workflow.jobs import EarlierFit, FitJob, PredictionJob
 
 Runner = Callable[[FitJob], Generator[Event, None, None]]
 PairRunner = Callable[[FitJob, FitJob], Generator[tuple[int, Event], None, None]]
+Predictor = Callable[[PredictionJob], Generator[Event, None, None]]
 
 
 @dataclass(frozen=True)
 class Runners:
-    """The functions that run one fit, and two stances together; both importable by name in a worker process."""
+    """The functions that run one fit, two stances together, and a prediction; importable by name in a worker."""
 
     one: Runner
     two: PairRunner
+    prediction: Predictor
 
 
 UNWRITTEN = "What this fit found could not be stored, perhaps because the server's disk was full; start the fit again."
@@ -113,15 +117,16 @@ def _run(storage: Storage, writers: list[EventWriter], runners: Runners, model: 
         fail("The fit broke for a reason inside BreastRig; the server's log says it.")
 
 
-def _events(runners: Runners, jobs: list[FitJob]) -> Generator[tuple[int, Event], None, None]:
+def _events(runners: Runners, jobs: list[FitJob | PredictionJob]) -> Generator[tuple[int, Event], None, None]:
     """(0, or 1 for the partner, and its next event)."""
-    if len(jobs) == 1:
-        with closing(runners.one(jobs[0])) as events:
-            for event in events:
-                yield 0, event
-        return
-    with closing(runners.two(jobs[0], jobs[1])) as pairs:
-        yield from pairs
+    match jobs:
+        case FitJob() as first, FitJob() as second:
+            with closing(runners.two(first, second)) as pairs:
+                yield from pairs
+        case (job, *_):
+            with closing(runners.prediction(job) if isinstance(job, PredictionJob) else runners.one(job)) as events:
+                for event in events:
+                    yield 0, event
 
 
 def _record(writer: EventWriter, event: Event, draft: Draft) -> None:
@@ -150,8 +155,13 @@ def _draft(storage: Storage, fit: FitRow) -> Iterator[Draft]:
 
 
 @contextmanager
-def _job(storage: Storage, fit: FitRow, out: Path, model: Path | None) -> Iterator[FitJob]:
-    """The fit's task, with its scan at hand."""
+def _job(storage: Storage, fit: FitRow, out: Path, model: Path | None) -> Iterator[FitJob | PredictionJob]:
+    """The fit's task, with its scan at hand; of a prediction the fit that it comes from."""
+    if fit.predicted_from is not None:
+        with storage.files.reading(fit_place(fit.predicted_from)) as folder:
+            stance = cast(Stance, fit.asked_stance)
+            yield PredictionJob(folder, out, stance, fit.simulate, fit.drawing, model)
+        return
     scan = get_scan(storage, fit.scan)
     with storage.files.reading(scan_place(scan.id), [upload_name(scan.file_type)]) as folder:
         earlier = None if fit.start_from is None else earlier_fit(storage, fit.start_from)

@@ -16,11 +16,13 @@ from pathlib import Path
 from breastrig.core.errors import BadInput
 from breastrig.core.scratch import scratch_folder
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.model import Rig
 from breastrig.storage.files import MODELS
 from breastrig.storage.rows.events import event_of_kind
 from breastrig.storage.storage import Storage
 
 LONG_AGO = (1980, 1, 1, 0, 0, 0)  # of all entries, so that the same files are the same bytes
+GRAVITY = "gravity.json"  # of what is known of a rig (rig/known.py)
 DIFFERENT = "These fits were made with different versions of the model; fit the older scan again."
 
 log = logging.getLogger(__name__)
@@ -34,9 +36,13 @@ class KeptModels:
         self._model = model
 
     @cached_property
+    def _own(self) -> Rig:
+        return read_rig(self._glb)
+
+    @property
     def own_sha256(self) -> str:
         """Of the model that this service fits with."""
-        return read_rig(self._glb).sha256
+        return self._own.sha256
 
     def keep(self) -> None:
         """Keeps the service's own model, unless it is kept already; a full disk is only logged."""
@@ -52,6 +58,15 @@ class KeptModels:
         """Of the model that the fit was made with; the service's own for one that has not started."""
         started = event_of_kind(self._storage, fit_id, "started")
         return self.own_sha256 if started is None else str(json.loads(started.json)["model_sha256"])
+
+    def check_predicts(self, fit_id: str) -> None:
+        """Raises BadInput when no other stance can be predicted from a fit."""
+        if self.sha256_of(fit_id) != self.own_sha256:
+            raise BadInput("This fit was made with another version of the model; fit the scan again, then predict.")
+        if GRAVITY not in self._own.known:
+            raise BadInput(
+                f"What gravity does to {self._own.name} is not known; only the package's own model predicts."
+            )
 
     @contextmanager
     def of_fits(self, fit_ids: Sequence[str]) -> Iterator[Path | None]:

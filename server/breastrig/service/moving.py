@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
-from breastrig.core.errors import Conflict, NotFound
+from breastrig.core.errors import BadInput, Conflict, NotFound
 from breastrig.core.picks import Points
 from breastrig.execution.pool import Lane
 from breastrig.service.failed_tasks import explained
@@ -56,6 +56,8 @@ class Moving:
         Raises NotFound, Conflict when the fit is not done, TooMany, and FitFailed with a sentence.
         """
         fit = self._done(fit_id, "landmarks can be moved live on fits that are done")
+        if fit.predicted_from is not None:
+            raise BadInput("This body is predicted: move landmarks of the scan that it comes from, and predict again.")
         with explained("Following this landmark", WALL_S, "fit anew instead", self._storage, [fit_id]):
             found: dict[str, Any] | None = self._processes.result(moved_landmarks, (fit_id, landmarks), WALL_S, fit_id)
             if found is not None:

@@ -62,15 +62,20 @@ class Plans:
         self._remembered: Remembered[bytes] = Remembered(REMEMBERED)
 
     def of_fit(self, fit_id: str) -> PlannedFits:
-        """Raises NotFound, or Conflict when the fit is not done."""
+        """Raises NotFound, or Conflict when the fit is not done.
+
+        Nothing is made on a predicted body: what is planned on the scan that it comes from is carried to it as well.
+        """
         fit = get_fit(self._storage, fit_id)
         if fit.state != "done":
             raise Conflict(f"The fit {fit.id} is {fit.state}; a plan can be shown on fits that are done.")
         patient = patient_of_scan(self._storage, fit.scan)
         plan = get_plan(self._storage, patient)
         named = {item.get("scan") for item in plan.items}
+        own = None if fit.predicted_from is None else get_fit(self._storage, fit.predicted_from)
         others = [scan for scan in scans_of_patient(self._storage, patient) if scan != fit.scan and scan in named]
         found = {scan: self._beside(fit, newest_done(self._storage, scan)) for scan in others}
+        found |= {} if own is None or own.scan not in named else {own.scan: own}
         unfitted = tuple(str(item["id"]) for item in plan.items if found.get(str(item.get("scan")), fit) is None)
         return PlannedFits(patient, plan, fit, tuple(other for other in found.values() if other is not None), unfitted)
 
@@ -138,7 +143,9 @@ class Plans:
         ids = [fit.id for fit in fits]
         with explained("Carrying this plan", WALL_S, "give smaller scans", self._storage, ids), ExitStack() as stack:
             reading = self._storage.files.reading
-            folders = [PlannedFit(stack.enter_context(reading(fit_place(fit.id))), fit.scan) for fit in fits]
+            names = [fit.scan if fit.predicted_from is None else fit.id for fit in fits]
+            places = [stack.enter_context(reading(fit_place(fit.id))) for fit in fits]
+            folders = [PlannedFit(place, name) for place, name in zip(places, names, strict=True)]
             model = stack.enter_context(self._models.of_fits(ids))
             job = PlanJob(planned.document, folders[0], tuple(folders[1:]), model)
             found: dict[str, Any] = self._processes.result(plan_on_fit, (job,), WALL_S)

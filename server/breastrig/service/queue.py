@@ -191,10 +191,10 @@ class FitQueue:
         return (fit_id,)
 
     def _scan_of(self, fit_id: str) -> str | None:
-        """The scan that the fit looks at; None for two of them, and for a fit that was deleted in the meantime."""
+        """The scan that the fit looks at; None for two, for a prediction, and for a fit that was deleted meanwhile."""
         with suppress(NotFound):
             fit = get_fit(self._storage, fit_id)
-            return fit.scan if len(fit.both) == 1 else None
+            return fit.scan if len(fit.both) == 1 and fit.predicted_from is None else None
         return None
 
     def _end(self, fit_id: str, event: Event) -> None:

@@ -17,9 +17,9 @@ from breastrig.service.kept_models import KeptModels
 from breastrig.service.plans import Plans
 from breastrig.service.remembered import Remembered
 from breastrig.storage.files import fit_place
-from breastrig.storage.rows.fits import FitRow, get_fit
+from breastrig.storage.rows.fits import FitRow, get_fit, shown_cuts
 from breastrig.storage.rows.patients import PatientRow, get_patient, get_plan, patient_of_scan
-from breastrig.storage.rows.scans import Cuts, cuts_digest, get_cuts, get_scan
+from breastrig.storage.rows.scans import Cuts, cuts_digest, get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.jobs import ReportJob
 from breastrig.workflow.tasks import measures_json_of, report_pdf_of, volume_vtu_of
@@ -65,7 +65,8 @@ class Reports:
         """What a file of these fits is called: the patient's code, the stances, the day of the first scan, `what`."""
         fits = [get_fit(self._storage, one) for one in fit_ids]
         identity = self.identity(fits)
-        return file_name(identity.code, " ".join(fit.stance for fit in fits), identity.day, what)
+        stances = [f"{fit.stance} predicted" if fit.predicted_from else fit.stance for fit in fits]
+        return file_name(identity.code, " ".join(stances), identity.day, what)
 
     def forget(self) -> None:
         """Nothing is remembered any more: a scan is deleted."""
@@ -73,7 +74,7 @@ class Reports:
 
     def _remembered_or_made(self, name: str, fit_id: str, other_id: str | None) -> bytes:
         ids = [one for one in (fit_id, other_id) if one is not None]
-        cuts = tuple(get_cuts(self._storage, get_fit(self._storage, one).scan) for one in ids)
+        cuts = tuple(shown_cuts(self._storage, get_fit(self._storage, one)) for one in ids)
         key = (name, *(self._key(name, one, cut) for one, cut in zip(ids, cuts, strict=True)))
         return self._remembered.result(key, lambda: self._made(name, ids, cuts))
 

@@ -20,8 +20,9 @@ from pathlib import Path
 from typing import IO, Any
 
 from breastrig.core.assets import asset_folder
-from breastrig.core.errors import BadScan, NotFound, NotRemoved, unknown_name
+from breastrig.core.errors import BadInput, BadScan, Conflict, NotFound, NotRemoved, unknown_name
 from breastrig.core.picks import Points
+from breastrig.core.stances import Stance
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits, UploadLimits
 from breastrig.execution.pool import Pool
@@ -29,7 +30,7 @@ from breastrig.execution.worker import preload, scratch_swept
 from breastrig.scan.stored_scan import STORED
 from breastrig.service.events.feeds import Notifier, StreamItem, follow
 from breastrig.service.failed_tasks import explained
-from breastrig.service.fit_worker import PairRunner, Runner, Runners
+from breastrig.service.fit_worker import PairRunner, Predictor, Runner, Runners
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.moving import Moving
 from breastrig.service.plans import Plans
@@ -45,12 +46,12 @@ from breastrig.storage.file_journal import record_creation
 from breastrig.storage.files import MESH, THUMBNAIL, fit_place, scan_place, upload_name
 from breastrig.storage.folders import new_id
 from breastrig.storage.rows import scans as scan_rows
-from breastrig.storage.rows.fits import FitRow, NewFit, Once, add_fits, fits_of_scan, made_before
+from breastrig.storage.rows.fits import FitRow, NewFit, Once, add_fits, fits_of_scan, get_fit, made_before
 from breastrig.storage.rows.patients import get_patient, put_items_of_scan, scans_of_patient
 from breastrig.storage.rows.scans import ScanRow
 from breastrig.storage.storage import Storage, Unremoved, utc_now
 from breastrig.workflow.jobs import TransferJob, UploadJob
-from breastrig.workflow.tasks import keeping, propose_on_file, read_upload, run_fit, run_pair, transfer
+from breastrig.workflow.tasks import keeping, propose_on_file, read_upload, run_fit, run_pair, run_prediction, transfer
 
 CHUNK = 2**20
 HANDS = 4  # patterns or landmarks that are moved at once
@@ -77,6 +78,7 @@ class Service:
         *,
         runner: Runner = run_fit,
         pair_runner: PairRunner = run_pair,
+        predictor: Predictor = run_prediction,
         proposer: Proposer = propose_on_file,
         model: Path | None = None,
         examples: Path | None = None,
@@ -97,7 +99,7 @@ class Service:
             for places in (self._uploads.workers, self._uploads.workers, HANDS)
         )
         self._workers = executor or self.pool.lane(fit_limits.workers, fit_limits.memory_bytes)
-        self._queue = FitQueue(storage, self._workers, fit_limits, Runners(runner, pair_runner), model)
+        self._queue = FitQueue(storage, self._workers, fit_limits, Runners(runner, pair_runner, predictor), model)
         self.readiness = Readiness(storage, {"read uploads": self._readers, "fit": self._workers})
         self._waiting = WaitingCap(storage, fit_limits.waiting_per_client)
         self._model = model
@@ -263,6 +265,36 @@ class Service:
             waits(made)
         self._queue.wake()
         return made
+
+    def add_prediction(self, fit_id: str, stance: Stance, simulate: bool, client: str | None = None) -> str:
+        """Puts a prediction from a fit that is done into the queue; its id, that of the same one made before.
+
+        Raises NotFound, Conflict when the fit is not done, BadInput when nothing can be predicted from it, TooMany.
+        """
+        fit = get_fit(self.storage, fit_id)
+        if fit.predicted_from is not None:
+            raise BadInput("This fit is itself predicted; predict from the fit of a scan.")
+        if fit.state != "done":
+            raise Conflict(f"The fit {fit.id} is {fit.state}; a stance is predicted from a fit that is done.")
+        if simulate:
+            raise BadInput("This version does not simulate yet; leave `simulate` out.")
+        if fit.stance == stance:
+            raise BadInput(f"The scan is {stance} already; ask for another stance.")
+        self.models.check_predicts(fit_id)
+        prediction = NewFit(
+            scan=fit.scan,
+            stance=stance,
+            preset=fit.preset,
+            drawing=fit.drawing,
+            landmarks_mm=fit.landmarks_mm,
+            certain=fit.certain,
+            confidence=fit.confidence,
+            cuts=fit.cuts,
+            refine=True,
+            predicted_from=fit_id,
+            simulate=simulate,
+        )
+        return self.add_fit(prediction, client=client)
 
     def _add_fit(self, new_fit: NewFit, other: NewFit | None, once: Once | None) -> str:
         new_fits = {new_id(): one for one in (new_fit, other) if one is not None}

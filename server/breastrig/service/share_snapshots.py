@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
-from breastrig.core.errors import Conflict
+from breastrig.core.errors import BadInput, Conflict
 from breastrig.execution.pool import Lane
 from breastrig.service.failed_tasks import explained
 from breastrig.service.kept_models import KeptModels
@@ -21,8 +21,8 @@ from breastrig.storage.deletion import discard, remove_files
 from breastrig.storage.file_journal import record_creation
 from breastrig.storage.files import fit_place, scan_place, share_place, upload_name
 from breastrig.storage.folders import new_id
-from breastrig.storage.rows.fits import FitRow, get_fit
-from breastrig.storage.rows.scans import get_cuts, get_scan
+from breastrig.storage.rows.fits import FitRow, get_fit, shown_cuts
+from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.rows.shares import ShareRow, add_share, end_snapshots, get_share, replace_snapshot, revoke_share
 from breastrig.storage.storage import Storage, utc_now
 from breastrig.workflow.jobs import SnapshotJob
@@ -51,6 +51,10 @@ class ShareSnapshots:
         fit = get_fit(self._storage, share.fit)
         if fit.state != "done":
             raise Conflict(f"This fit has no result to share: it is {fit.state}.")
+        if fit.predicted_from is not None and share.scan != "plain":
+            raise BadInput(
+                "This body is predicted, not scanned: it has one skin, without colours; share it as `plain`."
+            )
         with self._taken(fit, share) as snapshot:
             made = replace(share, snapshot=snapshot, snapshot_at=utc_now())
             add_share(self._storage, made, token_sha256)
@@ -97,7 +101,7 @@ class ShareSnapshots:
 
     def _write(self, place: str, fit: FitRow, share: ShareRow) -> None:
         files, scan = self._storage.files, get_scan(self._storage, fit.scan)
-        planned = self._plans.of_fit(fit.id)
+        planned, cuts = self._plans.of_fit(fit.id), shown_cuts(self._storage, fit)
         plan: dict[str, Any] = json.loads(self._plans.laid(planned))
         stored = upload_name(scan.file_type)
         names = [stored] if share.scan == "full" else []
@@ -118,7 +122,7 @@ class ShareSnapshots:
                 file_type=scan.file_type,
                 shows_scan=share.scan != "none",
                 has_notes=share.notes,
-                cuts=get_cuts(self._storage, scan.id),
+                cuts=cuts,
                 model=model,
             )
             self._processes.result(write_snapshot, (job,), WALL_S)

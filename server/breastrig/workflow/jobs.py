@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.core.identity import UNNAMED, Identity
-from breastrig.core.stances import AUTO
+from breastrig.core.stances import AUTO, Stance
 
 DEFAULT = "default"  # the preset
 FIRST = "first"  # as a drawing: the first one of the rig, none where it has none
@@ -47,6 +47,18 @@ class FitJob(FitSettings):
     file_type: str | None = None  # None: from the content
     model: Path | None = None  # None: the torso of the package
     cuts: tuple[dict[str, Any], ...] = ()  # by hand, see scan/hand_cuts.py
+
+
+@dataclass(frozen=True)
+class PredictionJob:
+    """A stance that was not scanned, from files to files."""
+
+    fit: Path  # folder of a fit
+    out: Path
+    stance: Stance
+    simulate: bool = False  # by finite elements, in minutes
+    drawing: str | None = None  # that the fit was asked for
+    model: Path | None = None  # None: the torso of the package
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from breastrig.drawings.plan_schema import PLAN_SCHEMA, checked_plan
 from breastrig.files.result import Distances, ResultFile, damaged, folder_name
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.report.document import PlannedItem, Reported, report_document, stance_names
+from breastrig.report.document import PlannedItem, Reported, report_document, stance_names, stance_said
 from breastrig.report.measures import measures
 from breastrig.report.stance import Stance
 from breastrig.report.table import contradictions, csv_bytes, flat_rows
@@ -116,7 +116,7 @@ def reported(job: ReportJob) -> list[Reported]:
     ]
     doubt = body_doubt(*fits) if len(fits) == 2 else None
     doubts = (*job.doubts, *((doubt,) if doubt else ()))
-    names = stance_names([stance.name for stance in stances])
+    names = stance_names([stance_said(fit.result) for fit in fits])
     rows = [measures(stance) for stance in stances]
     doubts += contradictions(list(zip(names, rows, strict=True)))
     return [

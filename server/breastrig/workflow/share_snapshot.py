@@ -130,7 +130,7 @@ def _fitted_glb(fit: FitFolder, surface: Array, plan: dict[str, Any], own: dict[
     """The posed rig with the lines; the way there, iteration by iteration, is the owner's alone."""
     names = {line.name for line in planned_on_scan(plan)}
     refined = fit.result.refined and not np.array_equal(surface, Posed(fit.rig, fit.parameters).vertices)
-    extras = {"preset": fit.result.preset}
+    extras = {"preset": fit.result.preset} | ({"predicted": True} if fit.result.predicted else {})
     glb = fitted_glb(fit.rig, [fit.parameters], [0.0], None, extras, surface if refined else None)
     return planned_glb(glb, plan, [line for line in planned_on_scan(own) if line.name not in names])
 

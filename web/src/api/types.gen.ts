@@ -210,6 +210,10 @@ export type Fit = {
   cuts: string;
   /** id of the fit that this one went on from */
   start_from: string | null;
+  /** of a prediction: id of the fit that it was made from */
+  predicted_from: string | null;
+  /** whether it was asked to be predicted by finite elements */
+  simulate: boolean;
   /** id of the other stance's fit when both are fitted together */
   partner: string | null;
   /** number of the last stored event, 0 before the first */
@@ -248,6 +252,7 @@ export type FitLinks = {
   cancel: string;
   moved: string;
   shares: string;
+  predictions: string;
 };
 
 export type FitPage = {
@@ -537,6 +542,8 @@ export type MeasuredLines = {
 export type MeasuredStance = {
   name: string;
   stance: "standing" | "supine" | "prone";
+  /** no scan shows it; the distances are those of the fit it comes from */
+  predicted?: boolean;
   preset: string;
   verdict?: Verdict | null;
   scan: ResultScan;
@@ -968,6 +975,13 @@ export type PlannedShape = {
   carried: boolean;
   /** of a tumour, below the skin */
   depth_mm?: number | null;
+};
+
+/** A stance that no scan shows. */
+export type PredictionRequest = {
+  stance: "standing" | "supine" | "prone";
+  /** by finite elements of this body, in minutes; else by a cohort of such bodies */
+  simulate?: boolean;
 };
 
 /** RFC 9457 problem details. */

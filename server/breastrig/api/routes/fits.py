@@ -82,7 +82,7 @@ def _check_start(asked: wire.FitRequest, start_from: str) -> None:
     earlier = get_fit(app_context().service.storage, start_from)
     if asked.with_ is not None:
         raise BadSettings("Two stances together find their own start; leave `start_from` or `with` out.")
-    if earlier.scan != asked.scan:
+    if earlier.scan != asked.scan or earlier.predicted_from is not None:
         raise BadSettings("A fit goes on from a fit of the same scan; leave `start_from` out for another one.")
     if earlier.state != "done":
         raise Conflict(f"A fit goes on from one that is done; that one is {earlier.state}.")
@@ -124,6 +124,24 @@ def _once(key: str | None, asked: wire.FitRequest) -> Once | None:
     if not re.fullmatch(r"[\x21-\x7e]{1,255}", key):
         raise refuse(400, "An Idempotency-Key is 1 to 255 visible ASCII characters; a random UUID is a good one.")
     return Once.of(key, asked.model_dump_json())
+
+
+@fits.post("/<fit_id>/predictions")
+@fits.input(wire.PredictionRequest)
+@fits.output(wire.FitAccepted, status_code=202, description="The prediction waits for a worker, or is there already")
+@fits.doc(operation_id="predictStance", responses={409: "Not done", 429: "Too many of yours are waiting"})
+def predict_stance(fit_id: str, json_data: wire.PredictionRequest) -> tuple[wire.FitAccepted, int, dict[str, str]]:
+    """Predict how the patient lies in a stance that was not scanned
+
+    It is a fit of the same scan, marked `predicted_from`, with the events, files, plan and report of one; its
+    uncertainty says how far off it may be.  The same prediction is made once, however often it is asked for.
+    """
+    context = app_context()
+    client = client_of(request.remote_addr)
+    made = context.service.add_prediction(fit_id, json_data.stance, json_data.simulate, client)
+    cuts = cuts_digest(get_fit(context.service.storage, made).cuts)
+    answer = wire.FitAccepted(id=made, links=fit_links(made), cuts=cuts, partner=None)
+    return answer, 202, {"Location": answer.links.self}
 
 
 @fits.get("")
@@ -229,6 +247,7 @@ def fit_links(fit_id: str) -> wire.FitLinks:
         cancel=f"{place}/cancel",
         moved=f"{place}/moved",
         shares=f"{place}/shares",
+        predictions=f"{place}/predictions",
     )
 
 

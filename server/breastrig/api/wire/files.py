@@ -22,6 +22,7 @@ class MeasuredStance(Document):
 
     name: str
     stance: Stance
+    predicted: bool = Field(False, description="no scan shows it; the distances are those of the fit it comes from")
     preset: str
     verdict: Verdict | None = None
     scan: ResultScan

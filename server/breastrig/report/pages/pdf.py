@@ -128,7 +128,8 @@ def _facts(stances: Sequence[Reported], identity: Identity) -> list[list[str]]:
     """(what, day or the empty text where it is to be filled in) of each scan and of the plan."""
     days = identity.scanned or ("",) * len(stances)
     word = "scan received" if identity.received else "scanned"
-    facts = [[f"{one.name}, {word}", day] for one, day in zip(stances, days, strict=True)]
+    words = [f"from the {word}" if one.result.predicted else word for one in stances]
+    facts = [[f"{one.name}, {said}", day] for one, said, day in zip(stances, words, days, strict=True)]
     if identity.plan_version:
         facts.append([f"plan, version {identity.plan_version}", identity.planned])
     elif any(one.plan for one in stances):
@@ -145,7 +146,8 @@ def _large_pictures(stances: Sequence[Reported]) -> list[Table]:
     for one in stances:
         cameras = views_of(one.stance, views, aspect, height)
         for name, picture in zip(views, scan_pictures(one.stance, cameras, _pixels(LARGE)), strict=True):
-            what = "scan with the plan" if one.plan else "scan with the drawing" if one.stance.lines else "scan"
+            shown = "not scanned" if one.result.predicted else "scan"
+            what = f"{shown} with the plan" if one.plan else f"{shown} with the drawing" if one.stance.lines else shown
             title = f"{one.name.capitalize()}, {name.replace('_', ' ')}"
             found.append({"title": f"{title}: {what}", "jpeg": list(jpeg(picture))})
     return found
@@ -314,12 +316,13 @@ def _verdict(one: Reported) -> str:
 
 
 def _making(result: ResultFile) -> dict[str, str]:
-    """How the fit was made."""
+    """How the fit was made; of a prediction the one that it comes from."""
     scan, model, landmarks = result.scan, result.model, result.landmark_distance_mm
     mean, most, count = landmarks.mean, landmarks.max, len(landmarks.each)
     picked = "no landmarks were picked" if mean is None else f"mean {mean:.1f} mm, largest {most:.1f} mm, of {count}"
     alone = result.distances.surface_distance_mm
     return {
+        "Stance": result.stance_reason,
         "Model to picked landmarks": picked,
         "Model to scan": _distances(result.surface_distance_mm),
         "Without the free-form layer": _distances(alone) if result.refined else "the same",

@@ -7,13 +7,13 @@ from typing import Any
 
 from sqlalchemy import ColumnElement, Connection, bindparam, case, func, insert, or_, select, update
 
-from breastrig.core.errors import BadInput, NotFound
+from breastrig.core.errors import BadInput, Conflict, NotFound
 from breastrig.core.picks import Points
 from breastrig.storage import schema
 from breastrig.storage.file_journal import clear_entries
 from breastrig.storage.files import fit_place
 from breastrig.storage.rows.queries import check_scan, newest_first, value_of
-from breastrig.storage.rows.scans import Cuts
+from breastrig.storage.rows.scans import Cuts, cuts_digest, get_cuts
 from breastrig.storage.storage import Storage
 
 STATES = ("queued", "running", "done", "failed", "cancelled")
@@ -35,6 +35,8 @@ class NewFit:
     cuts: Cuts = ()  # of the scan, by hand
     refine: bool = False
     start_from: str | None = None  # an earlier fit of the same scan
+    predicted_from: str | None = None  # of a prediction: the fit of the same scan, in another stance
+    simulate: bool = False  # of a prediction: by finite elements
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,11 +85,14 @@ class Once:
 def add_fits(storage: Storage, created_at: str, new_fits: dict[str, NewFit], once: Once | None = None) -> str:
     """Puts a fit {id: new_fit}, or two stances to be fitted together, at the end of the queue.
 
-    Gives the first id, or that of the fit which the same request has made before.  Raises NotFound when a scan is
-    gone, BadInput when the key came with another request.
+    Gives the first id, or that of the fit which the same request, or the same prediction, has made before.  Raises
+    NotFound when a scan is gone, BadInput when the key came with another request.
     """
     first, *others = new_fits
     with storage.database.writing() as connection:
+        same = _same_prediction(connection, new_fits[first])
+        if same is not None:
+            return same
         if once is not None:
             made = _made_before(connection, once)
             if made is not None:
@@ -125,6 +130,15 @@ def _made_before(connection: Connection, once: Once) -> str | None:
     return str(row.fit)
 
 
+def _same_prediction(connection: Connection, new_fit: NewFit) -> str | None:
+    """One that waits, runs or is done; those that failed or were cancelled are made again."""
+    if new_fit.predicted_from is None:
+        return None
+    asked = {"predicted_from": new_fit.predicted_from, "asked_stance": new_fit.stance, "simulate": new_fit.simulate}
+    found = select(schema.fits.c.id).filter_by(**asked).where(schema.fits.c.state.in_(STATES[:3]))
+    return connection.execute(found).scalars().first()
+
+
 def get_fit(storage: Storage, fit_id: str) -> FitRow:
     """Raises NotFound."""
     with storage.database.reading() as connection:
@@ -132,6 +146,19 @@ def get_fit(storage: Storage, fit_id: str) -> FitRow:
     if row is None:
         raise NotFound("There is no such fit; it may have been deleted.")
     return value_of(FitRow, row)
+
+
+def shown_cuts(storage: Storage, fit: FitRow) -> Cuts:
+    """What is cut by hand, now, out of what the fit shows; of a prediction nothing, for its scan was cut before.
+
+    Raises Conflict when that scan is cut otherwise by now.
+    """
+    cuts = get_cuts(storage, fit.scan)
+    if fit.predicted_from is None:
+        return cuts
+    if cuts_digest(cuts) != cuts_digest(fit.cuts):
+        raise Conflict("The scan was cut after this was predicted from it; fit it again, and predict from that fit.")
+    return ()
 
 
 def claim_fit(storage: Storage, fit_id: str) -> FitRow | None:
@@ -240,18 +267,19 @@ def fits_page(
 
 
 def newest_done(storage: Storage, scan_id: str) -> FitRow | None:
-    """The fit of the scan that was asked for last among those that are done."""
+    """The fit of the scan that was asked for last among those that are done; no prediction."""
     table = schema.fits
-    chosen = select(table).where(table.c.scan == scan_id, table.c.state == "done").order_by(table.c.place.desc())
+    chosen = select(table).where(table.c.scan == scan_id, table.c.state == "done", table.c.predicted_from.is_(None))
     with storage.database.reading() as connection:
-        row = connection.execute(chosen.limit(1)).one_or_none()
+        row = connection.execute(chosen.order_by(table.c.place.desc()).limit(1)).one_or_none()
     return None if row is None else value_of(FitRow, row)
 
 
 def newest_fits(storage: Storage, scan_ids: Sequence[str]) -> dict[str, FitRow]:
-    """{scan: its fit that was asked for last}; scans without a fit are not in it."""
+    """{scan: its fit that was asked for last, no prediction}; scans without a fit are not in it."""
     table = schema.fits
-    last = select(func.max(table.c.place)).where(table.c.scan.in_(scan_ids)).group_by(table.c.scan)
+    fitted = select(func.max(table.c.place)).where(table.c.scan.in_(scan_ids), table.c.predicted_from.is_(None))
+    last = fitted.group_by(table.c.scan)
     with storage.database.reading() as connection:
         rows = connection.execute(select(table).where(table.c.place.in_(last)))
         return {row.scan: value_of(FitRow, row) for row in rows}
