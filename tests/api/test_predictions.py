@@ -69,7 +69,8 @@ def test_a_prediction_is_a_fit_that_says_what_it_is_and_is_made_once(real: Real)
     shown = real.client.get(real.predicted["links"]["self"]).json
     assert (shown["predicted_from"], shown["stance"], shown["simulate"]) == (real.fit["id"], "supine", False)
     events = real.client.get(f"{real.predicted['links']['events']}.json").json["events"]
-    assert [each["event"]["kind"] for each in events] == ["started", "done"]
+    first, *progress, last = (each["event"] for each in events)
+    assert (first["kind"], {each["kind"] for each in progress}, last["kind"]) == ("started", {"progressed"}, "done")
     with real.client.get(real.predicted["links"]["result"]) as file:
         result = file.json
     assert (result["predicted"], result["verdict"]) == (True, {"level": "check", "reasons": [NOT_SCANNED]})

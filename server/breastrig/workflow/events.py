@@ -1,4 +1,5 @@
-"""The events of a fit, in order: started, iterated …, then exactly one of done, failed, cancelled.
+"""The events of a fit, in order: started, iterated … (of a prediction progressed …), then exactly one of done, failed,
+cancelled.
 
 They are the only record of its course: stored first, then sent, replayed from any number.  `nodes` speaks
 glTF's own words, so that the page applies an event and a .gltf file with the same code.
@@ -63,6 +64,14 @@ class Iterated(IterationNumbers, Event):
     nodes: list[NodePose]
 
 
+class Progressed(Event):
+    """How far a prediction is."""
+
+    kind: Literal["progressed"] = "progressed"
+    share: float = Field(description="of the work that is done, 0 to 1")
+    said: str = Field(description="what is done next, in a few words")
+
+
 class Done(Event):
     kind: Literal["done"] = "done"
     result: ResultFile = Field(
@@ -81,5 +90,5 @@ class Cancelled(Event):
     reason: str = "The fit was cancelled."
 
 
-FitEvent = Annotated[Started | Iterated | Done | Failed | Cancelled, Field(discriminator="kind")]
+FitEvent = Annotated[Started | Iterated | Progressed | Done | Failed | Cancelled, Field(discriminator="kind")]
 LAST_KINDS = frozenset({"done", "failed", "cancelled"})

@@ -130,7 +130,7 @@ export type EventPage = {
 export type EventRecord = {
   /** number of the event, from 1; the stream's `id:` */
   id: number;
-  event: Started | Iterated | Done | Failed | Cancelled;
+  event: Started | Iterated | Progressed | Done | Failed | Cancelled;
 };
 
 export type ExampleEntry = {
@@ -993,6 +993,15 @@ export type Problem = {
   detail: string;
   /** each field that was refused */
   errors?: FieldError[] | null;
+};
+
+/** How far a prediction is. */
+export type Progressed = {
+  kind?: "progressed";
+  /** of the work that is done, 0 to 1 */
+  share: number;
+  /** what is done next, in a few words */
+  said: string;
 };
 
 export type ProposedLandmark = {

@@ -1,0 +1,1 @@
+"""Stances that were not scanned."""

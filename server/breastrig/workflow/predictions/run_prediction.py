@@ -1,0 +1,39 @@
+"""A prediction as a stream of events, from files to files, as workflow/run_fit.py has fits.
+
+Whoever stops consuming the generator cancels it; nothing is written then.
+"""
+
+from collections.abc import Generator
+
+from breastrig.core.private_files import write_files
+from breastrig.files.result import RESULT, parsed_result, read_result
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.workflow.events import Done, Event, Progressed, Started
+from breastrig.workflow.jobs import PredictionJob
+from breastrig.workflow.predict import predict_steps
+
+
+def run_prediction(job: PredictionJob) -> Generator[Event, None, None]:
+    """Started, Progressed …, Done; a BreastRigError instead when it cannot be done.
+
+    Writes the files of a fit before Done.
+    """
+    rig, given = read_rig(job.model or default_rig_path()), read_result(job.fit)
+    yield Started(
+        stance=job.stance,
+        stance_reason=f"It was asked for; the scan is {given.stance}.",
+        preset=given.preset,
+        model_sha256=rig.sha256,
+        drawing=job.drawing,
+        iterations_limit=0,
+    )
+    steps = predict_steps(rig, job.fit, job.stance, job.simulate)
+    while True:
+        try:
+            step = next(steps)
+        except StopIteration as end:
+            files: dict[str, bytes] = end.value
+            break
+        yield Progressed(share=step.share, said=step.said)
+    write_files(files, job.out)
+    yield Done(result=parsed_result(files[RESULT], job.fit.name))
