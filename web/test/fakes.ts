@@ -37,6 +37,7 @@ export function fitLinks(id: string) {
     cancel: at("cancel"),
     moved: at("moved"),
     shares: at("shares"),
+    predictions: at("predictions"),
   };
 }
 
