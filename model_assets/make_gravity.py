@@ -25,7 +25,6 @@ from virtual_patient.sampled import sampled
 from virtual_patient.woman import vertices_of
 
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.volume.gravity.breast_mesh import breast_mesh
 from breastrig.volume.gravity.statics import NoEquilibrium
 from breastrig_studies.gravity.solved import solved
 
@@ -60,7 +59,7 @@ def solve(wheel: Path, body: np.ndarray, mix: csr_matrix, folder: Path, number: 
     vertices = rig.template + mix @ (vertices_of(read_source(wheel), sampled(number)) - body)
     try:
         with threadpool_limits(1):
-            found = solved(rig, breast_mesh(rig, "L"), vertices, np.random.default_rng([number, 1]))
+            found = solved(rig, vertices, np.random.default_rng([number, 1]))
     except NoEquilibrium:
         (folder / f"{number:04d}.{STANDS_NOT}").touch()
         return

@@ -34,18 +34,18 @@ def sampled(number: int) -> Woman:
         amount = dial(0.0, DETAIL)
         details.append((more if amount > 0.0 else less, (abs(amount), abs(amount))))
     origin = rng.dirichlet([1.0, 1.0, 1.0])
-    weight = float(rng.uniform(-0.7, 1.0))
+    weight = float(rng.uniform(-1.0, 1.0))
     return Woman(
         name=f"woman_{number:04d}",
         size=AVERAGE.size,  # not measured
-        years=float(rng.uniform(YOUNGEST, OLDEST - 5.0)),
+        years=float(rng.uniform(YOUNGEST, OLDEST)),
         origin=(float(origin[0]), float(origin[1]), float(origin[2])),
         muscle=dial(0.0, 0.35),
         weight=weight,
         height=dial(0.1, 0.3),
         proportions=dial(0.0, 0.4),
-        cup=sides(float(rng.uniform(-0.7, 1.0)), 0.12),
-        firmness=sides(dial(0.0, 0.4), 0.1),
+        cup=sides(float(rng.uniform(-0.9, 1.0)), 0.12),
+        firmness=sides(float(rng.uniform(-0.9, 0.7)), 0.1),
         girth=float(rng.uniform(0.0, 0.9)) + 0.3 * max(weight, 0.0),
         details=tuple(details),
         softness=1.0,

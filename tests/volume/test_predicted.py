@@ -6,7 +6,8 @@ import pytest
 from breastrig.core.errors import BadInput
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
-from breastrig.volume.predicted import STANCES, GravityPrior, blocks, gravity_prior, predicted
+from breastrig.volume.breast_skin import breast_skins
+from breastrig.volume.predicted import STANCES, GravityPrior, gravity_prior, predicted
 
 
 @pytest.fixture(scope="module")
@@ -63,11 +64,11 @@ def test_a_turned_body_is_predicted_alike(rig: Rig) -> None:
 def test_the_skin_joins_at_the_edge_of_the_breasts(rig: Rig) -> None:
     prior = gravity_prior(rig)
     assert prior is not None
-    mesh, _ = blocks(rig)[0]
-    rim = np.isin(mesh.skin, mesh.columns[mesh.held.reshape(-1, len(mesh.columns))[-1]])
+    left = breast_skins(rig)[0].skin
+    rim = np.isin(left, rig.faces[~np.isin(rig.faces, left).all(axis=1)])
     for goal in ("supine", "prone"):
         move = (prior.mean[goal] - prior.mean["standing"]).reshape(-1, 3)
-        assert np.linalg.norm(move[rim], axis=1).max() < 2.5e-3
+        assert np.linalg.norm(move[rim], axis=1).max() < 3.5e-3
 
 
 def test_what_is_not_known_is_said(rig: Rig) -> None:

@@ -16,7 +16,6 @@ from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import BaseModel, Field, FiniteFloat
-from scipy.interpolate import RBFInterpolator
 from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array
@@ -25,14 +24,13 @@ from breastrig.drawings.skin_maps.lying_motion import lying_motion
 from breastrig.rig.known import known_part
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
-from breastrig.volume.gravity.breast_mesh import MIRROR, BreastMesh, breast_mesh
+from breastrig.volume.breast_skin import MIRROR, breast_skins
 
 FILE, SCHEMA = "gravity.json", "breastrig/gravity@1"
 STANCES = ("standing", "supine", "prone")
 LEAST = 1e-3  # m: no deviation is said to be smaller
 TENTH = 1e-4  # m: the unit of the file's integers
 STERNUM = 0.03  # m, half the width of the skin on the sternum
-SMOOTH = 1e-5  # of the sheet, as of the chest wall's
 ARMS_FROM, ARMS_TO = 0.045, 0.12  # m from the breasts, between which the arms' motion comes in where breasts hang
 
 
@@ -48,7 +46,7 @@ class _File(BaseModel):
 
 @dataclass(frozen=True, eq=False)
 class GravityPrior:
-    """P skin vertices of the left breast's block (volume/gravity/breast_mesh.py), K factors."""
+    """P skin vertices that the left breast moves (breast_skin.py), K factors."""
 
     mean: dict[str, Array]  # (P * 3,) m, heights by stance
     factors: dict[str, Array]  # (K, P * 3) m
@@ -100,33 +98,21 @@ def predicted(rig: Rig, vertices: Array, stance: str, goal: str) -> Predicted:
         raise BadInput(f"The scan is {stance} already; ask for another stance.")
     local, turn = in_template(rig, vertices)
     moves, radii = posture(rig, goal) - posture(rig, stance), np.full(len(vertices), prior.posture)
-    for mesh, sheet in blocks(rig):
-        mirror = MIRROR if mesh.side == "R" else np.ones(3)
-        heights = (local[mesh.skin] - sheet @ local[mesh.near]) * mirror
+    for each in breast_skins(rig):
+        mirror = MIRROR if each.side == "R" else np.ones(3)
+        heights = (local[each.skin] - each.sheet @ local[each.near]) * mirror
         move, within = prior.moved(heights, stance, goal)
-        moves[mesh.skin] += move * mirror
-        radii[mesh.skin] = np.hypot(prior.posture, within)
+        moves[each.skin] += move * mirror
+        radii[each.skin] = np.hypot(prior.posture, within)
     return Predicted(vertices + moves @ turn, radii)
 
 
 def in_template(rig: Rig, vertices: Array) -> tuple[Array, Array]:
     """((V, 3) m in the template's frame by the skin around the breasts, (3, 3) rotation into it)."""
-    ring = np.union1d(*(mesh.near for mesh, _ in blocks(rig)))
+    ring = np.union1d(*(each.near for each in breast_skins(rig)))
     motion = umeyama(vertices[ring], rig.template[ring])
     away = vertices - vertices[ring].mean(axis=0)
     return away @ motion.rotation.T + rig.template[ring].mean(axis=0), motion.rotation
-
-
-@lru_cache(maxsize=4)
-def blocks(rig: Rig) -> tuple[tuple[BreastMesh, Array], ...]:
-    """Both sides with the (P, R) matrix from the skin around the breast to the sheet that fills its footprint."""
-    meshes = [breast_mesh(rig, side) for side in "LR"]
-    return tuple((mesh, _sheet(mesh, mesh.plane[mesh.skin])) for mesh in meshes)
-
-
-def _sheet(mesh: BreastMesh, at: Array) -> Array:
-    unit = np.eye(len(mesh.near))
-    return np.asarray(RBFInterpolator(mesh.plane[mesh.near], unit, kernel="thin_plate_spline", smoothing=SMOOTH)(at))
 
 
 @lru_cache(maxsize=8)
@@ -144,8 +130,8 @@ def lying(rig: Rig) -> tuple[Array, Array]:
     turn = umeyama(supine[middle], rig.template[middle]).rotation
     whole = (supine - supine[middle].mean(axis=0)) @ turn.T + rig.template[middle].mean(axis=0) - rig.template
     trunk = whole.copy()
-    for mesh, sheet in blocks(rig):
-        trunk[mesh.skin[mesh.breast]] = (sheet @ whole[mesh.near])[mesh.breast]
+    for each in breast_skins(rig):
+        trunk[each.skin[each.breast]] = (each.sheet @ whole[each.near])[each.breast]
     return trunk, whole
 
 

@@ -31,14 +31,7 @@ def volume_mesh(rig: Rig, x: RigParameters, vertices: Array) -> VolumeMesh:
     """
     known = known_volume(rig)
     count = len(rig.template)
-    start = extended(known, np.concatenate([vertices, chest_wall(rig, x)]))
-    springs = np.zeros(len(start))
-    springs[known.cuts] = np.inf
-    springs[count : 2 * count] = WALL_SPRING
-    springs[:count] = SKIN_SPRING
-    normals = np.zeros_like(start)
-    normals[:count], normals[count : 2 * count] = (rig.normals_at(start[part : part + count]) for part in (0, count))
-    points = sound(start, known.tetrahedra, known.points, springs, normals)
+    points = nodes_between(rig, vertices, chest_wall(rig, x))
     loose = [members for name, members in known.attachments.items() if name.startswith("loose_")]
     sliding = count + np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *loose]))
     wall = count + np.arange(count)
@@ -57,6 +50,20 @@ def volume_mesh(rig: Rig, x: RigParameters, vertices: Array) -> VolumeMesh:
         depth=depths(rig),
         moved=float(np.linalg.norm(points[:count] - vertices, axis=1).max()),
     )
+
+
+def nodes_between(rig: Rig, vertices: Array, wall: Array) -> Array:
+    """(N, 3) m: all nodes of a body of (V, 3) m skin and wall, moved where tetrahedra are bad."""
+    known = known_volume(rig)
+    count = len(rig.template)
+    start = extended(known, np.concatenate([vertices, wall]))
+    springs = np.zeros(len(start))
+    springs[known.cuts] = np.inf
+    springs[count : 2 * count] = WALL_SPRING
+    springs[:count] = SKIN_SPRING
+    normals = np.zeros_like(start)
+    normals[:count], normals[count : 2 * count] = (rig.normals_at(start[part : part + count]) for part in (0, count))
+    return sound(start, known.tetrahedra, known.points, springs, normals)
 
 
 def chest_wall(rig: Rig, x: RigParameters) -> Array:

@@ -18,8 +18,8 @@ import numpy as np
 from breastrig.core.arrays import Array, Booleans
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
-from breastrig.volume.gravity.breast_mesh import BreastMesh
-from breastrig.volume.predicted import FILE, SCHEMA, STANCES, TENTH, GravityPrior, blocks, in_template, lying
+from breastrig.volume.breast_skin import BreastSkin, breast_skins
+from breastrig.volume.predicted import FILE, SCHEMA, STANCES, TENTH, GravityPrior, in_template, lying
 
 PLACE = default_rig_path().with_suffix(".known") / FILE
 FACTORS = 12
@@ -42,14 +42,14 @@ class Woman:
 
 def read_women(rig: Rig, folder: Path) -> tuple[Woman, ...]:
     """Of the files that make_gravity.py wrote."""
-    mesh, sheet = blocks(rig)[0]
-    return tuple(_woman(rig, mesh, sheet, file) for file in sorted(folder.glob("[0-9]*[0-9].npz")))
+    left, _ = breast_skins(rig)
+    return tuple(_woman(rig, left, file) for file in sorted(folder.glob("[0-9]*[0-9].npz")))
 
 
-def _woman(rig: Rig, mesh: BreastMesh, sheet: Array, file: Path) -> Woman:
+def _woman(rig: Rig, left: BreastSkin, file: Path) -> Woman:
     found = {name: np.asarray(values, dtype=np.float64) for name, values in np.load(file).items()}
     local, turn = in_template(rig, found["given"])
-    standing = local[mesh.skin] + found["standing_skin"] @ turn.T - sheet @ local[mesh.near]
+    standing = local[left.skin] - left.sheet @ local[left.near]
     moves = {"standing": 0.0} | {name: found[f"{name}_skin"] @ turn.T for name in STANCES[1:]}
     return Woman(int(file.stem), {name: (standing + move).ravel() for name, move in moves.items()})
 
@@ -91,7 +91,7 @@ def with_lying_mean(rig: Rig, prior: GravityPrior) -> GravityPrior:
     The cohort, whose stiffness is drawn, says how a woman differs from that.
     """
     trunk, whole = lying(rig)
-    supine = prior.mean["standing"] + (whole - trunk)[blocks(rig)[0][0].skin].ravel()
+    supine = prior.mean["standing"] + (whole - trunk)[breast_skins(rig)[0].skin].ravel()
     return replace(prior, mean=prior.mean | {"supine": supine})
 
 
@@ -117,7 +117,7 @@ def main(folder: Path, file: Path = PLACE) -> None:
     rig = read_rig(default_rig_path())
     women = read_women(rig, folder)
     parts = {name: [woman for woman in women if woman.part == name] for name in ("estimate", "choose", "sealed")}
-    breast = blocks(rig)[0][0].breast
+    breast = breast_skins(rig)[0].breast
     prior = with_band(gaussian(parts["estimate"]), parts["choose"], breast)
     for stance, goal in (("standing", "supine"), ("standing", "prone"), ("prone", "supine"), ("supine", "standing")):
         miss, radii = (each[:, breast] for each in misses(prior, parts["sealed"], stance, goal))

@@ -16,8 +16,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
-from breastrig.volume.gravity.breast_mesh import MIRROR
-from breastrig.volume.predicted import blocks
+from breastrig.volume.breast_skin import MIRROR, breast_skins
 from breastrig_studies.virtual.bodies import VirtualBody
 from breastrig_studies.virtual.case_files import write_json
 from breastrig_studies.virtual.warped.prone import draw_numbers, write_prone
@@ -30,9 +29,9 @@ def hanging_skin(rig: Rig, file: Path, forwards: float) -> Array:
     """(V, 3) m of one woman's file: standing, both breasts hanging `forwards` times as far as computed."""
     found = {name: np.asarray(values, dtype=np.float64) for name, values in np.load(file).items()}
     skin = found["given"].copy()
-    for mesh, _ in blocks(rig):
-        mirror = MIRROR if mesh.side == "R" else np.ones(3)
-        skin[mesh.skin] += (found["standing_skin"] + found["prone_skin"]) * mirror * [1.0, 1.0, forwards]
+    for each in breast_skins(rig):
+        mirror = MIRROR if each.side == "R" else np.ones(3)
+        skin[each.skin] += found["prone_skin"] * mirror * [1.0, 1.0, forwards]
     return skin
 
 

@@ -1,97 +1,58 @@
-"""One woman's breasts at rest in four positions: unloaded, standing, supine and prone.
+"""One woman's left breast at rest in four positions: unloaded, standing, supine and prone.
 
 Stiffness is drawn from what was published (tissue.toml): nobody knows it of a woman who was only scanned.
 """
 
-import tomllib
 from contextlib import suppress
-from dataclasses import dataclass
-from importlib import resources
-from typing import Any
 
 import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig
-from breastrig.volume.gravity.breast_mesh import BreastMesh, block, chest_wall
-from breastrig.volume.gravity.statics import NoEquilibrium, SoftBody, Tissue, unloaded
+from breastrig.volume.breast_skin import breast_skins
+from breastrig.volume.gravity.soft_breast import DIRECTIONS, G, drawn, published, soft_breast
+from breastrig.volume.gravity.statics import NoEquilibrium
+from breastrig.volume.known_volume import known_volume
+from breastrig.volume.tetrahedra import nodes_between
 
-DIRECTIONS = {"standing": (0.0, -1.0, 0.0), "supine": (0.0, 0.0, -1.0), "prone": (0.0, 0.0, 1.0)}
-G = 9.81  # m/s²
-GLAND = 0.035  # m, how far gland reaches behind the nipple
 STIFFER, TRIES = 2.0, 4
-NEAR = 0.002  # m in the mean: how near she stands to the shape that was given; hers counts
 TILT = np.radians(5.0)  # standard deviation of how a trunk leans in any position
 
 
-@dataclass(frozen=True)
-class Stiffness:
-    """As drawn for one woman."""
+def solved(rig: Rig, vertices: Array, rng: np.random.Generator) -> dict[str, Array]:
+    """Displacements (m) from (V, 3) m standing vertices, by position: of the skin that the left breast moves and of
+    the soft breast's nodes.
 
-    fat: float  # Pa, shear modulus
-    gland: float  # times fat's
-    fascia: float  # times fat's: the layer on the chest wall, in which the breast slides
-    skin: float  # N/m
-    depth: float  # m of tissue between wall and skin beside the breast
-
-
-def drawn(rng: np.random.Generator, table: dict[str, Any]) -> Stiffness:
-    """From the distributions of tissue.toml."""
-
-    def lognormal(name: str) -> float:
-        return float(table[name]["median"] * np.exp(table[name]["log_sd"] * rng.normal()))
-
-    return Stiffness(
-        **{name: lognormal(name) for name in ("fat", "gland", "fascia", "skin")},
-        depth=float(rng.uniform(*table["depth"]["range"])),
-    )
-
-
-def published() -> dict[str, Any]:
-    """The distributions with their sources."""
-    return tomllib.loads((resources.files("breastrig.volume.gravity") / "tissue.toml").read_text("utf-8"))
-
-
-def solved(rig: Rig, mesh: BreastMesh, vertices: Array, rng: np.random.Generator) -> dict[str, Array]:
-    """Displacements (m) from (V, 3) m standing vertices, by position: of the block's skin vertices and of its points.
-
-    The stiffness is drawn again, STIFFER each time, where nothing unloaded sinks into the standing shape: a breast
-    that stands up so is not so soft.  Raises NoEquilibrium after TRIES.
+    She is STIFFER, each time, where she does not come to rest: a breast that stands up so is not so soft.  Raises
+    NoEquilibrium after TRIES.
     """
-    stiffness = drawn(rng, published())
+    table, soft, left = published(), soft_breast(rig, "L"), breast_skins(rig)[0]
+    stiffness = drawn(table, rng.normal(size=4))
+    wall = carried_wall(rig, vertices, float(rng.uniform(*table["depth"]["range"])))
     down, *others = (exp_so3(TILT * rng.normal(size=3)) @ (G * np.array(way)) for way in DIRECTIONS.values())
-    points = block(chest_wall(mesh, vertices, stiffness.depth), vertices[mesh.columns])
-    share = gland(mesh, rig)
+    points = nodes_between(rig, vertices, wall)[soft.nodes]
     for factor in STIFFER ** np.arange(TRIES):
-        shear = factor * stiffness.fat * (1.0 + (stiffness.gland - 1.0) * share)
-        shear[: 3 * len(mesh.triangles)] = factor * stiffness.fat * stiffness.fascia
-        tissue = Tissue(shear, factor * stiffness.skin, stretch=1.1)
-
-        def body_at(place: Array, tissue: Tissue = tissue) -> SoftBody:
-            return SoftBody(place, mesh.tetrahedra, mesh.surface, mesh.held, tissue)
-
         with suppress(NoEquilibrium):
-            body, standing = unloaded(points, body_at, down, NEAR)
-            supine = body.at_rest(others[0])
-            prone = body.at_rest(others[1], supine)  # hangs about as far as it sank
-            skin = body.on_surface(mesh.surface[mesh.located[0]], mesh.located[1])
-            found = {"unloaded": -standing, "supine": supine - standing, "prone": prone - standing}
-            moved_to = body.between(body.mesh.p.T - points) + standing  # where she stands, from where she was to stand
+            body = soft.body(points, stiffness.times(factor)).resting(down)
+            ways = {"unloaded": np.zeros(3)} | dict(zip(("supine", "prone"), others, strict=True))
+            moves = {name: body.at_rest(way, None, down) for name, way in ways.items()}
             return (
-                {f"{name}_skin": skin @ moved for name, moved in found.items()}
-                | {f"{name}_points": moved[: len(points)] for name, moved in found.items()}
-                | {
-                    "given": vertices,
-                    "standing_skin": skin @ moved_to,
-                    "stiffness": np.array([factor, *vars(stiffness).values()]),
-                }
+                {f"{name}_skin": soft.on(left.skin, moved) for name, moved in moves.items()}
+                | {f"{name}_nodes": moved for name, moved in moves.items()}
+                | {"given": vertices, "points": points, "stiffness": np.array([factor, *vars(stiffness).values()])}
             )
     raise NoEquilibrium("This shape does not stand, however stiff it is.")
 
 
-def gland(mesh: BreastMesh, rig: Rig) -> Array:
-    """(T,) share of gland: most behind the nipple, none at the breast's edge."""
-    at = block(chest_wall(mesh, rig.template, 0.015), rig.template[mesh.columns])[mesh.tetrahedra].mean(axis=1)
-    nipple = rig.template[rig.regions[f"areola_{mesh.side}"]].mean(axis=0)
-    return np.asarray(np.exp(-0.5 * (np.linalg.norm(at - nipple, axis=1) / GLAND) ** 2))
+def carried_wall(rig: Rig, vertices: Array, thickness: float) -> Array:
+    """(V, 3) m: the rig's chest wall under a body of which only the (V, 3) m skin is known, `thickness` times as deep.
+
+    It follows the skin, under the breasts the sheet of the skin around them.
+    """
+    count = len(rig.template)
+    sheets = np.stack([rig.template, vertices])
+    for each in breast_skins(rig):
+        sheets[:, each.skin[each.breast]] = (each.sheet @ sheets[:, each.near])[:, each.breast]
+    at_rest = known_volume(rig).points[count : 2 * count]
+    return np.asarray(sheets[1] + thickness * (at_rest - sheets[0]))

@@ -24,6 +24,9 @@ class Law(Protocol):
     def response(self, gradients: Array) -> Response:
         """Density, stress and stiffness; undefined where inverted."""
 
+    def growth(self, gradients: Array) -> Array:
+        """(E, Q) volume or area, times that without stress."""
+
 
 @dataclass(frozen=True, eq=False)
 class NeoHookean:
@@ -39,6 +42,9 @@ class NeoHookean:
         mu, lame = self.shear[:, None], self.lame[:, None]
         found = 0.5 * mu * (trace - 3.0 - 2.0 * np.log(safe)) + 0.5 * lame * (safe - 1.0) ** 2
         return np.asarray(np.where(volume > 0.0, found, np.inf))
+
+    def growth(self, gradients: Array) -> Array:
+        return np.asarray(np.linalg.det(gradients))
 
     def response(self, gradients: Array) -> Response:
         volume = np.linalg.det(gradients)[..., None, None]
@@ -59,7 +65,7 @@ class Membrane:
     """Skin on facets, unstressed in the reference."""
 
     stiffness: Array  # (E,) N/m: shear modulus times thickness
-    tangents: Array  # (E, Q, 3, 2) orthonormal
+    tangents: Array  # (E, Q, 3, 2) orthogonal, longer than 1 where skin is taut without displacements
 
     def energy(self, gradients: Array) -> Array:
         stretched = gradients @ self.tangents
@@ -68,6 +74,10 @@ class Membrane:
         trace = np.trace(metric, axis1=-2, axis2=-1)
         found = 0.5 * self.stiffness[:, None] * (trace + 1.0 / np.maximum(area, 1e-12) - 3.0)
         return np.asarray(np.where(area > 1e-6, found, np.inf))
+
+    def growth(self, gradients: Array) -> Array:
+        stretched = gradients @ self.tangents
+        return np.asarray(np.sqrt(np.linalg.det(stretched.swapaxes(-1, -2) @ stretched)))
 
     def response(self, gradients: Array) -> Response:
         stretched = gradients @ self.tangents  # (E, Q, 3, 2)
