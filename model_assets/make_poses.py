@@ -8,6 +8,7 @@ away (virtual_patient/sampled.py, docs/decisions/0022); scans are those of the v
 import argparse
 import tomllib
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from steps.source import Source, fetch, read_source
 from virtual_patient.body import BOX, Body, Turns
 from virtual_patient.lie_down import at_rest, sagged
 from virtual_patient.lying import Tissue, back_on_table
-from virtual_patient.sampled import sampled
+from virtual_patient.sampled import heavy, sampled
 from virtual_patient.true_landmarks import true_landmarks
 from virtual_patient.woman import AVERAGE, vertices_of
 
@@ -33,6 +34,7 @@ REST = 43.0  # degrees from hanging, of MakeHuman's upper arm
 SCAPULA = 1.0 / 3.0  # share of an arm's raising that the shoulder blade does (scapulohumeral rhythm, Inman 1944)
 STANDING = {"standing_low": (5.0, 20.0), "standing_middle": (20.0, 50.0), "standing_high": (50.0, 90.0)}  # degrees
 HIPS = "standing_hips"
+FOLDS = (0.35, 0.01), (0.8, 0.03)  # least and most height from navel to xiphoid, and depth (m)
 AT_EASE = standing_turns(AVERAGE)
 LYING = {"lying_sides": (5.0, 25.0), "lying_away": (40.0, 90.0)}
 
@@ -41,6 +43,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--women", type=int, default=36)
+    parser.add_argument("--heavy", action="store_true", help="heavy women, with folds on their bellies")
     parser.add_argument("--part", default="0/1", help="K/N: only women k of each n, for several processes")
     options = parser.parse_args()
     wanted = tomllib.loads((HERE / "recipe.toml").read_text("utf-8"))["source"]
@@ -50,17 +53,18 @@ def main() -> None:
     for number in range(part, options.women, parts):
         place = options.folder / f"woman_{number:03d}_{GROUPS[number % 3]}"
         if not (place / "patient.json").is_file():
-            write_woman(place, source, net, trunk, number)
+            write_woman(place, source, net, trunk, number, options.heavy)
 
 
-def write_woman(place: Path, source: Source, net: Net, trunk: Net, number: int) -> None:
+def write_woman(place: Path, source: Source, net: Net, trunk: Net, number: int, is_heavy: bool) -> None:
     """All her scans; patient.json comes last."""
     random = np.random.default_rng((FIRST, number))
-    woman = sampled(FIRST + number)
+    woman = (heavy if is_heavy else sampled)(FIRST + number)
+    folds = random.uniform(*FOLDS, (int(random.integers(1, 3)) if is_heavy else 0, 2))
     body = Body(source, vertices_of(source, woman), *net.fine)
     marks = landmarks(body, trunk)
     for k, (name, stands, turns) in enumerate(poses(random)):
-        moved = posed(body, net, marks, stands, turns)
+        moved = with_folds(posed(body, net, marks, stands, turns), folds)
         shown = net.scanned if random.random() < 0.5 else np.ones(len(net.scanned), dtype=np.bool_)
         scan = scan_skin(moved, net.faces, shown, random, Circumstances(every=2))
         arms = {
@@ -105,6 +109,18 @@ def posed(body: Body, net: Net, marks: dict[str, SurfacePoints], stands: bool, t
         skin, table = back_on_table(at_rest(skin, body.arms < 0.5, navel[1] + WAIST), Tissue())
     places = {name: point.positions(skin, body.faces)[0] for name, point in marks.items()}
     return VirtualBody("standing" if stands else "supine", skin[net.coarse], places, table)
+
+
+def with_folds(body: VirtualBody, folds: np.ndarray) -> VirtualBody:
+    """Rolls on the belly over creases, of (N, 2) heights between navel (0) and xiphoid (1) and depths (m)."""
+    vertices, navel, xiphoid = body.vertices.copy(), body.landmarks["umbilicus"], body.landmarks["xiphoid"]
+    for height, depth in folds:
+        above = vertices[:, 1] - navel[1] - height * (xiphoid[1] - navel[1])
+        front = np.clip((vertices[:, 2] - navel[2]) / 0.15 + 1.0, 0.0, 1.0) * np.exp(-((vertices[:, 0] / 0.16) ** 4))
+        roll = front * np.exp(-(((above - 0.025) / 0.025) ** 2))
+        vertices[:, 2] += 0.6 * depth * roll - depth * front * np.exp(-((above / 0.012) ** 2))
+        vertices[:, 1] -= 0.8 * depth * roll
+    return replace(body, vertices=vertices)
 
 
 def landmarks(body: Body, trunk: Net) -> dict[str, SurfacePoints]:

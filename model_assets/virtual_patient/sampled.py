@@ -1,5 +1,7 @@
 """Women drawn at random from MakeHuman's adult dials, far broader than the seven: for what gravity does to breasts."""
 
+from dataclasses import replace
+
 import numpy as np
 from virtual_patient.woman import AVERAGE, OLDEST, YOUNGEST, Sides, Woman
 
@@ -54,4 +56,19 @@ def sampled(number: int) -> Woman:
         lying_arms=(0.0, 0.0),
         lean=0.0,
         asymmetric=True,
+    )
+
+
+def heavy(number: int) -> Woman:
+    """The woman of that number with MakeHuman's most weight, a large belly and heavy breasts."""
+    woman, rng = sampled(number), np.random.default_rng((number, 1))
+    cup, soft = rng.uniform(0.4, 1.0, 2), rng.uniform(-1.0, -0.2, 2)
+    belly = float(rng.uniform(0.2, 0.8))
+    return replace(
+        woman,
+        weight=1.0,
+        girth=float(rng.uniform(0.8, 1.6)),
+        cup=(float(cup[0]), float(0.8 * cup[0] + 0.2 * cup[1])),
+        firmness=(float(soft[0]), float(0.8 * soft[0] + 0.2 * soft[1])),
+        details=(*woman.details, ("stomach/stomach-pregnant-incr", (belly, belly))),
     )

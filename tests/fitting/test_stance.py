@@ -2,8 +2,6 @@
 
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +17,6 @@ from breastrig.fitting.stance import FoundStance, found_stance
 from breastrig.fitting.starts import supine_or_standing
 from breastrig.fitting.starts.orientation import best_start
 from breastrig.fitting.starts.supine_or_standing import stance_signs
-from breastrig.geometry.normals import face_normals
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.parameters import rest_parameters
@@ -28,11 +25,6 @@ from breastrig.scan.clean import Surface, clean, compact
 from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.orient import Frame, propose_frame, table_plane
 from breastrig.scan.read import read_scan
-from breastrig_studies.virtual.bodies import VirtualBody
-from breastrig_studies.virtual.warped.arms import with_arms_along
-from breastrig_studies.virtual.warped.body import WarpedBody
-from breastrig_studies.virtual.warped.numbers import draw_numbers
-from breastrig_studies.virtual.warped.sources import read_sources
 
 EXAMPLE = asset_folder("example")
 
@@ -63,20 +55,6 @@ def test_the_body_tells_when_there_is_no_table(stance: str) -> None:
     assert "no table" in frame.stance_reason
     assert answer.stance == stance
     assert "no table" in answer.reason
-
-
-def test_a_supine_body_with_arms_along_its_sides_is_not_called_standing_without_a_doubt() -> None:
-    source = read_sources()[1]
-    lie = source.lying[0]
-    standing = VirtualBody("standing", source.standing, source.landmarks(source.standing), None)
-    supine = VirtualBody("supine", lie.vertices, source.landmarks(lie.vertices), lie.table)
-    random = np.random.default_rng(1)
-    moved = with_arms_along(WarpedBody(source, draw_numbers(random), lie.kind, 1, standing, supine), random)
-    from_above = face_normals(moved.vertices, source.faces)[:, 2] > -0.2
-    shown = source.scanned[source.faces].all(axis=1) & from_above
-    answer, frame = found(ScanTarget(*compact(moved.vertices, source.faces[shown])))
-    assert "no table" in frame.stance_reason
-    assert answer.stance == "supine" or "not clear" in answer.reason
 
 
 def test_where_the_signs_say_little_it_is_said_and_asked(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -145,11 +123,11 @@ def test_signs_are_measured_in_the_bodys_own_axes(turn: Array) -> None:
     apart, forward = marks["nipple_L"] - marks["nipple_R"], 0.5 * (marks["nipple_L"] + marks["nipple_R"])
     found = supine_or_standing.breast_signs(rig, vertices, ScanTarget(vertices, rig.faces))
     expected = {"nipples_in_front": (forward - marks["xiphoid"])[2] / bone, "nipples_apart": apart[0] / bone}
-    assert found == pytest.approx(expected, abs=0.01)
+    assert {name: found[name] for name in expected} == pytest.approx(expected, abs=0.01)
     assert all(value > 0.05 for value in found.values())
     left = np.flatnonzero(vertices @ turn[:, 0] > -0.03)
     half = ScanTarget(*compact(vertices, rig.faces[np.isin(rig.faces, left).all(axis=1)]))
-    assert {*supine_or_standing.breast_signs(rig, vertices, half)} == {"nipples_in_front"}  # one nipple is not shown
+    assert {*found} - {*supine_or_standing.breast_signs(rig, vertices, half)} == {"nipples_apart"}  # one is not shown
 
 
 def test_an_arm_is_as_far_from_hanging_as_it_is_raised_on_its_own_side() -> None:
@@ -165,15 +143,3 @@ def test_an_arm_is_as_far_from_hanging_as_it_is_raised_on_its_own_side() -> None
         rotations[bone] = exp_so3(0.4 * sideways / np.linalg.norm(sideways)) @ rotations[bone]
         raised = supine_or_standing.arm_angles(rig, replace(x, rotations=rotations))
         assert raised - rest == pytest.approx(0.4 * (np.arange(len(arms)) == number), abs=1e-6)
-
-
-def test_what_lying_shapes_save_of_the_energy_speaks_for_lying(monkeypatch: pytest.MonkeyPatch) -> None:
-    rig = read_rig(default_rig_path())
-    asked: Any = SimpleNamespace(rig=rig, target=ScanTarget(rig.template, rig.faces))
-    ends: list[Any] = [SimpleNamespace(parameters=rest_parameters(rig), energy=energy) for energy in (9.0, 4.0)]
-    monkeypatch.setattr(supine_or_standing, "energy_without_relief", lambda _, iterate: iterate.energy)
-    seen = supine_or_standing.measured_signs(asked, *ends)
-    assert seen["energy_less"] == pytest.approx(5.0)
-    assert "energy_less" not in supine_or_standing.measured_signs(asked, ends[0])
-    sign = stance_signs().signs["energy_less"]
-    assert sign.weight > 0.0

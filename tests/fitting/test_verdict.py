@@ -11,7 +11,7 @@ from helpers.toy_rig import toy_rig
 from breastrig.fitting.task import Doubt
 from breastrig.fitting.verdicts.fit_signals import FitSignals
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, of_agreed, picked_names
-from breastrig.fitting.verdicts.verdict import Verdict, shows_a_part, verdict, verdict_limits
+from breastrig.fitting.verdicts.verdict import UNCLEAR_STANCE, Verdict, shows_a_part, verdict, verdict_limits
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
 
@@ -139,6 +139,12 @@ def test_landmarks_in_doubt_make_a_right_fit_worth_a_look() -> None:
         "2 landmarks look exchanged between left and right, and one landmark is in doubt; look at what is asked about "
         "them.",
     )
+
+
+def test_an_unclear_stance_makes_a_right_fit_worth_a_look_and_says_what_to_do() -> None:
+    found = verdict(RIGHT, Status.CONVERGED, LIMITS, ALL, asked_too=(UNCLEAR_STANCE,))
+    assert found.level == "check"
+    assert found.reasons == ("The scan does not show clearly whether she stands or lies; say which it is.",)
 
 
 def test_a_part_of_a_body_is_to_be_checked_unless_landmarks_say_where_it_belongs() -> None:

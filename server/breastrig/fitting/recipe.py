@@ -19,7 +19,7 @@ from breastrig.core.stances import split_side
 from breastrig.fitting.presets.preset_files import changed, preset_names, preset_text
 
 COMMON = "default"  # what a preset is silent about is taken from it:
-COMMON_PARTS = ("outliers", "stance_rule", "lying", "landmarks")
+COMMON_PARTS = ("outliers", "lying", "landmarks")
 
 Range = tuple[Positive, Positive]
 
@@ -136,13 +136,6 @@ class LandmarkErrors(SettingsPart):
     mirrored: Positive | None = None  # m on each axis, of one side from the other's pick; absent: not used
 
 
-class StanceRule(SettingsPart):
-    """Standing or lying, where no table tells; see stance.py."""
-
-    arms_hanging: Positive  # rad from the chest's long axis; nobody lies with the arms this close
-    arms_between: Positive  # rad, between standing and lying patients
-
-
 class Hanging(SettingsPart):
     """When a fit begins again with breasts that hang; see body/hanging_start.py."""
 
@@ -164,7 +157,6 @@ class Recipe(SettingsPart):
     shapes: Shapes
     body: Body | None = None  # absent: scales and shapes do not know of each other
     outliers: Outliers
-    stance_rule: StanceRule
     lying: Lying
     hanging: Hanging | None = None  # absent: it begins once
     landmarks: dict[str, LandmarkErrors]  # by name without its side; "other" for those that are not named

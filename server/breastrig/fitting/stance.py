@@ -1,8 +1,8 @@
 """Whether the patient is standing, supine or prone.
 
-A table decides (scan/orient.py), unless plane and body are both upright in the scanner's axes: then the arms do.
-Without one a small front whose breasts hang forwards is prone (starts/prone.py); of others fits in both stances are
-weighed (starts/supine_or_standing.py); an unclear answer asks the user.
+A table decides (scan/orient.py), unless plane and body are both upright in the scanner's axes.  Without one a small
+front whose breasts hang forwards is prone (starts/prone.py); of others a fit as standing shows the stance
+(starts/supine_or_standing.py); an unclear answer asks the user, and is a reason in the verdict.
 """
 
 from dataclasses import dataclass, replace
@@ -13,16 +13,14 @@ from breastrig.core.stances import PRONE
 from breastrig.fitting.picks.checked_fit import checked_iterates
 from breastrig.fitting.starts.orientation import Start
 from breastrig.fitting.starts.prone import hangs_to_the_front
-from breastrig.fitting.starts.supine_or_standing import arm_angles, likely_stance, measured_signs
+from breastrig.fitting.starts.supine_or_standing import SCANNERS_UP, UPRIGHT, likely_stance, measured_signs
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.rig.similarity import umeyama
 from breastrig.rig.skinning import pose
 from breastrig.scan.orient import Frame
 
-WALL = "An upright plane is close behind her, and the arms hang: a wall. If it is a table, say that she lies."
-TABLE = "An upright plane is close behind her, but the arms are away: a table. If it is a wall, say that she stands."
-SCANNERS_UP = np.array([0.0, 1.0, 0.0])  # as scan/orient.py has it
-UPRIGHT = np.radians(15.0)  # people lean, and apps level to a few degrees
+WALL = "An upright plane is close behind her, but she stands: a wall. If it is a table, say that she lies."
+TABLE = "An upright plane is close behind her, and she lies: a table. If it is a wall, say that she stands."
 
 
 def may_be_wall(task: FitTask, frame: Frame) -> bool:
@@ -34,15 +32,14 @@ def may_be_wall(task: FitTask, frame: Frame) -> bool:
         points.positions(each, task.rig.faces) for each in (task.rig.template, pose(task.rig, task.start))
     )
     body = umeyama(at_rest, placed).rotation[:, 1]
-    return bool(abs(frame.table[0] @ SCANNERS_UP) < np.sin(UPRIGHT) and body @ SCANNERS_UP > np.cos(UPRIGHT))
+    return bool(np.linalg.norm(np.cross(frame.table[0], SCANNERS_UP)) > UPRIGHT and body @ SCANNERS_UP > UPRIGHT)
 
 
-ARMS_HANG = "There is no table in the scan, and the arms hang."
-ARMS_HANG_BUT = "Without a table it is not clear: arms hang, breasts look lying. If she lies, say that she lies."
-LIES = "There is no table in the scan, but breasts and arms are as in a lying patient."
-STANDS = "There is no table in the scan, and breasts and arms are as in a standing patient."
+LIES = "There is no table in the scan, but she looks like a lying patient."
+STANDS = "There is no table in the scan, and she looks like a standing patient."
 MAY_LIE = "Without a table it is not clear: she seems to lie. If she stands, say that she stands."
 MAY_STAND = "Without a table it is not clear: she seems to stand. If she lies, say that she lies."
+UNCLEAR = (MAY_LIE, MAY_STAND)
 
 
 HANGS = "Only the front of a chest is seen, and its breasts hang to the front: prone. If not, say how she is scanned."
@@ -63,22 +60,17 @@ def found_stance(task: FitTask, frame: Frame) -> FoundStance:
 
     Whoever fits the task next goes on from the iterates, so that nothing is fitted twice.
     """
-    rule, wall = task.recipe.stance_rule, may_be_wall(task, frame)
+    wall = may_be_wall(task, frame)
     is_said = frame.stance == PRONE or (frame.stance == "supine" and not wall)
     if is_said or not any(shape.kind == "gravity" for shape in task.rig.shapes):
         return FoundStance(frame.stance, frame.stance_reason)
     if not wall and len(frame.fronts) == 1 and hangs_to_the_front(task.target, frame.front):
         return FoundStance(PRONE, HANGS)
     standing = tuple(checked_iterates(replace(task, stance="standing")))
-    arms = arm_angles(task.rig, standing[-1].parameters)
-    if wall:  # what a lying back costs on a table would make lying bodies dear: the arms alone decide
-        away = len(arms) and arms.mean() > rule.arms_between
-        return FoundStance("supine", TABLE) if away else FoundStance("standing", WALL, standing)
-    if not len(arms) or arms.mean() < rule.arms_hanging:
-        likely = likely_stance(measured_signs(task, standing[-1]))
-        return FoundStance("standing", ARMS_HANG if likely.sure and not likely.supine else ARMS_HANG_BUT, standing)
+    likely = likely_stance(measured_signs(task, standing[-1]))
+    if wall:
+        return FoundStance("supine", TABLE) if likely.supine else FoundStance("standing", WALL, standing)
+    if not likely.supine:
+        return FoundStance("standing", STANDS if likely.sure else MAY_STAND, standing)
     supine = tuple(checked_iterates(replace(task, stance="supine")))
-    likely = likely_stance(measured_signs(task, standing[-1], supine[-1]))
-    if likely.supine:
-        return FoundStance("supine", LIES if likely.sure else MAY_LIE, supine)
-    return FoundStance("standing", STANDS if likely.sure else MAY_STAND, standing)
+    return FoundStance("supine", LIES if likely.sure else MAY_LIE, supine)

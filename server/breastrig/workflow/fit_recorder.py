@@ -23,12 +23,20 @@ from breastrig.fitting.picks.mistakes import explained
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.refine import refined
+from breastrig.fitting.stance import UNCLEAR
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS
 from breastrig.fitting.task import Doubt
 from breastrig.fitting.uncertainty.radii import HOLDS_90, Radii, radii
 from breastrig.fitting.verdicts.fit_signals import fit_signals
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, picked_names
-from breastrig.fitting.verdicts.verdict import Verdict, shows_a_part, verdict, verdict_limits
+from breastrig.fitting.verdicts.verdict import (
+    UNCLEAR_STANCE,
+    Verdict,
+    shows_a_part,
+    unusual_size,
+    verdict,
+    verdict_limits,
+)
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.least_squares.newton import Status
@@ -125,7 +133,9 @@ class FitRecorder:
             given = replace(given, repeated=self._only_repeats())
         known = radii(posterior, ready.clearness)
         lines_off = None if known is None else known.lines
-        found_verdict = verdict(signals, last.status, limits, given, doubtful, lines_off, task.stance)
+        unclear = (UNCLEAR_STANCE,) if ready.stance_reason in UNCLEAR else ()
+        asked_too = (*unclear, *unusual_size(limits, rig, vertices, target))
+        found_verdict = verdict(signals, last.status, limits, given, doubtful, lines_off, task.stance, asked_too)
         if not found_verdict.is_torso:
             raise FitFailed(" ".join(explained(task, (found_verdict.refusal(rig.name, given),))))
         if found_verdict.level == "unusable" and not any(doubt.exchanged for doubt in rejected):

@@ -10,7 +10,6 @@ import trimesh
 from breastrig.core.arrays import Array
 from breastrig.core.assets import asset_folder
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.body.relief import energy_without_relief, relief_terms
 from breastrig.fitting.fit import fit_iterates
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.picks.leave_one_out import LeaveOneOut
@@ -22,11 +21,9 @@ from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.least_squares.newton import value
 from breastrig.relief.limits import relief as relief_limits
 from breastrig.relief.observe import ReliefObservation
 from breastrig.rig.skinning import pose
-from breastrig.rig.state import BodyState
 from breastrig.scan.clean import clean, compact
 from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
@@ -162,17 +159,6 @@ def test_what_was_seen_once_is_not_looked_for_again(task: FitTask) -> None:
     posterior = Posterior(replace(task, relief=last.relief), last.parameters)
     assert posterior.relief is last.relief
     assert posterior.relief["umbilicus"] is (last.relief or {})["umbilicus"]
-
-
-def test_two_fits_are_compared_by_energies_without_their_hollows(task: FitTask) -> None:
-    last = end(task)
-    state = BodyState(task.rig, last.parameters)
-    (term,) = relief_terms(task.rig, last.relief or {}, task.recipe.stages[-1])
-    pull = term.residual(state)
-    assert last.energy - energy_without_relief(task, last) == pytest.approx(value([term], [], state).energy, rel=1e-9)
-    assert pull @ pull > 0.0
-    smooth = end(replace(task, relief={}))
-    assert energy_without_relief(task, smooth) == smooth.energy
 
 
 def test_where_a_breast_was_taken_off_her_fold_is_hardly_ever_seen(task: FitTask) -> None:

@@ -24,30 +24,42 @@ def in_between() -> dict[str, float]:
 
 
 @pytest.mark.parametrize(
-    ("sign", "lying"), [("arms", 1.2), ("nipples_apart", 1.5), ("nipples_in_front", 0.0), ("energy_less", 8.0)]
+    ("sign", "towards"),
+    [
+        ("nipples_apart", 1),
+        ("nipples_over_folds", 1),
+        ("aside", 1),
+        ("nipples_in_front", -1),
+        ("flattened", -1),
+        ("facing_back", -1),
+        ("upright", -1),
+    ],
 )
-def test_each_sign_speaks_for_lying_on_its_own_side(sign: str, lying: float) -> None:
-    middle = in_between()[sign]
-    odds = [stance_signs().log_odds(in_between() | {sign: value}) for value in (2.0 * middle - lying, middle, lying)]
-    assert odds[0] < 0.0 < odds[2]
-    assert odds[1] == 0.0
+def test_each_sign_speaks_for_lying_on_its_own_side_and_no_more_than_so_much(sign: str, towards: int) -> None:
+    known = stance_signs().signs[sign]
+    steps = np.array([-9.0, -1.0, 0.0, 1.0, 9.0]) * towards * known.most
+    odds = [stance_signs().log_odds(in_between() | {sign: known.between + step}) for step in steps]
+    assert odds[0] == pytest.approx(odds[1])
+    assert odds[3] == pytest.approx(odds[4])
+    assert odds[1] < odds[2] < odds[3]
+    assert odds[2] == pytest.approx(stance_signs().constant)
+
+
+def test_arms_do_not_make_a_standing_body_lie() -> None:
+    standing = {"nipples_in_front": 0.16, "nipples_apart": 0.93, "nipples_over_folds": 0.17, "flattened": 0.3}
+    lying = {"nipples_in_front": 0.03, "nipples_apart": 1.1, "nipples_over_folds": 0.28, "flattened": -0.9}
+    for arms in np.radians([5.0, 45.0, 90.0]):
+        assert not likely_stance(standing | {"arms": arms}).supine
+        assert likely_stance(lying | {"arms": arms}).supine
 
 
 def test_what_says_nothing_is_unsure_and_what_all_signs_say_is_sure() -> None:
     assert not likely_stance(in_between()).sure
     assert not likely_stance({}).sure
-    lying = {"nipples_in_front": 0.05, "nipples_apart": 1.3, "arms": 1.2}
-    standing = {"nipples_in_front": 0.25, "nipples_apart": 1.0, "arms": 0.55}
-    assert (likely_stance(lying).supine, likely_stance(lying).sure) == (True, True)
-    assert (likely_stance(standing).supine, likely_stance(standing).sure) == (False, True)
-
-
-def test_energies_that_are_far_apart_count_no_more_than_those_at_the_limit() -> None:
-    signs = stance_signs()
-    most = signs.signs["energy_less"].most
-    assert most is not None
-    assert signs.log_odds({"energy_less": 60.0}) == signs.log_odds({"energy_less": most})
-    assert signs.log_odds({"energy_less": -60.0}) == signs.log_odds({"energy_less": -most})
+    most = {name: s.between + np.sign(s.weight) * s.most for name, s in stance_signs().signs.items()}
+    least = {name: s.between - np.sign(s.weight) * s.most for name, s in stance_signs().signs.items()}
+    assert (likely_stance(most).supine, likely_stance(most).sure) == (True, True)
+    assert (likely_stance(least).supine, likely_stance(least).sure) == (False, True)
 
 
 def test_size_place_and_direction_of_a_body_say_nothing() -> None:
@@ -61,9 +73,9 @@ def test_of_half_a_body_it_is_not_seen_how_far_the_nipples_are_apart() -> None:
     rig = read_rig(default_rig_path())
     left = rig.faces[(rig.template[:, 0] > 0.0)[rig.faces].all(axis=1)]
     whole = as_scanned(rig, rig.template)
-    assert breast_signs(rig, rig.template, ScanTarget(*compact(rig.template, left))) == {
-        "nipples_in_front": whole["nipples_in_front"]
-    }
+    half = breast_signs(rig, rig.template, ScanTarget(*compact(rig.template, left)))
+    assert {*whole} - {*half} == {"nipples_apart"}
+    assert half["nipples_in_front"] == whole["nipples_in_front"]
 
 
 def test_nipples_that_move_back_and_outwards_are_seen() -> None:
@@ -76,6 +88,14 @@ def test_nipples_that_move_back_and_outwards_are_seen() -> None:
     before, after = as_scanned(rig, rig.template), as_scanned(rig, moved)
     assert after["nipples_apart"] > before["nipples_apart"]
     assert after["nipples_in_front"] < before["nipples_in_front"]
+
+
+def test_skin_that_faces_backwards_is_seen_where_the_scan_shows_it() -> None:
+    rig = read_rig(default_rig_path())
+    front = rig.faces[(rig.template[:, 2] > np.median(rig.template[:, 2]))[rig.faces].all(axis=1)]
+    assert as_scanned(rig, rig.template)["facing_back"] > 0.25
+    shown = breast_signs(rig, rig.template, ScanTarget(*compact(rig.template, front)))
+    assert shown["facing_back"] < 0.05
 
 
 def test_of_a_rig_without_the_landmarks_the_breasts_say_nothing() -> None:

@@ -13,10 +13,9 @@ from breastrig.core.stances import PRONE, STANDING
 from breastrig.energies.landmark_observations import LandmarkObservations
 from breastrig.fitting.body.hanging import body_axes, hanging_shifts, hangs_by, outwards
 from breastrig.fitting.recipe import Stage
-from breastrig.fitting.task import FitIterate, FitTask
+from breastrig.fitting.task import FitTask
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import unit_vectors
-from breastrig.least_squares.newton import value
 from breastrig.least_squares.problem import ResidualTerm
 from breastrig.relief.limits import relief as relief_limits
 from breastrig.relief.observe import NOT_SHOWN, Expected, ReliefObservation, relief_observations
@@ -134,9 +133,3 @@ def relief_terms(rig: Rig, relief: Mapping[str, ReliefObservation], stage: Stage
     places, covariances = zip(*((each.place, each.slack**2 * each.covariance) for each in relief.values()), strict=True)
     points = rig.landmark_points(tuple(relief))
     return [LandmarkObservations(rig, points, np.array(places), (stage.relief or 1.0) ** 2 * np.array(covariances))]
-
-
-def energy_without_relief(task: FitTask, last: FitIterate) -> float:
-    """Of a fit's last iterate: comparable between fits with different relief observations."""
-    terms = relief_terms(task.rig, last.relief or {}, task.recipe.stages[-1])
-    return last.energy - value(terms, [], BodyState(task.rig, last.parameters)).energy

@@ -1,8 +1,8 @@
-"""Probability that a body without a visible table is supine, from four signs of a fit that assumes it stands.
+"""Probability that a body without a visible table is supine, from the signs of a fit that assumes it stands.
 
-Signs: arms away from the trunk; nipples in front of the xiphoid, and apart, in units of the sternum's length; energy of
-the supine shapes, clipped.  Weights: stance_signs.toml, estimated by breastrig_studies/stance_signs.py; evidence:
-docs/decisions/0004.
+Arms say little: standing ones may be anywhere.  Breasts say most: where nipples are to the breastbone and to the folds,
+in units of the breastbone's length, and the shapes by which the fit showed them.  Skin that faces backwards is
+seen of a standing body only.  Weights: stance_signs.toml, by breastrig_studies/stance_signs.py; docs/decisions/0022.
 """
 
 from collections.abc import Mapping
@@ -11,37 +11,47 @@ from functools import lru_cache
 
 import numpy as np
 
-from breastrig.core.arrays import Array
+from breastrig.core.arrays import Array, Integers
 from breastrig.core.settings_file import SettingsPart, packaged
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.body.hanging import body_axes
-from breastrig.fitting.body.relief import energy_without_relief
 from breastrig.fitting.task import FitIterate, FitTask
+from breastrig.geometry.normals import face_crosses
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
 
-MEASURED = ("suprasternal_notch", "xiphoid", "nipple_L", "nipple_R")
+MEASURED = ("suprasternal_notch", "xiphoid", "nipple_L", "nipple_R", "inframammary_fold_L", "inframammary_fold_R")
 SHOWN = 0.015  # m from the scan
+SHAPES = {"flattened": "projection", "aside": "position_lateral"}  # signs that are mean weights of a shape's two sides
+BACKWARDS = -0.3  # cosine to the front; a lying body is seen from above
+TRUNK = (
+    (-0.5, 0.75),
+    0.8,
+)  # lengths of the breastbone: heights over the xiphoid, and to the sides, between which no arm is
+SCANNERS_UP = np.array([0.0, 1.0, 0.0])  # as scan/orient.py has it
+UPRIGHT = np.cos(np.radians(15.0))  # people lean, and apps level to a few degrees
 
 
 class Sign(SettingsPart):
     between: float  # its value that says nothing
     weight: float  # of the log odds of a supine body, for one unit more
-    most: float | None = None  # farther from `between` it counts no more
+    most: float  # farther from `between` it counts no more
+    by_hand: bool = False  # not estimated: simulated scans are turned at random
 
 
 class StanceSigns(SettingsPart):
     unsure: float  # log odds, either way, up to which the answer is doubted
+    constant: float  # log odds where no sign says anything
     signs: dict[str, Sign]
 
     def log_odds(self, seen: Mapping[str, float]) -> float:
         """That she lies; what was not seen says nothing."""
-        return sum(self._counted(name, value) for name, value in seen.items())
+        return self.constant + sum(self._counted(name, seen[name]) for name in self.signs if name in seen)
 
     def _counted(self, name: str, value: float) -> float:
-        sign, away = self.signs[name], value - self.signs[name].between
-        return sign.weight * (away if sign.most is None else float(np.clip(away, -sign.most, sign.most)))
+        sign = self.signs[name]
+        return sign.weight * float(np.clip(value - sign.between, -sign.most, sign.most))
 
 
 @dataclass(frozen=True)
@@ -78,22 +88,44 @@ def breast_signs(rig: Rig, vertices: Array, target: ScanTarget) -> dict[str, flo
     if not set(MEASURED) <= set(rig.landmark_names):
         return {}
     places = rig.landmark_points(MEASURED).positions(vertices, rig.faces)
-    notch, end, *nipples = places @ body_axes(rig, vertices)
+    axes = body_axes(rig, vertices)
+    notch, end, *breasts = places @ axes
+    nipples, folds = np.array(breasts[:2]), np.array(breasts[2:])
     bone = float(np.linalg.norm(notch - end))
-    seen = {"nipples_in_front": float(np.mean(nipples, axis=0)[2] - end[2]) / bone}
-    if np.isfinite(target.vertex_tree.query(places[2:], distance_upper_bound=SHOWN)[0]).all():
-        seen["nipples_apart"] = float(nipples[0][0] - nipples[1][0]) / bone
+    seen = {
+        "nipples_in_front": float(nipples[:, 2].mean() - end[2]) / bone,
+        "nipples_over_folds": float((nipples - folds)[:, 1].mean()) / bone,
+        "facing_back": _facing_back((target.vertices @ axes - end) / bone, target.faces),
+    }
+    if np.isfinite(target.vertex_tree.query(places[2:4], distance_upper_bound=SHOWN)[0]).all():
+        seen["nipples_apart"] = float(nipples[0, 0] - nipples[1, 0]) / bone
     return seen
 
 
-def measured_signs(task: FitTask, standing: FitIterate, supine: FitIterate | None = None) -> dict[str, float]:
-    """What the ends of a task's fits in both stances show, by the signs' names; of one fit no energy."""
-    seen = breast_signs(task.rig, pose(task.rig, standing.parameters), task.target)
-    arms = arm_angles(task.rig, standing.parameters)
+def _facing_back(vertices: Array, faces: Integers) -> float:
+    """Share of the trunk's scanned skin; (V, 3) from the xiphoid in the body's axes, in lengths of the breastbone."""
+    crosses, middles = face_crosses(vertices, faces), vertices[faces].mean(axis=1)
+    (low, high), aside = TRUNK
+    trunk = (middles[:, 1] > low) & (middles[:, 1] < high) & (np.abs(middles[:, 0]) < aside)
+    areas = np.linalg.norm(crosses, axis=1)
+    backwards = trunk & (crosses[:, 2] < BACKWARDS * areas)
+    return float(areas[backwards].sum() / max(areas[trunk].sum(), 1e-9))
+
+
+def measured_signs(task: FitTask, standing: FitIterate) -> dict[str, float]:
+    """What the end of a task's fit as standing shows, by the signs' names."""
+    rig, x = task.rig, standing.parameters
+    vertices = pose(rig, x)
+    seen = breast_signs(rig, vertices, task.target)
+    arms = arm_angles(rig, x)
     if len(arms):
         seen["arms"] = float(arms.mean())
-    if supine is not None:
-        seen["energy_less"] = energy_without_relief(task, standing) - energy_without_relief(task, supine)
+    for sign, shape in SHAPES.items():
+        weights = [weight for name, weight in zip(rig.shape_names, x.weights, strict=True) if name[:-2] == shape]
+        if weights:
+            seen[sign] = float(np.mean(weights))
+    _, up, front = body_axes(rig, vertices).T @ SCANNERS_UP
+    seen["upright"] = float(up > UPRIGHT) - float(front > UPRIGHT)
     return seen
 
 

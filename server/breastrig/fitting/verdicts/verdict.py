@@ -14,11 +14,14 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
+from breastrig.core.arrays import Array
 from breastrig.core.settings_file import SettingsPart
 from breastrig.core.stances import STANDING
+from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.task import Doubt
 from breastrig.fitting.verdicts.fit_signals import HANGS, FitSignals
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, Reason, of_agreed, of_doubts, sentences
+from breastrig.fitting.verdicts.size import SizeLimits, times_larger
 from breastrig.least_squares.newton import Status
 from breastrig.rig.known import NOT_CALIBRATED, known_part
 from breastrig.rig.model import Rig
@@ -33,10 +36,14 @@ FAR_LINES, WITH_MARGIN = "Lines on the breasts may be {:.0f} mm off", "plan with
 UNKNOWN_LINES = "Where lines on the breasts lie is not known"
 OTHER_STANCE = "How far off a fit of a {} body may be has not been measured"
 LOOK_CLOSELY = "look at it closely"
+UNCLEAR_STANCE = Reason("The scan does not show clearly whether she stands or lies", ("say which it is",))
+SIZE = "Her trunk is {:.0f} % {} than most women's: she may be {}, or the scan without a true scale"
+MEASURE = (
+    "measure on her the straight way from {} to {}, {:.0f} cm in this scan, and scale the scan where that is wrong"
+)
 ADVICE = {
     "compare": "compare model and scan",
     "scan": "check what the scan shows",
-    "unit": "check the scan's unit",
 }
 PER_UNIT = {"percent": 100.0, "mm": 1e3, "degrees": 180.0 / np.pi}
 SHOWN = 2  # reasons in the sentence of a refusal: the strongest
@@ -50,7 +57,7 @@ class SignalLimits(SettingsPart):
     no_torso: float
     unit: Literal["percent", "mm", "degrees"]  # of the sentence; the value is a share, m or rad
     fact: str  # a sentence without its end; {value} is the signal
-    advice: Literal["compare", "scan", "unit", "landmarks"]  # what to do about it
+    advice: Literal["compare", "scan", "landmarks"]  # what to do about it
     distance: str = ""  # what it is a distance of; of signals of one distance only the strongest is a reason
     hanging: float | None = None  # the first limit where breasts hang; absent: the same
     scan_alone: bool = False  # says nothing where landmarks placed the fit
@@ -75,6 +82,7 @@ class VerdictLimits(SettingsPart):
 
     stances: tuple[str, ...]  # of the bodies that they were chosen on
     lines: LineLimits
+    size: SizeLimits | None = None  # absent: nobody knows how large bodies are
     unusable_at: Annotated[int, Field(ge=1)]
     refused_at: Annotated[int, Field(ge=2)]
     signals: dict[str, SignalLimits]
@@ -118,12 +126,15 @@ def verdict(
     doubts: Sequence[Doubt] = (),
     line_error: float | None = None,
     stance: str = STANDING,
+    asked_too: Sequence[Reason] = (),
 ) -> Verdict:
     """`status` is why the fit stopped, `doubts` are asked about; `line_error` (m) says what the fit is good for.
 
+    `asked_too`: what else is asked about, of stance and size.
+
     Whoever places landmarks has seen a torso: such a fit is unusable at most.
     """
-    asked, agreed, converged = of_doubts(doubts), of_agreed(given), status is Status.CONVERGED
+    asked, agreed, converged = (*of_doubts(doubts), *asked_too), of_agreed(given), status is Status.CONVERGED
     stopped = () if converged else (Reason(NOT_CONVERGED, (LOOK_CLOSELY, given.advice)),)
     broken = () if converged else (Reason(NOT_CONVERGED),)
     nothing = not np.isfinite(signals.distance_p95) or not np.isfinite(signals.scan_p95)
@@ -148,6 +159,19 @@ def verdict(
     if not (lines or found or stopped or asked or unlike):
         return Verdict("good", sentences(agreed))
     return Verdict("check", sentences((*lines, *agreed, *found, *stopped, *asked, *unlike)))
+
+
+def unusual_size(limits: VerdictLimits | None, rig: Rig, vertices: Array, target: ScanTarget) -> tuple[Reason, ...]:
+    """That the (V, 3) m fitted body is larger or smaller than nearly all women, if it is."""
+    found = None if limits is None or limits.size is None else times_larger(rig, vertices, target, limits.size)
+    if limits is None or limits.size is None or found is None or abs(found[1]) < limits.size.asked:
+        return ()
+    size, words = found[0] - 1.0, ("larger", "tall") if found[0] > 1.0 else ("smaller", "small")
+    ends = limits.size.lengths[0].ends
+    first, last = rig.landmark_points(ends).positions(vertices, rig.faces)
+    labels = [next(each.label for each in rig.landmarks if each.name == end) for end in ends]
+    measure = MEASURE.format(*labels, 100.0 * float(np.linalg.norm(last - first)))
+    return (Reason(SIZE.format(100.0 * abs(size), *words), (measure,)),)
 
 
 def _strengths(signals: FitSignals, limits: VerdictLimits, given: GivenLandmarks) -> dict[str, float]:
