@@ -32,6 +32,10 @@ class BreastSkin:
     near: Integers  # (R,) vertices around the breast
     sheet: Array  # (P, R) from the skin around the breast to the sheet under `skin`
 
+    def heights(self, vertices: Array) -> Array:
+        """(P, 3) m of (V, 3) m vertices over their sheet."""
+        return np.asarray(vertices[self.skin] - self.sheet @ vertices[self.near])
+
 
 @lru_cache(maxsize=4)
 def breast_skins(rig: Rig) -> tuple[BreastSkin, BreastSkin]:

@@ -10,6 +10,7 @@ so that the heights seen in one stance say z, and z the others (conditional Gaus
 Machine Learning, 2006, 2.3 and 12.2).  The numbers are data beside the rig, found by its hash.
 """
 
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Annotated, Literal
@@ -30,6 +31,7 @@ FILE, SCHEMA = "gravity.json", "breastrig/gravity@1"
 STANCES = ("standing", "supine", "prone")
 LEAST = 1e-3  # m: no deviation is said to be smaller
 TENTH = 1e-4  # m: the unit of the file's integers
+TOP, FLAT = 0.95, 0.008  # quantile of heights, and m of it up to which there is no breast; twice as high it is one
 STERNUM = 0.03  # m, half the width of the skin on the sternum
 ARMS_FROM, ARMS_TO = 0.045, 0.12  # m from the breasts, between which the arms' motion comes in where breasts hang
 
@@ -54,13 +56,17 @@ class GravityPrior:
     band: float  # times the standard deviation that holds the true place with 90 %
     posture: float  # m: the radius of what posture leaves open, 90 %
 
-    def moved(self, heights: Array, stance: str, goal: str) -> tuple[Array, Array]:
-        """((P, 3) m from (P, 3) heights to those of the other stance, (P,) m radius that holds them with 90 %)."""
-        seen = self.factors[stance]
-        away = (heights.ravel() - self.mean[stance]) @ seen.T / self.observation**2
+    def moved(self, heights: Mapping[str, Array], stance: str, goal: str) -> tuple[Array, Array]:
+        """((P, 3) m from the heights of `stance` to those of `goal`, (P,) m radius that holds them with 90 %).
+
+        `heights` (P, 3) m: of the stances that were seen.
+        """
+        seen = np.hstack([self.factors[name] for name in heights])
+        away = np.concatenate([each.ravel() - self.mean[name] for name, each in heights.items()])
         covariance = np.linalg.inv(np.eye(len(seen)) + seen @ seen.T / self.observation**2)
-        change = self.factors[goal] - seen
-        move = self.mean[goal] - self.mean[stance] + (covariance @ away) @ change
+        change = self.factors[goal] - self.factors[stance]
+        known = covariance @ (seen @ away) / self.observation**2
+        move = self.mean[goal] - self.mean[stance] + known @ change
         variance = np.einsum("kp,kl,lp->p", change, covariance, change)
         radii = self.band * np.sqrt(np.maximum(variance.reshape(-1, 3).sum(axis=1), LEAST**2))
         return move.reshape(-1, 3), radii
@@ -89,20 +95,47 @@ def gravity_prior(rig: Rig) -> GravityPrior | None:
     )
 
 
-def predicted(rig: Rig, vertices: Array, stance: str, goal: str) -> Predicted:
-    """The (V, 3) m vertices of a body that was fitted in `stance`, in `goal`.  Raises BadInput."""
+def predicted(rig: Rig, bodies: Mapping[str, Array], stance: str, goal: str) -> Predicted:
+    """The (V, 3) m vertices of one woman's body in `stance`, in `goal`; `bodies` are those that were fitted, by stance.
+
+    Raises BadInput.
+    """
+    prior = prior_between(rig, bodies, goal)
+    breasts = []
+    for each in breast_skins(rig):
+        mirror = MIRROR if each.side == "R" else np.ones(3)
+        heights = {name: mirror * each.heights(in_template(rig, body)[0]) for name, body in bodies.items()}
+        move, within = prior.moved(heights, stance, goal)
+        breasts.append((fullness(heights[stance][each.breast]) * move * mirror, within))
+    return with_breasts(rig, bodies[stance], stance, goal, breasts)
+
+
+def prior_between(rig: Rig, seen: Iterable[str], goal: str) -> GravityPrior:
+    """BadInput where nothing is known of the rig, or nothing is to be predicted."""
     prior = gravity_prior(rig)
     if prior is None:
         raise BadInput(f"What gravity does to {rig.name} is not known; only the package's own model is predicted.")
-    if goal == stance:
-        raise BadInput(f"The scan is {stance} already; ask for another stance.")
-    local, turn = in_template(rig, vertices)
+    if goal in seen:
+        raise BadInput(f"A scan is {goal} already; ask for another stance.")
+    return prior
+
+
+def fullness(heights: Array) -> float:
+    """0 for (B, 3) m heights of a side without a breast, which is moved by nothing, 1 for those of breasts."""
+    share = (np.quantile(np.linalg.norm(heights, axis=1), TOP) - FLAT) / FLAT
+    return float(np.clip(share, 0.0, 1.0))
+
+
+def with_breasts(
+    rig: Rig, vertices: Array, stance: str, goal: str, breasts: Sequence[tuple[Array, Array]]
+) -> Predicted:
+    """The (V, 3) m body in another posture, with its breasts moved: of left and right (P, 3) m in the template's frame
+    at the skin that the breast moves, and (P,) m radii."""
+    prior = prior_between(rig, (stance,), goal)
+    _, turn = in_template(rig, vertices)
     moves, radii = posture(rig, goal) - posture(rig, stance), np.full(len(vertices), prior.posture)
-    for each in breast_skins(rig):
-        mirror = MIRROR if each.side == "R" else np.ones(3)
-        heights = (local[each.skin] - each.sheet @ local[each.near]) * mirror
-        move, within = prior.moved(heights, stance, goal)
-        moves[each.skin] += move * mirror
+    for each, (move, within) in zip(breast_skins(rig), breasts, strict=True):
+        moves[each.skin] += move
         radii[each.skin] = np.hypot(prior.posture, within)
     return Predicted(vertices + moves @ turn, radii)
 

@@ -5,7 +5,6 @@ does not follow the skin alone: `breastrig transfer` carries it.
 """
 
 from collections.abc import Callable, Generator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,17 +22,12 @@ from breastrig.gltf.replay import fitted_glb
 from breastrig.report.body_frame import body_frame
 from breastrig.report.files.geometry_files import surface_ply
 from breastrig.rig.model import Rig
-from breastrig.volume.predicted import predicted
+from breastrig.volume.gravity.simulated import Patient, Progress, simulated
+from breastrig.volume.predicted import predicted, prior_between
 from breastrig.workflow.folder.fit_folder import fit_folder_of
 from breastrig.workflow.lines.transfer import drawing_document
-
-
-@dataclass(frozen=True)
-class Progress:
-    """How far a prediction is."""
-
-    share: float  # of the work that is done, 0 to 1
-    said: str  # what is done next, in a few words
+from breastrig.workflow.one_body import body_doubt
+from breastrig.workflow.volume import volume_of
 
 
 def predict_steps(
@@ -42,13 +36,24 @@ def predict_steps(
     """FIT_FILES by name, of the fit in `folder` as the patient would be in `goal`; whoever stops asking cancels.
 
     `simulate`: this patient's own breasts are solved by finite elements, which takes minutes.  `other` is the folder of
-    a fit of the same patient in another stance, that says more of her.  Raises BadInput.
+    a fit of the same patient in another stance, that says more of her.  Raises BadInput, and NoEquilibrium where her
+    breasts do not come to rest.
     """
     yield Progress(0.0, "reading the fit")
     fit = fit_folder_of(folder, rig)
     if fit.result.predicted:
         raise BadInput("This fit is itself predicted; predict from the fit of a scan.")
-    found = predicted(rig, fit.vertices, fit.stance, goal)
+    second = None if other is None else fit_folder_of(other, rig)
+    if second is not None and (second.result.predicted or second.stance == fit.stance):
+        raise BadInput("The second fit must be that of a scan of the same patient in another stance.")
+    doubt = None if second is None else body_doubt(fit, second)
+    fits = [fit] if second is None else [fit, second]
+    prior_between(rig, [each.stance for each in fits], goal)
+    if simulate:
+        patient = Patient(rig, volume_of(fit), fit.vertices, fit.stance)
+        found = yield from simulated(patient, goal, None if second is None else (second.stance, second.vertices))
+    else:
+        found = predicted(rig, {each.stance: each.vertices for each in fits}, fit.stance, goal)
     radii = found.radii if fit.radii is None else np.hypot(found.radii, fit.radii)
     search = fit.fitted_scan.search(rig)
     moves = found.vertices - fit.vertices
@@ -68,7 +73,13 @@ def predict_steps(
     for shape in drawing.get("shapes", ()):
         if shape.get("points"):
             shape["points"] = moved_by_unit(shape["points"])
-    result = _result(rig, fit.result, found.vertices, radii, goal, moved_by_unit)
+    scans = " and ".join(f"the {each.stance} scan" for each in fits)
+    said = (
+        f"{'Simulated by finite elements' if simulate else 'Predicted'} from {scans}: no scan shows the patient {goal}."
+    )
+    reasons = (said,) if doubt is None else (said, doubt)
+    result = _result(rig, fit.result, found.vertices, radii, goal, reasons, moved_by_unit)
+    result = result.model_copy(update={"simulated": simulate})
     surface = surface_ply(moved(fit.surface.vertices), fit.surface.faces, per_unit)
     made = {
         "scan.ply": surface,
@@ -83,22 +94,13 @@ def predict_steps(
     return {name: made[name] for name in FIT_FILES}
 
 
-def finished(steps: Generator[Progress, None, dict[str, bytes]]) -> dict[str, bytes]:
-    """What a prediction ends with, for those who do not watch it."""
-    while True:
-        try:
-            next(steps)
-        except StopIteration as end:
-            files: dict[str, bytes] = end.value
-            return files
-
-
 def _result(
     rig: Rig,
     given: ResultFile,
     vertices: Array,
     radii: Array,
     goal: Stance,
+    reasons: tuple[str, ...],
     moved: Callable[[Any], list[list[float]]],
 ) -> ResultFile:
     names = list(given.landmarks)
@@ -106,7 +108,6 @@ def _result(
     within = 1e3 * radii[rig.faces[points.faces]]
     frame = body_frame(rig, vertices)
     normal = frame.axes[:, 0]
-    said = f"Predicted from the {given.stance} scan: no scan shows the patient {goal}."
     per_unit = METRES_PER_UNIT[given.scan.unit]
     plane = MedianPlane(normal=normal.tolist(), offset=float(normal @ frame.middle) / per_unit)
     seen = np.ones(len(vertices), dtype=np.bool_)
@@ -114,9 +115,9 @@ def _result(
         update={
             "predicted": True,
             "stance": goal,
-            "stance_reason": said,
+            "stance_reason": reasons[0],
             "refined": True,
-            "verdict": Verdict(level="check", reasons=(said,)),
+            "verdict": Verdict(level="check", reasons=reasons),
             "landmarks": dict(zip(names, moved(list(given.landmarks.values())), strict=True)),
             "landmarks_picked": dict(
                 zip(given.landmarks_picked, moved(list(given.landmarks_picked.values())), strict=True)

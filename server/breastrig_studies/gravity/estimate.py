@@ -49,7 +49,7 @@ def read_women(rig: Rig, folder: Path) -> tuple[Woman, ...]:
 def _woman(rig: Rig, left: BreastSkin, file: Path) -> Woman:
     found = {name: np.asarray(values, dtype=np.float64) for name, values in np.load(file).items()}
     local, turn = in_template(rig, found["given"])
-    standing = local[left.skin] - left.sheet @ local[left.near]
+    standing = left.heights(local)
     moves = {"standing": 0.0} | {name: found[f"{name}_skin"] @ turn.T for name in STANCES[1:]}
     return Woman(int(file.stem), {name: (standing + move).ravel() for name, move in moves.items()})
 
@@ -73,7 +73,7 @@ def misses(prior: GravityPrior, women: Sequence[Woman], stance: str, goal: str) 
     """((W, P) m: how far each vertex is from where it was predicted, (W, P) m its radius)."""
     found = []
     for woman in women:
-        move, radii = prior.moved(woman.heights[stance].reshape(-1, 3), stance, goal)
+        move, radii = prior.moved({stance: woman.heights[stance]}, stance, goal)
         true = (woman.heights[goal] - woman.heights[stance]).reshape(-1, 3)
         found.append((np.linalg.norm(move - true, axis=1), radii))
     return np.array([miss for miss, _ in found]), np.array([radius for _, radius in found])

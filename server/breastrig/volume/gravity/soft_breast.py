@@ -72,14 +72,16 @@ def soft_breast(rig: Rig, side: str) -> SoftBreast:
     count, sign = len(rig.template), 1.0 if side == "L" else -1.0
     away = cKDTree(rig.template[rig.regions[f"breast_{side}"]]).query(known.points)[0]
     around = (away < AROUND) & (sign * known.points[:, 0] > -1e-6)
-    around[:count] &= np.isin(np.arange(count), breast_skins(rig)[side == "R"].skin)
+    other_skin = np.setdiff1d(np.arange(count), breast_skins(rig)[side == "R"].skin)
     arm = rig.skin_weights[:, rig.bone_names.index(f"upper_arm_{side}")] >= OF_AN_ARM
     around[count : 2 * count] &= ~arm
     soft = (known.regions == region) | ((known.regions < SOFT) & around[known.tetrahedra].all(axis=1))
+    soft &= ~np.isin(known.tetrahedra, other_skin).any(axis=1)
     nodes, tetrahedra = np.unique(known.tetrahedra[soft], return_inverse=True)
     tetrahedra = tetrahedra.reshape(-1, 4)
     outer = outer_triangles(tetrahedra)
-    is_skin = (nodes[outer] < count).all(axis=1)
+    skin = {tuple(row) for row in np.sort(rig.faces, axis=1).tolist()}
+    is_skin = np.array([tuple(row) in skin for row in np.sort(nodes[outer], axis=1).tolist()])
     middle = known.points[nodes][tetrahedra].mean(axis=1)
     nipple = rig.template[rig.regions[f"areola_{side}"]].mean(axis=0)
     return SoftBreast(

@@ -21,8 +21,8 @@ from breastrig.volume.tetrahedra import shape_gradients
 
 TOLERANCE = 1e-4  # m, of the last Newton step; what is left is its square
 STEPS, HALVINGS = 16, 8  # of Newton and of its line search
-LOADS = 8  # steps in which stress is built up
-ROUNDS, RETURNED = 20, 1e-4  # of putting nodes back under the whole load, and m: from where on they do not move
+LOADS = 4  # steps in which stress is built up
+ROUNDS, RETURNED = 20, 2e-4  # of putting nodes back under the whole load, and m: from where on they do not move
 SMALLEST_LOAD = 1.0 / 8.0  # share of the load below which a step is given up
 
 
@@ -151,12 +151,12 @@ class SoftBody:
         """
         displacement = np.zeros_like(self.points) if start is None else start
         before = np.zeros(3) if before is None else before
-        load, share = 0.0, 0.5
+        load, share = 0.0, 1.0
         while load < 1.0:
             tried = min(load + share, 1.0)
             found = self._newton(displacement, before + tried * (gravity - before))
             if found is not None:
-                displacement, load, share = found, tried, min(2.0 * share, 1.0)
+                displacement, load = found, tried
             elif share > SMALLEST_LOAD:
                 share *= 0.5
             else:
