@@ -73,6 +73,7 @@ def write_woman(place: Path, source: Source, net: Net, trunk: Net, number: int, 
         }
         write_case(place / name, moved, net.faces, scan, UNITS[k % 2], random, arms)
     about = {"family": "makehuman", "virtual": True, "half": GROUPS[number % 3], "source": place.name}
+    about |= {"stature_m": round(float(np.ptp(body.neutral[np.unique(source.quads), 1])), 3)}
     write_json(place / "patient.json", about | {"weight": woman.weight, "height": woman.height, "girth": woman.girth})
     print(place.name)
 

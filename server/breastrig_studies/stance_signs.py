@@ -34,7 +34,7 @@ from breastrig_studies.studies.case import Scene, read_scene
 
 ASTRAY = 0.04  # m, mean distance of the landmarks
 MOST = 1.5  # standard deviations, of any sign: a woman with next to no breasts shows little, not much
-RIDGE = 1.0  # of the weights, in units of bodies
+RIDGE = 3.0  # of the weights, in units of scans, of which each woman has many
 GROUPS = ("choose", "report")
 
 

@@ -9,8 +9,8 @@ import pytest
 from helpers.toy_rig import toy_rig
 
 from breastrig.fitting.task import Doubt
-from breastrig.fitting.verdicts.fit_signals import FitSignals
-from breastrig.fitting.verdicts.reasons import GivenLandmarks, of_agreed, picked_names
+from breastrig.fitting.verdicts.fit_signals import FitSignals, near_breasts
+from breastrig.fitting.verdicts.reasons import GivenLandmarks, Reason, of_agreed, picked_names
 from breastrig.fitting.verdicts.verdict import UNCLEAR_STANCE, Verdict, shows_a_part, verdict, verdict_limits
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
@@ -100,6 +100,36 @@ def test_the_strongest_reasons_come_first_and_make_one_sentence() -> None:
     assert len(found.refusal("torso", NONE)) < 400
 
 
+def test_what_is_far_from_the_breasts_is_to_be_checked_and_condemns_no_fit() -> None:
+    far = beyond_no_torso(*NAMES)
+    found = verdict(far, Status.CONVERGED, LIMITS, NONE, near=RIGHT)
+    assert (found.level, found.is_torso) == ("check", True)
+    assert len(found.reasons) == 1
+    assert found.reasons[0].startswith("With what is far from the breasts: ")
+    both = verdict(far, Status.CONVERGED, LIMITS, NONE, near=far)
+    assert (both.level, both.is_torso, both.reasons) == (
+        "unusable",
+        False,
+        verdict(far, Status.CONVERGED, LIMITS, NONE).reasons,
+    )
+
+
+def test_a_refusal_speaks_of_the_unit_only_where_the_size_is_unusual() -> None:
+    far, size = beyond_no_torso(*NAMES), (Reason("Her trunk is 80 % larger", ("measure her",)),)
+    assert "unit" not in verdict(far, Status.CONVERGED, LIMITS, NONE).refusal("torso", NONE)
+    assert "check scan and unit" in verdict(far, Status.CONVERGED, LIMITS, NONE, size=size).refusal("torso", NONE)
+
+
+def test_near_the_breasts_are_the_breasts_and_the_breastbone_but_no_arms_and_no_hips() -> None:
+    rig = read_rig(default_rig_path())
+    near = near_breasts(rig)
+    names = ("nipple_L", "nipple_R", "mid_sternum", "xiphoid", "inframammary_fold_L", "inframammary_fold_R")
+    assert near[rig.faces[rig.landmark_points(names).faces]].all()
+    assert not near[rig.faces[rig.landmark_points(("umbilicus",)).faces]].any()
+    for bone in ("upper_arm_L", "upper_arm_R", "pelvis", "neck"):
+        assert not near[rig.skin_weights[:, rig.bone_names.index(bone)] > 0.6].any()
+
+
 def test_a_fit_that_did_not_come_to_rest_is_to_be_checked() -> None:
     for status in (Status.OUT_OF_ITERATIONS, Status.STALLED):
         found = verdict(RIGHT, status, LIMITS, ALL)
@@ -142,7 +172,7 @@ def test_landmarks_in_doubt_make_a_right_fit_worth_a_look() -> None:
 
 
 def test_an_unclear_stance_makes_a_right_fit_worth_a_look_and_says_what_to_do() -> None:
-    found = verdict(RIGHT, Status.CONVERGED, LIMITS, ALL, asked_too=(UNCLEAR_STANCE,))
+    found = verdict(RIGHT, Status.CONVERGED, LIMITS, ALL, unclear=(UNCLEAR_STANCE,))
     assert found.level == "check"
     assert found.reasons == ("The scan does not show clearly whether she stands or lies; say which it is.",)
 

@@ -27,7 +27,7 @@ from breastrig.fitting.stance import UNCLEAR
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS
 from breastrig.fitting.task import Doubt
 from breastrig.fitting.uncertainty.radii import HOLDS_90, Radii, radii
-from breastrig.fitting.verdicts.fit_signals import fit_signals
+from breastrig.fitting.verdicts.fit_signals import fit_signals, near_breasts
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, picked_names
 from breastrig.fitting.verdicts.verdict import (
     UNCLEAR_STANCE,
@@ -126,7 +126,8 @@ class FitRecorder:
         doubtful = rejected if task.from_colour else (*rejected, *unusual(posterior))  # nobody can be asked about those
         vertices = posterior.state.vertices
         compared = Comparison(target, vertices, rig.faces)
-        signals = fit_signals(in_stance(rig, task.stance), last.parameters, compared, ready.clearness)
+        posed = in_stance(rig, task.stance), last.parameters, compared, ready.clearness
+        signals, near = fit_signals(*posed), fit_signals(*posed, near_breasts(rig))
         found_limits, given = verdict_limits(rig), ready.given
         limits = None if found_limits is None else found_limits.in_stance(task.stance)
         if given.placed and shows_a_part(signals, limits):
@@ -134,8 +135,10 @@ class FitRecorder:
         known = radii(posterior, ready.clearness)
         lines_off = None if known is None else known.lines
         unclear = (UNCLEAR_STANCE,) if ready.stance_reason in UNCLEAR else ()
-        asked_too = (*unclear, *unusual_size(limits, rig, vertices, target))
-        found_verdict = verdict(signals, last.status, limits, given, doubtful, lines_off, task.stance, asked_too)
+        size = unusual_size(limits, rig, vertices, target)
+        found_verdict = verdict(
+            signals, last.status, limits, given, doubtful, lines_off, task.stance, unclear, size, near
+        )
         if not found_verdict.is_torso:
             raise FitFailed(" ".join(explained(task, (found_verdict.refusal(rig.name, given),))))
         if found_verdict.level == "unusable" and not any(doubt.exchanged for doubt in rejected):

@@ -8,7 +8,9 @@ folds, normals are not compared.
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
+from breastrig.core.arrays import Booleans
 from breastrig.core.stances import SIDES
 from breastrig.correspondence.distances import Comparison
 from breastrig.rig.body_statistics import body_statistics
@@ -17,7 +19,10 @@ from breastrig.rig.parameters import RigParameters
 
 SCAN_POINTS = 4000  # of the scan; more change the shares by less than 1 %
 BEYOND = 0.005  # m; scanner and model's limits together explain less than this on nearly all skin
+NEAR = 0.08  # m from the breasts, on the model at rest: breastbone, folds, armpits' front, where plans are made
 HANGING, HANGS = "ptosis", 1.0  # the shape by which a breast hangs, and its weight from which on it does
+CARRIES = 0.05  # of the breasts' skin, mean weight of a bone of the trunk; arms only come near
+BONES = 0.3  # share of what a bone moves that is near the breasts, for it to count there
 EXPLAINED = 0.008  # m; a scan point this near to the model, facing as it does, is explained by it
 
 
@@ -38,33 +43,53 @@ class FitSignals:
     hanging: float = 0.0  # weight of the shape by which breasts hang, of the one that hangs more
 
 
-def fit_signals(rig: Rig, x: RigParameters, compared: Comparison, clearness: float | None) -> FitSignals:
-    """Of the model posed by `x`, `compared` with its scan."""
+def near_breasts(rig: Rig) -> Booleans:
+    """(V,) the model's vertices where plans are made; all of a rig without breasts."""
+    regions = [rig.regions[name] for name in (f"breast_{side}" for side in SIDES) if name in rig.regions]
+    if not regions:
+        return np.ones(len(rig.template), dtype=np.bool_)
+    breasts = np.concatenate(regions)
+    away, _ = cKDTree(rig.template[breasts]).query(rig.template, distance_upper_bound=NEAR)
+    trunk = rig.skin_weights[breasts].mean(axis=0) > CARRIES
+    return np.asarray(np.isfinite(away) & (rig.skin_weights[:, trunk].sum(axis=1) > 0.5))
+
+
+def fit_signals(
+    rig: Rig, x: RigParameters, compared: Comparison, clearness: float | None, part: Booleans | None = None
+) -> FitSignals:
+    """Of the model posed by `x`, `compared` with its scan; of (V,) `part` of its vertices, and what moves them."""
+    part = np.ones(len(compared.vertices), dtype=np.bool_) if part is None else part
     found = compared.accepted
+    here = part[found.vertices]
     hang = _hanging(rig, x)
-    stiff = np.ones(len(compared.vertices), dtype=np.bool_)
+    stiff = part.copy()
     for side, weight in hang.items():
         if weight > HANGS:
             stiff[rig.regions.get(f"breast_{side}", [])] = False
     asked = stiff[found.vertices]
     cosines = np.einsum("mi,mi->m", compared.normals[found.vertices[asked]], found.normals[asked])
-    distances, inside, facing = compared.from_scan(max(1, len(compared.target.vertices) // SCAN_POINTS))
+    stride = max(1, len(compared.target.vertices) // SCAN_POINTS)
+    distances, inside, facing = compared.from_scan(stride)
+    nearest = cKDTree(compared.vertices).query(compared.target.vertices[::stride])[1]
+    inside = inside & part[nearest]
     gaps = distances[inside & facing]
     low, high = (np.array([getattr(shape, end) for shape in rig.shapes]) for end in ("min", "max"))
     known = body_statistics(rig)
     mean = 1.0 if known is None else known.mean_scales.reshape(x.scales.shape)
-    at_limit = (x.weights <= low + 1e-6) | (x.weights >= high - 1e-6)
-    some, any_asked = len(found.vertices) > 0, bool(asked.any())
+    bones = rig.skin_weights[part].sum(axis=0) > BONES * rig.skin_weights.sum(axis=0)
+    largest = np.linalg.norm(rig.blendshapes, axis=2).argmax(axis=1)
+    at_limit = ((x.weights <= low + 1e-6) | (x.weights >= high - 1e-6))[part[largest]]
+    some, any_asked = bool(here.any()), bool(asked.any())
     return FitSignals(
         clearness=np.nan if clearness is None else clearness,
-        seen=len(found.vertices) / len(compared.vertices),
-        distance_p95=float(np.percentile(found.distances, 95)) if some else np.nan,
-        beyond=float((found.distances > BEYOND).mean()) if some else np.nan,
+        seen=np.count_nonzero(here) / np.count_nonzero(part),
+        distance_p95=float(np.percentile(found.distances[here], 95)) if some else np.nan,
+        beyond=float((found.distances[here] > BEYOND).mean()) if some else np.nan,
         angle_p90=float(np.arccos(np.clip(np.percentile(cosines, 10), -1.0, 1.0))) if any_asked else np.nan,
         scan_p95=float(np.percentile(gaps, 95)) if len(gaps) else np.nan,
         explained=float((gaps <= EXPLAINED).mean()) if len(gaps) else np.nan,
         facing=float(facing[inside].mean()) if inside.any() else np.nan,
-        stretch=float(np.sqrt(np.mean(np.log(x.scales / mean) ** 2))),
+        stretch=float(np.sqrt(np.mean(np.log(x.scales / mean)[bones] ** 2))),
         limits=float(at_limit.mean()) if len(at_limit) else 0.0,
         hanging=max(hang.values(), default=0.0),
     )

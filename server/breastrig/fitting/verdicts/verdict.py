@@ -36,6 +36,7 @@ FAR_LINES, WITH_MARGIN = "Lines on the breasts may be {:.0f} mm off", "plan with
 UNKNOWN_LINES = "Where lines on the breasts lie is not known"
 OTHER_STANCE = "How far off a fit of a {} body may be has not been measured"
 LOOK_CLOSELY = "look at it closely"
+FAR = "With what is far from the breasts: "
 UNCLEAR_STANCE = Reason("The scan does not show clearly whether she stands or lies", ("say which it is",))
 SIZE = "Her trunk is {:.0f} % {} than most women's: she may be {}, or the scan without a true scale"
 MEASURE = (
@@ -102,14 +103,16 @@ class Verdict:
     level: Level
     reasons: tuple[str, ...]  # sentences, the strongest first; of a good one how many picks were only agreed to
     is_torso: bool = True  # False: certainly none
+    unusual_size: bool = False  # its unit may be wrong
 
     def refusal(self, name: str, given: GivenLandmarks) -> str:
         """One sentence, for what is certainly not what the rig of this name shows."""
         facts = [reason.partition(";")[0].rstrip(".") for reason in self.reasons[:SHOWN]]
         inner = ", and ".join(fact[:1].lower() + fact[1:] for fact in facts)
-        landmarks = " and landmarks" if given.picked else ", or place landmarks if it is one" if given.left else ""
-        checked = "scan, unit" if given.picked else "scan and unit"
-        return f"This does not look like a {name.replace('_', ' ')}: {inner}; check {checked}{landmarks}."
+        checked = ["scan", *(["unit"] if self.unusual_size else []), *(["landmarks"] if given.picked else [])]
+        words = " and ".join(filter(None, (", ".join(checked[:-1]), checked[-1])))
+        landmarks = ", or place landmarks if it is one" if given.left and not given.picked else ""
+        return f"This does not look like a {name.replace('_', ' ')}: {inner}; check {words}{landmarks}."
 
 
 @lru_cache(maxsize=8)
@@ -126,15 +129,18 @@ def verdict(
     doubts: Sequence[Doubt] = (),
     line_error: float | None = None,
     stance: str = STANDING,
-    asked_too: Sequence[Reason] = (),
+    unclear: Sequence[Reason] = (),
+    size: Sequence[Reason] = (),
+    near: FitSignals | None = None,
 ) -> Verdict:
     """`status` is why the fit stopped, `doubts` are asked about; `line_error` (m) says what the fit is good for.
 
-    `asked_too`: what else is asked about, of stance and size.
+    `unclear` and `size` are asked about, too.  `near`: the signals of what plans are made on; without these no fit is
+    unusable, and what speaks against it elsewhere is said to be far from there.
 
     Whoever places landmarks has seen a torso: such a fit is unusable at most.
     """
-    asked, agreed, converged = (*of_doubts(doubts), *asked_too), of_agreed(given), status is Status.CONVERGED
+    asked, agreed, converged = (*of_doubts(doubts), *unclear, *size), of_agreed(given), status is Status.CONVERGED
     stopped = () if converged else (Reason(NOT_CONVERGED, (LOOK_CLOSELY, given.advice)),)
     broken = () if converged else (Reason(NOT_CONVERGED),)
     nothing = not np.isfinite(signals.distance_p95) or not np.isfinite(signals.scan_p95)
@@ -144,13 +150,19 @@ def verdict(
         level: Level = "check" if stopped or asked else "uncalibrated"
         return Verdict(level, sentences((*stopped, *asked, UNKNOWN_MODEL, *agreed)))
     limits = limits.in_stance(stance)
-    strengths = _strengths(signals, limits, given)
-    found = _reasons(signals, strengths, limits, given)
-    impossible = sum(strength >= 1.0 for strength in strengths.values())
+    everywhere = _strengths(signals, limits, given)
+    strengths = everywhere if near is None else _strengths(near, limits, given)
+    impossible, in_all = (sum(strength >= 1.0 for strength in each.values()) for each in (strengths, everywhere))
+    here, far_off = (
+        {n: s for n, s in everywhere.items() if (strengths.get(n, s) > 0.0) == is_here} for is_here in (True, False)
+    )
+    found = _reasons(signals, here, limits, given)
+    found += tuple(Reason(FAR + each.fact, each.advice) for each in _reasons(signals, far_off, limits, given)[:1])
     unknown = line_error is not None and line_error > limits.lines.unknown
     far = line_error is not None and line_error > limits.lines.check
-    if nothing or (impossible >= limits.refused_at and not given.placed):
-        return Verdict("unusable", sentences((*((NO_SKIN,) if nothing else ()), *found)), is_torso=False)
+    refused = impossible >= limits.unusable_at and in_all >= limits.refused_at and not given.placed
+    if nothing or refused:
+        return Verdict("unusable", sentences((*((NO_SKIN,) if nothing else ()), *found)), False, bool(size))
     if unknown or impossible >= limits.unusable_at:
         lines = (Reason(UNKNOWN_LINES, (given.advice,)),) if unknown else ()
         return Verdict("unusable", sentences((*lines, *agreed, *found, *broken, *asked)))
