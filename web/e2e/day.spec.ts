@@ -5,7 +5,7 @@ import { readdirSync, readFileSync, statSync } from "node:fs";
 import { join } from "node:path";
 import { expect, type Page } from "@playwright/test";
 import type { CarriedDrawing, MeasuresFile, PlanOnScan, Vector } from "../src/api/types";
-import { formatCell, formatMargin } from "../src/stances/measuresTable";
+import { formatCell, formatMargin } from "../src/stances/measures/measuresTable";
 
 import { distance, hook, test, untilFitted, untilStill } from "./page";
 import { type Running, startService } from "./service";

@@ -25,6 +25,7 @@ import type {
   PatternQuestion,
   PlanItem,
   PlanOnScan,
+  PredictionRequest,
   Problem,
   ProposedLandmarks,
   Result,
@@ -173,6 +174,8 @@ export const client = {
   moved: (links: FitLinks, landmarks: Record<string, Vector>) => askJson<MovedModel>(links.moved, "POST", { landmarks }),
   startFit: (request: FitRequest) => askJson<Pick<Fit, "id" | "links"> & Partial<Pick<Fit, "cuts">>>("/api/fits", "POST", request),
   fit: (fit: string) => askJson<Fit>(`/api/fits/${id(fit)}`),
+  /** How she would lie in a stance that was not scanned; the same prediction is made once. */
+  predict: (link: string, request: PredictionRequest) => askJson<Pick<Fit, "id" | "links">>(link, "POST", request),
   cancel: (link: string) => askJson<Fit>(link, "POST"),
   /** All events so far; `link` is that of the stream. */
   async allEvents(link: string): Promise<EventRecord[]> {

@@ -124,14 +124,14 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const stances = createStancesBar(actions.stances);
   const top = createTopBar(actions, stances.element);
   const adding = later(
-    only("examples", "problems", "scan", "stances"),
-    ({ stances }: Pick<Session, "examples" | "problems" | "scan" | "stances">) => stances.isAdding,
+    only("examples", "problems", "scan", "stance", "fit", "stances"),
+    ({ stances }: Pick<Session, "examples" | "problems" | "scan" | "stance" | "fit" | "stances">) => stances.isAdding,
     async () => (await import("../stances/StancesDialog")).createStancesDialog(actions.stances, () => dismiss("stances")),
   );
   const measures = later(
     only("meta", "problems", "scan", "fit", "stances"),
     ({ stances }: Pick<Session, "meta" | "problems" | "fit" | "stances">) => stances.measures.isOpen,
-    async () => (await import("../stances/MeasuresDialog")).createMeasuresDialog(actions.stances, () => dismiss("stances")),
+    async () => (await import("../stances/measures/MeasuresDialog")).createMeasuresDialog(actions.stances, () => dismiss("stances")),
   );
   const other = createOtherPane(actions.stances);
   host.append(other.caption);

@@ -8,7 +8,7 @@ import { isSeen, openProposals } from "../landmarks/proposals/proposals";
 import { askedNames, openQuestions } from "../landmarks/questions/questions";
 import { needsConfirming, pickCount } from "../landmarks/state";
 import { cropsOf } from "../scan/crop";
-import { stanceNames, stanceOf } from "../stances/state";
+import { scannedOther, stanceNames, stanceOf } from "../stances/state";
 import type { Session } from "./session";
 
 /** What of the state decides. */
@@ -33,7 +33,7 @@ export type NextStep =
 
 /** Her own lines: on neither scan may they be passed by unseen. */
 function foundInk(state: NextShown): NextStep | null {
-  const { other } = state.stances;
+  const other = scannedOther(state.stances);
   const open = ({ scan, drawn }: Pick<NextShown, "scan" | "drawn">): number =>
     scan ? openLines(state.ink[scan.info.id], drawn.decided, cropsOf(scan)).filter((line) => !isMark(line)).length : 0;
   const here = open(state);

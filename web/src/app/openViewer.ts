@@ -28,9 +28,10 @@ import { listenToLasso } from "../scan/CropTool";
 import { ScanMesh } from "../scan/ScanMesh";
 import { withLoose } from "../scan/state";
 import { errors as scanErrors } from "../scan/text";
-import { MeasureLines } from "../stances/MeasureLines";
+import { MeasureLines } from "../stances/measures/MeasureLines";
 import { openOtherView } from "../stances/OtherView";
-import { isComparing, stanceNames } from "../stances/state";
+import { isComparing, isPredicted, stanceNames } from "../stances/state";
+import { stances as stancesText } from "../stances/text";
 import type { Theme } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
 import { only, type Store } from "../store/store";
@@ -188,6 +189,6 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
 function panesOf(main: Viewer, other: Viewer | null, state: Session): Pane[] {
   if (!other || !isComparing(state)) return [{ viewer: main, title: "" }];
   const [mine, its] = stanceNames(state);
-  const panes = [{ viewer: main, title: mine }, { viewer: other, title: its }];
+  const panes = [{ viewer: main, title: mine }, { viewer: other, title: isPredicted(state.stances.other!) ? stancesText.predicted.picture(its) : its }];
   return state.stances.isSecond ? panes.reverse() : panes;
 }

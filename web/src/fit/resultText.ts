@@ -58,6 +58,7 @@ export const numbers = {
   before: "They appear here while the model is being fitted.",
   live: "This iteration",
   surface: "Model to scan",
+  predicted: "No scan shows this body: these distances are those of the fit that it is predicted from.",
   surfaceHint: "From each model vertex with an accepted partner to the scan's surface",
   scanToModel: "Scan to model",
   scanToModelHint: "From each scan point within the model's reach to the fitted surface",

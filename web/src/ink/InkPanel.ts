@@ -5,7 +5,7 @@ import type { FitSlice } from "../fit/state";
 import { cropsOf } from "../scan/crop";
 import type { ScanSlice } from "../scan/state";
 import type { StancesActions } from "../stances/actions";
-import type { StancesSlice } from "../stances/state";
+import { scannedOther, type StancesSlice } from "../stances/state";
 import { only } from "../store/store";
 import { button, iconButton } from "../ui/controls";
 import { el, fill, setText, show } from "../ui/dom";
@@ -72,7 +72,7 @@ export function createInkPanel(ink: InkActions, stances: Pick<StancesActions, "d
     select: only("scan", "drawn", "fit", "isStarting", "stances", "ink"),
     update(state: Shown): void {
       const search = state.scan ? state.ink[state.scan.info.id] : undefined;
-      const { other } = state.stances;
+      const other = scannedOther(state.stances);
       const hasLines = state.drawn.lines.present.length > 0 || (other?.drawn.lines.present.length ?? 0) > 0;
       const isFromInk = [search, other?.scan ? state.ink[other.scan.info.id] : undefined].some((each) => each?.state === "found" && each.lines.length > 0);
       const left = [state.fit, other?.fit].filter((fit) => fit?.state !== "done").length;

@@ -54,6 +54,7 @@ export const shared = {
   until: (when: string) => `The link works until ${when}.`,
   shownAt: (when: string) => `It is shown as it stood on ${when}.`,
   modelAlone: "This is the model alone: shaped and posed like her, without the layer that follows her skin. The plan's lines are laid on it.",
+  predicted: "This body is predicted, not scanned: the numbers say how far off it may be.",
   opening: "Opening the link …",
   howToOpen: "No link is open here. To see a result, open the link that was sent to you.",
   close: "Close",

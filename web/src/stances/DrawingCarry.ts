@@ -10,7 +10,7 @@ import type { Panel } from "../ui/Panel";
 import { formatMmWhole } from "../ui/units";
 import type { StancesActions } from "./actions";
 import { carriedNote } from "./carry";
-import { stanceNames, type StancesSlice } from "./state";
+import { isPredicted, scannedOther, stanceNames, stanceOf, type StancesSlice } from "./state";
 import * as text from "./text";
 
 const words = text.stances.carry;
@@ -44,7 +44,8 @@ export function createDrawingCarry(stances: StancesActions): Panel<Shown> {
       notes.bridged > 0 ? words.bridged(notes.bridged, notes.points) : "",
       ...new Set(untold),
     ];
-    return { says: words.done(goals), note: said.filter((each) => each !== "").join(" ") };
+    const says = isPredicted(other) ? words.donePredicted(stanceOf(other)) : words.done(goals);
+    return { says, note: said.filter((each) => each !== "").join(" ") };
   }
 
   return {
@@ -57,7 +58,7 @@ export function createDrawingCarry(stances: StancesActions): Panel<Shown> {
       show(says, now.says !== "");
       setText(note, now.note);
       show(note, now.note !== "");
-      show(add, other === null);
+      show(add, scannedOther(state.stances) === null);
       wrong.set(other ? state.problems.stances : undefined);
     },
   };

@@ -8,7 +8,8 @@ import { el, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { Stage } from "../viewer/Viewer";
 import type { StancesActions } from "./actions";
-import { isComparing, stanceNames, type StancesSlice } from "./state";
+import { createPredictedNote } from "./PredictedNote";
+import { isComparing, isPredicted, stanceNames, stanceOf, type StancesSlice } from "./state";
 import * as text from "./text";
 
 const words = text.stances;
@@ -22,8 +23,9 @@ export function createOtherPane(stances: StancesActions): Panel<Shown> & { capti
   const work = button(words.workHere, () => void stances.swap(), "outlined");
   const aside = iconButton("close", words.remove(""), () => stances.remove());
   const following = el("span", { class: "muted small", hidden: true }, words.following);
-  const head = el("div", { class: "pane-caption" }, name, work, following, el("span", { class: "spring" }), aside);
-  const element = el("section", { class: "other-stage", hidden: true }, canvas, overlay, head);
+  const made = createPredictedNote(stances);
+  const head = el("div", { class: "pane-caption" }, name, made.badge, work, following, el("span", { class: "spring" }), made.tools, aside);
+  const element = el("section", { class: "other-stage", hidden: true }, canvas, overlay, head, made.note);
   const mine = el("strong", {});
   const caption = el("div", { class: "pane-caption", hidden: true }, mine, el("span", { class: "muted" }, words.inWork));
   return {
@@ -38,8 +40,10 @@ export function createOtherPane(stances: StancesActions): Panel<Shown> & { capti
       if (!isShown) return;
       const [own, other] = stanceNames(state);
       setText(mine, words.here(own));
-      setText(name, words.here(other));
+      setText(name, words.here(isPredicted(state.stances.other!) ? stanceOf(state.stances.other!) : other));
       show(following, state.stances.isCarrying);
+      show(work, !isPredicted(state.stances.other!));
+      made.update(state.stances);
       if (element.getAttribute("aria-label") !== words.here(other)) {
         element.setAttribute("aria-label", words.here(other));
         canvas.setAttribute("aria-label", words.canvas(other));

@@ -19,7 +19,7 @@ import type { ViewSlice } from "../viewer/state";
 import type { OtherPane } from "../viewer/testHook";
 import { type Part, type Stage, Viewer } from "../viewer/Viewer";
 import { linkedPose, torsoOf } from "./cameras";
-import { MeasureLines } from "./MeasureLines";
+import { MeasureLines } from "./measures/MeasureLines";
 import { isComparing, otherState, type StancesSlice, type Workspace } from "./state";
 
 type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice & DrawingSlice & StancesSlice;
@@ -63,6 +63,7 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
     const torso = new TorsoModel(made, ready);
     const fitted = new FittedSurface(made, ready);
     const [body, pins] = [scan, new LandmarkPins(made, scan)];
+    const skin = { get mesh() { return body.mesh ?? fitted.mesh; } }; // a predicted body has no scan
     const balls = new LesionBalls(made);
     parts = [
       { update: ({ drawn, lesion }) => balls.update({ plan: drawn.onScan?.plan ?? null, lesion, line: drawn.chosen }) },
@@ -71,7 +72,7 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
       fitted,
       new ReferenceLines(made, scan, torso, fitted),
       new ErrorBands(made, scan, fitted, stage.canvas),
-      new OwnLines(made, scan),
+      new OwnLines(made, skin),
       new MeasureLines(made, true),
       { update: (state) => pins.update(state, state.drawn.tool === "none") },
       new SideLetters(made),

@@ -6,7 +6,7 @@ import { only } from "../store/store";
 import { el, fill, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { StancesActions } from "./actions";
-import { further, isComparing, stanceNames, type StancesSlice } from "./state";
+import { further, isComparing, isPredicted, stanceNames, type StancesSlice } from "./state";
 import * as text from "./text";
 
 const words = text.stances;
@@ -15,7 +15,8 @@ type Shown = Pick<ScanSlice & LandmarksSlice & FitSlice & StancesSlice, "scan" |
 
 export function createStancesBar(stances: StancesActions): Panel<Shown> {
   let isSecond = false;
-  const tab = (second: boolean): HTMLButtonElement => el("button", { type: "button", onclick: () => isSecond !== second && void stances.swap() });
+  let isMade = false; // the other one is predicted: it is looked at, never worked on
+  const tab = (second: boolean): HTMLButtonElement => el("button", { type: "button", onclick: () => isSecond !== second && (isMade ? stances.compare(true) : void stances.swap()) });
   const tabs = [tab(false), tab(true)];
   const more = el("span", {}); // of her further scans
   const both = el("div", { class: "segmented", role: "group", "aria-label": words.label }, ...tabs, more);
@@ -34,7 +35,9 @@ export function createStancesBar(stances: StancesActions): Panel<Shown> {
       show(element, state.scan !== null);
       const others = further(state.stances);
       show(both, other !== null || others.length > 0);
-      fill(add, other === null && others.length === 0, () => (other === null && others.length === 0 ? [words.add] : ["+"]));
+      isMade = other !== null && isPredicted(other);
+      const isAlone = other === null && others.length === 0;
+      fill(add, isAlone, () => (isAlone ? [words.add] : ["+"]));
       fill(more, [others, state.isStarting], () =>
         others.map((scan) => el("button", { type: "button", title: words.working(scan.stance), disabled: state.isStarting, "aria-pressed": "false", onclick: () => void stances.third(scan) }, words.name(scan.stance))),
       );
@@ -51,7 +54,7 @@ export function createStancesBar(stances: StancesActions): Panel<Shown> {
       const inOrder = isSecond ? [its, mine] : [mine, its];
       tabs.forEach((each, i) => {
         setText(each, words.name(inOrder[i]!));
-        each.title = words.working(inOrder[i]!);
+        each.title = isMade && (i === 1) !== isSecond ? words.predicted.show(inOrder[i]!) : words.working(inOrder[i]!);
         each.disabled = state.isStarting;
         each.setAttribute("aria-pressed", String((i === 1) === isSecond));
       });

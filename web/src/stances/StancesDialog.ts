@@ -1,5 +1,6 @@
 // Where the second scan comes from: a file, the patient's other scans, or those filed under a code that is typed.
 import { SCAN_FILES } from "../scan/ScanPanel";
+import type { FitSlice } from "../fit/state";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
@@ -8,13 +9,14 @@ import { el, fill, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import { close as closeText } from "../ui/text";
 import type { StancesActions } from "./actions";
-import type { PatientScan, StancesSlice } from "./state";
+import { type PatientScan, type StancesSlice, unscanned } from "./state";
 import * as text from "./text";
 
 const words = text.stances.dialog;
+const made = text.stances.predicted;
 const moment = new Intl.DateTimeFormat("en-GB", { day: "numeric", month: "short", hour: "2-digit", minute: "2-digit" });
 
-type Shown = Pick<PageSlice & ScanSlice & StancesSlice, "examples" | "problems" | "scan" | "stances">;
+type Shown = Pick<PageSlice & ScanSlice & FitSlice & StancesSlice, "examples" | "problems" | "scan" | "stance" | "fit" | "stances">;
 
 export function createStancesDialog(stances: StancesActions, dismiss: () => void): Panel<Shown> {
   const close = (): void => stances.dialog(false);
@@ -32,7 +34,10 @@ export function createStancesDialog(stances: StancesActions, dismiss: () => void
   const busy = el("div", { class: "muted", role: "status" }, words.busy);
   const wrong = problem(dismiss);
   const elsewhere = el("details", {}, el("summary", {}, words.elsewhere), find, moves, theirs);
-  const choices = el("div", { class: "panel" }, file, herLabel, hers, none, exampleLabel, examples, elsewhere);
+  const offerLabel = el("p", { class: "label" }, made.offer);
+  const offer = el("div", { class: "choices in-row" });
+  const offerWhat = el("p", { class: "muted small" });
+  const choices = el("div", { class: "panel" }, file, herLabel, hers, none, exampleLabel, examples, offerLabel, offer, offerWhat, elsewhere);
   const offered = (scans: readonly PatientScan[]): HTMLElement[] =>
     scans.map(({ id, stance, created_at }) =>
       el("li", {}, el("button", { type: "button", class: "button outlined wide known", onclick: () => void stances.takeKnown(id) }, words.at(stance, moment.format(new Date(created_at))))),
@@ -48,14 +53,15 @@ export function createStancesDialog(stances: StancesActions, dismiss: () => void
   );
   return {
     element,
-    select: only("examples", "problems", "scan", "stances"),
+    select: only("examples", "problems", "scan", "stance", "fit", "stances"),
     update(state: Shown): void {
-      const { isAdding, isBringing } = state.stances;
+      const { isAdding, isBringing, predicting } = state.stances;
       if (isAdding && !element.open) element.showModal();
       if (!isAdding && element.open) element.close();
       if (!isAdding) return;
-      show(busy, isBringing);
-      show(choices, !isBringing);
+      show(busy, isBringing || predicting !== null);
+      setText(busy, predicting ? made.busy(predicting.stance) : words.busy);
+      show(choices, !isBringing && predicting === null);
       wrong.set(state.problems.stances);
       const examplesShown = state.scan?.example ? state.examples : []; // they are all of one patient
       show(exampleLabel, examplesShown.length > 0);
@@ -65,6 +71,11 @@ export function createStancesDialog(stances: StancesActions, dismiss: () => void
       setText(herLabel, words.hers(mine));
       show(none, found.length === 0);
       fill(hers, found, () => offered(found));
+      const unseen = unscanned(state);
+      const mayPredict = state.fit?.state === "done";
+      for (const each of [offerLabel, offer, offerWhat]) show(each, unseen.length > 0);
+      fill(offer, [unseen.join(), mayPredict], () => unseen.map((stance) => el("button", { type: "button", class: "button outlined", disabled: !mayPredict, onclick: () => void stances.predict(stance) }, made.predict(stance))));
+      setText(offerWhat, mayPredict ? made.offerWhat : made.needsFit);
       show(moves, named !== null);
       setText(moves, named ? words.moves(mine, named.code) : "");
       fill(theirs, named?.scans ?? [], () => offered(named?.scans ?? []));

@@ -13,8 +13,9 @@ import { messageOf, withProblem } from "../store/problems";
 import { only, type Store } from "../store/store";
 import type { ViewSlice } from "../viewer/state";
 import { followPlan } from "./followPlan";
+import { predictActions } from "./predict";
 import { loadFit, loadWorkspace } from "./load";
-import { initialStances, isUnfinished, measuredFits, type PatientScan, stanceNames, type StancesSlice, type StancesState, type Workspace, workspaceOf } from "./state";
+import { initialStances, isPredicted, isUnfinished, measuredFits, type PatientScan, scannedOther, stanceNames, type StancesSlice, type StancesState, type Workspace, workspaceOf } from "./state";
 import * as text from "./text";
 
 const WATCH_MS = 1000; // a fit that goes on while its scan waits is looked after so often
@@ -69,10 +70,12 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
 
   /** The plan was written elsewhere: the one that waits shows what is planned on it now. */
   others.plan.followElsewhere((link, mine, now) => {
-    const scan = store.get().stances.other?.scan;
+    const scan = scannedOther(store.get().stances)?.scan;
     if (scan?.info.links.plan !== link) return;
     change(scan.info.id, (workspace) => withElsewhere(workspace, scan.info.id, mine, now) ?? {});
   });
+
+  const { predict, leave } = predictActions(store, client, flush);
 
   followPlan(store, client, { plan: others.plan, flush: () => others.drawing.flush(), fail });
 
@@ -182,7 +185,7 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     /** The page works on the other one now; not while a fit is asked for, unless the one that is left is not wanted any more. */
     async swap({ isLeft = false } = {}): Promise<void> {
       const { stances, isStarting } = store.get();
-      if (!stances.other || (isStarting && !isLeft)) return;
+      if (!stances.other || isPredicted(stances.other) || (isStarting && !isLeft)) return;
       await flush();
       others.fit.stop();
       const state = store.get();
@@ -215,13 +218,14 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     /** The one that waits is not wanted any more; the scan itself stays with the service. */
     remove(): void {
       clearTimeout(watch);
+      leave();
       store.set(({ stances }) => ({ stances: { ...initialStances, hers: stances.hers } }));
     },
 
     /** Fits both scans, where that is not done: what is planned on one is then carried to the other. */
     async fitBoth(): Promise<void> {
       const { stances, preset, refine, fit } = store.get();
-      const { other } = stances;
+      const other = scannedOther(stances);
       if (!other?.scan || store.get().isStarting) return;
       try {
         if (other.fit === null || other.fit.state === "failed" || other.fit.state === "cancelled") {
@@ -239,6 +243,9 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
         fail(error);
       }
     },
+
+    predict,
+    cancelPrediction: leave,
 
     compare: (isComparing: boolean): void =>
       store.set((state) => ({

@@ -3,7 +3,7 @@ import type { Client } from "../api/client";
 import { laidOnScan, type OnScan } from "../drawing/state";
 import type { PlanActions } from "../plan/actions";
 import { only, type Store } from "../store/store";
-import { further, stanceNames, type StancesSlice, type Workspace, workspaceOf } from "./state";
+import { further, isPredicted, stanceNames, type StancesSlice, type Workspace, workspaceOf } from "./state";
 import * as text from "./text";
 
 const CALM_MS = 300; // after the last stroke
@@ -57,7 +57,7 @@ export function followPlan<Whole extends State>(store: Store<Whole>, client: Pic
     if (!scan || !fit) return;
     const key = keyOf(to, from, hasFittedThird(store.get()));
     asked.set(fit.id, key);
-    const isNeeded = others.plan.isMoreThanLines(scan.info, from?.fit?.state === "done" || hasFittedThird(store.get()));
+    const isNeeded = isPredicted(to) || others.plan.isMoreThanLines(scan.info, from?.fit?.state === "done" || hasFittedThird(store.get()));
     const onScan = isNeeded ? laidOnScan(name, key, await client.planOnFit(fit.links.plan)) : null;
     set((state) => placed(state, scan.info.id, fit.id, onScan));
   }

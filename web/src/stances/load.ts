@@ -14,7 +14,7 @@ import { uploaded } from "../scan/text";
 import { startHistory } from "../store/history";
 import { tidyFrame } from "../viewer/frame";
 import { readPly } from "../viewer/ply";
-import type { Workspace } from "./state";
+import { predictedOf, type Workspace } from "./state";
 
 /** A fit with its events so far; its files too when it is done. */
 export async function loadFit(client: Client, id: string, picks: Picks | null, certain: readonly string[]): Promise<FitState> {
@@ -50,6 +50,7 @@ export async function loadFit(client: Client, id: string, picks: Picks | null, c
     certain,
     cuts: fit.cuts,
     before: null,
+    ...(fit.predicted_from == null ? {} : { predictedFrom: fit.predicted_from }),
   };
 }
 
@@ -66,7 +67,7 @@ export async function loadWorkspace(client: Client, landmarks: Pick<LandmarkActi
   const { picks } = saved;
   const fitted = fit === null ? null : await loadFit(client, fit, picks, saved.certain);
   const stands = own ? ({ frame: tidyFrame(own), frameFrom: "person" } as const) : frameOf(info, picks, fitted);
-  return {
+  const loaded: Workspace = {
     scan: { info, title: uploaded, mesh, file: null, example: info.example_landmarks ?? null, crops: startHistory(cropsFrom(cuts)), cuts: digest, ...stands },
     picks: startHistory(picks),
     certain: certainAt(picks, saved.certain),
@@ -78,4 +79,5 @@ export async function loadWorkspace(client: Client, landmarks: Pick<LandmarkActi
     drawing: planned.drawing,
     fit: fitted,
   };
+  return fitted?.predictedFrom === undefined ? loaded : predictedOf(loaded, fitted);
 }

@@ -1,11 +1,13 @@
 // Two stances of one patient: the page works on one, the other one waits with all that belongs to it.
-import type { MeasuresFile, Patient } from "../api/types";
-import { type DrawingSlice, handsOff } from "../drawing/state";
+import type { MeasuresFile, Patient, Stance } from "../api/types";
+import { type DrawingSlice, handsOff, startDrawn } from "../drawing/state";
 import type { FitSlice, FitState } from "../fit/state";
 import type { LandmarksSlice } from "../landmarks/state";
 import type { ScanSlice } from "../scan/state";
+import { startHistory } from "../store/history";
 import type { PageSlice } from "../store/page";
 import { isBeside, type ViewSlice } from "../viewer/state";
+import * as text from "./text";
 
 /** What belongs to one scan, and goes away and comes back with it. */
 export type Workspace = Pick<
@@ -14,6 +16,15 @@ export type Workspace = Pick<
 >;
 
 export type PatientScan = Patient["scans"][number];
+
+/** A prediction that is being made. */
+export interface Predicting {
+  readonly stance: Stance;
+  readonly simulate: boolean;
+  readonly share: number; // of the work that is done
+  readonly said: string; // what is done now
+  readonly cancel: string | null; // the service's link, once it has one
+}
 
 export interface StancesState {
   readonly other: Workspace | null;
@@ -25,6 +36,7 @@ export interface StancesState {
   readonly hers: readonly PatientScan[]; // the patient's scans beside the one in work
   readonly named: Patient | null; // another one, whose code was typed: her scans are to choose from, if they are hers
   readonly isCarrying: boolean;
+  readonly predicting: Predicting | null;
   readonly measures: { readonly isOpen: boolean; readonly isBusy: boolean; readonly of: string; readonly file: MeasuresFile | null; readonly pointed: string | null }; // pointed: at this row, measureKey
 }
 
@@ -44,6 +56,7 @@ export const initialStances: StancesState = {
   hers: [],
   named: null,
   isCarrying: false,
+  predicting: null,
   measures: { isOpen: false, isBusy: false, of: "", file: null, pointed: null },
 };
 
@@ -56,16 +69,34 @@ export function workspaceOf({ scan, picks, certain, drawn, proposals, skipped, s
   return { scan, picks, certain, drawn: { ...handsOff(drawn), corner: null }, proposals, skipped, saving, stance, drawing, fit: resting };
 }
 
+/** Beside a scan: its prediction in another stance.  It has no skin of a scan, and nothing is made on it: all of the plan is carried there. */
+export function predictedOf(from: Workspace, fit: FitState): Workspace {
+  const drawn = { ...startDrawn(), hidden: new Set<string>() }; // with the bands: how sure it is belongs to it
+  return { ...from, scan: from.scan && { ...from.scan, mesh: null }, picks: startHistory({}), certain: {}, proposals: null, skipped: new Set(), stance: "auto", drawing: "", drawn, fit: { ...fit, distances: null } };
+}
+
+export const isPredicted = ({ fit }: Pick<Workspace, "fit">): boolean => fit?.predictedFrom !== undefined;
+
+/** The stance that waits, if a scan shows it. */
+export const scannedOther = ({ other }: Pick<StancesState, "other">): Workspace | null => (other && !isPredicted(other) ? other : null);
+
 /** standing, supine or prone: as fitted, as asked for, or as the service proposes. */
 export function stanceOf(workspace: Pick<Workspace, "fit" | "stance" | "scan">): "standing" | "supine" | "prone" {
   const asked = workspace.stance === "auto" ? null : workspace.stance;
   return workspace.fit?.result?.stance ?? asked ?? workspace.scan?.info.stance.proposed ?? "standing";
 }
 
+/** The stances that no scan of the patient shows, of whom the one in work is one. */
+export function unscanned(state: Pick<Stances, "scan" | "stance" | "fit" | "stances">): readonly Stance[] {
+  const other = scannedOther(state.stances);
+  const seen = new Set<Stance>([stanceOf(state), ...(other ? [stanceOf(other)] : []), ...state.stances.hers.map(({ stance }) => stance)]);
+  return (["standing", "supine", "prone"] as const).filter((stance) => !seen.has(stance));
+}
+
 /** What the two are called, the one that the page works on first; two of a kind are numbered as they stand. */
 export function stanceNames(state: Pick<Stances, "scan" | "stance" | "fit" | "stances">): [string, string] {
   const { other, isSecond } = state.stances;
-  const [mine, its] = [stanceOf(state), other ? stanceOf(other) : ""];
+  const [mine, its] = [stanceOf(state), other ? text.stances.called(stanceOf(other), isPredicted(other)) : ""];
   if (mine !== its) return [mine, its];
   return isSecond ? [`${mine} 2`, `${its} 1`] : [`${mine} 1`, `${its} 2`];
 }
@@ -85,7 +116,7 @@ export const isComparing = (state: Pick<ScanSlice & LandmarksSlice & StancesSlic
 export function otherState<State extends Pick<PageSlice & ViewSlice & LandmarksSlice & StancesSlice, "step" | "overlay" | "active" | "stances">>(state: State): (State & Workspace) | null {
   const { other } = state.stances;
   if (!other) return null;
-  const overlay = isBeside(state.overlay) ? "both" : state.overlay;
+  const overlay = isPredicted(other) ? "model" : isBeside(state.overlay) ? "both" : state.overlay;
   return { ...state, ...other, overlay, active: null, step: state.step === "drawing" ? "drawing" : "result" };
 }
 

@@ -14,11 +14,30 @@ export const stances = {
   measures: "Measures",
   measuresHint: "Lengths, symmetry and volumes of this stance, or of both",
   here: (name: string) => capital(name),
+  called: (stance: string, isPredicted: boolean) => (isPredicted ? `${stance}, predicted` : stance),
   inWork: "in work",
   workHere: "Work here",
   following: "following …",
   canvas: (name: string) => `3D view of the ${name} scan. Drag to turn it, scroll to zoom.`,
   remove: (name: string) => `Put the ${name} scan aside`,
+
+  predicted: {
+    badge: (isSimulated: boolean) => (isSimulated ? "simulated, not scanned" : "predicted, not scanned"),
+    picture: (name: string) => `${name}, not scanned`,
+    show: (name: string) => `Show ${name}, beside the scan`,
+    sure: (margin: string) => `Lines on it: ${margin}.`,
+    offer: "No such scan at hand",
+    offerWhat: "Predicted from this scan, with how far off it may be. Nothing can be drawn on it; a scan takes its place.",
+    predict: (stance: string) => `Predict ${stance}`,
+    needsFit: "Fit this scan first: a stance is predicted from its fit.",
+    busy: (stance: string) => `Predicting ${stance} …`,
+    simulate: "Simulate",
+    simulateHint: "Solves this patient's own breasts by finite elements, in some minutes; the result takes the place of what is shown",
+    simulating: (share: string, said: string) => `Simulating, ${share} %: ${said}`,
+    cancel: "Cancel",
+    gone: "This prediction is no longer there: its scan was deleted, in another tab or by somebody else.",
+    announce: (stance: string) => `The ${stance} body is predicted and stands beside the scan.`,
+  },
 
   dialog: {
     title: "Add the other stance",
@@ -38,12 +57,13 @@ export const stances = {
 
   carry: {
     title: "On the other stance",
-    needsOther: "To see the drawing on the standing and on the supine body, add the other scan.",
+    needsOther: "To see the drawing on the standing and on the supine body, add the other scan or have it predicted.",
     needsFits: (names: string) => `A drawing is carried between two fitted scans. Not fitted yet: ${names}.`,
     needsLines: "Draw a line or choose a pattern on either scan: it is shown on the other as well.",
     others: "her other scans",
     busy: "Carrying the drawing …",
     done: (name: string) => `Shown on the ${name} scan, lines and patterns; it follows every change.`,
+    donePredicted: (name: string) => `Shown on the ${name} body, predicted and not scanned, lines and patterns; it follows every change.`,
     error: (median: string, most: string) =>
       `Nine of ten true places lie within ${median} mm of the line (${most} mm where it is least sure): the soft band shows it, and the number stands at the pointer.`,
     bridged: (bridged: number, points: number) => `${bridged} of ${points} points lie over holes of that scan and are dashed.`,

@@ -9,7 +9,7 @@ import { laidOnScan } from "../../src/drawing/state";
 import type { FitState } from "../../src/fit/state";
 import { linkedPose, torsoFromFrame, torsoFromLandmarks } from "../../src/stances/cameras";
 import { carriedNote } from "../../src/stances/carry";
-import { formatCell, measuredDoubts, measuresCsv, measuresTable } from "../../src/stances/measuresTable";
+import { formatCell, measuredDoubts, measuresCsv, measuresTable } from "../../src/stances/measures/measuresTable";
 import { further, stanceNames, workspaceOf } from "../../src/stances/state";
 
 const rigid = (x: number, y: number, z: number, at: readonly [number, number, number]): Matrix4 =>

@@ -1,6 +1,7 @@
 // Asks before a scan is deleted and says what goes with it.
 import { drawingLabels, readRequest, TUMOUR } from "../../fit/requestedDrawing";
 import { pickCount } from "../../landmarks/state";
+import { scannedOther } from "../../stances/state";
 import { only } from "../../store/store";
 import { button } from "../../ui/controls";
 import { el, setText, show } from "../../ui/dom";
@@ -48,7 +49,7 @@ export function createDeleteDialog(actions: DeletionActions): Panel<Shown> {
         setText(goes, words.goes(pickCount(state), lines, plans, state.fit !== null));
         setText(other, words.other(lines + plans.length > 0));
       }
-      show(other, state.stances.other !== null);
+      show(other, scannedOther(state.stances) !== null);
       if (isOpen && !element.open) element.showModal();
       if (!isOpen && element.open) element.close();
     },

@@ -4,6 +4,7 @@ import type { Client } from "../../api/client";
 import type { FitActions } from "../../fit/actions";
 import type { ScanActions } from "../../scan/actions";
 import type { StancesActions } from "../../stances/actions";
+import { scannedOther } from "../../stances/state";
 import { messageOf, withProblem } from "../../store/problems";
 import type { Store } from "../../store/store";
 import type { Deletion, Session } from "../session";
@@ -52,12 +53,13 @@ export function deletionActions(store: Store<Session>, client: Client, others: O
       store.set({ isAskingToDelete: false });
       if (!scan) return;
       await send(); // one at a time
-      if (store.get().stances.other) {
+      if (scannedOther(store.get().stances)) {
         await others.stances.swap({ isLeft: true });
         others.stances.remove();
       } else void others.scan.leave();
       others.stances.forget(scan.info.id); // not to choose any more; taken back, it is opened, and so there again
-      const beside = stances.other?.scan ? { scan: stances.other.scan.info.id, isSecond: !stances.isSecond } : null;
+      const waits = scannedOther(stances)?.scan;
+      const beside = waits ? { scan: waits.info.id, isSecond: !stances.isSecond } : null;
       const deletion = { scan: scan.info, title: scan.title, fit: fit?.state === "done" ? fit.id : null, frame: scan.frameFrom === "person" ? scan.frame : null, beside };
       store.set({ deletion, announcement: text.deletion.soon(scan.title) });
       timer = setTimeout(() => void send(), UNDO_MS);

@@ -69,6 +69,7 @@ function ofResult(result: Result, state: Shown): HTMLElement[] {
       ? block(words.landmarks, words.landmarksHint, [[words.mean, formatMm(points.mean), "mm"], [words.max, formatMm(points.max), "mm"]])
       : el("section", { class: "block" }, el("h3", {}, words.landmarks), el("p", { class: "muted" }, words.noLandmarks));
   return [
+    ...(result.predicted ? [el("p", { class: "muted" }, words.predicted)] : []),
     ofPoints,
     block(words.surface, words.surfaceHint, [
       [words.mean, formatMm(surface.mean), "mm"],

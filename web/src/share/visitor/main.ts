@@ -146,7 +146,7 @@ async function close(): Promise<void> {
 
 function fillSide({ expires_at, shown_at, links }: SharedResult, { fit, plan }: VisitorState): void {
   setText(until, words.until(moment.format(new Date(expires_at))));
-  setText(shownAs, [...(shown_at === null ? [] : [words.shownAt(moment.format(new Date(shown_at)))]), ...(links.mesh === null ? [words.modelAlone] : [])].join(" "));
+  setText(shownAs, [...(shown_at === null ? [] : [words.shownAt(moment.format(new Date(shown_at)))]), ...(links.mesh === null ? [words.modelAlone] : []), ...(fit?.result?.predicted ? [words.predicted] : [])].join(" "));
   if (plan) planned.replaceChildren(...planList(fit?.drawing ?? null, plan));
   const offered = words.files.flatMap(({ key, name, what }) => (links[key] === null ? [] : [{ href: links[key], name, what }]));
   fill(files, offered, () =>

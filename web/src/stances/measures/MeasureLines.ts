@@ -1,13 +1,13 @@
 // On the body: where the measure runs that is pointed at in the table.  Along the skin a tape lies on it; callipers' lines lead
 // through the body and are drawn over it.
 import { Vector3 } from "three";
-import { polyline } from "../drawing/lines/lines";
-import { el } from "../ui/dom";
-import { metresFromMm } from "../ui/units";
-import { FatLines } from "../viewer/lines/FatLines";
-import type { Part, Viewer } from "../viewer/Viewer";
+import { polyline } from "../../drawing/lines/lines";
+import { el } from "../../ui/dom";
+import { metresFromMm } from "../../ui/units";
+import { FatLines } from "../../viewer/lines/FatLines";
+import type { Part, Viewer } from "../../viewer/Viewer";
 import { measuredLines, type MeasuredLine } from "./measuredLines";
-import type { StancesSlice } from "./state";
+import type { StancesSlice } from "../state";
 
 const COLOURS: Record<MeasuredLine["side"], string | undefined> = { left: "#1f5cb8", right: "#9a3477", value: undefined };
 

@@ -1,6 +1,6 @@
 // Numbers of the table of measures: as finely as their bands allow, and each with its band.
 import { expect, test } from "vitest";
-import { formatCell, formatMargin } from "../../src/stances/measuresTable";
+import { formatCell, formatMargin } from "../../../src/stances/measures/measuresTable";
 
 test("a number is written as finely as its band allows, with the band behind it", () => {
   const written = (value: number, margin: number | null, unit: "mm" | "ml" | "1", isSigned = false): string => {

@@ -1,16 +1,16 @@
 // The table of measures: left, right and difference, of one stance or of both and the change between them.
-import type { FitSlice } from "../fit/state";
-import { fileName, type ScanSlice } from "../scan/state";
-import type { PageSlice } from "../store/page";
-import { only } from "../store/store";
-import { button, iconButton, problem } from "../ui/controls";
-import { el, fill, icon, saveFile, setText, show } from "../ui/dom";
-import type { Panel } from "../ui/Panel";
-import { close as closeText } from "../ui/text";
-import type { StancesActions } from "./actions";
+import type { FitSlice } from "../../fit/state";
+import { fileName, type ScanSlice } from "../../scan/state";
+import type { PageSlice } from "../../store/page";
+import { only } from "../../store/store";
+import { button, iconButton, problem } from "../../ui/controls";
+import { el, fill, icon, saveFile, setText, show } from "../../ui/dom";
+import type { Panel } from "../../ui/Panel";
+import { close as closeText } from "../../ui/text";
+import type { StancesActions } from "../actions";
 import { type Cell, formatCell, formatMargin, measuredDoubts, type MeasureLine, measuresCsv, measuresTable, type MeasuresTable } from "./measuresTable";
-import { measuredFits, type StancesSlice } from "./state";
-import * as text from "./text";
+import { measuredFits, type StancesSlice } from "../state";
+import * as text from "../text";
 
 const words = text.stances.table;
 const COLUMNS = ["left", "right", "difference"] as const;

@@ -1,6 +1,6 @@
 // The report's flat rows as a table: one line for each measure, the stances beside each other, changes at the end.
-import type { Measure, MeasuresFile } from "../api/types";
-import { verdictWords } from "../fit/verdict";
+import type { Measure, MeasuresFile } from "../../api/types";
+import { verdictWords } from "../../fit/verdict";
 
 export interface Cell {
   readonly value: number | null;

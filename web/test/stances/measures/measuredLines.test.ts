@@ -1,9 +1,9 @@
 // What is drawn on the body for the measure that is pointed at.
 import { afterEach, expect, test, vi } from "vitest";
-import type { Measure, MeasuresFile } from "../../src/api/types";
-import { measuredLines } from "../../src/stances/measuredLines";
-import { measureKey, measuresTable } from "../../src/stances/measuresTable";
-import { withScan } from "../fakes";
+import type { Measure, MeasuresFile } from "../../../src/api/types";
+import { measuredLines } from "../../../src/stances/measures/measuredLines";
+import { measureKey, measuresTable } from "../../../src/stances/measures/measuresTable";
+import { withScan } from "../../fakes";
 
 afterEach(() => void vi.unstubAllGlobals());
 

@@ -1,5 +1,5 @@
 // The lines of the measure that is pointed at, as they run on one of the scans.
-import type { Measure, MeasuresFile, Vector } from "../api/types";
+import type { Measure, MeasuresFile, Vector } from "../../api/types";
 import { formatCell, formatMargin, measureKey } from "./measuresTable";
 
 export interface MeasuredLine {

@@ -1,0 +1,72 @@
+// A stance that was not scanned: predicted beside the scan, said to be so, with the pattern carried onto it; a scan takes its place.
+import { join } from "node:path";
+import { expect, type Page } from "@playwright/test";
+import type { Fit } from "../src/api/types";
+import { overlaps, seriousFindings, smallTargets } from "./audit";
+import { hook, test, trueLandmarks, untilFitted, untilStill } from "./page";
+import { inTheme } from "./states";
+
+const other = (page: Page) =>
+  page.evaluate(() => {
+    const { stances } = window.__breastrig!.state();
+    const { fit, drawn } = stances.other!;
+    return { from: fit!.predictedFrom, stance: fit!.result!.stance, errors: drawn.onScan?.carried.shapes.map(({ error_mm }) => error_mm!) ?? [] };
+  });
+
+test("the stance that is missing is predicted, the pattern is carried there, and a scan takes its place", async ({ page, base, troubles }) => {
+  const post = async (path: string, data: object = {}) => (await (await page.request.post(base + path, { data })).json()) as { id: string };
+  const scan = await post("/api/examples/standing");
+  const { id } = await post("/api/fits", { scan: scan.id, landmarks: trueLandmarks() });
+  await expect.poll(async () => ((await (await page.request.get(`${base}/api/fits/${id}`)).json()) as Fit).state).toBe("done");
+  await page.goto(`${base}/#scan=${scan.id}&fit=${id}&step=drawing`);
+  await hook.ready(page);
+  await untilFitted(page);
+  await page.locator(".pattern summary").click();
+  await page.locator(".pattern select").first().selectOption("reduction");
+
+  await test.step("predicted", async () => {
+    await page.locator("#add-stance").click();
+    await page.getByRole("dialog").getByRole("button", { name: "Predict supine" }).press("Enter");
+    await expect(page.getByRole("dialog")).toHaveCount(0);
+    const pane = page.getByRole("region", { name: "Supine, predicted" });
+    await expect(pane.getByText("predicted, not scanned")).toBeVisible();
+    await expect(pane.getByText(/Predicted from the standing scan: .* Lines on it: ±\s\d+\smm\./)).toBeVisible();
+    await expect(pane.getByRole("button", { name: "Work here" })).toBeHidden();
+    await expect(page.getByText(/^Shown on the supine body, predicted and not scanned/)).toBeVisible();
+    const { from, stance, errors } = await other(page);
+    expect([from, stance]).toEqual([id, "supine"]);
+    expect(errors.length).toBeGreaterThan(0);
+    expect(Math.min(...errors.flat().map((mm) => mm ?? 0))).toBeGreaterThan(0);
+    expect(await page.evaluate(() => window.__breastrig!.state().stances.other!.scan!.mesh), "no scan stands for it").toBeNull();
+    await page.getByRole("button", { name: "Supine, predicted", exact: true }).click();
+    expect(await page.evaluate(() => window.__breastrig!.state().scan!.info.id), "nobody works on it").toBe(scan.id);
+  });
+
+  await test.step("everybody can read and press it", async () => {
+    for (const [device, viewport] of [["tablet", { width: 834, height: 1112 }], ["desk", { width: 1280, height: 720 }]] as const) {
+      await page.setViewportSize(viewport);
+      await untilStill(page);
+      expect.soft(await smallTargets(page), `${device}: smaller than 24 pixels`).toEqual([]);
+      expect.soft(await overlaps(page), `${device}: controls over one another`).toEqual([]);
+    }
+    expect.soft(await seriousFindings(page)).toEqual([]);
+    await inTheme(page, "dark");
+    expect.soft(await seriousFindings(page, { runOnly: ["color-contrast"] }), "contrast in the dark").toEqual([]);
+  });
+
+  await test.step("it is there again after a reload, with what is planned", async () => {
+    await page.reload();
+    await expect(page.getByText("predicted, not scanned")).toBeVisible();
+    await expect.poll(async () => (await other(page)).errors.length).toBeGreaterThan(0);
+  });
+
+  await test.step("a scan takes its place", async () => {
+    await page.locator("#add-stance").click();
+    await page.locator("#second-scan-file").setInputFiles(join(process.env.BREASTRIG_E2E_EXAMPLES!, "supine", "scan.ply"));
+    await expect(page.getByRole("dialog")).toHaveCount(0);
+    await expect.poll(() => page.evaluate(() => window.__breastrig!.state().stances.other?.fit?.id)).toBe(id);
+    expect((await other(page)).from).toBeUndefined();
+    await expect(page.getByText("predicted, not scanned")).toBeHidden();
+  });
+  expect(troubles).toEqual([]);
+});
