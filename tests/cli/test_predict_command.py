@@ -11,6 +11,7 @@ import breastrig
 from breastrig.cli.main import main
 from breastrig.files.result import FIT_FILES
 from breastrig.rig.similarity import umeyama
+from breastrig.workflow.folder.fit_folder import read_fit_folder
 
 
 @pytest.fixture(scope="module")
@@ -41,6 +42,25 @@ def test_a_drawing_is_shown_where_the_prediction_has_its_skin(fits: Path, tmp_pa
         assert np.median(near) < (2.0 if own["unit"] == "mm" else 0.002)
 
 
+def test_a_lesion_is_carried_into_a_prediction_with_a_radius_of_what_it_leaves_open(fits: Path, tmp_path: Path) -> None:
+    standing, foretold = (read_fit_folder(fits / name) for name in ("standing", "predicted"))
+    place = standing.rig.landmark_points(("nipple_L",))
+    nipple = place.positions(standing.vertices, standing.rig.faces)[0]
+    center = nipple + 0.3 * (standing.vertices[standing.rig.regions["breast_L"]].mean(axis=0) - nipple)
+    lesion = {"kind": "lesion", "id": "a", "name": "", "center": (1e3 * center).tolist(), "radius_mm": 5.0}
+    plan, there = tmp_path / "plan.json", tmp_path / "there.json"
+    plan.write_text(json.dumps({"schema": "breastrig/plan@1", "items": [lesion]}))
+    given = ["--from", str(fits / "standing"), "--to", str(fits / "predicted"), "--drawing", str(plan)]
+    assert main(["transfer", *given, "-o", str(there)]) == 0
+    (found,) = json.loads(there.read_text())["lesions"]
+    moved = foretold.metres_per_unit * np.array(found["center"]) - center
+    skin = place.positions(foretold.vertices - standing.vertices, standing.rig.faces)[0]
+    assert np.linalg.norm(moved - skin) < 0.4 * np.linalg.norm(skin)
+    assert foretold.radii is not None
+    assert found["error_mm"] > 1e3 * foretold.radii[standing.rig.regions["breast_L"]].min()
+    assert json.loads((fits / "predicted" / "result.json").read_text()).get("lesions", []) == []
+
+
 def test_the_prediction_is_nearer_to_the_lying_patient_than_she_was_standing(fits: Path) -> None:
     standing, lying, foretold = (breastrig.Fit.load(fits / name) for name in ("standing", "supine", "predicted"))
     names = sorted(standing.picked.keys() & lying.picked.keys())
@@ -54,6 +74,22 @@ def test_the_prediction_is_nearer_to_the_lying_patient_than_she_was_standing(fit
         return float(np.mean([gap for name, gap in zip(names, gaps, strict=True) if name.startswith("nipple")]))
 
     assert nipples(foretold) < 0.75 * nipples(standing)
+
+
+def test_a_second_fit_says_more_and_is_not_of_the_same_stance(
+    fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["predict", str(fits / "standing"), "--stance", "prone", "--with"]
+    assert main([*command, str(fits / "supine"), "-o", str(tmp_path / "two")]) == 0
+    assert "from the standing scan and the supine scan" in breastrig.Fit.load(tmp_path / "two").verdict.reasons[0]
+    breastrig.predict(fits / "standing", "prone").save(tmp_path / "one")
+    two, one = (read_fit_folder(tmp_path / name) for name in ("two", "one"))
+    breast = one.rig.regions["breast_L"]
+    assert two.radii is not None
+    assert one.radii is not None
+    assert two.radii[breast].mean() < one.radii[breast].mean()
+    assert main([*command, str(fits / "standing"), "-o", str(tmp_path / "none")]) == 2
+    assert "must be that of a scan of the same patient in another stance" in capsys.readouterr().err
 
 
 def test_programs_predict_what_the_command_does(fits: Path) -> None:

@@ -3,7 +3,7 @@
 A line that the fit projects is as far off as the model under it.  A line that is carried from one scan to another is
 off by what both fits are off there, whatever it was off before; but what they share (one model, one body) cancels, so
 the square sum of both radii is taken down by a factor, and what the skin itself does is added.  Both are chosen with
-known skin (skin_maps).
+known skin (skin_maps).  A prediction shares nothing with the truth, so that its radii count in full.
 """
 
 from collections.abc import Sequence
@@ -34,7 +34,8 @@ def carried_errors(rig: Rig, a: FittedScan, b: FittedScan, on_a: Array, on_b: Ar
     for scan, points in ((a, on_a), (b, on_b)):
         if scan.radii is None:
             return None
-        total += (settings.error_share * radii_at(rig, scan.search(rig), scan.radii, points)) ** 2
+        share = 1.0 if scan.predicted else settings.error_share
+        total += (share * radii_at(rig, scan.search(rig), scan.radii, points)) ** 2
     return np.asarray(np.sqrt(total))
 
 

@@ -1,7 +1,7 @@
 """A fit of the same patient in a stance that was not scanned: the files of a fit, marked as predicted.
 
 What the scan has seen is moved, skin, lines and landmarks, as the prediction moves the fitted model.  What lies inside
-does not follow the skin alone: `breastrig transfer` carries it.
+does not follow the skin alone: `breastrig transfer` carries it, with the prediction's radius.
 """
 
 from collections.abc import Callable, Generator

@@ -64,7 +64,9 @@ class FitFolder:
     def fitted_scan(self) -> FittedScan:
         """What drawings are made on and carried from."""
         target = ScanTarget(self.surface.vertices, self.surface.faces)
-        return FittedScan(target, self.vertices, self.landmarks, self.stance, self.radii, self.seen)
+        return FittedScan(
+            target, self.vertices, self.landmarks, self.stance, self.radii, self.seen, self.result.predicted
+        )
 
 
 def read_fit_folder(folder: Path, model: Path | None = None) -> FitFolder:
