@@ -1,8 +1,8 @@
 """`breastrig predict OUT --stance supine -o PREDICTED`: the patient of a fit in a stance that was not scanned.
 
 PREDICTED gets the files of a fit, marked as predicted; `breastrig transfer --to PREDICTED` shows drawings on it.
-`--with OTHER_OUT` is a fit of the same patient in a further stance, which says more of her.  `--simulate` solves her
-own breasts by finite elements: minutes.
+`--simulate` solves the patient's own breasts by finite elements: minutes.  `--with OTHER_OUT`, her fit in a further
+stance, says how stiff they are.
 """
 
 import argparse
@@ -23,7 +23,9 @@ from breastrig.interface.predict import predicting
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("fit", type=Path, metavar="OUT", help="folder that `breastrig fit` wrote")
     parser.add_argument("--stance", choices=get_args(Stance), required=True, help="the stance to predict")
-    parser.add_argument("--with", dest="other", type=Path, metavar="OTHER_OUT", help="her fit in a further stance")
+    parser.add_argument(
+        "--with", dest="other", type=Path, metavar="OTHER_OUT", help="her fit in a further stance, for --simulate"
+    )
     parser.add_argument("--simulate", action="store_true", help="by finite elements of her own breasts: minutes")
     parser.add_argument("--no-progress", action="store_true", help="no progress bar")
     parser.add_argument("--model", type=Path, metavar="GLB", help="the rig of the fit, when not the package's")

@@ -28,9 +28,9 @@ def predict(
     """The patient of a fit, or of its folder, as she would be in another `stance`: standing, supine or prone.
 
     Its trunk stays in the scan's unit and frame; `uncertainty` (V,) holds the true place with 90 %, prediction and
-    fit together.  Its result says `predicted`; drawings are transferred to it as to a fit.  `other` is a fit of the
-    same patient in a further stance, which says more of her.  `simulate`: her own breasts are solved by finite
-    elements, which takes minutes.  `model` is that of folders.  Raises BadInput, also for a model of which nobody knows
+    fit together.  Its result says `predicted`; drawings are transferred to it as to a fit.  `simulate`: her own
+    breasts are solved by finite elements, which takes minutes; `other`, a fit of the same patient in a further stance,
+    says how stiff they are.  `model` is that of folders.  Raises BadInput, also for a model of which nobody knows
     what gravity does to it; BreastRigError where her breasts do not come to rest.
     """
     return predicting(fit, stance, model, other=other, simulate=simulate).result()

@@ -10,7 +10,7 @@ so that the heights seen in one stance say z, and z the others (conditional Gaus
 Machine Learning, 2006, 2.3 and 12.2).  The numbers are data beside the rig, found by its hash.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Annotated, Literal
@@ -56,17 +56,13 @@ class GravityPrior:
     band: float  # times the standard deviation that holds the true place with 90 %
     posture: float  # m: the radius of what posture leaves open, 90 %
 
-    def moved(self, heights: Mapping[str, Array], stance: str, goal: str) -> tuple[Array, Array]:
-        """((P, 3) m from the heights of `stance` to those of `goal`, (P,) m radius that holds them with 90 %).
-
-        `heights` (P, 3) m: of the stances that were seen.
-        """
-        seen = np.hstack([self.factors[name] for name in heights])
-        away = np.concatenate([each.ravel() - self.mean[name] for name, each in heights.items()])
+    def moved(self, heights: Array, stance: str, goal: str) -> tuple[Array, Array]:
+        """((P, 3) m from (P, 3) heights to those of the other stance, (P,) m radius that holds them with 90 %)."""
+        seen = self.factors[stance]
+        away = (heights.ravel() - self.mean[stance]) @ seen.T / self.observation**2
         covariance = np.linalg.inv(np.eye(len(seen)) + seen @ seen.T / self.observation**2)
-        change = self.factors[goal] - self.factors[stance]
-        known = covariance @ (seen @ away) / self.observation**2
-        move = self.mean[goal] - self.mean[stance] + known @ change
+        change = self.factors[goal] - seen
+        move = self.mean[goal] - self.mean[stance] + (covariance @ away) @ change
         variance = np.einsum("kp,kl,lp->p", change, covariance, change)
         radii = self.band * np.sqrt(np.maximum(variance.reshape(-1, 3).sum(axis=1), LEAST**2))
         return move.reshape(-1, 3), radii
@@ -95,19 +91,17 @@ def gravity_prior(rig: Rig) -> GravityPrior | None:
     )
 
 
-def predicted(rig: Rig, bodies: Mapping[str, Array], stance: str, goal: str) -> Predicted:
-    """The (V, 3) m vertices of one woman's body in `stance`, in `goal`; `bodies` are those that were fitted, by stance.
-
-    Raises BadInput.
-    """
-    prior = prior_between(rig, bodies, goal)
+def predicted(rig: Rig, vertices: Array, stance: str, goal: str) -> Predicted:
+    """The (V, 3) m vertices of a body that was fitted in `stance`, in `goal`.  Raises BadInput."""
+    prior = prior_between(rig, (stance,), goal)
+    local, _ = in_template(rig, vertices)
     breasts = []
     for each in breast_skins(rig):
         mirror = MIRROR if each.side == "R" else np.ones(3)
-        heights = {name: mirror * each.heights(in_template(rig, body)[0]) for name, body in bodies.items()}
+        heights = each.heights(local) * mirror
         move, within = prior.moved(heights, stance, goal)
-        breasts.append((fullness(heights[stance][each.breast]) * move * mirror, within))
-    return with_breasts(rig, bodies[stance], stance, goal, breasts)
+        breasts.append((fullness(heights[each.breast]) * move * mirror, within))
+    return with_breasts(rig, vertices, stance, goal, breasts)
 
 
 def prior_between(rig: Rig, seen: Iterable[str], goal: str) -> GravityPrior:

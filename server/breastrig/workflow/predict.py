@@ -36,14 +36,16 @@ def predict_steps(
     """FIT_FILES by name, of the fit in `folder` as the patient would be in `goal`; whoever stops asking cancels.
 
     `simulate`: this patient's own breasts are solved by finite elements, which takes minutes.  `other` is the folder of
-    a fit of the same patient in another stance, that says more of her.  Raises BadInput, and NoEquilibrium where her
-    breasts do not come to rest.
+    a fit of the same patient in another stance, that says how stiff they are.  Raises BadInput, and NoEquilibrium
+    where her breasts do not come to rest.
     """
     yield Progress(0.0, "reading the fit")
     fit = fit_folder_of(folder, rig)
     if fit.result.predicted:
         raise BadInput("This fit is itself predicted; predict from the fit of a scan.")
     second = None if other is None else fit_folder_of(other, rig)
+    if second is not None and not simulate:
+        raise BadInput("A second fit says how stiff the breasts are, which is for a simulation: add --simulate.")
     if second is not None and (second.result.predicted or second.stance == fit.stance):
         raise BadInput("The second fit must be that of a scan of the same patient in another stance.")
     doubt = None if second is None else body_doubt(fit, second)
@@ -53,7 +55,7 @@ def predict_steps(
         patient = Patient(rig, volume_of(fit), fit.vertices, fit.stance)
         found = yield from simulated(patient, goal, None if second is None else (second.stance, second.vertices))
     else:
-        found = predicted(rig, {each.stance: each.vertices for each in fits}, fit.stance, goal)
+        found = predicted(rig, fit.vertices, fit.stance, goal)
     radii = found.radii if fit.radii is None else np.hypot(found.radii, fit.radii)
     search = fit.fitted_scan.search(rig)
     moves = found.vertices - fit.vertices

@@ -73,7 +73,7 @@ def misses(prior: GravityPrior, women: Sequence[Woman], stance: str, goal: str) 
     """((W, P) m: how far each vertex is from where it was predicted, (W, P) m its radius)."""
     found = []
     for woman in women:
-        move, radii = prior.moved({stance: woman.heights[stance]}, stance, goal)
+        move, radii = prior.moved(woman.heights[stance], stance, goal)
         true = (woman.heights[goal] - woman.heights[stance]).reshape(-1, 3)
         found.append((np.linalg.norm(move - true, axis=1), radii))
     return np.array([miss for miss, _ in found]), np.array([radius for _, radius in found])

@@ -37,7 +37,7 @@ def prediction_study(cases: tuple[Case, ...], rig: Rig, recipe: Recipe) -> dict[
 
 
 def _rows(rig: Rig, scene: Scene, fit: FittedScan, goal: Scene) -> list[dict[str, Any]]:
-    found = predicted(rig, {START: fit.vertices}, START, goal.case.stance)
+    found = predicted(rig, fit.vertices, START, goal.case.stance)
     radii = np.hypot(found.radii, 0.0 if fit.radii is None else fit.radii)
     search = fit.search(rig)
 
