@@ -1,9 +1,9 @@
 """Solves a cohort of women under gravity: `make cohort`, or python model_assets/make_gravity.py FOLDER [--women N].
 
 Each is a woman of MakeHuman's adult dials on the model's template (virtual_patient/sampled.py), standing; her left
-breast is unloaded and laid on her back and her front (breastrig_studies/gravity).  One file a woman: a run that was
-interrupted goes on where it was.  Needs the installed package with its extra `volume` and MakeHuman's data as build.py
-does.  `python -m breastrig_studies.gravity.estimate FOLDER` makes the model's data of them.
+breast is brought to rest and laid on her back and her front (breastrig_studies/gravity).  One file a woman: a run that
+was interrupted goes on where it was.  Needs the installed package and MakeHuman's data as build.py does.
+`python -m breastrig_studies.gravity.estimate FOLDER` makes the model's data of them.
 """
 
 import argparse
