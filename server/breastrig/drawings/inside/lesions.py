@@ -132,7 +132,8 @@ class LesionsOnScan:
         walls = []
         if self._wall is not None:
             place = self._wall.query(center[None]).points[0]
-            walls = [_distance("chest_wall", "chest_wall", place, center, covariance, self._settings.wall_error)]
+            off_wall = self._settings.wall_error.get(self._scan.stance)
+            walls = [_distance("chest_wall", "chest_wall", place, center, covariance, off_wall)]
         return PlacedLesion(
             item,
             center,

@@ -60,7 +60,7 @@ def plan_on_folders(rig: Rig, plan: Plan, fits: Sequence[tuple[FitFolder, str]],
     )
     if any(isinstance(item, PlanLesion) for item in plan.items):
         with suppress(BadInput):  # a rig whose inside nobody knows
-            here = replace(here, wall=chest_wall(rig, fits[0][0].parameters))
+            here = replace(here, wall=chest_wall(rig, fits[0][0].parameters, here.scan.vertices))
     return plan_on_scan(rig, here, [other for other in others if other.items])
 
 
