@@ -10,9 +10,10 @@ import numpy as np
 import pypdf
 import pytest
 from flask.testing import FlaskClient
+from helpers.fake_fit import patient_simulation
 from helpers.problems import problem
 from helpers.remembered_fits import run_fit_once
-from helpers.waiting import ended
+from helpers.waiting import ended, until
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
@@ -43,7 +44,8 @@ class Real(NamedTuple):
 @pytest.fixture(scope="module")
 def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Real]:
     storage = Storage(tmp_path_factory.mktemp("predictions"))
-    service = Service(storage, runner=run_fit_once, fits=FitLimits(workers=1, grace_s=0.1))
+    fits = FitLimits(workers=1, grace_s=0.1)
+    service = Service(storage, runner=run_fit_once, predictor=patient_simulation, fits=fits)
     with service.started():
         client = create_app(Config(), service).test_client()
         scan = client.post("/api/examples/standing").json
@@ -112,6 +114,22 @@ def test_link_report_and_measures_say_that_it_was_not_scanned(real: Real) -> Non
     assert NOT_SCANNED in text
     assert "Supine, predicted, front: not scanned with the plan" in text
     assert "supine, predicted, from the scan received" in text
+
+
+def test_a_simulation_is_a_prediction_of_its_own_that_is_followed_and_cancelled(real: Real) -> None:
+    asked = {"stance": "supine", "simulate": True}
+    simulated = real.client.post(real.fit["links"]["predictions"], json=asked).json
+    assert simulated["id"] != real.predicted["id"]
+
+    def events() -> list[dict[str, Any]]:
+        return [each["event"] for each in real.client.get(f"{simulated['links']['events']}.json").json["events"]]
+
+    until(lambda: len(events()) > 1, "its progress")
+    assert events()[1] == {"kind": "progressed", "share": 0.0, "said": "reading the fit"}
+    assert real.client.post(real.fit["links"]["predictions"], json=asked).json == simulated
+    assert real.client.post(simulated["links"]["cancel"]).status_code == 202
+    row = ended(real.service, simulated["id"])
+    assert (row.state, row.simulate) == ("cancelled", True)
 
 
 def test_what_cannot_be_predicted_is_refused_with_one_sentence(real: Real, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -129,7 +129,7 @@ class FitQueue:
         self._starts[fit_id] = self._starts.get(fit_id, 0) + 1
         self._began[fit_id] = time.monotonic()
         task = (execute_fit, self._storage.location, fit_id, self._runners, self._model)
-        future = self._processes.schedule(keeping, task, self._limits.wall_s, self._scan_of(fit_id))
+        future = self._processes.schedule(keeping, task, self._wall_s(fit_id), self._scan_of(fit_id))
         self._running[fit_id] = future
         future.add_done_callback(lambda ended: self._on_end(fit_id, ended))
 
@@ -176,7 +176,7 @@ class FitQueue:
             if fit.ended:
                 continue
             if isinstance(error, TimeoutError):
-                self._end(each, Failed(reason=f"The fit took longer than {self._limits.wall_s:g} s and was stopped."))
+                self._end(each, Failed(reason=f"The fit took longer than {self._wall_s(each):g} s and was stopped."))
             elif fit.state == "queued" and self._starts[fit_id] < STARTS:
                 return
             else:
@@ -189,6 +189,12 @@ class FitQueue:
         with suppress(NotFound):
             return get_fit(self._storage, fit_id).both
         return (fit_id,)
+
+    def _wall_s(self, fit_id: str) -> float:
+        with suppress(NotFound):
+            if get_fit(self._storage, fit_id).simulate:
+                return self._limits.simulation_wall_s
+        return self._limits.wall_s
 
     def _scan_of(self, fit_id: str) -> str | None:
         """The scan that the fit looks at; None for two, for a prediction, and for a fit that was deleted meanwhile."""

@@ -276,8 +276,6 @@ class Service:
             raise BadInput("This fit is itself predicted; predict from the fit of a scan.")
         if fit.state != "done":
             raise Conflict(f"The fit {fit.id} is {fit.state}; a stance is predicted from a fit that is done.")
-        if simulate:
-            raise BadInput("This version simulates nothing yet; leave `simulate` out.")
         if fit.stance == stance:
             raise BadInput(f"The scan is {stance} already; ask for another stance.")
         self.models.check_predicts(fit_id)

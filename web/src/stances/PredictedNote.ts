@@ -8,7 +8,6 @@ import { isPredicted, stanceOf, type StancesState } from "./state";
 import * as text from "./text";
 
 const words = text.stances.predicted;
-const SIMULATES = false as boolean; // the service does not yet
 
 export function createPredictedNote(stances: Pick<StancesActions, "predict" | "cancelPrediction">) {
   let of: StancesState["other"] = null;
@@ -32,7 +31,7 @@ export function createPredictedNote(stances: Pick<StancesActions, "predict" | "c
       const margin = result.line_error_mm == null ? [] : [words.sure(marginOf(result.line_error_mm))];
       setText(note, [...(result.verdict?.reasons ?? []), ...margin].join(" "));
       setText(busy, predicting ? (predicting.simulate ? words.simulating(formatPercent(predicting.share), predicting.said) : words.busy(predicting.stance)) : "");
-      show(simulate, SIMULATES && predicting === null && !result.simulated);
+      show(simulate, predicting === null && !result.simulated);
       show(cancel, predicting?.simulate ?? false);
     },
   };
