@@ -4,13 +4,15 @@ import numpy as np
 import pytest
 from helpers.random_pose import random_parameters
 from helpers.subdivide import subdivided
+from helpers.surfaces import sphere
 
 from breastrig.core.stances import AUTO
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.scan_orientation import scan_orientation
-from breastrig.fitting.starts.orientation import start_from_scan
+from breastrig.fitting.starts.orientation import start_from_scan, trunks
+from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.skinning import pose
 from breastrig.scan.clean import Surface
@@ -62,3 +64,15 @@ def test_a_part_of_a_body_is_put_where_it_belongs(part: str) -> None:
     start = start_from_scan(rig, scan.target, scan.frame.fronts)
     found = rig.landmark_points().positions(pose(rig, start.parameters), rig.faces)
     assert np.linalg.norm(found - true @ turn.T, axis=1).mean() < 0.03
+
+
+def test_of_a_person_from_head_to_feet_the_trunk_is_looked_at_alone_either_way_up() -> None:
+    turn = exp_so3(np.array([0.3, -1.1, 0.7]))
+    vertices, faces = sphere()
+    vertices = (vertices / np.ptp(vertices, axis=0)) @ np.diag([0.4, 1.65, 0.3]) @ turn.T
+    fronts = np.array([[0.0, 0.0, 1.0]])
+    whole, *parts = trunks(ScanTarget(vertices, faces), fronts)
+    assert len(whole[0].vertices) == len(vertices)
+    ends = sorted(np.percentile(part.vertices @ turn[:, 1] / 1.65 + 0.5, [0, 100]).tolist() for part, _ in parts)
+    np.testing.assert_allclose(ends, [[0.1, 0.53], [0.47, 0.9]], atol=0.04)
+    assert len([*trunks(ScanTarget(0.6 * vertices, faces), fronts)]) == 1

@@ -7,7 +7,7 @@ Without them the rest pose is tried all around (starts/rigid_search.py), and on 
 (starts/part_of_body.py).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,11 +20,15 @@ from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.similarity import Similarity, similar_parameters, umeyama
 from breastrig.rig.skinning import pose
+from breastrig.scan.clean import MIN_TRIANGLES, compact
+from breastrig.scan.orient import propose_frame
 
 TRUST = 0.04  # m; patients' landmarks lie within about 3 cm of a similarity of the model's
 ADULT_SCALE = (0.75, 1.3)  # of the model
 MIN_LANDMARKS = 3  # fewer leave the similarity open
 SURE_LANDMARKS = 6  # so many never lie on one line
+PERSON = 1.3  # m; scans of trunks with head and arms reach 1 m, so this is a person from head to feet
+TRUNK = (0.47, 0.9)  # shares of the stature: from the crotch to the chin
 AGREED = 0.08  # m, mean distance of the landmarks to a start that they agree with; the dev scans' are under 5 cm
 
 
@@ -60,9 +64,23 @@ class Start:
     margin: float  # how much worse the best try in another turn is, as a share of the score
 
 
+def trunks(target: ScanTarget, fronts: Array) -> Iterator[tuple[ScanTarget, Array]]:
+    """The scan and its fronts; where it may be a person from head to feet also where her trunk is, either way up."""
+    yield target, fronts
+    middle = target.vertices.mean(axis=0)
+    axis = np.linalg.eigh(np.cov((target.vertices - middle).T))[1][:, -1]
+    heights = target.vertices @ axis
+    for up in (heights - heights.min(), heights.max() - heights) if np.ptp(heights) > PERSON else ():
+        share = up / np.ptp(heights)
+        kept = ((share > TRUNK[0]) & (share < TRUNK[1]))[target.faces].all(axis=1)
+        if np.count_nonzero(kept) > MIN_TRIANGLES:
+            part = compact(target.vertices, target.faces[kept])
+            yield ScanTarget(*part), propose_frame(*part).fronts
+
+
 def start_from_scan(rig: Rig, target: ScanTarget, fronts: Array) -> Start:
     """The best rest pose for a scan whose front is about one of (N, 3) unit directions."""
-    place = rest_place(rig, target, fronts)
+    place = min((rest_place(rig, *part) for part in trunks(target, fronts)), key=lambda each: each.uncovered)
     found = best_height(rig, target, place.similarity) if place.shows_a_part else place.similarity
     return Start(similar_parameters(rig, found), found, found.rotation, place.margin)
 
