@@ -7,7 +7,7 @@ from breastrig.core.errors import BadInput
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.volume.breast_skin import breast_skins
-from breastrig.volume.predicted import STANCES, GravityPrior, gravity_prior, posture, predicted
+from breastrig.volume.predicted import STANCES, GravityPrior, gravity_prior, posture, predicted, stood_up
 
 
 @pytest.fixture(scope="module")
@@ -80,6 +80,12 @@ def test_the_skin_joins_at_the_edge_of_the_breasts(rig: Rig) -> None:
     for goal in ("supine", "prone"):
         move = (prior.mean[goal] - prior.mean["standing"]).reshape(-1, 3)
         assert np.linalg.norm(move[rim], axis=1).max() < 3.5e-3
+
+
+def test_a_trunk_that_lies_comes_back_to_how_it_stands(rig: Rig) -> None:
+    turn = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    lying = (rig.template + posture(rig, "supine")) @ turn.T + [1.0, 2.0, 3.0]
+    assert stood_up(rig, lying, "supine") == pytest.approx(rig.template, abs=1e-9)
 
 
 def test_what_is_not_known_is_said(rig: Rig) -> None:

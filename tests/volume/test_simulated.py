@@ -13,6 +13,7 @@ from breastrig.rig.parameters import rest_parameters
 from breastrig.volume.breast_skin import BreastSkin, breast_skins
 from breastrig.volume.gravity.simulated import Patient, simulated
 from breastrig.volume.gravity.statics import NoEquilibrium
+from breastrig.volume.predicted import posture
 from breastrig.volume.tetrahedra import volume_mesh
 
 
@@ -51,7 +52,7 @@ class Spring(Patient):
 
 def test_the_stiffness_is_the_one_that_a_second_scan_shows(rig: Rig) -> None:
     patient = Spring(rig, None, rig.template, "standing")  # type: ignore[arg-type]
-    lying = rig.template.copy()
+    lying = rig.template + posture(rig, "supine")
     for side in breast_skins(rig):
         lying[side.skin] += patient.moved(side, "supine", 2.0)
     said, found = ended(simulated(patient, "prone", ("supine", lying)))

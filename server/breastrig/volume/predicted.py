@@ -94,7 +94,7 @@ def gravity_prior(rig: Rig) -> GravityPrior | None:
 def predicted(rig: Rig, vertices: Array, stance: str, goal: str) -> Predicted:
     """The (V, 3) m vertices of a body that was fitted in `stance`, in `goal`.  Raises BadInput."""
     prior = prior_between(rig, (stance,), goal)
-    local, _ = in_template(rig, vertices)
+    local = stood_up(rig, vertices, stance)
     breasts = []
     for each in breast_skins(rig):
         mirror = MIRROR if each.side == "R" else np.ones(3)
@@ -126,7 +126,7 @@ def with_breasts(
     """The (V, 3) m body in another posture, with its breasts moved: of left and right (P, 3) m in the template's frame
     at the skin that the breast moves, and (P,) m radii."""
     prior = prior_between(rig, (stance,), goal)
-    _, turn = in_template(rig, vertices)
+    _, turn = in_template(rig, vertices, stance)
     moves, radii = posture(rig, goal) - posture(rig, stance), np.full(len(vertices), prior.posture)
     for each, (move, within) in zip(breast_skins(rig), breasts, strict=True):
         moves[each.skin] += move
@@ -134,12 +134,18 @@ def with_breasts(
     return Predicted(vertices + moves @ turn, radii)
 
 
-def in_template(rig: Rig, vertices: Array) -> tuple[Array, Array]:
+def in_template(rig: Rig, vertices: Array, stance: str = "standing") -> tuple[Array, Array]:
     """((V, 3) m in the template's frame by the skin around the breasts, (3, 3) rotation into it)."""
     ring = np.union1d(*(each.near for each in breast_skins(rig)))
-    motion = umeyama(vertices[ring], rig.template[ring])
+    around = (rig.template + posture(rig, stance))[ring]
+    motion = umeyama(vertices[ring], around)
     away = vertices - vertices[ring].mean(axis=0)
-    return away @ motion.rotation.T + rig.template[ring].mean(axis=0), motion.rotation
+    return away @ motion.rotation.T + around.mean(axis=0), motion.rotation
+
+
+def stood_up(rig: Rig, vertices: Array, stance: str) -> Array:
+    """(V, 3) m in the template's frame: the body of a stance with its trunk and arms as they are standing."""
+    return in_template(rig, vertices, stance)[0] - posture(rig, stance)
 
 
 @lru_cache(maxsize=8)

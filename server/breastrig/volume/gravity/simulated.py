@@ -15,7 +15,7 @@ from breastrig.rig.model import Rig
 from breastrig.volume.breast_skin import BreastSkin, breast_skins
 from breastrig.volume.gravity.soft_breast import DIRECTIONS, G, drawn, published, soft_breast
 from breastrig.volume.gravity.statics import NoEquilibrium
-from breastrig.volume.predicted import Predicted, in_template, with_breasts
+from breastrig.volume.predicted import Predicted, in_template, stood_up, with_breasts
 from breastrig.volume.volume_mesh import VolumeMesh
 
 OF_90 = 1.645  # standard deviations to either side that hold nine of ten stiffnesses
@@ -47,7 +47,7 @@ class Patient:
         Raises NoEquilibrium.
         """
         soft = soft_breast(self.rig, side.side)
-        local, turn = in_template(self.rig, self.vertices)
+        local, turn = in_template(self.rig, self.vertices, self.stance)
         points = (self.mesh.points[soft.nodes] - self.vertices[0]) @ turn.T + local[0]
         here, there = (G * np.array(DIRECTIONS[name]) for name in (self.stance, goal))
         stiffness = drawn(published(), np.zeros(4)).times(factor)
@@ -90,13 +90,13 @@ def simulated(
 
 def _factor(patient: Patient, stance: str, vertices: Array, share: float) -> Generator[Progress, None, float]:
     """Times the median: the stiffness that brings both breasts nearest to those of another scan, in mean squares."""
-    there, here = in_template(patient.rig, vertices)[0], in_template(patient.rig, patient.vertices)[0]
+    there, here = stood_up(patient.rig, vertices, stance), stood_up(patient.rig, patient.vertices, patient.stance)
     missed: Array = np.full(len(FACTORS), np.inf)
     for k, factor in enumerate(FACTORS):
         yield Progress(share * k / len(FACTORS), f"stiffness as the {stance} scan shows it, {k + 1} of {len(FACTORS)}")
         try:
             gaps = [
-                side.heights(there) - side.heights(here) - patient.moved(side, stance, factor)
+                ((there - here)[side.skin] - patient.moved(side, stance, factor))[side.breast]
                 for side in breast_skins(patient.rig)
             ]
         except NoEquilibrium:

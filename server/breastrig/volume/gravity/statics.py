@@ -20,7 +20,8 @@ from breastrig.volume.gravity.materials import Law, Membrane, NeoHookean
 from breastrig.volume.tetrahedra import shape_gradients
 
 TOLERANCE = 1e-4  # m, of the last Newton step; what is left is its square
-STEPS, HALVINGS = 16, 8  # of Newton and of its line search
+STEPS, HALVINGS = 24, 8  # of Newton and of its line search
+WHOLE = 2  # tries along a step that may not go down
 LOADS = 4  # steps in which stress is built up
 ROUNDS, RETURNED = 20, 2e-4  # of putting nodes back under the whole load, and m: from where on they do not move
 SMALLEST_LOAD = 1.0 / 8.0  # share of the load below which a step is given up
@@ -130,10 +131,14 @@ class SoftBody:
         """(3 F, 3 F) N/m: the Hessian of the energy by the F free nodes."""
         return self._linearised(displacement, np.zeros(3))[1]
 
-    def _linearised(self, displacement: Array, gravity: Array) -> tuple[Array, csc_matrix]:
+    def _linearised(self, displacement: Array, gravity: Array, definite: bool = False) -> tuple[Array, csc_matrix]:
+        """(forces, stiffness), `definite`: of each element without the ways in which it gives by itself."""
         flat, residual, blocks = displacement.ravel(), -(self._mass[:, None] * gravity).ravel(), []
         for part in self._parts:
             _, stress, stiffness = part.law.response(part.gradients(flat))
+            if definite:
+                sizes, ways = np.linalg.eigh(stiffness)
+                stiffness = (ways * np.maximum(sizes, 0.0)[..., None, :]) @ ways.swapaxes(-1, -2)
             force = np.einsum("eqij,eqi->ej", part.operator, stress * part.weights[..., None], optimize=True)
             residual += np.bincount(part.dofs.ravel(), force.ravel(), len(flat))
             points = part.operator.swapaxes(-1, -2) @ (stiffness * part.weights[..., None, None]) @ part.operator
@@ -184,26 +189,35 @@ class SoftBody:
         if not np.isfinite(energy):
             return None
         for _ in range(STEPS):
-            residual, matrix = self._linearised(displacement, gravity)
-            step: Array = np.zeros(len(residual))
-            step[self._free] = -_solved(matrix, residual[self._free])
-            slope = float(residual @ step)
-            if slope > 0.0:  # not a minimum along the step: go down
-                step, slope = -step, -slope
-            step = np.asarray(step.reshape(-1, 3))
-            for k in range(HALVINGS):
-                length = 0.5**k
-                tried = displacement + length * step
-                reached = self.energy(tried, gravity)
-                if reached <= energy + 1e-4 * length * slope or (
-                    np.abs(step).max() < TOLERANCE and np.isfinite(reached)
-                ):
+            for definite in (False, True):
+                found = self._step(displacement, energy, gravity, definite)
+                if found is not None:
                     break
             else:
                 return None
-            displacement, energy = tried, reached
-            if length * np.abs(step).max() < TOLERANCE:
+            displacement, energy, size = found
+            if size < TOLERANCE and not definite:
                 return displacement
+        return None
+
+    def _step(
+        self, displacement: Array, energy: float, gravity: Array, definite: bool
+    ) -> tuple[Array, float, float] | None:
+        """(displacement, its energy, m of the step) after one step of Newton's method; None where it does not go down.
+
+        Where tissue is about to buckle only a `definite` stiffness does (Teran, Sifakis, Irving and Fedkiw, SCA 2005).
+        """
+        residual, matrix = self._linearised(displacement, gravity, definite)
+        flat: Array = np.zeros(len(residual))
+        flat[self._free] = -_solved(matrix, residual[self._free])
+        slope, step = float(residual @ flat), np.asarray(flat.reshape(-1, 3))
+        largest = float(np.abs(step).max())
+        for length in 0.5 ** np.arange(HALVINGS if definite else WHOLE):
+            tried = displacement + length * step
+            reached = self.energy(tried, gravity)
+            lower = slope <= 0.0 and reached <= energy + 1e-4 * length * slope
+            if lower or (largest < TOLERANCE and np.isfinite(reached)):
+                return tried, reached, float(length * largest)
         return None
 
 
