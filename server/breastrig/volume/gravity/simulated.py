@@ -20,8 +20,7 @@ from breastrig.volume.volume_mesh import VolumeMesh
 
 OF_90 = 1.645  # standard deviations to either side that hold nine of ten stiffnesses
 STIFFER, TRIES = 2.0, 4  # where breasts do not come to rest, which cannot be that soft then
-FACTORS = (0.5, 1.0, 2.0, 4.0, 8.0)  # of stiffness, that are tried with a second scan;
-FITTED = 1.4  # and times which, or by which, the best may be wrong
+FACTORS = (0.5, 1.0, 2.0, 4.0, 8.0)  # of stiffness, that are tried with a second scan
 
 
 @dataclass(frozen=True)
@@ -63,9 +62,8 @@ def simulated(
     Raises BadInput, and NoEquilibrium where her breasts are too soft however stiff they are made.
     """
     first = 0.0 if other is None else 0.6
-    factor, spread = 1.0, float(np.exp(OF_90 * published()["fat"]["log_sd"]))
-    if other is not None:
-        factor, spread = (yield from _factor(patient, *other, first)), FITTED
+    spread = float(np.exp(OF_90 * published()["fat"]["log_sd"]))  # also with a second scan: stances differ by as much
+    factor = 1.0 if other is None else (yield from _factor(patient, *other, first))
     breasts = []
     for k, side in enumerate(breast_skins(patient.rig)):
         name = "left" if side.side == "L" else "right"
