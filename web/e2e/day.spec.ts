@@ -108,12 +108,12 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     await pattern.getByLabel("Notes").fill("wants it smaller");
     await pattern.getByLabel("Notes").press("Tab");
     await expect(page.locator(`[data-layer=reference] [data-line="wise_L"]`)).toHaveCount(1);
-    await expect(page.getByText("To see the drawing on the standing and on the supine body, add the other scan.")).toBeVisible();
+    await expect(page.getByText("To see the drawing on the standing and on the supine body, add the other scan or have it predicted.")).toBeVisible();
   });
 
   await test.step("the second scan comes with landmarks and a fit of its own", async () => {
     await page.locator("#add-stance").click();
-    await page.getByRole("dialog", { name: "Add the other stance" }).getByRole("button", { name: /supine/i }).click();
+    await page.getByRole("dialog", { name: "Add the other stance" }).getByRole("button", { name: /patient, supine/i }).click();
     await expect(page.getByRole("dialog")).toHaveCount(0);
     await expect(page.locator(".stances-bar .segmented button")).toHaveText(["Standing", "Supine"]);
     expect(await hook.pickCount(page)).toBe(0);

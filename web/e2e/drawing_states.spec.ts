@@ -56,7 +56,7 @@ const STATES: readonly { name: string; reach: (page: Page) => Promise<void> }[] 
   {
     name: "side by side",
     reach: async (page) => {
-      await page.getByRole("dialog").getByRole("button", { name: /supine/i }).click();
+      await page.getByRole("dialog").getByRole("button", { name: /patient, supine/i }).click();
       await expect(page.getByRole("dialog")).toHaveCount(0);
       await fitted(page);
       await page.keyboard.press("4");

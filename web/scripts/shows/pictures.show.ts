@@ -85,7 +85,7 @@ test("pictures", async ({ browser }) => {
   await page.screenshot({ path: join(folder, "page.png") });
 
   await page.locator("#add-stance").click();
-  await page.getByRole("dialog", { name: "Add the other stance" }).getByRole("button", { name: /supine/i }).click();
+  await page.getByRole("dialog", { name: "Add the other stance" }).getByRole("button", { name: /patient, supine/i }).click();
   await expect(page.getByRole("dialog")).toHaveCount(0);
   await hook.ready(page);
   await fit(page);
