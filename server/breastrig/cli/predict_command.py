@@ -26,7 +26,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--with", dest="other", type=Path, metavar="OTHER_OUT", help="her fit in a further stance, for --simulate"
     )
-    parser.add_argument("--simulate", action="store_true", help="by finite elements of her own breasts: minutes")
+    parser.add_argument(
+        "--simulate",
+        action="store_true",
+        help="by finite elements of her own breasts: minutes, and not surer (decision 0020)",
+    )
     parser.add_argument("--no-progress", action="store_true", help="no progress bar")
     parser.add_argument("--model", type=Path, metavar="GLB", help="the rig of the fit, when not the package's")
     add_output_options(parser, "PREDICTED", "folder for the results")

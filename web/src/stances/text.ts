@@ -32,7 +32,7 @@ export const stances = {
     needsFit: "Fit this scan first: a stance is predicted from its fit.",
     busy: (stance: string) => `Predicting ${stance} …`,
     simulate: "Simulate",
-    simulateHint: "Solves this patient's own breasts by finite elements, in some minutes; the result takes the place of what is shown",
+    simulateHint: "Solves this patient's own breasts by finite elements, in some minutes; takes the place of what is shown, and is not surer: nobody knows how stiff they are",
     simulating: (share: string, said: string) => `Simulating, ${share} %: ${said}`,
     cancel: "Cancel",
     gone: "This prediction is no longer there: its scan was deleted, in another tab or by somebody else.",
