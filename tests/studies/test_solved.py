@@ -21,7 +21,7 @@ def rig() -> Rig:
 
 
 def test_the_wall_under_the_template_is_the_rigs_and_larger_breasts_leave_it_where_it_is(rig: Rig) -> None:
-    wall = chest_wall(rig, rest_parameters(rig))
+    wall = chest_wall(rig, rest_parameters(rig), rig.template)
     assert study.carried_wall(rig, rig.template, 1.0) == pytest.approx(wall, abs=1e-9)
     larger = rig.template.copy()
     for side in breast_skins(rig):

@@ -12,7 +12,7 @@ from breastrig.interface.model import Model, loaded
 from breastrig.interface.run import FitRun
 from breastrig.interface.transfer import folder_of
 from breastrig.volume.gravity.simulated import Progress
-from breastrig.workflow.predict import predict_steps
+from breastrig.workflow.predictions.predict import predict_steps
 
 MOST = 12  # parts that are said, with all that can be asked
 

@@ -48,11 +48,8 @@ def solved(rig: Rig, vertices: Array, rng: np.random.Generator) -> dict[str, Arr
 def carried_wall(rig: Rig, vertices: Array, thickness: float) -> Array:
     """(V, 3) m: the rig's chest wall under a body of which only the (V, 3) m skin is known, `thickness` times as deep.
 
-    It follows the skin, under the breasts the sheet of the skin around them.
+    It lies under the skin without the breasts.
     """
-    count = len(rig.template)
-    sheets = np.stack([rig.template, vertices])
-    for each in breast_skins(rig):
-        sheets[:, each.skin[each.breast]] = (each.sheet @ sheets[:, each.near])[:, each.breast]
-    at_rest = known_volume(rig).points[count : 2 * count]
-    return np.asarray(sheets[1] + thickness * (at_rest - sheets[0]))
+    known, count = known_volume(rig), len(rig.template)
+    inwards = known.points[count : 2 * count] - known.chest.of(rig.template)
+    return np.asarray(known.chest.of(vertices) + thickness * inwards)

@@ -10,7 +10,7 @@ from breastrig.files.result import RESULT, parsed_result, read_result
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.workflow.events import Done, Event, Progressed, Started
 from breastrig.workflow.jobs import PredictionJob
-from breastrig.workflow.predict import predict_steps
+from breastrig.workflow.predictions.predict import predict_steps
 
 
 def run_prediction(job: PredictionJob) -> Generator[Event, None, None]:
