@@ -96,10 +96,14 @@ def test_by_http(served: tuple[Service, FlaskClient], arm: tuple[Path, Path, Pat
     fit = ended(service, asked.json["id"])
     assert fit.state == "done", fit.reason
     shown = client.get(f"/api/fits/{fit.id}").json
-    read = [link for name, link in shown["links"].items() if name not in ("cancel", "shares", "moved", "events")]
+    posted = ("cancel", "shares", "moved", "predictions", "events")
+    read = [link for name, link in shown["links"].items() if name not in posted]
     for link in read:
         with client.get(link) as answer:
             assert answer.status_code == 200, (link, answer.data)
+    predicted = client.post(shown["links"]["predictions"], json={"stance": "prone"})
+    assert predicted.status_code == 422
+    assert "is not known; only the package's own model predicts." in predicted.json["detail"]
     moved = client.post(shown["links"]["moved"], json={"landmarks": {"wrist_crease": landmarks["wrist_crease"]}})
     assert moved.status_code == 200, moved.json
     [straight, _] = client.get(f"/api/fits/{fit.id}/measures.json").json["measures"]

@@ -1,7 +1,6 @@
 // Everything to take away, one click below the top bar.  A popover: the browser closes it and keeps it above all else.
 import type { FitSlice } from "../fit/state";
 import { result as resultText } from "../fit/text";
-import { projector as projectorText } from "../projector/text";
 import type { ScanSlice } from "../scan/state";
 import { only } from "../store/store";
 import { el, icon, show } from "../ui/dom";
@@ -23,7 +22,7 @@ export function createExportMenu(files: ExportActions): Panel<Shown> {
   const picture = el("button", { type: "button", class: "menu-item", onclick: () => chosen(() => void files.save()) }, ...item(words.save, words.saveHint));
   const table = el("button", { type: "button", class: "menu-item", onclick: () => chosen(files.saveDistances) }, ...item(words.distances, words.distancesHint));
   const links = resultText.downloads.map(({ key, name, what }) => ({ key, element: el("a", { class: "menu-item", download: name, onclick: () => menu.hidePopover() }, ...item(name, what)) }));
-  const screen = el("a", { class: "menu-item", id: "second-screen", target: "_blank", rel: "noopener", onclick: () => menu.hidePopover() }, ...item(projectorText.open, projectorText.openHint));
+  const screen = el("a", { class: "menu-item", id: "second-screen", target: "_blank", rel: "noopener", onclick: () => menu.hidePopover() }, ...item(words.secondScreen, words.secondScreenHint));
   const menu = el("div", { class: "menu", id: "export-menu", popover: "auto", "aria-label": words.menu, role: "group" }, picture, ...links.map(({ element }) => element), table, screen);
   const element = el("div", { class: "export" }, open, menu);
   return {

@@ -4,8 +4,6 @@ import type { Refusal } from "./dlt";
 export const projector = {
   title: "Second screen",
   experimental: "Experimental. Not for guiding an operation.",
-  open: "Show on a second screen …",
-  openHint: "True scale on a screen, or through a projector; experimental, in a tab of its own",
   opening: "Opening the plan …",
   noFit: "No fitted scan is named in this address: open it from the export menu of a fit that is done.",
   noPlan: "Nothing is planned on this scan yet: draw on it in the other tab, and it appears here.",

@@ -35,8 +35,10 @@ class SizeLimits(SettingsPart):
 
 
 def times_larger(rig: Rig, vertices: Array, target: ScanTarget, limits: SizeLimits) -> tuple[float, float] | None:
-    """((V, 3) m fitted vertices' size in that of most women, standard deviations from it); None where none is seen."""
-    axes, seen, gaps = body_axes(rig, vertices), [], []  # a rig with these limits has their landmarks
+    """((V, 3) m fitted vertices' size in that of most women, deviations from it); None where none is seen or named."""
+    if not {end for length in limits.lengths for end in length.ends} <= {*rig.landmark_names}:
+        return None
+    axes, seen, gaps = body_axes(rig, vertices), [], []
     for length in limits.lengths:
         ends = rig.landmark_points(length.ends).positions(vertices, rig.faces)
         apart = abs(float((ends[0] - ends[1]) @ axes[:, AXES[length.along]]))

@@ -1,4 +1,5 @@
 // The table of measures: left, right and difference, of one stance or of both and the change between them.
+import "./measures.css";
 import type { FitSlice } from "../../fit/state";
 import { fileName, type ScanSlice } from "../../scan/state";
 import type { PageSlice } from "../../store/page";
