@@ -45,7 +45,8 @@ def main(folder: Path, group: str | None) -> None:
             row = []
             for scale in SCALES:
                 target = ScanTarget(scale * size * scene.target.vertices, scene.target.faces)
-                row.append(bool(unusual_size(verdict_limits(rig), rig, scale * size * fit.vertices, target)))
+                vertices = scale * size * fit.vertices
+                row.append(bool(unusual_size(verdict_limits(rig), rig, vertices, target, case.stance)))
             asked.append(row)
     shares = np.array(asked).mean(axis=0)
     sys.stdout.write(

@@ -135,7 +135,7 @@ class FitRecorder:
         known = radii(posterior, ready.clearness)
         lines_off = None if known is None else known.lines
         unclear = (UNCLEAR_STANCE,) if ready.stance_reason in UNCLEAR else ()
-        size = unusual_size(limits, rig, vertices, target)
+        size = unusual_size(limits, rig, vertices, target, task.stance)
         found_verdict = verdict(
             signals, last.status, limits, given, doubtful, lines_off, task.stance, unclear, size, near
         )

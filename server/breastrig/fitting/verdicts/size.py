@@ -10,6 +10,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.settings_file import Positive, SettingsPart
+from breastrig.core.stances import STANCES
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.body.hanging import body_axes
 from breastrig.rig.model import Rig
@@ -26,6 +27,7 @@ class Length(SettingsPart):
     mean: Positive  # m, of women
     spread: Positive  # standard deviation of its logarithm
     error: Positive  # likewise, what fit and definitions add
+    stances: tuple[str, ...] = STANCES  # in which it is as long
 
 
 class SizeLimits(SettingsPart):
@@ -34,12 +36,14 @@ class SizeLimits(SettingsPart):
     lengths: tuple[Length, ...]
 
 
-def times_larger(rig: Rig, vertices: Array, target: ScanTarget, limits: SizeLimits) -> tuple[float, float] | None:
+def times_larger(
+    rig: Rig, vertices: Array, target: ScanTarget, stance: str, limits: SizeLimits
+) -> tuple[float, float] | None:
     """((V, 3) m fitted vertices' size in that of most women, deviations from it); None where none is seen or named."""
     if not {end for length in limits.lengths for end in length.ends} <= {*rig.landmark_names}:
         return None
     axes, seen, gaps = body_axes(rig, vertices), [], []
-    for length in limits.lengths:
+    for length in (each for each in limits.lengths if stance in each.stances):
         ends = rig.landmark_points(length.ends).positions(vertices, rig.faces)
         apart = abs(float((ends[0] - ends[1]) @ axes[:, AXES[length.along]]))
         if np.isfinite(target.vertex_tree.query(ends, distance_upper_bound=SHOWN)[0]).all() and apart > 0.0:

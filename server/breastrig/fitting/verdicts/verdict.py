@@ -173,10 +173,14 @@ def verdict(
     return Verdict("check", sentences((*lines, *agreed, *found, *stopped, *asked, *unlike)))
 
 
-def unusual_size(limits: VerdictLimits | None, rig: Rig, vertices: Array, target: ScanTarget) -> tuple[Reason, ...]:
+def unusual_size(
+    limits: VerdictLimits | None, rig: Rig, vertices: Array, target: ScanTarget, stance: str
+) -> tuple[Reason, ...]:
     """That the (V, 3) m fitted body is larger or smaller than nearly all women, if it is."""
-    found = None if limits is None or limits.size is None else times_larger(rig, vertices, target, limits.size)
-    if limits is None or limits.size is None or found is None or abs(found[1]) < limits.size.asked:
+    if limits is None or limits.size is None:
+        return ()
+    found = times_larger(rig, vertices, target, stance, limits.size)
+    if found is None or abs(found[1]) < limits.size.asked:
         return ()
     size, words = found[0] - 1.0, ("larger", "tall") if found[0] > 1.0 else ("smaller", "small")
     ends = limits.size.lengths[0].ends
