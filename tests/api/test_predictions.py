@@ -20,7 +20,7 @@ from breastrig.api.config import Config
 from breastrig.execution.limits import FitLimits
 from breastrig.service.service import Service
 from breastrig.storage.rows.events import append
-from breastrig.storage.rows.fits import NewFit, add_fits
+from breastrig.storage.rows.fits import NewFit, add_fits, get_fit
 from breastrig.storage.rows.scans import ScanRow, add_scan
 from breastrig.storage.storage import Storage, utc_now
 
@@ -127,9 +127,16 @@ def test_a_simulation_is_a_prediction_of_its_own_that_is_followed_and_cancelled(
     until(lambda: len(events()) > 1, "its progress")
     assert events()[1] == {"kind": "progressed", "share": 0.0, "said": "reading the fit"}
     assert real.client.post(real.fit["links"]["predictions"], json=asked).json == simulated
-    assert real.client.post(simulated["links"]["cancel"]).status_code == 202
-    row = ended(real.service, simulated["id"])
-    assert (row.state, row.simulate) == ("cancelled", True)
+    second = real.client.post(real.fit["links"]["predictions"], json=asked | {"stance": "prone"}).json
+    quick = real.predict(real.fit["id"], "prone").json
+    assert ended(real.service, quick["id"]).state == "done"  # the only worker was left to it
+    shown = real.client.get(second["links"]["self"]).json
+    assert (shown["state"], shown["queue_position"]) == ("queued", 1)
+    for each in (simulated, second):
+        until(lambda each=each: get_fit(real.service.storage, each["id"]).state == "running", "its start")
+        assert real.client.post(each["links"]["cancel"]).status_code == 202
+        row = ended(real.service, each["id"])
+        assert (row.state, row.simulate) == ("cancelled", True)
 
 
 def test_what_cannot_be_predicted_is_refused_with_one_sentence(real: Real, monkeypatch: pytest.MonkeyPatch) -> None:

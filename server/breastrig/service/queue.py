@@ -43,15 +43,24 @@ class FitQueue:
     """Starts, watches and stops fits.  All methods may be called from any thread."""
 
     def __init__(
-        self, storage: Storage, processes: Executor, limits: FitLimits, runners: Runners, model: Path | None
+        self,
+        storage: Storage,
+        processes: Executor,
+        simulations: Executor,
+        limits: FitLimits,
+        runners: Runners,
+        model: Path | None,
     ) -> None:
+        """`simulations` executes simulations, one at a time: they take minutes, and no fit waits for them."""
         self._storage = storage
         self._processes = processes
+        self._simulations = simulations
         self._limits = limits
         self._runners = runners
         self._model = model
         self._lock = threading.RLock()
         self._running: dict[str, Any] = {}  # fit id -> future
+        self._simulating: set[str] = set()  # of these
         self._starts: dict[str, int] = {}
         self._began: dict[str, float] = {}  # fit id -> time.monotonic() of its last start
         self.notify_end: Callable[[str, float], None] | None = None  # (state, seconds) of each fit that ends
@@ -68,13 +77,19 @@ class FitQueue:
         return interrupted, waiting
 
     def wake(self) -> None:
-        """Gives free workers the oldest waiting fits."""
+        """Gives free workers the oldest waiting fits, and starts the oldest waiting simulation when none runs."""
         with self._lock:
-            while not self._stopping and len(self._running) < self._processes.workers:
+            while not self._stopping and len(self._running) - len(self._simulating) < self._processes.workers:
                 fit_id = next_queued(self._storage, set(self._running))
                 if fit_id is None:
-                    return
-                self._start(fit_id)
+                    break
+                self._start(fit_id, self._processes)
+            if self._stopping or self._simulating:
+                return
+            fit_id = next_queued(self._storage, set(self._running), simulate=True)
+            if fit_id is not None:
+                self._simulating.add(fit_id)
+                self._start(fit_id, self._simulations)
 
     def cancel(self, fit_id: str) -> FitRow:
         """Ends the fit, and its partner, and kills their process.
@@ -125,11 +140,11 @@ class FitQueue:
             except Exception:
                 log.exception("the queue cannot be read")
 
-    def _start(self, fit_id: str) -> None:
+    def _start(self, fit_id: str, executor: Executor) -> None:
         self._starts[fit_id] = self._starts.get(fit_id, 0) + 1
         self._began[fit_id] = time.monotonic()
         task = (execute_fit, self._storage.location, fit_id, self._runners, self._model)
-        future = self._processes.schedule(keeping, task, self._wall_s(fit_id), self._scan_of(fit_id))
+        future = executor.schedule(keeping, task, self._wall_s(fit_id), self._scan_of(fit_id))
         self._running[fit_id] = future
         future.add_done_callback(lambda ended: self._on_end(fit_id, ended))
 
@@ -138,6 +153,7 @@ class FitQueue:
         try:
             with self._lock:
                 self._running.pop(fit_id, None)
+                self._simulating.discard(fit_id)
                 seconds = time.monotonic() - self._began.pop(fit_id)
                 if self._stopping:
                     return

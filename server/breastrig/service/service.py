@@ -99,7 +99,9 @@ class Service:
             for places in (self._uploads.workers, self._uploads.workers, HANDS)
         )
         self._workers = executor or self.pool.lane(fit_limits.workers, fit_limits.memory_bytes)
-        self._queue = FitQueue(storage, self._workers, fit_limits, Runners(runner, pair_runner, predictor), model)
+        simulations = executor or self.pool.lane(1, fit_limits.memory_bytes)
+        runners = Runners(runner, pair_runner, predictor)
+        self._queue = FitQueue(storage, self._workers, simulations, fit_limits, runners, model)
         self.readiness = Readiness(storage, {"read uploads": self._readers, "fit": self._workers})
         self._waiting = WaitingCap(storage, fit_limits.waiting_per_client)
         self._model = model

@@ -197,13 +197,13 @@ def _leader() -> ColumnElement[str]:
     return case((or_(table.c.leads, table.c.partner.is_(None)), table.c.id), else_=table.c.partner)
 
 
-def next_queued(storage: Storage, besides: set[str]) -> str | None:
-    """The oldest queued fit that is not among `besides`; of two partners the one that leads."""
+def next_queued(storage: Storage, besides: set[str], simulate: bool = False) -> str | None:
+    """The oldest queued fit, or simulation, that is not among `besides`; of two partners the one that leads."""
     table = schema.fits
     with storage.database.reading() as connection:
         query = (
             select(_leader())
-            .where(table.c.state == "queued", _leader().not_in(besides))
+            .where(table.c.state == "queued", table.c.simulate.is_(simulate), _leader().not_in(besides))
             .order_by(table.c.place)
             .limit(1)
         )
@@ -213,10 +213,10 @@ def next_queued(storage: Storage, besides: set[str]) -> str | None:
 def queue_positions(storage: Storage, fit_ids: Sequence[str]) -> dict[str, int]:
     """{fit: 1 for the next to run, 2 for the one after it}; those that do not wait are not in it.
 
-    Two stances fitted together are in the queue once, in the place of the leading one.
+    Two stances fitted together are in the queue once, in the place of the leading one; simulations have their own.
     """
     table, leader = schema.fits, schema.fits.alias("leader")
-    position = func.dense_rank().over(order_by=leader.c.place)
+    position = func.dense_rank().over(partition_by=leader.c.simulate, order_by=leader.c.place)
     queue = select(table.c.id, position.label("position")).join(leader, leader.c.id == _leader())
     waiting = queue.where(table.c.state == "queued").subquery()
     with storage.database.reading() as connection:
