@@ -8,7 +8,7 @@ from helpers.waiting import until
 from sqlalchemy import func, select
 
 from breastrig.api.routes.scans import cut_facts
-from breastrig.service.fit_worker import fit_job
+from breastrig.service.fits.fit_worker import fit_job
 from breastrig.service.service import Service
 from breastrig.storage import schema
 from breastrig.storage.rows.fits import get_fit

@@ -16,7 +16,7 @@ from helpers.fault_table import FILES, outcome, wait_for_ends
 from helpers.real_server import server, starting
 from helpers.waiting import PATIENCE_S
 
-from breastrig.service.fit_worker import ATTEMPTS, TOO_OFTEN
+from breastrig.service.fits.fit_worker import ATTEMPTS, TOO_OFTEN
 
 KILLS = int(os.environ.get("BREASTRIG_KILLS", "2"))
 SEED = 5

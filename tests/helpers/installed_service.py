@@ -12,7 +12,7 @@ from werkzeug.test import TestResponse
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.execution.limits import FitLimits
-from breastrig.service.fit_worker import Runner
+from breastrig.service.fits.fit_worker import Runner
 from breastrig.service.service import Service
 from breastrig.storage.location import Location
 from breastrig.storage.storage import Storage

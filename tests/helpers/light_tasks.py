@@ -3,4 +3,4 @@
 A task that needs more all the same imports it itself, and takes so much longer.
 """
 
-LIGHT_TASK_MODULES = ("breastrig.service.fit_worker", "helpers.fake_fit", "helpers.remembered_uploads")
+LIGHT_TASK_MODULES = ("breastrig.service.fits.fit_worker", "helpers.fake_fit", "helpers.remembered_uploads")

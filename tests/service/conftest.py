@@ -9,7 +9,7 @@ from helpers.fake_fit import quick_pair
 from helpers.fake_proposals import at_the_nipple
 
 from breastrig.execution.limits import FitLimits, UploadLimits
-from breastrig.service.fit_worker import PairRunner, Runner
+from breastrig.service.fits.fit_worker import PairRunner, Runner
 from breastrig.service.scan_search import Proposer
 from breastrig.service.service import Service
 from breastrig.storage.folders import new_id

@@ -10,9 +10,9 @@ from helpers.waiting import ask_for_fit, ended, stored_events, until
 from sqlalchemy.exc import OperationalError
 
 from breastrig.core.errors import Conflict, NotFound
-from breastrig.service import queue
 from breastrig.service.events.event_writer import OTHER_MODEL, event_json
-from breastrig.service.fit_worker import TOO_OFTEN, UNSEEN, fit_job
+from breastrig.service.fits import queue
+from breastrig.service.fits.fit_worker import TOO_OFTEN, UNSEEN, fit_job
 from breastrig.storage.location import Location
 from breastrig.storage.rows.events import append, events_after
 from breastrig.storage.rows.fits import claim_fit, get_fit

@@ -5,7 +5,7 @@ from functools import partial
 from importlib.util import find_spec
 from pkgutil import resolve_name
 
-from breastrig.service import fit_worker
+from breastrig.service.fits import fit_worker
 from breastrig.service.task_modules import REMOTE_MODULES, TASK_MODULES
 from breastrig.workflow import tasks
 

@@ -14,7 +14,7 @@ from breastrig.core.errors import BadInput, Conflict, NotFound
 from breastrig.core.picks import Points
 from breastrig.execution.pool import Lane
 from breastrig.service.failed_tasks import explained
-from breastrig.service.fit_worker import earlier_fit, fit_job
+from breastrig.service.fits.fit_worker import earlier_fit, fit_job
 from breastrig.service.kept_models import KeptModels
 from breastrig.storage.files import fit_place, scan_place, upload_name
 from breastrig.storage.rows.events import event_of_kind

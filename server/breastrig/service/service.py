@@ -30,11 +30,11 @@ from breastrig.execution.worker import preload, scratch_swept
 from breastrig.scan.stored_scan import STORED
 from breastrig.service.events.feeds import Notifier, StreamItem, follow
 from breastrig.service.failed_tasks import explained
-from breastrig.service.fit_worker import PairRunner, Predictor, Runner, Runners
+from breastrig.service.fits.fit_worker import PairRunner, Predictor, Runner, Runners
+from breastrig.service.fits.queue import FitQueue, WaitingCap
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.moving import Moving
 from breastrig.service.plans import Plans
-from breastrig.service.queue import FitQueue, WaitingCap
 from breastrig.service.readiness import Readiness
 from breastrig.service.reports import Reports
 from breastrig.service.scan_search import InkSearch, Proposals, Proposer

@@ -21,7 +21,7 @@ from breastrig.core.errors import BreastRigError, Conflict, NotFound, TooMany
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
 from breastrig.service.events.event_writer import event_json
-from breastrig.service.fit_worker import UNWRITTEN, Runners, execute_fit
+from breastrig.service.fits.fit_worker import UNWRITTEN, Runners, execute_fit
 from breastrig.storage.rows.events import append
 from breastrig.storage.rows.fits import FitRow, fits_in_state, get_fit, next_queued, put_back, still_queued
 from breastrig.storage.storage import Storage

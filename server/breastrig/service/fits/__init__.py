@@ -1,0 +1,1 @@
+"""Fits that wait, and those that run in processes of their own."""
