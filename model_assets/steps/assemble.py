@@ -9,6 +9,7 @@ from breastrig.rig.model import Length, Rig
 from steps.breast import Breast, breast_fields
 from steps.breast_shapes import BREAST_SHAPES
 from steps.drawings import drawings
+from steps.frame import frame, reference_body
 from steps.half_body import half_body, smooth_surface
 from steps.landmarks import find_landmarks, landmarks, with_hanging_arms
 from steps.parameterise import flattened
@@ -18,12 +19,6 @@ from steps.skeleton import bones_and_joints, skin_weights
 from steps.skin import Skin
 from steps.source import Array, Source
 from steps.whole_body import Template, whole_body
-
-
-def reference_body(source: Source, recipe: dict[str, Any]) -> Array:
-    """(S, 3) m: the symmetric adult body that the template samples."""
-    moved = sum((weight * source.target(name) for name, weight in recipe["body"]["targets"]), source.vertices)
-    return source.symmetrised(np.asarray(moved))
 
 
 def rounded(template: Template, breast: Breast, recipe: dict[str, Any]) -> Array:
@@ -42,8 +37,10 @@ def carried(field: Array, template: Template, points: Array) -> Array:
 
 
 def build_rig(source: Source, recipe: dict[str, Any]) -> Rig:
-    """The torso."""
-    body = reference_body(source, recipe)
+    """The torso: built in the frame of the recipe's lengths, then made as large as its body is."""
+    own = frame(source, recipe)
+    source = own.of_source(source)
+    body = reference_body(source, recipe["body"]["targets"])
     half = half_body(source, body, recipe)
     template = whole_body(half, source.mirror, recipe["decimals"])
     bones, joints = bones_and_joints(source, body, recipe)
@@ -61,7 +58,7 @@ def build_rig(source: Source, recipe: dict[str, Any]) -> Rig:
     shoulder = source.joint("l-shoulder", body)
     standing = with_hanging_arms(template, arms, shoulder, np.radians(recipe["landmarks"]["arms_lowered_degrees"]))
     marks = find_landmarks(skin, fine_skin, standing, template, shoulder, recipe["landmarks"])
-    return Rig(
+    built = Rig(
         name=recipe["name"],
         template=template.vertices,
         faces=template.triangles,
@@ -78,3 +75,4 @@ def build_rig(source: Source, recipe: dict[str, Any]) -> Rig:
         sha256="",
         lengths=tuple(Length(each["name"], each["label"], each["from"], each["to"]) for each in recipe["lengths"]),
     )
+    return own.of_rig(built, recipe["decimals"])

@@ -6,6 +6,7 @@ import numpy as np
 
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import DrawnShape, ModelDrawing
+from steps.areola import axis_frame
 from steps.breast import Breast
 from steps.skin import Skin
 from steps.source import Array
@@ -99,6 +100,17 @@ def drawings(
     lines["meridian_lower_L"] = (np.stack([nipple, fold, under]), False)
     heights = np.linspace(d["axillary_top"], lowest + 0.004, 30)
     lines["axillary_L"] = (_around(skin, np.radians(d["axillary_angle_deg"]), heights, 0.0), False)
+
+    if "gland_radius" in d:
+        at = template.rings[-1][0]
+        flat = np.array([b.lateral[at], b.upward[at]]) + d["gland_radius"] * np.stack([np.cos(turn), np.sin(turn)], 1)
+        outline = on_footprint(template, b, np.arctan2(flat[:, 1], flat[:, 0]), np.linalg.norm(flat, axis=1))
+        lines["gland_L"] = (outline, True)
+        border = template.vertices[template.rings[0]]
+        side, up = axis_frame(b.axis)
+        angle = np.arctan2((border - nipple) @ side, -((border - nipple) @ up))  # 0 straight below the nipple
+        lower = np.abs(angle) <= 0.5 * np.pi
+        lines["areola_lower_L"] = (border[lower][np.argsort(angle[lower], kind="stable")], False)
 
     fitted: dict[str, SurfacePoints] = {}
     result = []

@@ -48,6 +48,7 @@ class Source:
     mirror: Integers  # (V,) vertex on the other side
     weights: dict[str, tuple[Integers, Array]]  # skin weights of each bone of the standard rig
     archive: zipfile.ZipFile
+    unit: float = DECIMETRE  # m; of targets
 
     def target(self, name: str) -> Array:
         """(V, 3) m: displacements of `targets/<name>.target.gz`; zero where the file says nothing."""
@@ -58,7 +59,7 @@ class Source:
         rows = [line.split() for line in text.splitlines() if line.strip() and not line.startswith("#")]
         index = np.array([int(row[0]) for row in rows], dtype=np.int64)
         moved = np.array([[float(value) for value in row[1:4]] for row in rows]).reshape(-1, 3)
-        result[index] = DECIMETRE * moved
+        result[index] = self.unit * moved
         return result
 
     def joint(self, name: str, vertices: Array) -> Array:

@@ -12,6 +12,7 @@ from tqdm import tqdm
 
 from breastrig.cli.interruption import raise_if_asked
 from breastrig.cli.output_options import add_output_options, files_of_model, output_folder
+from breastrig.core.assets import model_path
 from breastrig.core.errors import BadInput
 from breastrig.core.output_files import Output, OutputSet, all_or_nothing, check_output
 from breastrig.core.private_files import private_folder
@@ -74,7 +75,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="default, paper, or a TOML file; may be given several times, the first one is studied (default, paper)",
     )
-    parser.add_argument("--model", type=Path, metavar="GLB", help="another rig of the same form")
+    parser.add_argument("--model", type=model_path, metavar="MODEL", help="another rig of the same form")
     parser.add_argument("--quick", action="store_true", help="Table 1 and the study of the landmarks only")
     parser.add_argument(
         "--rotations",

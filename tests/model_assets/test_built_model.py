@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from breastrig.gltf.read_rig import default_rig_path
+from breastrig.interface.model import load_model
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import shaped
 from breastrig.rig.validation.rules import check_rig
@@ -31,25 +32,44 @@ def _smallest_angles(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     return np.min(angles, axis=0)
 
 
-def test_the_tracked_files_are_those_of_the_manifest(model_assets: Path) -> None:
-    built = model_assets / "built"
+RECIPES = {".": {"recipe.toml"}, "male": {"recipe.toml", "male.toml"}}  # of the folders of built/
+
+
+@pytest.mark.parametrize("folder", RECIPES)
+def test_the_tracked_files_are_those_of_the_manifest(model_assets: Path, folder: str) -> None:
+    built = model_assets / "built" / folder
     manifest = json.loads((built / "MANIFEST.json").read_text(encoding="utf-8"))
-    made = [p.relative_to(built) for p in built.rglob("*") if p.is_file() and p.parent.suffix != ".known"]
+    places = [built, built / "drawings"]
+    made = [p.relative_to(built) for place in places for p in place.iterdir() if p.is_file()]
     files = {p.as_posix() for p in made} - {"MANIFEST.json"}
     assert files == set(manifest["outputs"]), BUILD_AGAIN
     assert {name: _sha256(built / name) for name in files} == manifest["outputs"], BUILD_AGAIN
 
 
-def test_the_model_was_built_from_these_steps_and_this_recipe(model_assets: Path) -> None:
-    inputs = json.loads((model_assets / "built" / "MANIFEST.json").read_text(encoding="utf-8"))["inputs"]
+@pytest.mark.parametrize("folder", RECIPES)
+def test_the_model_was_built_from_these_steps_and_this_recipe(model_assets: Path, folder: str) -> None:
+    inputs = json.loads((model_assets / "built" / folder / "MANIFEST.json").read_text(encoding="utf-8"))["inputs"]
     own = {name: digest for name, digest in inputs.items() if not name.endswith(".whl")}
     steps = {f"steps/{p.name}" for p in (model_assets / "steps").glob("*.py")}
-    assert set(own) == steps | {"recipe.toml"}, BUILD_AGAIN
+    assert set(own) == steps | RECIPES[folder], BUILD_AGAIN
     assert {name: _sha256(model_assets / name) for name in own} == own, BUILD_AGAIN
 
 
 def test_every_rule_of_the_contract_is_kept(torso: Rig) -> None:
     assert [finding for finding in check_rig(torso, is_torso=True) if not finding.ok] == []
+
+
+def test_the_chest_of_a_man_keeps_the_rules_of_any_rig_and_has_his_drawings() -> None:
+    male = load_model("male")
+    assert [finding for finding in check_rig(male) if not finding.ok] == []
+    assert set(LANDMARKS) <= set(male.landmark_names)
+    assert male.drawing_names == ("anatomy", "mastectomy", "gynaecomastia")
+    webster = next(shape for shape in male.drawings[2].shapes if shape.name == "webster_L")
+    line = webster.points.positions(male.template, male.faces)
+    nipple = male.template[male.faces[male.landmarks[male.landmark_names.index("nipple_L")].face]].mean(axis=0)
+    apart = np.linalg.norm(line - nipple, axis=1)
+    assert (line[:, 1] < nipple[1] + 0.003).all()  # below the nipple, along an areola of 30 mm
+    assert 0.011 < apart.min() < apart.max() < 0.018
 
 
 def test_sizes_are_those_of_the_specification(torso: Rig) -> None:

@@ -14,6 +14,7 @@ from typing import Any
 
 from breastrig.api.config import TOKEN_VARIABLE
 from breastrig.api.trusted_proxy import read_trusted_proxy
+from breastrig.core.assets import packaged_models
 from breastrig.core.errors import BadSettings, unknown_name
 from breastrig.execution.limits import FitLimits
 from breastrig.service.sweep import KEEP_DAYS
@@ -110,6 +111,11 @@ def show_yes_or_no(value: bool) -> str:
     return "yes" if value else "no"
 
 
+def read_model(text: str) -> Path:
+    """The name of a packaged model, or a path."""
+    return packaged_models().get(text) or read_folder(text)
+
+
 def read_folder(text: str) -> Path:
     if not text.strip() or "\0" in text:
         raise ValueError("is no place; give a path")
@@ -181,7 +187,7 @@ SETTINGS: dict[str, Setting] = {
         none="forever",
         show="{:g}".format,
     ),
-    "model": Setting(read_folder, "another rig than the package's torso", metavar="GLB", none="the packaged torso"),
+    "model": Setting(read_model, "another rig than the package's torso", metavar="MODEL", none="the packaged torso"),
     "workers": Setting(
         read_count, "fits that run at once (default: one a core, at most 8)", lambda: FitLimits().workers
     ),

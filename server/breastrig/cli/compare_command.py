@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
+from breastrig.core.assets import model_path
 from breastrig.core.output_files import OutputSet, all_or_nothing
 from breastrig.workflow.lines.compare import COMPARE_FILES, COMPARE_RECORD, SCHEMA, CompareJob, compare
 
@@ -18,7 +19,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("first", type=Path, metavar="FIRST", help="a drawing on the scan, or on the model; black")
     parser.add_argument("second", type=Path, metavar="SECOND", help="another one; white")
     parser.add_argument("--on", dest="fit", type=Path, required=True, metavar="OUT", help="the scan's fit")
-    parser.add_argument("--model", type=Path, metavar="GLB", help="the rig of the fit, when not the package's")
+    parser.add_argument("--model", type=model_path, metavar="MODEL", help="the rig of the fit, when not the package's")
     add_output_options(parser, "DIR", "folder for the results")
 
 

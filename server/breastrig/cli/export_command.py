@@ -5,6 +5,7 @@ import argparse
 from pathlib import Path
 
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
+from breastrig.core.assets import model_path
 from breastrig.core.output_files import OutputSet, all_or_nothing
 from breastrig.core.private_files import write_files
 from breastrig.report.files.exported import SET_FORMAT
@@ -24,7 +25,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="OUT_B",
         help="fit of the same patient from which the plan is carried too",
     )
-    parser.add_argument("--model", type=Path, metavar="GLB", help="the rig that the fit was made with")
+    parser.add_argument("--model", type=model_path, metavar="MODEL", help="the rig that the fit was made with")
     add_output_options(parser, "DIR", "folder for the files")
 
 

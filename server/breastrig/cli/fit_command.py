@@ -15,6 +15,7 @@ from tqdm import tqdm
 
 from breastrig.cli.interruption import raise_if_asked
 from breastrig.cli.output_options import add_output_options, files_of_model, output_folder
+from breastrig.core.assets import model_path
 from breastrig.core.errors import BadSettings
 from breastrig.core.output_files import Output, all_or_nothing
 from breastrig.core.stances import STANCES
@@ -54,7 +55,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="with SCAN_B: bodies held alike, as chests flatten; --no-alike: one body",
     )
     parser.add_argument("--preset", default="default", metavar="NAME", help="default, paper, or a TOML file")
-    parser.add_argument("--model", type=Path, metavar="GLB", help="another rig of the same form")
+    parser.add_argument("--model", type=model_path, metavar="MODEL", help="another rig of the same form")
     parser.add_argument(
         "--drawing",
         default=FIRST,

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 from breastrig.cli.output_options import add_output_options, files_of_model, output_file
+from breastrig.core.assets import model_path
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.private_files import write_private
 from breastrig.core.units import METRES_PER_UNIT
@@ -17,7 +18,7 @@ from breastrig.scan.landmarks.landmark_files import landmark_file
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scan", type=Path, metavar="SCAN", help="as for breastrig fit")
     parser.add_argument("--units", default="auto", choices=["auto", *METRES_PER_UNIT], help="unit of the scan")
-    parser.add_argument("--model", type=Path, metavar="GLB", help="another rig of the same form")
+    parser.add_argument("--model", type=model_path, metavar="MODEL", help="another rig of the same form")
     add_output_options(parser, "FILE", ".json (with a confidence and a 90 %% radius each), .csv, .pp, .mrk.json")
 
 

@@ -3,8 +3,8 @@
 import argparse
 import subprocess
 import sys
-from pathlib import Path
 
+from breastrig.core.assets import model_path
 from breastrig.core.errors import BadInput
 from breastrig.core.stances import STANCES
 from breastrig.drawings.skin_maps.lying_motion import lying_motion
@@ -31,7 +31,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         ("bind", "says that NAME.known beside the rig, what was estimated for it, is of the rig as it is now"),
     ):
         action = actions.add_parser(name, help=what)
-        action.add_argument("--model", type=Path, metavar="GLB", help="another rig than the package's torso")
+        action.add_argument("--model", type=model_path, metavar="MODEL", help="another rig than the package's torso")
     actions.add_parser("build", help="build the torso from its sources (source checkout only)")
 
 
@@ -47,7 +47,7 @@ def check(options: argparse.Namespace) -> int:
     """Prints one line a rule; exit code 2 when one is broken that is more than advice."""
     glb = options.model or default_rig_path()
     rig = read_rig(glb)
-    findings = check_rig(rig, is_torso=options.model is None)
+    findings = check_rig(rig, is_torso=glb == default_rig_path())
     read_all_known(rig)
     for finding in findings:
         mark = "ok " if finding.ok else {"error": "BAD", "advice": "tip"}[finding.severity]

@@ -14,6 +14,7 @@ from tqdm import tqdm
 
 from breastrig.cli.interruption import raise_if_asked
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
+from breastrig.core.assets import model_path
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.stances import Stance
 from breastrig.files.result import fit_set
@@ -32,7 +33,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="by finite elements of her own breasts: minutes, and not surer (decision 0020)",
     )
     parser.add_argument("--no-progress", action="store_true", help="no progress bar")
-    parser.add_argument("--model", type=Path, metavar="GLB", help="the rig of the fit, when not the package's")
+    parser.add_argument("--model", type=model_path, metavar="MODEL", help="the rig of the fit, when not the package's")
     add_output_options(parser, "PREDICTED", "folder for the results")
 
 

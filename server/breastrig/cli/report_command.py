@@ -7,6 +7,7 @@ from threadpoolctl import threadpool_limits
 
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
 from breastrig.core import wall_clock
+from breastrig.core.assets import model_path
 from breastrig.core.identity import SAYS_NOTHING, Identity, file_name, random_code
 from breastrig.core.output_files import OutputSet, all_or_nothing
 from breastrig.files.result import ResultPatient, read_result
@@ -32,7 +33,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="CODE",
         help="the patient's code, never a name, on every page and in the PDF's name; by default that of the fit",
     )
-    parser.add_argument("--model", type=Path, metavar="GLB", help="the rig that the fits were made with")
+    parser.add_argument("--model", type=model_path, metavar="MODEL", help="the rig that the fits were made with")
     add_output_options(parser, "DIR", "folder for the three files")
 
 

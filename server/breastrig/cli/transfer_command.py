@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_file
+from breastrig.core.assets import model_path
 from breastrig.core.output_files import all_or_nothing
 from breastrig.interface.transfer import transfer
 
@@ -21,7 +22,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--other-patient", action="store_true", help="the scans are of two patients: same place instead of same skin"
     )
-    parser.add_argument("--model", type=Path, metavar="GLB", help="the rig of both fits, when not the package's")
+    parser.add_argument(
+        "--model", type=model_path, metavar="MODEL", help="the rig of both fits, when not the package's"
+    )
     add_output_options(parser, "FILE", "drawing on scan B, JSON")
 
 

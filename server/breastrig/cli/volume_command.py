@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_file
+from breastrig.core.assets import model_path
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.private_files import write_private
 from breastrig.volume.mesh_files import check_name
@@ -16,7 +17,7 @@ from breastrig.workflow.volume import volume_file, volume_of
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("fit", type=Path, metavar="OUT", help="folder that `breastrig fit` wrote")
-    parser.add_argument("--model", type=Path, metavar="GLB", help="the rig that the fit was made with")
+    parser.add_argument("--model", type=model_path, metavar="MODEL", help="the rig that the fit was made with")
     add_output_options(parser, "FILE", "torso.vtu, .msh, .scn (SOFA) or .feb (FEBio)")
 
 

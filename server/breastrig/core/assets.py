@@ -24,3 +24,15 @@ def asset_folder(name: Literal["model", "example", "web"]) -> Path:
     """The folder of that name; it may be missing when it has not been built."""
     packaged = PACKAGE / "assets" / name
     return packaged if packaged.is_dir() else PACKAGE.parent.parent / CHECKOUT[name]
+
+
+def packaged_models() -> dict[str, Path]:
+    """The .glb of each model that comes with BreastRig by name; the first is the one that is taken when nobody says."""
+    folder = asset_folder("model")
+    others = sorted(path for path in folder.glob("*/*.glb") if path.stem == path.parent.name)
+    return {path.stem: path for path in (folder / "torso.glb", *others)}
+
+
+def model_path(name: str | Path) -> Path:
+    """The .glb of a packaged model by its name (`male`), or else the path itself."""
+    return packaged_models().get(str(name), Path(name))

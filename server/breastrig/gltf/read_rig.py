@@ -18,7 +18,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from breastrig.core.arrays import Array, Integers
-from breastrig.core.assets import asset_folder
+from breastrig.core.assets import packaged_models
 from breastrig.core.errors import BadModel
 from breastrig.core.glb import split_glb
 from breastrig.core.gltf_arrays import GltfArrays, entry
@@ -39,8 +39,8 @@ File = TypeVar("File", bound=FilePart)
 
 
 def default_rig_path() -> Path:
-    """The model that comes with BreastRig: from the installed wheel, else from the source checkout."""
-    return asset_folder("model") / "torso.glb"
+    """The model that is taken when nobody says: from the installed wheel, else from the source checkout."""
+    return packaged_models()["torso"]
 
 
 def read_rig(glb: Path) -> Rig:

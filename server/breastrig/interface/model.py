@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.core.assets import model_path
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig import model
 from breastrig.rig.named_parameters import Parameters, posed, sampled
@@ -29,11 +30,13 @@ class Rig(model.Rig):
         return sampled(self, rng)
 
 
-Model = model.Rig | str | Path | None  # loaded, its .glb, or None for the torso of the package
+Model = model.Rig | str | Path | None  # loaded, its .glb, a packaged one's name, or None for the torso of the package
 
 
 def load_model(path: str | Path | None = None) -> Rig:
-    """The rigged model of a .glb with its side file (.json) beside it; without a path the torso of the package.
+    """The rigged model of a .glb with its side file (.json) beside it; "male" is the package's chest of a man.
+
+    Without a path it is the torso of the package, a woman's.
 
     Its arrays are in metres in the body frame (+X to the patient's left, +Y to the head, +Z to the front): template
     (V, 3), faces (F, 3), blendshapes (S, V, 3); it names its bones, shapes and landmarks.  Loading takes some tens of
@@ -41,7 +44,7 @@ def load_model(path: str | Path | None = None) -> Rig:
 
     Raises BadModel with one sentence.
     """
-    return public(read_rig(default_rig_path() if path is None else Path(path)))
+    return public(read_rig(default_rig_path() if path is None else model_path(path)))
 
 
 def public(rig: model.Rig) -> Rig:
@@ -56,4 +59,4 @@ def loaded(given: Model) -> Rig:
 
 def files_of(given: Model) -> tuple[Path, ...]:
     """The .glb and its side file, where the model was given as a file."""
-    return (Path(given), Path(given).with_suffix(".json")) if isinstance(given, str | Path) else ()
+    return (model_path(given), model_path(given).with_suffix(".json")) if isinstance(given, str | Path) else ()
