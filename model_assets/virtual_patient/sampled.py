@@ -1,5 +1,6 @@
 """Women drawn at random from MakeHuman's adult dials, far broader than the seven: for what gravity does to breasts."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -72,3 +73,39 @@ def heavy(number: int) -> Woman:
         firmness=(float(soft[0]), float(0.8 * soft[0] + 0.2 * soft[1])),
         details=(*woman.details, ("stomach/stomach-pregnant-incr", (belly, belly))),
     )
+
+
+def uneven(number: int) -> Woman:
+    """The woman of that number with breasts of different sizes that hang."""
+    woman, rng = sampled(number), np.random.default_rng((number, 2))
+    large, soft = rng.uniform(0.2, 1.0), float(rng.uniform(-1.0, -0.4))
+    small = large - rng.uniform(0.4, 1.0)
+    cup = (float(large), float(small)) if rng.random() < 0.5 else (float(small), float(large))
+    return replace(
+        woman, cup=cup, firmness=(soft, soft), details=(*woman.details, ("breast/breast-trans-down", (0.3, 0.3)))
+    )
+
+
+def implants(number: int) -> Woman:
+    """The woman of that number with firm breasts, full above, which gravity changes little."""
+    woman, rng = sampled(number), np.random.default_rng((number, 3))
+    cup, firm, full = rng.uniform((0.3, 0.7, 0.3), (1.0, 1.0, 0.9)).tolist()
+    details = (*woman.details, ("breast/breast-volume-vert-up", (full, full)))
+    return replace(woman, cup=(cup, cup), firmness=(firm, firm), details=details, softness=0.25)
+
+
+def one_breast(number: int) -> Woman:
+    """The woman of that number with next to nothing on one side; the rest is taken away where she is posed."""
+    woman, left = sampled(number), np.random.default_rng((number, 4)).random() < 0.5
+    none, other = (-1.0, 1.0), (woman.cup[1], woman.firmness[1])
+    cup, firmness = zip(none, other, strict=True) if left else zip(other, none, strict=True)
+    return replace(woman, cup=cup, firmness=firmness)
+
+
+KINDS: dict[str, Callable[[int], Woman]] = {
+    "usual": sampled,
+    "heavy": heavy,
+    "uneven": uneven,
+    "implants": implants,
+    "one_breast": one_breast,
+}
