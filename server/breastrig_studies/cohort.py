@@ -26,6 +26,7 @@ class Case:
     unit: str
     folder: Path
     hanging: bool | None = None  # whether its breasts were made to hang; None: nobody says
+    sealed: bool = False  # looked at by evaluate --sealed alone
 
     @property
     def coloured(self) -> bool:
@@ -77,6 +78,7 @@ def read_cohort(folder: Path) -> tuple[Case, ...]:
                 unit=str(about.get("unit", "auto")),
                 folder=place,
                 hanging=_hanging(patient),
+                sealed=patient.get("half") == "sealed",
             )
         )
     if not cases:

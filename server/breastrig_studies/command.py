@@ -29,6 +29,7 @@ from breastrig_studies.page.publish import (
     possible_files,
     published,
 )
+from breastrig_studies.sealed import check_unseen, commit, log_line
 from breastrig_studies.studies.plan import Plan
 from breastrig_studies.studies.result_cache import FILES
 from breastrig_studies.studies.rotation_counts import QUICK_ROTATIONS, ROTATIONS
@@ -68,6 +69,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--half",
         choices=("choose", "report", "both"),
         help="of the warped bodies or the painted patients; the halves share no source (both)",
+    )
+    parser.add_argument(
+        "--sealed",
+        type=Path,
+        metavar="LOG",
+        help="only the COHORT's sealed patients, which are left out otherwise; appends what was found to a log",
     )
     parser.add_argument(
         "--preset",
@@ -186,7 +193,12 @@ def _warped(options: argparse.Namespace) -> Path:
 
 def _cases(options: argparse.Namespace) -> tuple[Case, ...]:
     """Of the cohort; of the warped bodies only those asked for, for more may be there."""
-    cases = read_cohort(_cohort(options))
+    wanted = options.sealed is not None
+    if wanted and (options.cohort is None or options.warped is not None):
+        raise BadInput("--sealed needs a COHORT folder with sealed patients, and takes no made ones.")
+    cases = tuple(case for case in read_cohort(_cohort(options)) if case.sealed == wanted)
+    if not cases:
+        raise BadInput(f"{options.cohort} has {'no' if wanted else 'only'} sealed patients.")
     if options.painted:
         names = _painted_names(options)
         return tuple(case for case in cases if case.patient in names)
@@ -210,7 +222,8 @@ def _plan(options: argparse.Namespace) -> Plan:
     if len({recipe.name for recipe in recipes}) < len(recipes):
         raise BadInput("Two presets have the same name; give each a name of its own.")
     model = Path(options.model or default_rig_path())
-    return Plan(_cases(options), recipes, model, rotations, options.quick)
+    sealed = options.sealed is not None
+    return Plan(_cases(options), recipes, model, rotations, options.quick or sealed, sealed)
 
 
 def _output(options: argparse.Namespace, plan: Plan | None) -> Output:
@@ -228,6 +241,9 @@ def run(options: argparse.Namespace) -> int:
     plan = _plan(options)
     output = _output(options, plan)
     check_output(output)
+    code = None if options.sealed is None else commit()
+    if code is not None:
+        check_unseen(options.sealed, code, options.again)
     private_folder(options.output)
     with tqdm(unit="fit", disable=not sys.stderr.isatty(), leave=False, smoothing=0.1) as bar:
 
@@ -238,6 +254,9 @@ def run(options: argparse.Namespace) -> int:
             raise_if_asked()
 
         results = measured(plan, options.output, options.jobs, options.again, progress)
+        if code is not None:
+            print(log_line(options.sealed, code, options.cohort.name, results.records))
+            return 0
         about = Circumstances(_command(options), _kind(options), options.jobs)
         with all_or_nothing(output) as out:
             published(results, about, out, lambda what: bar.set_postfix_str(what))

@@ -30,6 +30,7 @@ class Plan:
     model: Path
     rotations: int
     quick: bool
+    sealed: bool = False  # what is asked of sealed patients, and nothing else
 
     @property
     def plain(self) -> tuple[Case, ...]:
@@ -42,6 +43,8 @@ class Plan:
 
     def first_round(self) -> list[Unit]:
         """Everything but the number of blendshapes."""
+        if self.sealed:
+            return self._each("asked")
         units = [unit for recipe in self.recipes for unit in self._each("accuracy", recipe)]
         for question in ("halves", "no_landmarks", "clicks", "one_wrong", "exchanged_sides"):
             units += self._each(question)
@@ -100,12 +103,12 @@ class Plan:
     def second_round(self, rig: Rig, useful: dict[str, tuple[str, ...]]) -> list[Unit]:
         """The number of blendshapes in both orders; `useful` names the shapes of each setting, best first."""
         units = {}
-        for case in self.plain:
+        for case in () if self.quick else self.plain:
             for order in ORDERS:
                 for count in counts(len(rig.shapes)):
                     names = first_shapes(rig, useful[case.name], order, count)
                     units[case, names] = Unit((case,), "shape_count", self.recipes[0], self.model, {"names": names})
-        return [] if self.quick else list(units.values())
+        return list(units.values())
 
 
 def compliances() -> list[tuple[str, float]]:

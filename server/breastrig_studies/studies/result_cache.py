@@ -42,6 +42,7 @@ ANSWERING = (  # the code that an answer depends on, besides the module of the q
     "breastrig_studies/cohort.py",
 )
 WITH_DRAWINGS = ("two_stances", "transfer", "other_patient", "ink_transfer")
+ASKED = ("asked",)
 OF_COLOUR = ("colour_landmarks", "ink", "ink_transfer")
 
 
@@ -90,6 +91,8 @@ def source_digest(question: str) -> str:
         own += ("breastrig_studies/studies/two_stances.py", "breastrig/drawings")
     if question in OF_COLOUR:
         own += ("breastrig/colour",)
+    if question in ASKED:
+        own += ("breastrig/workflow",)
     for name in (*ANSWERING, *own):
         place = PACKAGE.parent / name
         files = sorted(place.rglob("*")) if place.is_dir() else [place]
