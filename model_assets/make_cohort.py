@@ -84,10 +84,14 @@ def main() -> None:
 
 
 def shared_net(
-    source: Source, box: tuple[float, float, float] = BOX, lowest: float = LOWEST, forearm: float = FOREARM
+    source: Source,
+    box: tuple[float, float, float] = BOX,
+    lowest: float = LOWEST,
+    forearm: float = FOREARM,
+    woman: Woman = AVERAGE,
 ) -> Net:
-    """Cut on the average woman, so that the same skin is kept of all."""
-    average = vertices_of(source, AVERAGE)
+    """Cut on the average woman (or `woman`), so that the same skin is kept of all."""
+    average = vertices_of(source, woman)
     fine, faces, used = upper_body(source, average, box)
     body = Body(source, average, fine, faces)
     first, quads = subdivide(source.quads, len(average))

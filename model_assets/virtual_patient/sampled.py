@@ -75,6 +75,23 @@ def heavy(number: int) -> Woman:
     )
 
 
+def man(number: int) -> Woman:
+    """The man of that number; every other one has breasts (gynaecomastia), of which some hang."""
+    drawn, rng = sampled(number), np.random.default_rng((number, 2))
+    cup = float(rng.uniform(0.08, 0.4)) if number % 2 else 0.0
+    firm = float(rng.uniform(-0.6, 0.4))
+    return replace(
+        drawn,
+        name=f"man_{number:04d}",
+        sex="male",
+        cup=(cup, cup * float(rng.uniform(0.7, 1.0))),
+        firmness=(firm, firm),
+        girth=0.5 * drawn.girth,
+        details=tuple(detail for detail in drawn.details if not detail[0].startswith("breast/")),
+        softness=0.4 + float(np.sqrt(cup)),  # muscle hardly moves
+    )
+
+
 def uneven(number: int) -> Woman:
     """The woman of that number with breasts of different sizes that hang."""
     woman, rng = sampled(number), np.random.default_rng((number, 2))

@@ -1,4 +1,4 @@
-"""One woman of MakeHuman's adult dials, mixed as MakeHuman mixes them."""
+"""One woman, or man, of MakeHuman's adult dials, mixed as MakeHuman mixes them."""
 
 from dataclasses import dataclass
 from itertools import product
@@ -44,6 +44,7 @@ class Woman:
     lying_arms: Sides
     lean: float  # degrees of the chest to her left, standing
     asymmetric: bool = False
+    sex: str = "female"  # or "male", whose cup is a woman's breast of the same age, muscle and weight, from 0
 
     @property
     def band(self) -> int:
@@ -86,10 +87,10 @@ def figure(source: Source, woman: Woman) -> Array:
     proportions = {"uncommonproportions": max(-woman.proportions, 0.0), "idealproportions": max(woman.proportions, 0.0)}
     result = np.zeros_like(source.vertices)
     for (age, a), (origin, b) in product(ages.items(), zip(ORIGINS, woman.origin, strict=True)):
-        result += a * b * _target(source, f"macrodetails/{origin}-female-{age}")
+        result += a * b * _target(source, f"macrodetails/{origin}-{woman.sex}-{age}")
     sides = [side_mask(source.vertices[:, 0], side)[:, None] for side in ("L", "R")]
     for (age, a), (m, b), (w, c) in product(ages.items(), muscle.items(), weight.items()):
-        share, kind = a * b * c, f"female-{age}-{m}-{w}"
+        share, kind = a * b * c, f"{woman.sex}-{age}-{m}-{w}"
         if share == 0.0:
             continue
         result += share * _target(source, f"macrodetails/universal-{kind}")
@@ -101,8 +102,9 @@ def figure(source: Source, woman: Woman) -> Array:
                 result += share * part * _target(source, f"macrodetails/proportions/{kind}-{ideal}")
         for mask, cup, firm in zip(sides, woman.cup, woman.firmness, strict=True):
             for (size, d), (soft, e) in product(_levels(cup, "cup").items(), _levels(firm, "firmness").items()):
-                if d * e and (size, soft) != ("averagecup", "averagefirmness"):
-                    result += share * d * e * mask * _target(source, f"breast/{kind}-{size}-{soft}")
+                flat = size == "averagecup" and (woman.sex == "male" or soft == "averagefirmness")
+                if d * e and not flat:
+                    result += share * d * e * mask * _target(source, f"breast/female-{age}-{m}-{w}-{size}-{soft}")
     for name, part in GIRTH:
         result += woman.girth * part * _target(source, name)
     for name, amounts in woman.details:

@@ -5,7 +5,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { expect, type Page } from "@playwright/test";
 import { hook, test, until, untilFitted, untilStill } from "./page";
-import { findPython, helper, startService } from "./service";
+import { findPython, FOREARM, startService } from "./service";
 
 interface Made {
   readonly id: string;
@@ -40,8 +40,7 @@ async function settledPicture(page: Page): Promise<object> {
 test("a fit of the torso looks the same under a service whose model is a forearm, on the page and through its link", async ({ page }) => {
   test.slow(); // two services
   const folder = mkdtempSync(join(tmpdir(), "breastrig-e2e-"));
-  const { path, env } = helper("forearm.py");
-  execFileSync(findPython(), [path, join(folder, "rig")], { env });
+  execFileSync(findPython(), [FOREARM, join(folder, "rig")]);
   const troubles: string[] = [];
   page.on("pageerror", (error) => troubles.push(error.message));
   const seen: object[] = [];

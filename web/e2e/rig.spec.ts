@@ -6,15 +6,14 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { expect } from "@playwright/test";
 import { hook, test, untilFitted } from "./page";
-import { findPython, helper, type Running, startService } from "./service";
+import { findPython, FOREARM, type Running, startService } from "./service";
 
 const folder = mkdtempSync(join(tmpdir(), "breastrig-rig-"));
 const PICTURES = process.env.BREASTRIG_E2E_PICTURES; // a folder: for whoever wants to look
 let service: Running;
 test.use({ base: async ({}, use) => use(service.base) });
 test.beforeAll(async () => {
-  const { path, env } = helper("forearm.py");
-  execFileSync(findPython(), [path, folder], { env });
+  execFileSync(findPython(), [FOREARM, folder]);
   service = await startService({}, ["--no-token", "--model", join(folder, "forearm.glb")]);
 });
 test.afterAll(async () => {

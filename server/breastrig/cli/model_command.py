@@ -1,8 +1,10 @@
-"""`breastrig model info|check|bind|build`: describe a rig, prove it sound, bind what is known to it, build ours."""
+"""`breastrig model info|check|bind|learn|build`: describe a rig, prove it sound, learn what is known of it."""
 
 import argparse
+import importlib
 import subprocess
 import sys
+from pathlib import Path
 
 from breastrig.core.assets import model_path
 from breastrig.core.errors import BadInput
@@ -32,6 +34,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     ):
         action = actions.add_parser(name, help=what)
         action.add_argument("--model", type=model_path, metavar="MODEL", help="another rig than the package's torso")
+    learning = actions.add_parser("learn", help="what is known of a rig, from bodies whose whole skin is")
+    learning.add_argument("model", type=model_path, metavar="MODEL")
+    learning.add_argument("bodies", type=Path, metavar="BODIES", help="as for `breastrig evaluate`")
     actions.add_parser("build", help="build the torso from its sources (source checkout only)")
 
 
@@ -73,6 +78,16 @@ def bind(options: argparse.Namespace) -> int:
     return 0
 
 
+def learn(options: argparse.Namespace) -> int:
+    """Writes NAME.known; the studies do it, which have a package of their own."""
+    try:
+        studies = importlib.import_module("breastrig_studies.learn")
+    except ModuleNotFoundError as error:
+        raise BadInput("`breastrig model learn` needs breastrig-studies: see server/ in the repository.") from error
+    print(f"{studies.learn(options.model, options.bodies)} holds what is known of {options.model.name} now.")
+    return 0
+
+
 def build(_options: argparse.Namespace) -> int:
     """Runs the build script beside the built model."""
     script = default_rig_path().parent.parent / "build.py"
@@ -83,4 +98,4 @@ def build(_options: argparse.Namespace) -> int:
 
 def run(options: argparse.Namespace) -> int:
     """The action that was asked for."""
-    return {"info": info, "check": check, "bind": bind, "build": build}[options.action](options)
+    return {"info": info, "check": check, "bind": bind, "learn": learn, "build": build}[options.action](options)

@@ -118,13 +118,15 @@ class _SkinnedMesh:
                 f"it has {len(self.shapes)} shapes but {len(self.shape_names)} names in mesh.extras.targetNames"
             )
         skin = entry(document, "skins", found[0]["skin"])
-        self.bone_names = _bone_names(nodes, skin["joints"])
-        self.skin_weights = self._weights(arrays, attributes)
-        self.inverse_bind = (
-            arrays.read(skin["inverseBindMatrices"])
-            if "inverseBindMatrices" in skin
-            else np.tile(np.eye(4), (len(self.bone_names), 1, 1))
-        )
+        joint_names = _joint_names(nodes, skin["joints"])
+        self.bone_names = list(dict.fromkeys(joint_names))
+        bones = np.array([self.bone_names.index(name) for name in joint_names])
+        self.skin_weights = self._weights(arrays, attributes, bones)
+        binds = arrays.read(skin["inverseBindMatrices"]) if "inverseBindMatrices" in skin else None
+        count_of_joints = len(joint_names)
+        self.inverse_bind = np.tile(np.eye(4), (count_of_joints, 1, 1)) if binds is None else binds
+        if len(self.inverse_bind) == count_of_joints:
+            self.inverse_bind = self.inverse_bind[[joint_names.index(name) for name in self.bone_names]]
         self._check(count)
 
     def _faces(self, arrays: GltfArrays, primitive: dict[str, Any]) -> Integers:
@@ -134,17 +136,18 @@ class _SkinnedMesh:
             raise ValueError("its triangles are empty or name vertices that do not exist")
         return np.asarray(flat.reshape(-1, 3), np.int64)
 
-    def _weights(self, arrays: GltfArrays, attributes: dict[str, Any]) -> Array:
+    def _weights(self, arrays: GltfArrays, attributes: dict[str, Any], bones: Integers) -> Array:
+        """`bones`: of each joint."""
         joints = arrays.read(attributes["JOINTS_0"])
         values = arrays.read(attributes["WEIGHTS_0"])
         if joints.shape != values.shape or joints.shape != (len(self.template), 4):
             raise ValueError("its skin weights do not fit its vertices")
-        if joints.max() >= len(self.bone_names):
+        if joints.max() >= len(bones):
             raise ValueError("its skin weights name bones that do not exist")
         if values.min() < 0 or np.abs(values.sum(axis=1) - 1.0).max() > UNIT_SUM:
             raise ValueError("the skin weights of its vertices do not sum to 1")
         weights = np.zeros((len(values), len(self.bone_names)))
-        np.add.at(weights, (np.arange(len(values))[:, None], joints), values)
+        np.add.at(weights, (np.arange(len(values))[:, None], bones[joints]), values)
         return np.asarray(weights / weights.sum(axis=1, keepdims=True))
 
     def _check(self, count: int) -> None:
@@ -164,16 +167,14 @@ class _SkinnedMesh:
                 raise ValueError("it contains numbers that are not finite")
 
 
-def _bone_names(nodes: list[dict[str, Any]], joints: list[int]) -> list[str]:
+def _joint_names(nodes: list[dict[str, Any]], joints: list[int]) -> list[str]:
+    """The bone of each joint.  Blender makes bones of all nodes, so that one and its `_scale` may both be joints."""
     parents = {child: index for index, node in enumerate(nodes) for child in node.get("children", [])}
-    names = []
-    for joint in joints:
-        name = nodes[joint].get("name", "")
-        above = nodes[parents[joint]].get("name") if joint in parents else None
-        names.append(above if above is not None and name == f"{above}_scale" else name)
-    if len(set(names)) != len(names):
+    own = [nodes[joint].get("name", "") for joint in joints]
+    if len(set(own)) != len(own):
         raise ValueError("two of its bones have the same name")
-    return names
+    above = [str(nodes[parents[joint]].get("name")) if joint in parents else "" for joint in joints]
+    return [parent if parent and name == f"{parent}_scale" else name for name, parent in zip(own, above, strict=True)]
 
 
 def _assembled(side: RigFile, mesh: _SkinnedMesh, drawings: tuple[ModelDrawing, ...], sha256: str) -> Rig:
