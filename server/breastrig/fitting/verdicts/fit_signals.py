@@ -35,8 +35,7 @@ class FitSignals:
     distance_p95: float  # m, of 100 model vertices with scan 95 are nearer to it
     beyond: float  # share of the model's vertices with scan that are farther than BEYOND from it
     angle_p90: float  # rad, between the normals of model and scan, likewise
-    scan_p95: float  # m, from the scan to the model, where they face the same way
-    explained: float  # share of those scan points within EXPLAINED
+    explained: float  # share of the scan points that face as the model does within EXPLAINED
     facing: float  # share of the scan within the model's openings that faces as the model does
     stretch: float  # root mean square of the logarithms of the bones' scales, over those of the mean of bodies
     limits: float  # share of the shapes that ended at a limit
@@ -86,7 +85,6 @@ def fit_signals(
         distance_p95=float(np.percentile(found.distances[here], 95)) if some else np.nan,
         beyond=float((found.distances[here] > BEYOND).mean()) if some else np.nan,
         angle_p90=float(np.arccos(np.clip(np.percentile(cosines, 10), -1.0, 1.0))) if any_asked else np.nan,
-        scan_p95=float(np.percentile(gaps, 95)) if len(gaps) else np.nan,
         explained=float((gaps <= EXPLAINED).mean()) if len(gaps) else np.nan,
         facing=float(facing[inside].mean()) if inside.any() else np.nan,
         stretch=float(np.sqrt(np.mean(np.log(x.scales / mean)[bones] ** 2))),

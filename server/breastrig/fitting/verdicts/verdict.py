@@ -1,9 +1,10 @@
 """Is this a torso, and does the model lie on it rightly?  A level and its reasons, from a fit's signals.
 
-Each signal has two limits, kept as data with their reasons beside the rig: beyond the first a fit is to be looked at,
-beyond the second no right fit was ever found.  Each signal has its errors, so one alone never refuses a scan: what
-several of them say together is certain, what one says makes the fit unusable at most.  Of a rig without limits a fit is
-uncalibrated: neither good nor bad, unless something speaks against it without them.
+Each signal has two limits, kept as data with their reasons beside the rig: beyond the first a fit that the scan alone
+has placed is to be looked at, beyond the second no right fit of a torso was ever found.  Each signal has its errors, so
+one alone never refuses a scan: what several of them say together is certain, what one says makes the fit unusable at
+most.  Of a rig without limits a fit is uncalibrated: neither good nor bad, unless something speaks against it without
+them.
 """
 
 from collections.abc import Sequence
@@ -74,7 +75,8 @@ class StanceLimits(SettingsPart):
 class LineLimits(SettingsPart):
     """m, of how far off nine of ten places of a line on the breasts may be."""
 
-    check: float  # farther off a plan needs a look
+    check: float  # farther off landmarks would help
+    placed: float  # likewise where they have placed the fit: farther off is wrong
     unknown: float  # and beyond no place is known
 
 
@@ -101,7 +103,7 @@ class Verdict:
     """What is to be thought of a fit."""
 
     level: Level
-    reasons: tuple[str, ...]  # sentences, the strongest first; of a good one how many picks were only agreed to
+    reasons: tuple[str, ...]  # sentences, the strongest first; of a good one notes alone
     is_torso: bool = True  # False: certainly none
     unusual_size: bool = False  # its unit may be wrong
 
@@ -138,12 +140,15 @@ def verdict(
     `unclear` and `size` are asked about, too.  `near`: the signals of what plans are made on; without these no fit is
     unusable, and what speaks against it elsewhere is said to be far from there.
 
-    Whoever places landmarks has seen a torso: such a fit is unusable at most.
+    Whoever places landmarks has seen a torso: such a fit is unusable at most, only what no right fit has is to be
+    checked, what is far from the breasts is a note, and the stance moves nothing.
     """
-    asked, agreed, converged = (*of_doubts(doubts), *unclear, *size), of_agreed(given), status is Status.CONVERGED
+    placed = given.placed and not given.repeated
+    asked, agreed = (*of_doubts(doubts), *(() if placed else unclear), *size), of_agreed(given)
+    converged = status is Status.CONVERGED
     stopped = () if converged else (Reason(NOT_CONVERGED, (LOOK_CLOSELY, given.advice)),)
     broken = () if converged else (Reason(NOT_CONVERGED),)
-    nothing = not np.isfinite(signals.distance_p95) or not np.isfinite(signals.scan_p95)
+    nothing = not np.isfinite(signals.distance_p95) or not np.isfinite(signals.explained)
     if limits is None and nothing:
         return Verdict("unusable", sentences((NO_SKIN, *broken, *asked)))
     if limits is None:
@@ -157,20 +162,22 @@ def verdict(
         {n: s for n, s in everywhere.items() if (strengths.get(n, s) > 0.0) == is_here} for is_here in (True, False)
     )
     found = _reasons(signals, here, limits, given)
-    found += tuple(Reason(FAR + each.fact, each.advice) for each in _reasons(signals, far_off, limits, given)[:1])
+    elsewhere = _reasons(signals, far_off, limits, given)[:1]
+    notes = tuple(Reason(FAR + each.fact) for each in elsewhere if placed)
+    found += tuple(Reason(FAR + each.fact, each.advice) for each in elsewhere if not placed)
     unknown = line_error is not None and line_error > limits.lines.unknown
-    far = line_error is not None and line_error > limits.lines.check
+    far = line_error is not None and line_error > (limits.lines.placed if placed else limits.lines.check)
     refused = impossible >= limits.unusable_at and in_all >= limits.refused_at and not given.placed
     if nothing or refused:
         return Verdict("unusable", sentences((*((NO_SKIN,) if nothing else ()), *found)), False, bool(size))
     if unknown or impossible >= limits.unusable_at:
         lines = (Reason(UNKNOWN_LINES, (given.advice,)),) if unknown else ()
-        return Verdict("unusable", sentences((*lines, *agreed, *found, *broken, *asked)))
+        return Verdict("unusable", sentences((*lines, *agreed, *found, *broken, *asked, *notes)))
     lines = (Reason(FAR_LINES.format(1e3 * (line_error or 0.0)), (given.advice, WITH_MARGIN)),) if far else ()
     unlike = () if stance in limits.stances else (Reason(OTHER_STANCE.format(stance), (LOOK_CLOSELY,)),)
     if not (lines or found or stopped or asked or unlike):
-        return Verdict("good", sentences(agreed))
-    return Verdict("check", sentences((*lines, *agreed, *found, *stopped, *asked, *unlike)))
+        return Verdict("good", sentences((*agreed, *notes)))
+    return Verdict("check", sentences((*lines, *agreed, *found, *stopped, *asked, *unlike, *notes)))
 
 
 def unusual_size(
@@ -194,11 +201,12 @@ def _strengths(signals: FitSignals, limits: VerdictLimits, given: GivenLandmarks
     """By name, of the signals that say anything of this fit."""
     values = vars(signals)
     trusted = given.placed and not given.repeated
-    return {
+    found = {
         name: _strength(values[name], limit, signals.hanging > HANGS)
         for name, limit in limits.signals.items()
         if np.isfinite(values[name]) and not (trusted and limit.scan_alone)
     }
+    return {name: strength if strength >= 1.0 or not trusted else 0.0 for name, strength in found.items()}
 
 
 def _reasons(
