@@ -2,9 +2,7 @@
 
     python -m breastrig_studies.body_size DIR/poses [GROUP]
 
-Each scan is fitted as it is, without landmarks; the fit and its scan are then scaled together.  Women of
-model_assets/make_poses.py are brought to statures of the survey first, several times each, for MakeHuman's are 1.3 to
-2.2 m tall.
+Each scan is fitted as it is, with all landmarks and with none; the fit and its scan are then scaled together.
 """
 
 import json
@@ -22,38 +20,32 @@ from breastrig_studies.cohort import read_cohort
 from breastrig_studies.studies.case import read_scene
 
 SCALES = (0.8, 0.9, 1.0, 1.1, 1.25, 1.4)
-STATURE, SPREAD = 1.628, 0.039  # m, and of its logarithm: 1,986 women of ANSUR II
-DRAWS = 8  # statures for each scan
 
 
 def main(folder: Path, group: str | None) -> None:
     """Prints a share for each scale."""
-    rig, recipe, random = read_rig(default_rig_path()), load_recipe("default"), np.random.default_rng(0)
-    asked: list[list[bool]] = []
+    rig, recipe = read_rig(default_rig_path()), load_recipe("default")
+    asked: dict[str, list[list[bool]]] = {"all landmarks": [], "none": []}
     for case in read_cohort(folder):
         about = json.loads((folder / case.patient / "patient.json").read_text("utf-8"))
-        if group not in (None, about.get("half")):
+        if case.sealed or group not in (None, about.get("half")):
             continue
         scene = read_scene(case)
-        try:
-            fit = scene.fitted(rig, recipe, {})
-        except FitFailed:
-            continue
-        own = about.get("stature_m")
-        sizes = [1.0] if own is None else STATURE / own * np.exp(SPREAD * random.standard_normal(DRAWS))
-        for size in sizes:
+        for given, picks in zip(asked, (dict(scene.landmarks), {}), strict=True):
+            try:
+                fit = scene.fitted(rig, recipe, picks)
+            except FitFailed:
+                continue
             row = []
             for scale in SCALES:
-                target = ScanTarget(scale * size * scene.target.vertices, scene.target.faces)
-                vertices = scale * size * fit.vertices
-                row.append(bool(unusual_size(verdict_limits(rig), rig, vertices, target, case.stance)))
-            asked.append(row)
-    shares = np.array(asked).mean(axis=0)
-    sys.stdout.write(
-        f"{len(asked)} bodies; asked about at "
-        + ", ".join(f"{s}: {100 * a:.0f} %" for s, a in zip(SCALES, shares, strict=True))
-        + "\n"
-    )
+                target = ScanTarget(scale * scene.target.vertices, scene.target.faces)
+                found = unusual_size(verdict_limits(rig), rig, scale * fit.vertices, target, case.stance)
+                row.append(bool(found))
+            asked[given].append(row)
+    for given, rows in asked.items():
+        shares = zip(SCALES, np.array(rows).mean(axis=0), strict=True)
+        said = ", ".join(f"{scale}: {100 * share:.0f} %" for scale, share in shares)
+        sys.stdout.write(f"{len(rows)} fits, {given} given; asked about at {said}\n")
 
 
 if __name__ == "__main__":

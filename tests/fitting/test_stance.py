@@ -120,14 +120,10 @@ def test_signs_are_measured_in_the_bodys_own_axes(turn: Array) -> None:
     vertices = rig.template @ turn.T
     marks = dict(zip(rig.landmark_names, rig.landmark_points().positions(rig.template, rig.faces), strict=True))
     bone = np.linalg.norm(marks["suprasternal_notch"] - marks["xiphoid"])
-    apart, forward = marks["nipple_L"] - marks["nipple_R"], 0.5 * (marks["nipple_L"] + marks["nipple_R"])
+    forward = 0.5 * (marks["nipple_L"] + marks["nipple_R"])
     found = supine_or_standing.breast_signs(rig, vertices, ScanTarget(vertices, rig.faces))
-    expected = {"nipples_in_front": (forward - marks["xiphoid"])[2] / bone, "nipples_apart": apart[0] / bone}
-    assert {name: found[name] for name in expected} == pytest.approx(expected, abs=0.01)
+    assert found["nipples_in_front"] == pytest.approx((forward - marks["xiphoid"])[2] / bone, abs=0.01)
     assert all(value > 0.05 for value in found.values())
-    left = np.flatnonzero(vertices @ turn[:, 0] > -0.03)
-    half = ScanTarget(*compact(vertices, rig.faces[np.isin(rig.faces, left).all(axis=1)]))
-    assert {*found} - {*supine_or_standing.breast_signs(rig, vertices, half)} == {"nipples_apart"}  # one is not shown
 
 
 def test_an_arm_is_as_far_from_hanging_as_it_is_raised_on_its_own_side() -> None:

@@ -7,12 +7,12 @@ from breastrig_studies.stance_signs import MOST, ScanSigns, estimated, table
 
 
 def cases(count: int) -> list[ScanSigns]:
-    """Of which only how far the nipples are apart and over the folds tells; arms are not always seen."""
+    """Of which only how far the nipples are in front and over the folds tells; arms are not always seen."""
     random, found = np.random.default_rng(5), []
     for number in range(count):
         lies = bool(number % 2)
         signs = {name: random.normal(0.15, 0.05) for name, sign in stance_signs().signs.items() if not sign.by_hand}
-        signs |= {"nipples_apart": random.normal(1.2 + 0.2 * lies, 0.08)}
+        signs |= {"nipples_in_front": random.normal(0.2 - 0.1 * lies, 0.04)}
         signs |= {"nipples_over_folds": random.normal(0.2 + 0.1 * lies, 0.04)}
         if number % 3 == 0:
             del signs["arms"]
@@ -28,7 +28,7 @@ def test_only_signs_that_distinguish_are_estimated_and_those_set_by_hand_stay() 
     assert ((odds > 0.0) == lies).mean() > 0.95
     assert found.signs["upright"] == stance_signs().signs["upright"]
     counts = {name: abs(sign.weight) * sign.most / MOST for name, sign in found.signs.items() if not sign.by_hand}
-    telling = {"nipples_apart", "nipples_over_folds"}
+    telling = {"nipples_in_front", "nipples_over_folds"}
     assert min(counts[name] for name in telling) > 3.0 * max(counts[name] for name in counts.keys() - telling)
     assert abs(odds[lies].mean() + odds[~lies].mean()) < 0.2 * odds[lies].mean()  # half way between them
 

@@ -26,7 +26,6 @@ def in_between() -> dict[str, float]:
 @pytest.mark.parametrize(
     ("sign", "towards"),
     [
-        ("nipples_apart", 1),
         ("nipples_over_folds", 1),
         ("aside", 1),
         ("nipples_in_front", -1),
@@ -46,8 +45,8 @@ def test_each_sign_speaks_for_lying_on_its_own_side_and_no_more_than_so_much(sig
 
 
 def test_arms_do_not_make_a_standing_body_lie() -> None:
-    standing = {"nipples_in_front": 0.16, "nipples_apart": 0.93, "nipples_over_folds": 0.17, "flattened": 0.3}
-    lying = {"nipples_in_front": 0.03, "nipples_apart": 1.1, "nipples_over_folds": 0.28, "flattened": -0.9}
+    standing = {"nipples_in_front": 0.16, "nipples_over_folds": 0.17, "flattened": 0.3}
+    lying = {"nipples_in_front": 0.03, "nipples_over_folds": 0.28, "flattened": -0.9}
     for arms in np.radians([5.0, 45.0, 90.0]):
         assert not likely_stance(standing | {"arms": arms}).supine
         assert likely_stance(lying | {"arms": arms}).supine
@@ -69,24 +68,12 @@ def test_size_place_and_direction_of_a_body_say_nothing() -> None:
     assert elsewhere == pytest.approx(as_scanned(rig, rig.template), abs=1e-9)
 
 
-def test_of_half_a_body_it_is_not_seen_how_far_the_nipples_are_apart() -> None:
-    rig = read_rig(default_rig_path())
-    left = rig.faces[(rig.template[:, 0] > 0.0)[rig.faces].all(axis=1)]
-    whole = as_scanned(rig, rig.template)
-    half = breast_signs(rig, rig.template, ScanTarget(*compact(rig.template, left)))
-    assert {*whole} - {*half} == {"nipples_apart"}
-    assert half["nipples_in_front"] == whole["nipples_in_front"]
-
-
-def test_nipples_that_move_back_and_outwards_are_seen() -> None:
+def test_nipples_that_move_back_are_seen() -> None:
     rig = read_rig(default_rig_path())
     moved = rig.template.copy()
-    sides = np.sign(moved[:, 0])
     for name in ("areola_L", "areola_R"):
-        chosen = rig.regions[name]
-        moved[chosen] += np.column_stack([0.02 * sides[chosen], np.zeros(len(chosen)), np.full(len(chosen), -0.02)])
+        moved[rig.regions[name], 2] -= 0.02
     before, after = as_scanned(rig, rig.template), as_scanned(rig, moved)
-    assert after["nipples_apart"] > before["nipples_apart"]
     assert after["nipples_in_front"] < before["nipples_in_front"]
 
 

@@ -1,8 +1,8 @@
 """Probability that a body without a visible table is supine, from the signs of a fit that assumes it stands.
 
 Arms say little: standing ones may be anywhere.  Breasts say most: where nipples are to the breastbone and to the folds,
-in units of the breastbone's length, and the shapes by which the fit showed them.  Skin that faces backwards is
-seen of a standing body only.  Weights: stance_signs.toml, by breastrig_studies/stance_signs.py; docs/decisions/0022.
+in units of the breastbone's length, and the shapes by which they flatten and lie aside.  Skin that faces backwards
+is seen of a standing body only.  Weights: stance_signs.toml, by breastrig_studies/stance_signs.py; docs/decisions/0022.
 """
 
 from collections.abc import Mapping
@@ -22,7 +22,6 @@ from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
 
 MEASURED = ("suprasternal_notch", "xiphoid", "nipple_L", "nipple_R", "inframammary_fold_L", "inframammary_fold_R")
-SHOWN = 0.015  # m from the scan
 SHAPES = {"flattened": "projection", "aside": "position_lateral"}  # signs that are mean weights of a shape's two sides
 BACKWARDS = -0.3  # cosine to the front; a lying body is seen from above
 TRUNK = (
@@ -81,10 +80,7 @@ def arm_angles(rig: Rig, x: RigParameters) -> Array:
 
 
 def breast_signs(rig: Rig, vertices: Array, target: ScanTarget) -> dict[str, float]:
-    """How (V, 3) m vertices show the breasts, in lengths of the breastbone; nothing of a rig without its landmarks.
-
-    Where the scan does not show both nipples the model puts the other one too near: how far they are apart is not seen.
-    """
+    """How (V, 3) m vertices show the breasts, in lengths of the breastbone; nothing of a rig without its landmarks."""
     if not set(MEASURED) <= set(rig.landmark_names):
         return {}
     places = rig.landmark_points(MEASURED).positions(vertices, rig.faces)
@@ -92,14 +88,11 @@ def breast_signs(rig: Rig, vertices: Array, target: ScanTarget) -> dict[str, flo
     notch, end, *breasts = places @ axes
     nipples, folds = np.array(breasts[:2]), np.array(breasts[2:])
     bone = float(np.linalg.norm(notch - end))
-    seen = {
+    return {
         "nipples_in_front": float(nipples[:, 2].mean() - end[2]) / bone,
         "nipples_over_folds": float((nipples - folds)[:, 1].mean()) / bone,
         "facing_back": _facing_back((target.vertices @ axes - end) / bone, target.faces),
     }
-    if np.isfinite(target.vertex_tree.query(places[2:4], distance_upper_bound=SHOWN)[0]).all():
-        seen["nipples_apart"] = float(nipples[0, 0] - nipples[1, 0]) / bone
-    return seen
 
 
 def _facing_back(vertices: Array, faces: Integers) -> float:
