@@ -154,12 +154,12 @@ def lying(rig: Rig) -> tuple[Array, Array]:
 
     Without: as the skin around the breasts moves, across them.
     """
-    motion = lying_motion(rig)
-    if motion is None:
+    motions = lying_motion(rig)
+    if motions is None:
         return np.zeros_like(rig.template), np.zeros_like(rig.template)
     middle = rig.regions["chest"]
     middle = middle[np.abs(rig.template[middle, 0]) < STERNUM]
-    supine = rig.template + motion
+    supine = rig.template + motions[0]
     turn = umeyama(supine[middle], rig.template[middle]).rotation
     whole = (supine - supine[middle].mean(axis=0)) @ turn.T + rig.template[middle].mean(axis=0) - rig.template
     trunk = whole.copy()

@@ -12,11 +12,12 @@ smooth displacement u(x), a Gaussian process with three kinds of observations, e
     min_w  |w|² + Σ_l |a_l + u(a_l) − b_l|²/σ_l² + Σ_m |...|²/σ_m² + Σ_i (n_i · (x_i + u(x_i) − p_i))²/σ_n²
 
 u = H w with the columns of H made from the Matérn-5/2 kernel at some points of A (w is white, so the prior is
-|w|²) and a small affine part.  All numbers are in skin_maps/, one file for each rig.  Rasmussen and Williams,
-Gaussian Processes for Machine Learning, 2006, chapters 2 and 4.
+|w|²), a small affine part, and the ways in which women's skin differs when they lie down.  All numbers are in
+skin_maps/, one file for each rig.  Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, chapters 2
+and 4.
 
-Between standing and lying the displacement is expected around what skin does in everybody (skin_maps/lying_motion.py):
-arms go up, breasts sink outwards, and no landmark is on the outer side to tell.
+Between standing and lying the displacement is expected around what skin does in everybody: arms go up, breasts sink
+outwards, and no landmark is on the outer side to tell.  How far a woman's do, landmarks and surface say by those ways.
 
 Evidence: docs/decisions/0008.
 """
@@ -77,14 +78,16 @@ class SkinMap:
         settings: SkinMapSettings | None = None,
         motion: Array | None = None,
     ) -> None:
-        """With the rig's settings and its (V, 3) m expected motion, or others.
+        """With the rig's settings and its (1 + K, V, 3) m motions (lying_motion.py), or others.
 
         Raises BadDrawing when a model does not lie on its scan.
         """
         self._rig, self._a, self._b = rig, a, b
         lies_down = a.stance == "standing" and b.stance == "supine"
         expected = lying_motion(rig) if motion is None and lies_down else motion
-        self._moves = None if expected is None else expected @ umeyama(rig.template, b.vertices).rotation.T
+        still = np.zeros((1, len(rig.template), 3))
+        turned = (still if expected is None else expected) @ umeyama(rig.template, b.vertices).rotation.T
+        self._moves = np.moveaxis(turned, 0, -1).reshape(len(rig.template), -1)  # (V, 3 (1 + K))
         self._settings = own = settings or skin_map_settings(rig)
         on_scan = MatchRules("rays", own.on_scan_distance, own.on_scan_angle)
         seen = match(a.target, a.vertices, _normals(rig, a.vertices), on_scan)
@@ -104,39 +107,38 @@ class SkinMap:
 
     def expected(self, points: Array) -> Array:
         """(M, 3) m: where (M, 3) m points of A are expected: a rigid motion, and how skin moves in everybody."""
-        moved = np.asarray((points - self._source) @ self._turn.T + self._goal)
-        if self._moves is None:
-            return moved
+        return np.asarray((points - self._source) @ self._turn.T + self._goal + self._motions(points)[:, :, 0])
+
+    def _motions(self, points: Array) -> Array:
+        """(M, 3, 1 + K) m: how skin moves in everybody at (M, 3) points of A, and the ways in which women differ."""
         at = self._a.search(self._rig).query(points).on_mesh
-        return moved + at.positions(self._moves, self._rig.faces)
+        return at.positions(self._moves, self._rig.faces).reshape(len(points), 3, self._moves.shape[1] // 3)
 
     def _basis(self, points: Array) -> Array:
-        """(M, K) the displacements' basis H at (M, 3) points of A."""
+        """(M, 3, W) the displacements' basis H at (M, 3) points of A."""
         own = self._settings
         kernel = _matern(_gaps(points, self._kernel_points) / own.length)
         smooth = own.displacement * solve_lower(self._factor, kernel.T).T
         shift = np.full((len(points), 1), own.shift_length)
-        return np.concatenate([smooth, own.strain * shift, own.strain * (points - self._centre)], axis=1)
+        each = np.concatenate([smooth, own.strain * shift, own.strain * (points - self._centre)], axis=1)
+        axes = np.einsum("mk,ij->mijk", each, np.eye(3)).reshape(len(points), 3, 3 * each.shape[1])
+        return np.concatenate([axes, self._motions(points)[:, :, 1:]], axis=2)
 
     def _solved(self, on_a: Correspondences) -> Array:
-        """(K, 3) the weights w."""
+        """(W,) the weights w."""
         a, b, own = self._a, self._b, self._settings
         names = [name for name in a.known if name in b.known]
         chosen = spread_out(on_a.points, own.model_points)
         known = [np.array([scan.known[name] for name in names]).reshape(-1, 3) for scan in (a, b)]
-        start = self.expected(on_a.points)
-        basis = self._basis(on_a.points)
-        size = basis.shape[1]
-        rows = np.concatenate([self._basis(known[0]) / own.landmark_error, basis[chosen] / own.model_error])
-        gaps = np.concatenate(
-            [
-                (known[1] - self.expected(known[0])) / own.landmark_error,
-                (b.vertices[on_a.vertices[chosen]] - start[chosen]) / own.model_error,
-            ]
-        )
-        placed = np.kron(np.eye(3), rows.T @ rows + np.eye(size))
-        pull = (rows.T @ gaps).T.ravel()
-        weights = _solution(placed, pull).reshape(3, size).T
+        start, basis = self.expected(on_a.points), self._basis(on_a.points)
+        size = basis.shape[2]
+        at_landmarks, at_model = self._basis(known[0]) / own.landmark_error, basis[chosen] / own.model_error
+        rows = np.concatenate([at_landmarks.reshape(-1, size), at_model.reshape(-1, size)])
+        to_landmarks = (known[1] - self.expected(known[0])) / own.landmark_error
+        to_model = (b.vertices[on_a.vertices[chosen]] - start[chosen]) / own.model_error
+        placed = rows.T @ rows + np.eye(size)
+        pull = rows.T @ np.concatenate([to_landmarks.ravel(), to_model.ravel()])
+        weights = _solution(placed, pull)
         moved = self.expected(a.vertices)
         to_scan = MatchRules("tree", own.to_scan_distance, own.to_scan_angle)
         for _ in range(own.rounds - 1):
@@ -144,11 +146,10 @@ class SkinMap:
             normals = _normals(self._rig, moved)[on_a.vertices]
             found = match(b.target, moved[on_a.vertices], normals, to_scan)
             trust = 1.0 / (1.0 + (found.distances / own.surface_scale) ** 2) / own.surface_error  # Geman-McClure's root
-            jacobian = np.concatenate([basis[found.vertices] * found.normals[:, [axis]] for axis in range(3)], axis=1)
-            jacobian *= trust[:, None]
-            depth = trust * np.einsum("mi,mi->m", found.normals, found.points - start[found.vertices])
-            hessian = placed + jacobian.T @ jacobian
-            weights = _solution(hessian, pull + jacobian.T @ depth).reshape(3, size).T
+            across = trust[:, None] * found.normals
+            jacobian = np.einsum("mik,mi->mk", basis[found.vertices], across)
+            depth = np.einsum("mi,mi->m", across, found.points - start[found.vertices])
+            weights = _solution(placed + jacobian.T @ jacobian, pull + jacobian.T @ depth)
         return weights
 
     def moved(self, points: Array) -> Array:
