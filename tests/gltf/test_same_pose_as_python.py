@@ -1,6 +1,7 @@
 """A viewer of our files draws what rig/skinning.py computes, to a micrometre."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -21,9 +22,13 @@ from breastrig.rig.skinning import pose
 MICROMETRE = 1e-6
 
 
-@pytest.fixture(scope="module", params=["toy", "torso"])
-def rig(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Rig:
-    return toy_rig() if request.param == "toy" else read_rig(default_rig_path())
+@pytest.fixture(scope="module", params=["toy", "torso", "dual quaternions"])
+def rig(request: pytest.FixtureRequest) -> Rig:
+    """The last one has layers, for viewers skin linearly."""
+    if request.param == "toy":
+        return toy_rig()
+    torso = read_rig(default_rig_path())
+    return torso if request.param == "torso" else replace(torso, skinning="dual_quaternion")
 
 
 def somewhere(rig: Rig, seed: int) -> RigParameters:

@@ -73,3 +73,10 @@ def rotation_from_quaternion(quaternions: Array) -> Array:
     q = quaternions / np.linalg.norm(quaternions, axis=-1, keepdims=True)
     cross = hat(q[..., :3])
     return np.asarray(np.eye(3) + 2.0 * q[..., 3:, None] * cross + 2.0 * (cross @ cross))
+
+
+def quaternion_product(left: Array, right: Array) -> Array:
+    """(…, 4) x y z w of (…, 4), or of (…, 3) vectors, whose w is 0."""
+    (a, v), (b, u) = ((each[..., 3:] if each.shape[-1] == 4 else 0.0, each[..., :3]) for each in (left, right))
+    real = a * b - (v * u).sum(axis=-1, keepdims=True)
+    return np.concatenate([a * u + b * v + np.cross(v, u), real], axis=-1)

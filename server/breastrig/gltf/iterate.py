@@ -15,9 +15,11 @@ from breastrig.gltf.container import BufferWriter, new_document, to_gltf
 from breastrig.gltf.document import Document
 from breastrig.gltf.lines.drawing_node import add_drawing, add_positions, drawing_node, positions_exact_in
 from breastrig.gltf.lines.ribbon import ribbons
-from breastrig.gltf.skinned import SkinnedNodes, add_skinned_rig, mesh_of, set_pose
+from breastrig.gltf.replay import add_skin_layers
+from breastrig.gltf.skinned import SkinnedNodes, add_skinned_rig, mesh_of, own_targets, set_pose
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
+from breastrig.rig.skinning import pose
 
 
 def model_buffer(rig: Rig) -> bytes:
@@ -48,6 +50,12 @@ def iterate_gltf(
         document.buffers[1].uri = drawing_uri
         _make_exact(document, skinned, rig, drawing, x)
     set_pose(document, skinned, rig, x)
+    if rig.skinning != "linear":
+        document.accessors, document.bufferViews = [*document.accessors], [*document.bufferViews]
+        document.meshes = [own_targets(mesh) for mesh in document.meshes]
+        layer = BufferWriter(document)
+        add_skin_layers(document, layer, skinned, rig, drawing if lines else None, [x], [pose(rig, x)])
+        document.buffers[-1].uri = _in_the_file(layer)
     return to_gltf(document)
 
 
@@ -61,8 +69,11 @@ def _make_exact(document: Document, skinned: SkinnedNodes, rig: Rig, drawing: Mo
     for primitive, place in zip(mesh.primitives, places, strict=True):
         found, bounds = primitive.attributes["POSITION"], fresh.accessors[place]
         document.accessors[found] = replace(document.accessors[found], min=bounds.min, max=bounds.max)
-    content = base64.b64encode(writer.content()).decode()
-    document.buffers[-1].uri = f"data:application/octet-stream;base64,{content}"
+    document.buffers[-1].uri = _in_the_file(writer)
+
+
+def _in_the_file(writer: BufferWriter) -> str:
+    return f"data:application/octet-stream;base64,{base64.b64encode(writer.content()).decode()}"
 
 
 @lru_cache(maxsize=8)

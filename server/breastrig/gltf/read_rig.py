@@ -222,6 +222,7 @@ def _assembled(side: RigFile, mesh: _SkinnedMesh, drawings: tuple[ModelDrawing, 
         regions={name: _indices(chosen, vertices, f"region {name}") for name, chosen in side.regions.items()},
         sha256=sha256,
         lengths=tuple(Length(**length.model_dump()) for length in side.lengths),
+        skinning=side.skinning,
     )
 
 

@@ -25,46 +25,55 @@ from breastrig.gltf.pose_nodes import node_poses
 from breastrig.gltf.skinned import SkinnedNodes, as_float32, mesh_of, set_pose, skinned_document
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
-from breastrig.rig.skinning import Posed
+from breastrig.rig.skinning import Posed, pose
 
 SKIN_LAYER = "skin_layer"
 
 
-def add_skin_layer(
+def add_skin_layers(
     document: Document,
     buffer: BufferWriter,
     skinned: SkinnedNodes,
     rig: Rig,
     drawing: ModelDrawing | None,
-    x: RigParameters,
-    surface: Array,
+    poses: Sequence[RigParameters],
+    surfaces: Sequence[Array],
 ) -> None:
-    """Adds the target, switched on, to the rig's mesh and its drawing's, both posed by `x` (m).
+    """Adds a target for each pose to the rig's mesh and its drawing's, the last one switched on.
 
-    `surface` (V, 3) m is where the layer has the skin in that pose.
+    `surfaces` (V, 3) m are where the skin is in these poses: off the model, or off what a viewer's linear skinning
+    makes of it.  The drawing is exact on the model in the last pose.
     """
-    posed = Posed(rig, x)
-    moves = np.einsum("vij,vj->vi", inverses(posed.linear), surface - posed.vertices)
-    turns = vertex_normals(posed.shaped + moves, rig.faces) - vertex_normals(posed.shaped, rig.faces)
     on_vertices = ARRAY_BUFFER
-    skin = mesh_of(document, skinned, rig.name)
-    layer = Attributes(
-        POSITION=buffer.add(as_float32(moves), target=on_vertices, bounds=True),
-        NORMAL=buffer.add(as_float32(turns), target=on_vertices),
-    )
-    skin.primitives[0].targets.append(layer)
-    skin.extras["targetNames"].append(SKIN_LAYER)
+    skins = [mesh_of(document, skinned, rig.name)]
     lines = () if drawing is None else ribbons(rig, drawing)
     if drawing is not None and lines:
-        mesh = mesh_of(document, skinned, drawing_node(drawing.name))
-        mesh.extras["targetNames"].append(SKIN_LAYER)
-        there, before = exact_in(rig, lines, x, surface), exact_in(rig, lines, x, posed.vertices)
-        for primitive, at, was in zip(mesh.primitives, there, before, strict=True):
-            place = buffer.add(as_float32(at - was), target=on_vertices, bounds=True)
-            primitive.targets.append(Attributes(POSITION=place))
+        skins.append(mesh_of(document, skinned, drawing_node(drawing.name)))
+        before = exact_in(rig, lines, poses[-1], pose(rig, poses[-1]))
+    for key, (x, surface) in enumerate(zip(poses, surfaces, strict=True), 1 - len(poses)):
+        posed = Posed(rig, x)
+        moves = np.einsum("vij,vj->vi", inverses(posed.linear), surface - posed.vertices)
+        turns = vertex_normals(posed.shaped + moves, rig.faces) - vertex_normals(posed.shaped, rig.faces)
+        layer = Attributes(
+            POSITION=buffer.add(as_float32(moves), target=on_vertices, bounds=True),
+            NORMAL=buffer.add(as_float32(turns), target=on_vertices),
+        )
+        skins[0].primitives[0].targets.append(layer)
+        if lines:
+            there = exact_in(rig, lines, x, surface)
+            for primitive, at, was in zip(skins[1].primitives, there, before, strict=True):
+                place = buffer.add(as_float32(at - was), target=on_vertices, bounds=True)
+                primitive.targets.append(Attributes(POSITION=place))
+        for mesh in skins:
+            mesh.extras["targetNames"].append(f"{SKIN_LAYER}{key or ''}")
     for node in document.nodes:
         if node.mesh is not None:
-            node.weights = [*(node.weights or []), 1.0]
+            node.weights = [*(node.weights or []), *_switched(len(poses) - 1, len(poses))]
+
+
+def _switched(on: int, count: int) -> list[float]:
+    """Weights of `count` layers, one of them on, none where `on` is before the first."""
+    return [float(layer == on) for layer in range(count)]
 
 
 FAR_FRAME = "scan_place"
@@ -82,7 +91,8 @@ def fitted_glb(
     """The rig posed by the last of the iterates (scan frame, m), with the animation "registration".
 
     `times_s` are the iterates' times since the start; `extras` join the notice in asset.extras; `surface` (V, 3) m is
-    the skin where a free-form layer has moved it off the last of the iterates.
+    the skin where a free-form layer has moved it off the last of the iterates.  Viewers skin linearly: a rig by dual
+    quaternions gets a layer for each iterate.
     """
     document, buffer, skinned = skinned_document(rig, extras)
     place = far_place(iterates[-1].translations)
@@ -94,10 +104,14 @@ def fitted_glb(
         add_drawing(document, buffer, skinned, rig, drawing, positions_exact_in(rig, drawing, iterates[-1]))
     set_pose(document, skinned, rig, iterates[-1])
     poses = [node_poses(rig, x) for x in iterates]
+    surfaces = [] if rig.skinning == "linear" else [pose(rig, x) for x in iterates]
     if surface is not None:
-        add_skin_layer(document, buffer, skinned, rig, drawing, iterates[-1], surface)
-        for key, pose in enumerate(poses):
-            pose[-1]["weights"] = [*pose[-1]["weights"], 1.0 if key == len(poses) - 1 else 0.0]
+        surfaces[-1:] = [surface]
+    if surfaces:
+        first = len(iterates) - len(surfaces)
+        add_skin_layers(document, buffer, skinned, rig, drawing, iterates[first:], surfaces)
+        for key, nodes in enumerate(poses):
+            nodes[-1]["weights"] = [*nodes[-1]["weights"], *_switched(key - first, len(surfaces))]
     document.animations = [_animation(document, buffer, skinned, poses, np.asarray(times_s, np.float64))]
     return to_glb(document, buffer)
 
@@ -127,12 +141,12 @@ def _animation(
             target = AnimationChannelTarget(node=node, path=path)
             animation.channels.append(AnimationChannel(sampler=sampler, target=target))
 
-    for index, pose in enumerate(poses[0]):
+    for index, posed in enumerate(poses[0]):
         for path in ("translation", "rotation", "scale"):
-            if path in pose:
+            if path in posed:
                 values = np.array([key[index][path] for key in poses], np.float32)
-                animate([skinned.nodes[pose["name"]]], path, _one_hemisphere(values) if path == "rotation" else values)
-        if pose.get("weights"):
+                animate([skinned.nodes[posed["name"]]], path, _one_hemisphere(values) if path == "rotation" else values)
+        if posed.get("weights"):
             moving = [node for node, entry in enumerate(document.nodes) if entry.mesh is not None]
             animate(moving, "weights", np.concatenate([key[index]["weights"] for key in poses]).astype(np.float32))
     return animation

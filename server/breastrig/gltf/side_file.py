@@ -8,6 +8,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, NonNegativeFloat, NonNegativeInt, PositiveFloat
 
+from breastrig.rig.model import Skinning
+
 RIG_SCHEMA = "breastrig/rig@1"
 DRAWING_SCHEMA = "breastrig/drawing@1"
 
@@ -88,6 +90,7 @@ class RigFile(FilePart):
     units: Units = Units()
     up: Literal["+Y"] = "+Y"
     front: Literal["+Z"] = "+Z"
+    skinning: Skinning = "linear"
     bones: list[BoneEntry] = Field(min_length=1)
     joints: list[JointEntry]
     shapes: list[ShapeEntry]

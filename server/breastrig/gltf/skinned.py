@@ -76,7 +76,7 @@ def skinned_document(rig: Rig, extras: dict[str, Any]) -> tuple[Document, Buffer
         materials=[*document.materials],
         asset=new_document(extras).asset,
         buffers=[replace(each) for each in document.buffers],
-        meshes=[_own_targets(each) for each in document.meshes],
+        meshes=[own_targets(each) for each in document.meshes],
         nodes=[replace(each, children=[*each.children]) for each in document.nodes],
         skins=[replace(each) for each in document.skins],
         scenes=[replace(each, nodes=[*each.nodes]) for each in document.scenes],
@@ -92,7 +92,7 @@ def _only_the_rig(rig: Rig) -> tuple[Document, BufferWriter, SkinnedNodes]:
     return document, buffer, add_skinned_rig(document, buffer, rig)
 
 
-def _own_targets(mesh: Mesh) -> Mesh:
+def own_targets(mesh: Mesh) -> Mesh:
     """A copy with its own list of shapes."""
     primitives = [replace(each, targets=[*each.targets]) for each in mesh.primitives]
     return replace(mesh, primitives=primitives, extras={"targetNames": [*mesh.extras["targetNames"]]})

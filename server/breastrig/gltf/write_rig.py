@@ -64,6 +64,7 @@ def _side_file(rig: Rig, license: str, provenance: Mapping[str, Any]) -> dict[st
             {"name": length.name, "label": length.label, "from": length.start, "to": length.end}
             for length in rig.lengths
         ],
+        **({} if rig.skinning == "linear" else {"skinning": rig.skinning}),
         "drawings": list(rig.drawing_names),
         "regions": {name: vertices.tolist() for name, vertices in sorted(rig.regions.items())},
         "symmetry": {"vertices": rig.mirror_vertices.tolist()},

@@ -15,12 +15,15 @@ R_j = Q_j, T_j = o_j, s_j = 1, which is the identity.
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
 from breastrig.core.arrays import Array, Integers, frozen
 from breastrig.geometry.normals import VertexNormals
 from breastrig.geometry.surface_points import ChordalDeviation, SurfacePoints
+
+Skinning = Literal["linear", "dual_quaternion"]  # how bones' motions are blended (skinning.py)
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,6 +128,7 @@ class Rig:
     regions: dict[str, Integers]  # named vertex sets, for instance breast_L
     sha256: str  # of the .glb and its side file
     lengths: tuple[Length, ...] = ()
+    skinning: Skinning = "linear"
     known: Mapping[str, str] = field(default_factory=dict)  # what has been estimated for it, see known.py
 
     def __post_init__(self) -> None:
@@ -174,6 +178,11 @@ class Rig:
     def weights_by_bone(self) -> Array:
         """(B, V): the skin weights laid out for the same loop."""
         return np.ascontiguousarray(self.skin_weights.T)
+
+    @cached_property
+    def main_bones(self) -> Integers:
+        """(V,) the bone that moves each vertex most."""
+        return np.asarray(self.skin_weights.argmax(axis=1))
 
     @cached_property
     def normals_at(self) -> VertexNormals:

@@ -10,7 +10,7 @@ from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.body_statistics import body_statistics
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
-from breastrig.rig.skinning import Posed
+from breastrig.rig.skinning import in_pose
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +48,7 @@ def parameters_by_name(rig: Rig, x: RigParameters, metres_per_unit: float, surfa
 
 def layer_at_rest(rig: Rig, x: RigParameters, surface: Array) -> Array:
     """(V, 3) m: how far a posed skin lies off the model, as moves of the rest pose."""
-    posed = Posed(rig, x)
+    posed = in_pose(rig, x)
     return np.asarray(np.linalg.solve(posed.linear, (surface - posed.vertices)[..., None])[..., 0])
 
 
@@ -67,7 +67,7 @@ def in_metres(rig: Rig, given: Parameters) -> RigParameters:
 
 def posed(rig: Rig, given: Parameters) -> Array:
     """(V, 3) in the parameters' unit: the skin, its layer with it."""
-    state = Posed(rig, in_metres(rig, given))
+    state = in_pose(rig, in_metres(rig, given))
     vertices = state.vertices
     if given.skin_layer is not None:
         if np.shape(given.skin_layer) != vertices.shape:

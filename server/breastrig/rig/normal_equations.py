@@ -30,6 +30,9 @@ TURNS = hat(np.eye(3))  # (3, 3, 3): ∂exp(ω)/∂ω_m at 0
 
 def normal_equations(posed: Posed, chosen: Integers, directions: Array, residual: Array) -> NormalEquations:
     """Of M residuals (M,) with the Jacobian directionsᵀ ∂M/∂x of the chosen vertices, one direction (M, 3) each."""
+    if posed.rig.skinning != "linear":
+        slopes = posed.rows(chosen, directions)
+        return NormalEquations(slopes.T @ slopes, slopes.T @ residual, 0.5 * float(residual @ residual))
     size, grouped = posed.x.dof + 1, vertex_groups(posed.rig)
     of_row = grouped.of_vertex[chosen]
     order = np.argsort(of_row, kind="stable")
@@ -94,6 +97,10 @@ def affine_steps(posed: Posed) -> Array:
 
 def vertex_variances(posed: Posed, covariance: Array) -> Array:
     """(V,) m², over all three axes, for a step with this (P, P) covariance."""
+    if posed.rig.skinning != "linear":
+        everyone = np.arange(len(posed.shaped))
+        by_axis = (posed.rows(everyone, np.tile(axis, (len(everyone), 1))) for axis in np.eye(3))
+        return np.asarray(sum(np.einsum("vp,vp->v", slopes @ covariance, slopes) for slopes in by_axis))
     grouped = vertex_groups(posed.rig)
     order = np.argsort(grouped.places)  # group after group
     sizes = np.bincount(grouped.of_vertex, minlength=len(grouped.groups))

@@ -1,4 +1,4 @@
-"""Equation 3 of the paper: blendshapes, then linear blend skinning, and its derivative.
+"""Equation 3 of the paper: blendshapes, then skinning, linear or by dual quaternions, and its derivative.
 
     M_i = Σ_j w_ij ( R_j S_j Q_jᵀ (B_i(α) − o_j) + T_j ),   B(α) = v + Σ_k α_k b_k     (2)
 
@@ -8,6 +8,12 @@ axis), and each row is assembled from the structure.  With u = Q_jᵀ(B − o_j)
 A_i = Σ_j w_ij R_j S_j Q_jᵀ:
 
     ∂/∂ω_j = w_ij p × e     ∂/∂T_j = w_ij d     ∂/∂s_j = w_ij e ∘ u     ∂/∂α_k = (A_iᵀ d) · b_ik
+
+Dual quaternions (Kavan, Collins, Žára and O'Sullivan, ACM Transactions on Graphics 27, 2008) blend rigid motions alone.
+So a body is stretched first, at rest, which is linear skinning with R_j = Q_j and T_j = o_j, and then moved (two
+layers, as there): with c = Σ_j w_ij (r_j, e_j), r_j the rotation R_j Q_jᵀ and e_j = (T_j r_j − r_j o_j) / 2,
+
+    M_i = (r x r* + 2 e r*) / |r|²      ∂(d · M_i)/∂e = 2 d r / |r|²      ∂/∂r = −2 (d (r x + e) + (d · M_i) r) / |r|²
 """
 
 from dataclasses import dataclass
@@ -16,6 +22,7 @@ from functools import cached_property
 import numpy as np
 
 from breastrig.core.arrays import Array, Integers
+from breastrig.geometry.rotations import quaternion_from_rotation, quaternion_product, rotation_from_quaternion
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import BONE_DOFS, RigParameters
 
@@ -35,7 +42,7 @@ def bone_matrices(rig: Rig, x: RigParameters) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class Posed:
-    """A rig in one pose, with the pieces its derivative shares."""
+    """A rig in one pose by linear skinning, as glTF has it, with the pieces its derivative shares."""
 
     rig: Rig
     x: RigParameters
@@ -87,6 +94,83 @@ class Posed:
         return columns.T
 
 
+class PosedByDualQuaternions(Posed):
+    """The same by dual quaternions; of quaternions and vectors in the comments at the head of this module."""
+
+    @cached_property
+    def _stretched(self) -> Posed:
+        """The first layer: every bone at rest but for its scale."""
+        rest = RigParameters(self.rig.rest_rotations, self.rig.rest_origins, self.x.scales, self.x.weights)
+        return Posed(self.rig, rest)
+
+    @cached_property
+    def _turns(self) -> Array:
+        """(B, 4): r_j."""
+        return quaternion_from_rotation(self.x.rotations @ self.rig.rest_rotations.transpose(0, 2, 1))
+
+    @cached_property
+    def _weights(self) -> Array:
+        """(V, B): skin weights, negative where a bone's quaternion is on the far side of the vertex's main bone's."""
+        alike = self._turns @ self._turns.T
+        return np.asarray(self.rig.skin_weights * np.where(alike < 0.0, -1.0, 1.0)[self.rig.main_bones])
+
+    @cached_property
+    def _blended(self) -> Array:
+        """(V, 8): r and e, divided by |r|."""
+        turns = self._turns
+        away = quaternion_product(self.x.translations, turns) - quaternion_product(turns, self.rig.rest_origins)
+        both = self._weights @ np.concatenate([turns, 0.5 * away], axis=1)
+        return np.asarray(both / self._lengths(both))
+
+    @staticmethod
+    def _lengths(both: Array) -> Array:
+        return np.asarray(np.linalg.norm(both[:, :4], axis=1, keepdims=True))
+
+    @cached_property
+    def _turned(self) -> Array:
+        """(V, 3, 3) rotations of the second layer."""
+        return rotation_from_quaternion(self._blended[:, :4])
+
+    @cached_property
+    def linear(self) -> Array:
+        return np.asarray(self._turned @ self._stretched.linear)
+
+    @cached_property
+    def vertices(self) -> Array:
+        r, e = self._blended[:, :4], self._blended[:, 4:]
+        moved = quaternion_product(2.0 * e, r * [-1.0, -1.0, -1.0, 1.0])[:, :3]
+        return np.asarray(np.einsum("vij,vj->vi", self._turned, self._stretched.vertices) + moved)
+
+    def rows(self, chosen: Integers, directions: Array) -> Array:
+        rig, x = self.rig, self.x
+        bones, count = len(rig.bones), len(chosen)
+        result = self._stretched.rows(chosen, np.einsum("mij,mi->mj", self._turned[chosen], directions))
+        r, e = self._blended[chosen, :4], self._blended[chosen, 4:]
+        along = np.einsum("mi,mi->m", directions, self.vertices[chosen])[:, None]
+        inside = quaternion_product(r, self._stretched.vertices[chosen]) + e
+        slopes = 2.0 * np.concatenate(
+            [-quaternion_product(directions, inside) - along * r, quaternion_product(directions, r)], axis=1
+        )
+        turns, weights = self._turns, self._weights
+        slopes /= self._lengths(weights[chosen] @ turns)
+        spins = 0.5 * quaternion_product(turns[:, None], rig.rest_rotations.transpose(0, 2, 1))  # (B, 3, 4): ∂r_j/∂ω_j
+        swung = quaternion_product(x.translations[:, None], spins) - quaternion_product(
+            spins, rig.rest_origins[:, None]
+        )
+        steps = np.zeros((bones, 6, 8))
+        steps[:, :3] = np.concatenate([spins, 0.5 * swung], axis=2)
+        steps[:, 3:, 4:] = 0.5 * quaternion_product(np.eye(3), turns[:, None])
+        blocks = result[:, : BONE_DOFS * bones].reshape(count, bones, BONE_DOFS)
+        blocks[:, :, :6] = np.einsum("mb,bkq,mq->mbk", weights[chosen], steps, slopes, optimize=True)
+        result[:, : BONE_DOFS * bones] = blocks.reshape(count, -1)
+        return result
+
+
+def in_pose(rig: Rig, x: RigParameters) -> Posed:
+    """The rig as it says that it is skinned."""
+    return (Posed if rig.skinning == "linear" else PosedByDualQuaternions)(rig, x)
+
+
 def pose(rig: Rig, x: RigParameters) -> Array:
     """(V, 3) m: equation 3."""
-    return Posed(rig, x).vertices
+    return in_pose(rig, x).vertices

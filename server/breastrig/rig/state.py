@@ -10,7 +10,7 @@ from breastrig.core.arrays import Array
 from breastrig.rig.joints import JointMotion, Joints
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
-from breastrig.rig.skinning import Posed
+from breastrig.rig.skinning import Posed, in_pose
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class BodyState:
     @cached_property
     def posed(self) -> Posed:
         """The surface in this pose, with its derivative."""
-        return Posed(self.rig, self.x)
+        return in_pose(self.rig, self.x)
 
     @property
     def vertices(self) -> Array:

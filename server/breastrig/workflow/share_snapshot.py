@@ -24,7 +24,7 @@ from breastrig.gltf.link_mesh import coloured_mesh, plain_mesh
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.replay import fitted_glb
 from breastrig.report.files.geometry_files import surface_ply
-from breastrig.rig.skinning import Posed
+from breastrig.rig.skinning import in_pose
 from breastrig.scan.hand_cuts import are_cut
 from breastrig.scan.read import read_scan
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of, still_visible
@@ -56,7 +56,7 @@ def snapshot_files(job: SnapshotJob) -> dict[str, bytes]:
     """
     rig = read_rig(job.model or default_rig_path())
     fit = still_visible(fit_folder_of(job.fit, rig), job.cuts)
-    alone = Posed(rig, fit.parameters).vertices
+    alone = in_pose(rig, fit.parameters).vertices
     cut = are_cut(fit.vertices, job.cuts)  # of the model: there the skin is gone, and the layer with it
     surface = np.where(cut[:, None], alone, fit.vertices) if job.shows_scan else alone
     plan = _plan(job)
@@ -129,7 +129,7 @@ def _laid_on(search: ClosestPointSearch, document: dict[str, Any], unit: str) ->
 def _fitted_glb(fit: FitFolder, surface: Array, plan: dict[str, Any], own: dict[str, Any]) -> bytes:
     """The posed rig with the lines; the way there, iteration by iteration, is the owner's alone."""
     names = {line.name for line in planned_on_scan(plan)}
-    refined = fit.result.refined and not np.array_equal(surface, Posed(fit.rig, fit.parameters).vertices)
+    refined = fit.result.refined and not np.array_equal(surface, in_pose(fit.rig, fit.parameters).vertices)
     extras = {"preset": fit.result.preset} | ({"predicted": True} if fit.result.predicted else {})
     glb = fitted_glb(fit.rig, [fit.parameters], [0.0], None, extras, surface if refined else None)
     return planned_glb(glb, plan, [line for line in planned_on_scan(own) if line.name not in names])
