@@ -2,12 +2,12 @@
 
     python model_assets/make_poses.py DIR/poses
     breastrig evaluate --warped 24 COHORT -o DIR --quick
-    python -m breastrig_studies.stance_signs DIR/poses DIR/warped [--sealed]
+    python -m breastrig_studies.stance_signs DIR/poses DIR/warped
 
 Of each scan the table is cut away; taken are the whole and its left half.  Printed are the signs' numbers, from the
 choosing women, and how many answers are wrong, said to be unsure or not: in the choosing group each woman by the
-others, else by the numbers that are kept.  The sealed women are looked at when they are asked for.  Fits that went
-astray, whose stance says nothing, are left out.
+others, else by the numbers that are kept.  Fits that went astray, whose stance says nothing, are left out, and so are
+sealed women (evaluate --sealed).
 """
 
 import json
@@ -62,14 +62,14 @@ def scans_without_table(case: Case) -> Iterator[tuple[str, Scene, PreparedScan]]
         yield "half", scene, prepared(Surface(*compact(skin.vertices, skin.faces[kept]), ()), "auto")
 
 
-def signs_of_scans(folder: Path, groups: Sequence[str], rig: Rig) -> Iterator[ScanSigns]:
-    """All scans of these groups that are placed; each is kept beside the folder, so that it is fitted once."""
+def signs_of_scans(folder: Path, rig: Rig) -> Iterator[ScanSigns]:
+    """All scans that are placed and not sealed; each is kept beside the folder, so that it is fitted once."""
     recipe, kept = load_recipe("default"), folder.parent / f"signs_{folder.name}"
     kept.mkdir(exist_ok=True)
     for case in read_cohort(folder):
         patient = json.loads((folder / case.patient / "patient.json").read_text("utf-8"))
         file = kept / f"{case.patient}_{case.name}.json"
-        if patient["half"] not in groups:
+        if case.sealed:
             continue
         if not file.is_file():
             found = []
@@ -138,10 +138,10 @@ def say(lines: Iterable[str]) -> None:
     sys.stdout.writelines(f"{line}\n" for line in lines)
 
 
-def main(folders: Sequence[Path], groups: Sequence[str]) -> None:
+def main(folders: Sequence[Path]) -> None:
     """Measures what is not measured yet, and prints."""
     rig, kept = read_rig(default_rig_path()), stance_signs()
-    scans = [each for folder in folders for each in signs_of_scans(folder, groups, rig)]
+    scans = [each for folder in folders for each in signs_of_scans(folder, rig)]
     choosing = [s for s in scans if s.half == "choose"]
     whole = estimated(choosing, kept)
     say([f"constant = {whole.constant:.3g}"])
@@ -152,12 +152,11 @@ def main(folders: Sequence[Path], groups: Sequence[str]) -> None:
     }
     say(["choosing group, each woman by the others"])
     say(table(choosing, np.array([by_others[s.source].log_odds(s.signs) for s in choosing]), kept.unsure))
-    for group in groups:
+    for group in GROUPS:
         its = [s for s in scans if s.half == group]
         say([f"the kept numbers, group: {group}"])
         say(table(its, np.array([kept.log_odds(s.signs) for s in its]), kept.unsure))
 
 
 if __name__ == "__main__":
-    asked = [Path(each) for each in sys.argv[1:] if each != "--sealed"]
-    main(asked, (*GROUPS, "sealed") if "--sealed" in sys.argv else GROUPS)
+    main([Path(each) for each in sys.argv[1:]])
