@@ -55,24 +55,24 @@ OTHER, PICKED, HIDDEN, ALONE = "other", "shown", "hidden", "without_picks"
 class Found:
     """What all fits say."""
 
-    needed: dict[tuple[str, str, str], list[Array]] = field(default_factory=lambda: defaultdict(list))
+    needed: dict[tuple[str, str, str, str], list[Array]] = field(default_factory=lambda: defaultdict(list))
     signals: list[FitSignals] = field(default_factory=list)
     margins: dict[bool, list[float]] = field(default_factory=lambda: {True: [], False: []})  # of right and wrong fits
 
     def misfit(self, part: str, name: str, how: str) -> float:
-        """m, root mean square distance that makes the radii hold HELD of these places.
+        """m, root mean square distance that makes the radii hold HELD of these places, whatever the picks are.
 
         Of those of OTHER names where there are none, and at last of those that are known another way.
         """
         for named, known in ((name, how), (None, how), (None, None)):
-            every = [
-                values
-                for (p, n, h), values in self.needed.items()
-                if p == part and named in (None, n) and known in (None, h)
-            ]
-            squares = np.concatenate([np.zeros(0), *(each for values in every for each in values)])
-            if len(squares):
-                return round(float(np.sqrt(max(np.quantile(squares, HELD), 0.0))), 4)
+            kinds: dict[str, list[Array]] = defaultdict(list)
+            for (p, n, h, kind), values in self.needed.items():
+                if p == part and named in (None, n) and known in (None, h):
+                    kinds[kind] += values
+            squares = [each for each in map(np.concatenate, kinds.values()) if len(each)]
+            if squares:
+                most = max(float(np.quantile(each, HELD)) for each in squares)
+                return round(float(np.sqrt(max(most, 0.0))), 4)
         return 0.0
 
 
@@ -80,6 +80,7 @@ class Found:
 class Trial:
     """One fit of a scene: how far off (m) and how well known (m²) its places are."""
 
+    kind: str  # of picks
     picks: frozenset[str]
     landmarks: dict[str, tuple[float, float]]
     vertices: tuple[Array, Array]  # (V,) each
@@ -134,7 +135,10 @@ def _trials(scene: Scene, rig: Rig, recipe: Recipe, true: ReferenceFit | None) -
     shown = {n: at for (n, at), gap in zip(scene.landmarks.items(), gaps, strict=True) if gap < SHOWN}
     clicked = {name: scene.along_the_skin(at, CLICK_ERROR, rng) for name, at in shown.items()}
     halves = [dict(list(shown.items())[first::2]) for first in (0, 1)]
-    for picks in ({}, *(each for each in (shown, clicked, *halves) if len(each) >= MIN_LANDMARKS)):
+    kinds = [("none", {}), ("exact", shown), ("clicked", clicked), *(("half", each) for each in halves)]
+    for kind, picks in kinds:
+        if kind != "none" and len(picks) < MIN_LANDMARKS:
+            continue
         start = scene.place(rig) if not picks else None
         first = start.parameters if start is not None else scene.start(rig, picks)
         task = FitTask(rig, scene.target, first, recipe, picks, scene.case.stance)
@@ -146,6 +150,7 @@ def _trials(scene: Scene, rig: Rig, recipe: Recipe, true: ReferenceFit | None) -
         names = tuple(scene.landmarks)
         off = scene.landmark_errors(rig, posterior.state.vertices, names).tolist()
         yield Trial(
+            kind,
             frozenset(picks),
             dict(zip(names, zip(off, posterior.landmark_variances(names).tolist(), strict=True), strict=True)),
             (np.linalg.norm(posterior.state.vertices - true.vertices, axis=1), posterior.vertex_variances()),
@@ -179,13 +184,13 @@ def add(found: Found, rig: Rig, trial: Trial, usual: float) -> None:
     for name, (error, variance) in trial.landmarks.items():
         how = ALONE if not trial.picks else PICKED if name in trial.picks else HIDDEN
         place = (error / (HOLDS_90 * scatter)) ** 2 - stretch * variance
-        found.needed["landmarks", split_side(name)[0], how].append(np.array([place]))
+        found.needed["landmarks", split_side(name)[0], how, trial.kind].append(np.array([place]))
     errors, variances = trial.vertices
     for how, part in ((PICKED, trial.seen), (HIDDEN, ~trial.seen)) if trial.picks else ():
         larger = scatter if how == PICKED else max(scatter, 1.0)
         need = (errors / (HOLDS_90 * larger)) ** 2 - stretch * variances
         for name, members in _regions(rig).items():
-            found.needed["regions", name, how].append(need[members[part[members]]])
+            found.needed["regions", name, how, trial.kind].append(need[members[part[members]]])
     found.signals.append(trial.signals)
 
 
@@ -246,7 +251,10 @@ def _verdict(found: Found, stances: set[str]) -> dict[str, Any]:
             check, no_torso = (middle + times * (worst - middle) for times in (CHECK, NO_TORSO))
             if check == no_torso:
                 continue  # all fits are alike: it says nothing
-            least = {"check": max(check, 0.0), "no_torso": max(no_torso, 0.0)}
+            least = {
+                "check": max(check, 0.0),
+                "no_torso": 0.0 if limit.scan_alone else max(no_torso, 0.0),
+            }  # a part is one
             rounded = {key: float(f"{value:.3g}") for key, value in least.items()}
             if rounded["check"] != rounded["no_torso"]:
                 signals[name] = limit.model_copy(update=rounded | {"hanging": None})

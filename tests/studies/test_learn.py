@@ -15,7 +15,7 @@ from breastrig.fitting.verdicts.verdict import verdict_limits
 from breastrig.gltf.read_rig import read_rig
 from breastrig_studies import learn
 
-SIGNALS = FitSignals(0.6, 0.9, 0.0024, 0.004, 0.17, 0.0035, 0.99, 1.0, 0.11, 0.07)
+SIGNALS = FitSignals(0.6, 0.9, 0.0024, 0.004, 0.17, 0.99, 1.0, 0.11, 0.07)
 MISFITS = {"shown": 0.003, "hidden": 0.008}  # m, in truth
 VARIANCE = 0.002**2  # m²
 
@@ -32,9 +32,12 @@ def test_radii_hold_nine_of_ten_places_and_limits_are_those_that_people_chose(tm
     for k in range(40):
         off = np.where(seen, errors(MISFITS["shown"], count), errors(MISFITS["hidden"], count))
         landmarks = {name: (float(errors(0.003, 1)[0]), VARIANCE) for name in rig.landmark_names}
-        worst = replace(SIGNALS, distance_p95=0.0033, scan_p95=0.0053, explained=0.975) if k == 7 else SIGNALS
+        worst = replace(SIGNALS, distance_p95=0.0033, beyond=0.014, explained=0.975) if k == 7 else SIGNALS
         picks = frozenset(rig.landmark_names) if k % 2 else frozenset()
-        trial = learn.Trial(picks, landmarks, (off, np.full(count, VARIANCE)), seen, 1.0, worst, None if picks else 0.4)
+        kind = "exact" if picks else "none"
+        trial = learn.Trial(
+            kind, picks, landmarks, (off, np.full(count, VARIANCE)), seen, 1.0, worst, None if picks else 0.4
+        )
         learn.add(found, rig, trial, usual=1.0)
     astray = replace(trial, landmarks=dict.fromkeys(landmarks, (0.2, VARIANCE)), margin=0.25)
     learn.add(found, rig, astray, usual=1.0)
@@ -48,8 +51,8 @@ def test_radii_hold_nine_of_ten_places_and_limits_are_those_that_people_chose(tm
         radius = HOLDS_90 * np.sqrt(VARIANCE + misfit**2)
         assert np.mean(errors(MISFITS[name], 20000) <= radius) == pytest.approx(0.9, abs=0.02)
     assert known.without_picks.clear == pytest.approx(0.325)  # wrong fits were as clear as 0.25
-    chosen = {"distance_p95": (0.00375, 0.006), "scan_p95": (0.0062, 0.0107), "explained": (0.9675, 0.93)}
-    for name, pair in chosen.items():  # by hand the torso has 4 and 6 mm, 6 and 20 mm, 0.96 and 0.85
+    chosen = {"distance_p95": (0.00375, 0.006), "beyond": (0.019, 0.044), "explained": (0.9675, 0.93)}
+    for name, pair in chosen.items():  # by hand the torso has 4 and 6 mm, 0.02 and 0.05, 0.96 and 0.85
         assert (limits.signals[name].check, limits.signals[name].no_torso) == pytest.approx(pair, rel=2e-3)
     assert "stretch" not in limits.signals  # all fits were alike
 

@@ -23,6 +23,7 @@ test.afterAll(async () => {
 
 test("a forearm is fitted, drawn on, measured and reported", async ({ page, base, troubles }) => {
   await page.goto(base);
+  await expect(page.getByRole("combobox", { name: "Model" })).toBeHidden(); // there is but this one
   await page.locator("#scan-file").setInputFiles(join(folder, "scan.ply"));
   await hook.ready(page);
   await page.getByRole("button", { name: "Size and direction are right" }).click();

@@ -16,7 +16,7 @@ export function scanInfo(id: string): Scan {
   const links = { self: `/api/scans/${id}`, mesh: `/api/scans/${id}/mesh.glb`, landmarks: `/api/scans/${id}/landmarks`, drawing: `/api/scans/${id}/drawing`, patient: `/api/patients/of-${id}`, plan: `/api/patients/of-${id}/plan` };
   const stance = { proposed: "standing", reason: "" };
   const frame = { up: [0, 1, 0] as Vector, front: [0, 0, 1] as Vector, confidence: 1, reason: "" };
-  return { id, patient: `of-${id}`, patient_code: `code of ${id}`, created_at: "2026-11-25T09:00:00.000Z", unit: "m", frame, stance, links, colours: "none", notes: [], triangles: 1 } as unknown as Scan;
+  return { id, patient: `of-${id}`, patient_code: `code of ${id}`, created_at: "2026-11-25T09:00:00.000Z", unit: "m", model: "torso", frame, stance, links, colours: "none", notes: [], triangles: 1 } as unknown as Scan;
 }
 
 export function fitLinks(id: string) {
@@ -82,7 +82,7 @@ export function fakePlans() {
 export function page(answers: Partial<Client> = {}) {
   vi.stubGlobal("EventSource", FakeEventSource);
   const landmarks = NAMES.map((name) => ({ name, label: name }) as LandmarkDefinition);
-  const store = createStore<Session>({ ...initialSession, meta: { landmarks } as Session["meta"] }, withPlacingView);
+  const store = createStore<Session>({ ...initialSession, meta: { landmarks, model: { name: "torso" } } as Session["meta"] }, withPlacingView);
   const client = {
     mesh: async () => new ArrayBuffer(8),
     cuts: async () => ({ cuts: [], digest: "" }),

@@ -1,8 +1,10 @@
 """What the views of one app share: its settings, service, model and counters, found from the request at hand."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
+from pathlib import Path
+from typing import Any
 
 from flask import Response, current_app
 
@@ -38,6 +40,11 @@ class AppContext:
             return self.model
         return _read_once(self.service.models, sha256)
 
+    def model_of(self, facts: Mapping[str, Any]) -> ServedModel:
+        """That of a scan by what is kept of it."""
+        own, glb = (self.service.models.path_of(each) for each in ({}, facts))
+        return self.model if glb == own else _served_once(glb)
+
     def patients_file(
         self, scans: Collection[str], file: OpenedFile, media_type: str, download_as: str | None = None
     ) -> Response:
@@ -50,6 +57,11 @@ class AppContext:
 def _read_once(models: KeptModels, sha256: str) -> ServedModel:
     with models.at_hand(sha256) as glb:
         return serve_model(glb)
+
+
+@lru_cache(maxsize=4)
+def _served_once(glb: Path | None) -> ServedModel:
+    return serve_model(glb)
 
 
 def app_context() -> AppContext:

@@ -62,7 +62,7 @@ def _stamp(file: Path) -> tuple[int, ...] | None:
     return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns
 
 
-@lru_cache(maxsize=2)  # of a process: the model of a service, and the one that a test or a program tries beside it
+@lru_cache(maxsize=4)  # of a process: the models of a service, and one that a test or a program tries beside them
 def _read(glb: Path, drawing_paths: tuple[Path, ...], _stamps: tuple[tuple[int, ...] | None, ...]) -> Rig:
     files = {"glb": glb, "json": glb.with_suffix(".json")}
     data = {kind: _bytes(path) for kind, path in files.items()}

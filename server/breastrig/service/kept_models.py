@@ -8,17 +8,21 @@ import io
 import json
 import logging
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
-from breastrig.core.errors import BadInput
+from breastrig.core.errors import BadInput, NotFound, unknown_name
+from breastrig.core.model_choice import FACT, model_choice
 from breastrig.core.scratch import scratch_folder
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.storage.files import MODELS
 from breastrig.storage.rows.events import event_of_kind
+from breastrig.storage.rows.fits import get_fit
+from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
 
 LONG_AGO = (1980, 1, 1, 0, 0, 0)  # of all entries, so that the same files are the same bytes
@@ -33,11 +37,39 @@ class KeptModels:
 
     def __init__(self, storage: Storage, model: Path | None) -> None:
         self._storage = storage
-        self._model = model
+        self._choice = model_choice(model)
 
     @cached_property
     def _own(self) -> Rig:
         return read_rig(self._glb)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Of all that can be chosen, the service's own first."""
+        return (self._own.name, *self._choice.others)
+
+    def facts_of(self, name: str | None) -> dict[str, str]:
+        """What is kept of a scan that shall be fitted with the model of that name (None: the service's own).
+
+        Raises NotFound.
+        """
+        if name is not None and name not in self.names:
+            raise NotFound(unknown_name("model", name, self.names))
+        return {FACT: name} if name in self._choice.others else {}
+
+    def name_of(self, facts: Mapping[str, Any]) -> str:
+        """Of the model of a scan by what is kept of it."""
+        found = facts.get(FACT, "")
+        return found if found in self._choice.others else self._own.name
+
+    def path_of(self, facts: Mapping[str, Any]) -> Path | None:
+        """Its .glb; None: the package's torso."""
+        return self._choice.of(facts)
+
+    @cached_property
+    def _paths(self) -> dict[str, Path]:
+        """The .glb of each by its hash."""
+        return {read_rig(glb).sha256: glb for glb in (self._glb, *self._choice.others.values())}
 
     @property
     def own_sha256(self) -> str:
@@ -45,28 +77,31 @@ class KeptModels:
         return self._own.sha256
 
     def keep(self) -> None:
-        """Keeps the service's own model, unless it is kept already; a full disk is only logged."""
+        """Keeps the service's own models, unless they are kept already; a full disk is only logged."""
         try:
-            packed, name = _packed(self._glb), _name(self.own_sha256)
-            kept = self._storage.files.find(MODELS, name)
-            if kept is None or kept.size != len(packed):
-                self._storage.files.write(MODELS, name, packed)
+            for sha256, glb in self._paths.items():
+                packed, name = _packed(glb), _name(sha256)
+                kept = self._storage.files.find(MODELS, name)
+                if kept is None or kept.size != len(packed):
+                    self._storage.files.write(MODELS, name, packed)
         except OSError as error:
             log.warning("the model could not be kept beside its fits: %s", error.strerror)
 
     def sha256_of(self, fit_id: str) -> str:
-        """Of the model that the fit was made with; the service's own for one that has not started."""
+        """Of the model that the fit was made with; its scan's for one that has not started."""
         started = event_of_kind(self._storage, fit_id, "started")
-        return self.own_sha256 if started is None else str(json.loads(started.json)["model_sha256"])
+        if started is None:
+            scan = get_scan(self._storage, get_fit(self._storage, fit_id).scan)
+            return read_rig(self.path_of(scan.facts) or default_rig_path()).sha256
+        return str(json.loads(started.json)["model_sha256"])
 
     def check_predicts(self, fit_id: str) -> None:
         """Raises BadInput when no other stance can be predicted from a fit."""
-        if self.sha256_of(fit_id) != self.own_sha256:
+        glb = self._paths.get(self.sha256_of(fit_id))
+        if glb is None:
             raise BadInput("This fit was made with another version of the model; fit the scan again, then predict.")
-        if GRAVITY not in self._own.known:
-            raise BadInput(
-                f"What gravity does to {self._own.name} is not known; only the package's own model predicts."
-            )
+        if GRAVITY not in read_rig(glb).known:
+            raise BadInput(f"What gravity does to {glb.stem} is not known; only the package's own model predicts.")
 
     @contextmanager
     def of_fits(self, fit_ids: Sequence[str]) -> Iterator[Path | None]:
@@ -83,9 +118,10 @@ class KeptModels:
     @contextmanager
     def at_hand(self, sha256: str) -> Iterator[Path | None]:
         """The model with that hash, inside the block; the service's own where it is not kept."""
-        kept = None if sha256 == self.own_sha256 else self._storage.files.find(MODELS, _name(sha256))
+        own = self._paths.get(sha256)
+        kept = None if own else self._storage.files.find(MODELS, _name(sha256))
         if kept is None:
-            yield self._model
+            yield self._choice.own if own in (None, self._glb) else own
             return
         with scratch_folder() as folder:
             with kept.open() as file, zipfile.ZipFile(file) as packed:
@@ -94,7 +130,7 @@ class KeptModels:
 
     @property
     def _glb(self) -> Path:
-        return self._model or default_rig_path()
+        return self._choice.own or default_rig_path()
 
 
 def _name(sha256: str) -> str:

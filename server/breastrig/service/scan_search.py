@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from breastrig.core.errors import BadScan, BreastRigError, FitFailed, NotFound
+from breastrig.core.model_choice import ModelChoice
 from breastrig.core.picks import Picks
 from breastrig.execution.executor import Executor
 from breastrig.scan.hand_cuts import are_cut
@@ -202,11 +203,11 @@ class Proposals(ScanSearch):
     instead = "Place them by hand."
 
     def __init__(
-        self, storage: Storage, processes: Executor, wall_s: float, proposer: Proposer, model: Path | None
+        self, storage: Storage, processes: Executor, wall_s: float, proposer: Proposer, models: ModelChoice
     ) -> None:
         super().__init__(storage, processes, wall_s)
         self._proposer = proposer
-        self._model = model
+        self._models = models
 
     def of(self, scan: ScanRow, model_sha256: str, wait_s: float) -> dict[str, Any] | None:
         """What this model proposes; as `get`."""
@@ -239,4 +240,5 @@ class Proposals(ScanSearch):
     def _task(self, file: Path, scan: ScanRow) -> Task:
         cuts = get_cuts(self._storage, scan.id)
         orientation = None if cuts else scan.facts.get("orientation")  # that is of the whole scan
-        return self._proposer, ProposeJob(file, scan.file_type, scan.facts["unit"], self._model, orientation, cuts)
+        model = self._models.of(scan.facts)
+        return self._proposer, ProposeJob(file, scan.file_type, scan.facts["unit"], model, orientation, cuts)

@@ -21,6 +21,7 @@ from typing import IO, Any
 
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadInput, BadScan, Conflict, NotFound, NotRemoved, unknown_name
+from breastrig.core.model_choice import model_choice
 from breastrig.core.picks import Points
 from breastrig.core.stances import Stance
 from breastrig.execution.executor import Executor
@@ -101,11 +102,11 @@ class Service:
         self._workers = executor or self.pool.lane(fit_limits.workers, fit_limits.memory_bytes)
         simulations = executor or self.pool.lane(1, fit_limits.memory_bytes)
         runners = Runners(runner, pair_runner, predictor)
-        self._queue = FitQueue(storage, self._workers, simulations, fit_limits, runners, model)
+        self._choice = model_choice(model)
+        self._queue = FitQueue(storage, self._workers, simulations, fit_limits, runners, self._choice)
         self.readiness = Readiness(storage, {"read uploads": self._readers, "fit": self._workers})
         self._waiting = WaitingCap(storage, fit_limits.waiting_per_client)
-        self._model = model
-        self.proposals = Proposals(storage, self._others, self._uploads.wall_s, proposer, model)
+        self.proposals = Proposals(storage, self._others, self._uploads.wall_s, proposer, self._choice)
         self.ink = InkSearch(storage, self._others, self._uploads.wall_s)
         self.models = KeptModels(storage, model)
         self.plans = Plans(storage, self._others, self.models)
@@ -155,12 +156,15 @@ class Service:
         """Ends every open stream, so that the server's threads are free to go."""
         self._notifier.stop()
 
-    def add_scan(self, source: IO[bytes], file_type: str, units: str, patient: str | None = None) -> ScanRow:
+    def add_scan(
+        self, source: IO[bytes], file_type: str, units: str, patient: str | None = None, model: str | None = None
+    ) -> ScanRow:
         """Reads an upload and keeps what was read of it, without names, comments and picture metadata.
 
-        It is a scan of that patient, or of a new one.  Raises BadScan or TooLarge with a sentence, or NotFound for an
-        unknown patient, and then keeps nothing.
+        It is a scan of that patient, or of a new one, to be fitted with the model of that name.  Raises BadScan or
+        TooLarge with a sentence, or NotFound for an unknown patient or model, and then keeps nothing.
         """
+        chosen = self.models.facts_of(model)
         if patient is not None:
             get_patient(self.storage, patient)
         scan_id = new_id()
@@ -173,12 +177,12 @@ class Service:
                 sha256 = _keep(source, upload)
                 kept = draft.folder / upload_name(STORED)
                 mesh, small = draft.folder / MESH, draft.folder / THUMBNAIL
-                job = UploadJob(upload, units, kept, mesh, small, self._uploads.triangles, self._model)
+                job = UploadJob(upload, units, kept, mesh, small, self._uploads.triangles, self._choice.of(chosen))
                 facts = self._read(scan_id, job)
                 upload.unlink()
                 draft.keep()
             lesions: list[dict[str, Any]] = facts.pop("lesions", [])
-            row = ScanRow(scan_id, utc_now(), STORED, sha256, facts)
+            row = ScanRow(scan_id, utc_now(), STORED, sha256, facts | chosen)
             scan_rows.add_scan(self.storage, row, patient)
             if lesions:
                 items = [{"kind": "lesion", "id": new_id(), "scan": scan_id, **each} for each in lesions]

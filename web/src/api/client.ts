@@ -113,7 +113,8 @@ const tagged = async (answer: Response): Promise<StoredLandmarks> => ({
 });
 
 export const client = {
-  meta: () => askJson<Meta>("/api/meta"),
+  /** With what the model of that name has; without a name with what the first one has. */
+  meta: (model?: string) => askJson<Meta>(model === undefined ? "/api/meta" : `/api/meta?model=${id(model)}`),
   examples: async () => (await askJson<{ examples: Example[] }>("/api/examples")).examples,
   importExample: (name: string) => askJson<ExampleScan>(`/api/examples/${id(name)}`, "POST"),
   model: async (sha256: string): Promise<Model> => {
@@ -228,10 +229,11 @@ export const client = {
 export type Client = typeof client;
 
 /** Sends a scan; `progress` gets the share that has left this machine (fetch does not report it, hence XMLHttpRequest). */
-function upload(file: File, units: UnitChoice, progress: (share: number) => void): Promise<Scan> {
+function upload(file: File, units: UnitChoice, model: string | undefined, progress: (share: number) => void): Promise<Scan> {
   return new Promise((resolve, reject) => {
     const form = new FormData();
     form.append("units", units);
+    if (model !== undefined) form.append("model", model);
     form.append("file", file);
     const request = new XMLHttpRequest();
     request.open("POST", "/api/scans");

@@ -172,6 +172,8 @@ export type ExampleScan = {
   stance: Stance;
   /** ISO 8601, UTC */
   created_at: string;
+  /** name of the model that it is fitted with */
+  model: string;
   links: ScanLinks;
   /** the example's own picks; offered, not stored */
   example_landmarks: LandmarkFile;
@@ -582,6 +584,8 @@ export type Meta = {
   limits: Limits;
   units: string[];
   model: ModelSummary;
+  /** names of those that a scan can be uploaded for */
+  models: string[];
   landmarks: LandmarkInfo[];
   presets: string[];
   /** that need no parameters; patterns with all defaults among them */
@@ -1173,6 +1177,8 @@ export type Scan = {
   stance: Stance;
   /** ISO 8601, UTC */
   created_at: string;
+  /** name of the model that it is fitted with */
+  model: string;
   links: ScanLinks;
 };
 
@@ -1216,6 +1222,8 @@ export type ScanUpload = {
   units?: "auto" | "m" | "dm" | "cm" | "mm" | "in" | "ft";
   /** id of the patient whose scan it is; without it she is a new one */
   patient?: string | null;
+  /** name of the model that it is fitted with, of /api/meta; without it the first */
+  model?: string | null;
 };
 
 export type Share = {

@@ -55,7 +55,7 @@ export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSe
     update(session: Shown): void {
       state = session;
       const list = session.meta?.landmarks ?? [];
-      fill(rows, list.map((entry) => entry.name), () => {
+      fill(rows, list.map(({ name, label }) => [name, label]), () => {
         made.clear();
         for (const entry of list) made.set(entry.name, makeRow(entry, made.size + 1, actions));
         return [...made.values()].flatMap((each) => [each.element, each.question.element]);

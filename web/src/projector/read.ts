@@ -29,7 +29,8 @@ function withTree(geometry: BufferGeometry): BufferGeometry {
 
 export async function openFit(client: Asked, id: string): Promise<Opened> {
   const fit = await client.fit(id);
-  const [scan, result, ply, meta] = await Promise.all([client.scan(fit.scan), client.result(fit.links.result), client.bytes(fit.links.fitted_ply).then(readPly), client.meta()]);
+  const [scan, result, ply] = await Promise.all([client.scan(fit.scan), client.result(fit.links.result), client.bytes(fit.links.fitted_ply).then(readPly)]);
+  const meta = await client.meta(scan.model);
   const { scene } = await readGltf(await client.mesh(scan));
   scene.updateMatrixWorld(true);
   const mesh = firstMesh(scene);

@@ -17,6 +17,7 @@ export function createEmptyState(actions: ScanActions, dismiss: (place: "scan" |
   const choose = fileButton(text.empty.choose, SCAN_FILES, "primary", (file) => void actions.upload(file));
   choose.querySelector("input")!.id = "scan-file";
   const units = select<UnitChoice>(text.empty.units, actions.chooseUnits, "field inline");
+  const models = select<string>(text.empty.model, (name) => void actions.chooseModel(name), "field inline");
   const limit = el("p", { class: "muted" });
   const examples = el("div", { class: "examples" });
   const wrong = problem(() => dismiss("scan"));
@@ -24,7 +25,7 @@ export function createEmptyState(actions: ScanActions, dismiss: (place: "scan" |
   const card = el(
     "div",
     { class: "empty-card" },
-    el("div", { class: "drop-zone" }, icon("upload"), el("h2", {}, text.empty.title), limit, choose, units.element),
+    el("div", { class: "drop-zone" }, icon("upload"), el("h2", {}, text.empty.title), limit, choose, units.element, models.element),
     wrong.element,
     service.element,
     el("p", { class: "or muted" }, text.empty.or),
@@ -49,6 +50,9 @@ export function createEmptyState(actions: ScanActions, dismiss: (place: "scan" |
         else bar.removeAttribute("value"); // runs to and fro
       }
       units.set(unitOptions(), state.units);
+      const names = state.meta?.models ?? [];
+      models.set(names.map((value) => ({ value, label: text.models[value] ?? value })), state.meta?.model.name ?? "");
+      show(models.element, names.length > 1);
       const megabytes = state.meta ? ` ${text.empty.limit(formatMegabytes(state.meta.limits.upload_bytes))}` : "";
       setText(limit, text.empty.formats + megabytes);
       fill(examples, state.examples, () =>

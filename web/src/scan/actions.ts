@@ -37,12 +37,15 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
 
   /** Shows `info` as the page's scan; everything that belonged to the one before is dropped. */
   async function adopt(info: ExampleScan, title: string, file: File | null, own: Frame | null, isNew: boolean, mine: number): Promise<void> {
-    const [mesh, kept, { cuts, digest }] = await Promise.all([client.mesh(info), contents.read(info, isNew), client.cuts(info)]);
+    const before = store.get().meta;
+    const ofModel = before !== null && before.model.name !== info.model ? client.meta(info.model) : before;
+    const [mesh, kept, { cuts, digest }, meta] = await Promise.all([client.mesh(info), contents.read(info, isNew), client.cuts(info), ofModel]);
     if (mine !== generation) return;
     contents.stop();
     known = { cuts, digest };
     store.set((state) => ({
       ...kept.state,
+      meta,
       loading: null,
       scan: {
         info,
@@ -132,7 +135,7 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
           if (mine === generation) store.set({ loading: { phase, share, title } });
         };
         progress(0);
-        return { info: await client.upload(file, units, progress), file, own: null, isNew: true };
+        return { info: await client.upload(file, units, store.get().meta?.model.name, progress), file, own: null, isNew: true };
       });
     },
 
@@ -187,6 +190,16 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     undoCrop: (): void => changeCrops(undo, text.crop.shown),
     redoCrop: (): void => changeCrops(redo, text.crop.hidden),
     cropRefused: (): void => store.set((state) => withProblem(state, "scan", text.crop.nothingLeft)),
+
+    /** Of the scans that are brought from now on. */
+    async chooseModel(name: string): Promise<void> {
+      try {
+        const meta = await client.meta(name);
+        store.set({ meta });
+      } catch (error) {
+        store.set((state) => withProblem(state, "scan", messageOf(error)));
+      }
+    },
 
     chooseUnits: (units: UnitChoice): void => store.set({ units }),
     showRelief: (showRelief: boolean): void => store.set({ showRelief }),

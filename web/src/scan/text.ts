@@ -6,6 +6,7 @@ export const empty = {
   limit: (megabytes: string) => `Up to ${megabytes} MB.`,
   choose: "Choose a scan file",
   units: "Unit of the file",
+  model: "Model",
   or: "No scan at hand? These are one click away:",
   lines: [
     "BreastRig fits a rigged model of the torso to a 3D scan and shows it settle, live.",
@@ -35,6 +36,9 @@ export const crop = {
 
 /** What a scan that came as a file is called: its own name may hold a patient's. */
 export const uploaded = "Uploaded scan";
+
+/** By their names; others go by these themselves. */
+export const models: Readonly<Record<string, string>> = { torso: "Torso of a woman", male: "Chest of a man" };
 
 export const units = {
   auto: "Find out from the size",

@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { page, scanInfo, withScan } from "../fakes";
 import { ApiError } from "../../src/api/client";
-import type { Scan } from "../../src/api/types";
+import type { Meta, Scan } from "../../src/api/types";
 
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => {
@@ -14,7 +14,7 @@ const file = (name = "scan.ply"): File => new File(["ply"], name);
 test("an upload brings the scan, and its progress is shown on the way", async () => {
   const phases: (string | undefined)[] = [];
   const { store, actions } = page({
-    upload: async (_file, _units, progress) => {
+    upload: async (_file, _units, _model, progress) => {
       progress(0.5);
       progress(1);
       return scanInfo("s2");
@@ -25,6 +25,25 @@ test("an upload brings the scan, and its progress is shown on the way", async ()
   expect(store.get().scan?.info.id).toBe("s2");
   expect(new Set(phases)).toEqual(new Set([undefined, "preparing", "sending"]));
   expect(store.get().loading).toBeNull();
+});
+
+test("a scan of another model brings what that model has; it is uploaded for the chosen one", async () => {
+  const male = { landmarks: [], model: { name: "male" } } as unknown as Meta;
+  const asked: (string | undefined)[] = [];
+  const { store, actions } = page({
+    meta: async (name) => {
+      asked.push(name);
+      return male;
+    },
+    upload: async (_file, _units, model = "") => ({ ...scanInfo("s2"), model }),
+    scan: async (id) => ({ ...scanInfo(id), model: "male" }),
+  });
+  await actions.scan.open("s1", null);
+  expect(store.get().meta).toBe(male);
+  await actions.scan.upload(file());
+  expect(store.get().scan?.info.model).toBe("male");
+  await actions.scan.chooseModel("torso");
+  expect(asked).toEqual(["male", "torso"]);
 });
 
 test("a refused upload says why and leaves the scan before it, with its landmarks, where it was", async () => {

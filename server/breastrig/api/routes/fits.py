@@ -51,7 +51,8 @@ def start_fit(
     """
     context = app_context()
     storage = context.service.storage
-    rig = context.model.rig
+    facts = get_scan(storage, json_data.scan).facts
+    rig = context.model_of(facts).rig
     presets = preset_names()
     if json_data.preset not in presets:
         raise BadSettings(unknown_name("preset", json_data.preset, presets))
@@ -60,6 +61,8 @@ def start_fit(
     other = json_data.with_
     if other is not None and other.scan == json_data.scan:
         raise BadScan("Two stances need two scans; leave `with` out to fit one scan.")
+    if other is not None and context.model_of(get_scan(storage, other.scan).facts).rig is not rig:
+        raise BadScan("These scans are to be fitted with different models; upload one of them again, with the other's.")
     if json_data.start_from is not None:
         _check_start(json_data, json_data.start_from)
     new_fit = _new_fit(json_data, json_data)
@@ -93,7 +96,7 @@ def _new_fit(asked: wire.FitRequest, stance: wire.OtherStance) -> NewFit:
     context = app_context()
     scan = get_scan(context.service.storage, stance.scan)
     picks = _picks(scan, stance)
-    check_landmarks(picks, scan, context.model)
+    check_landmarks(picks, scan, context.model_of(scan.facts))
     return NewFit(
         scan=scan.id,
         stance=stance.stance,
@@ -115,7 +118,7 @@ def _picks(scan: ScanRow, stance: wire.OtherStance) -> Picks:
     said |= {} if stance.confidence is None else {"confidence": stance.confidence}
     brought = stance.landmarks is not None
     picks = Picks(stance.landmarks or {}) if brought else get_landmarks(context.service.storage, scan.id)
-    return context.service.proposals.agreed(scan.id, context.model.rig.sha256, replace(picks, **said))
+    return context.service.proposals.agreed(scan.id, context.model_of(scan.facts).rig.sha256, replace(picks, **said))
 
 
 def _once(key: str | None, asked: wire.FitRequest) -> Once | None:

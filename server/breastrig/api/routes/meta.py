@@ -17,12 +17,14 @@ meta = APIBlueprint("meta", __name__, tag={"name": "meta", "description": "Versi
 
 
 @meta.get("/api/meta")
+@meta.input(wire_meta.MetaQuery, location="query")
 @meta.output(wire_meta.Meta)
 @meta.doc(operation_id="getMeta")
-def about() -> wire_meta.Meta:
+def about(query_data: wire_meta.MetaQuery) -> wire_meta.Meta:
     """Version, limits of use, limits of size, the model"""
     context = app_context()
-    rig = context.model.rig
+    models = context.service.models
+    rig = context.model_of(models.facts_of(query_data.model)).rig
     uploads = context.config.uploads
     return wire_meta.Meta(
         name="BreastRig",
@@ -39,6 +41,7 @@ def about() -> wire_meta.Meta:
             bones=len(rig.bones),
             blendshapes=len(rig.shapes),
         ),
+        models=list(models.names),
         landmarks=[wire_meta.LandmarkInfo.of(landmark) for landmark in rig.landmarks],
         presets=list(preset_names()),
         drawings=[

@@ -181,7 +181,7 @@ def _check(plan: Plan, patient_id: str) -> None:
         elif isinstance(item, PlanLesion):
             check_near_scan(item.name, [item.center], scan)
         else:
-            drawing_with(context.model.rig, *asked_of(item))
+            drawing_with(context.model_of(scan.facts).rig, *asked_of(item))
 
 
 def _plan_answer(patient_id: str, plan: PlanRow) -> Response:

@@ -61,7 +61,9 @@ def upload_scan(files_data: wire.ScanUpload) -> tuple[wire.Scan, int, dict[str, 
             415,
             "This is not a scan file; send PLY, OBJ, STL, GLB, glTF, USDZ, PCD, points, a label map or a zip.",
         )
-    row = app_context().service.add_scan(files_data.file.stream, suffix, files_data.units, files_data.patient or None)
+    row = app_context().service.add_scan(
+        files_data.file.stream, suffix, files_data.units, files_data.patient or None, files_data.model or None
+    )
     answer = scan_answer(row)
     return answer, 201, {"Location": answer.links.self}
 
@@ -154,8 +156,8 @@ def replace_landmarks(scan_id: str, json_data: wire.LandmarkFile, headers_data: 
     context = app_context()
     row = get_scan(context.service.storage, scan_id)
     picks = Picks(json_data.landmarks, tuple(json_data.certain), json_data.confidence)
-    check_landmarks(picks, row, context.model)
-    picks = context.service.proposals.agreed(row.id, context.model.rig.sha256, picks)
+    check_landmarks(picks, row, context.model_of(row.facts))
+    picks = context.service.proposals.agreed(row.id, context.model_of(row.facts).rig.sha256, picks)
     if not put_landmarks(context.service.storage, scan_id, picks, _tag(headers_data.if_match)):
         now = picks_digest(get_landmarks(context.service.storage, scan_id))
         raise refuse(412, CHANGED_LANDMARKS, {"ETag": f'"{now}"'})
@@ -174,7 +176,7 @@ def read_landmark_file(scan_id: str, files_data: wire.LandmarkUpload) -> wire.La
     """
     context = app_context()
     row = get_scan(context.service.storage, scan_id)
-    found = picks_of_file(files_data.file.stream.read(LIMIT_BYTES + 1), row, context.model)
+    found = picks_of_file(files_data.file.stream.read(LIMIT_BYTES + 1), row, context.model_of(row.facts))
     return wire.LandmarkFile(landmarks=found.points_mm, certain=list(found.certain), confidence=found.confidence)
 
 
@@ -221,7 +223,7 @@ def propose_landmarks(scan_id: str) -> wire.ProposedLandmarks | Response:
     """
     context = app_context()
     row = get_scan(context.service.storage, scan_id)
-    found = context.service.proposals.of(row, context.model.rig.sha256, context.config.proposal_wait_s)
+    found = context.service.proposals.of(row, context.model_of(row.facts).rig.sha256, context.config.proposal_wait_s)
     if found is None:
         return Response(status=202, headers={"Retry-After": "1"})
     return wire.ProposedLandmarks(landmarks=found)
@@ -309,6 +311,7 @@ def _answer(row: ScanRow, owner: PatientRow) -> wire.Scan:
     )
     shown = {name: fact for name, fact in row.facts.items() if name != "orientation"}  # that is for our own workers
     facts = shown | cut_facts(row) | {"patient_code": owner.code}
+    facts |= {"model": app_context().service.models.name_of(row.facts)}
     return wire.Scan(id=row.id, patient=patient, created_at=row.created_at, links=links, **facts)
 
 

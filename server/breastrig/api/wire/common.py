@@ -66,6 +66,9 @@ class ScanUpload(Upload):
     patient: str | None = Field(
         None, max_length=64, description="id of the patient whose scan it is; without it she is a new one"
     )
+    model: str | None = Field(
+        None, max_length=64, description="name of the model that it is fitted with, of /api/meta; without it the first"
+    )
 
 
 class Bounds(Wire):
@@ -134,6 +137,7 @@ class Scan(Wire):
     frame: Frame
     stance: Stance
     created_at: str = Field(description="ISO 8601, UTC")
+    model: str = Field(description="name of the model that it is fitted with")
     links: ScanLinks
 
 

@@ -42,6 +42,10 @@ class DrawingInfo(Wire):
     label: str
 
 
+class MetaQuery(Wire):
+    model: str | None = Field(None, max_length=64, description="name of one of `models`; without it the first")
+
+
 class Meta(Wire):
     name: Literal["BreastRig"]
     version: str
@@ -49,6 +53,7 @@ class Meta(Wire):
     limits: Limits
     units: list[str]
     model: ModelSummary
+    models: list[str] = Field(description="names of those that a scan can be uploaded for")
     landmarks: list[LandmarkInfo]
     presets: list[str]
     drawings: list[DrawingInfo] = Field(description="that need no parameters; patterns with all defaults among them")

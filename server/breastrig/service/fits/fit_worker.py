@@ -18,6 +18,7 @@ from typing import cast
 from sqlalchemy.exc import SQLAlchemyError
 
 from breastrig.core.errors import BadSettings, BreastRigError, NotFound
+from breastrig.core.model_choice import ModelChoice
 from breastrig.core.scratch import scratch_folder
 from breastrig.core.stances import Stance
 from breastrig.service.events.event_writer import EventWriter, Superseded
@@ -57,7 +58,7 @@ ATTEMPTS = 3  # one that takes its machine down with it must not do so for ever
 log = logging.getLogger(__name__)
 
 
-def execute_fit(location: Location, fit_id: str, runners: Runners, model: Path | None) -> None:
+def execute_fit(location: Location, fit_id: str, runners: Runners, models: ModelChoice) -> None:
     """Runs the fit, and its partner with it, to the end; does nothing when both have ended.
 
     Holds the fits before the claim, so that whoever has ended one can wait until nothing more is written for it.
@@ -72,7 +73,7 @@ def execute_fit(location: Location, fit_id: str, runners: Runners, model: Path |
             fit = claim_fit(storage, fit_id)
             if fit is not None:
                 both = [fit, *(get_fit(storage, each) for each in fit.both[1:])]
-                _run(storage, [EventWriter(storage, each) for each in both], runners, model)
+                _run(storage, [EventWriter(storage, each) for each in both], runners, models)
     except (FileNotFoundError, NotFound):
         log.info("fit %s was deleted before it ran", fit_id)
     except Superseded:
@@ -81,7 +82,7 @@ def execute_fit(location: Location, fit_id: str, runners: Runners, model: Path |
         storage.close()
 
 
-def _run(storage: Storage, writers: list[EventWriter], runners: Runners, model: Path | None) -> None:
+def _run(storage: Storage, writers: list[EventWriter], runners: Runners, models: ModelChoice) -> None:
     first = writers[0].fit
 
     def fail(reason: str) -> None:
@@ -96,7 +97,7 @@ def _run(storage: Storage, writers: list[EventWriter], runners: Runners, model: 
         with ExitStack() as stack:
             drafts = [stack.enter_context(_draft(storage, each.fit)) for each in writers]
             jobs = [
-                stack.enter_context(_job(storage, each.fit, draft.folder, model))
+                stack.enter_context(_job(storage, each.fit, draft.folder, models))
                 for each, draft in zip(writers, drafts, strict=True)
             ]
             for which, event in stack.enter_context(closing(_events(runners, jobs))):
@@ -155,14 +156,15 @@ def _draft(storage: Storage, fit: FitRow) -> Iterator[Draft]:
 
 
 @contextmanager
-def _job(storage: Storage, fit: FitRow, out: Path, model: Path | None) -> Iterator[FitJob | PredictionJob]:
+def _job(storage: Storage, fit: FitRow, out: Path, models: ModelChoice) -> Iterator[FitJob | PredictionJob]:
     """The fit's task, with its scan at hand; of a prediction the fit that it comes from."""
+    scan = get_scan(storage, fit.scan)
+    model = models.of(scan.facts)
     if fit.predicted_from is not None:
         with storage.files.reading(fit_place(fit.predicted_from)) as folder:
             stance = cast(Stance, fit.asked_stance)
             yield PredictionJob(folder, out, stance, fit.simulate, fit.drawing, model)
         return
-    scan = get_scan(storage, fit.scan)
     with storage.files.reading(scan_place(scan.id), [upload_name(scan.file_type)]) as folder:
         earlier = None if fit.start_from is None else earlier_fit(storage, fit.start_from)
         yield replace(fit_job(scan, fit, folder, out, model), earlier=earlier)

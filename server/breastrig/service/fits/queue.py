@@ -12,12 +12,12 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import wait
 from contextlib import contextmanager, suppress
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from sqlalchemy.exc import SQLAlchemyError
 
 from breastrig.core.errors import BreastRigError, Conflict, NotFound, TooMany
+from breastrig.core.model_choice import ModelChoice
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
 from breastrig.service.events.event_writer import event_json
@@ -49,7 +49,7 @@ class FitQueue:
         simulations: Executor,
         limits: FitLimits,
         runners: Runners,
-        model: Path | None,
+        models: ModelChoice,
     ) -> None:
         """`simulations` executes simulations, one at a time: they take minutes, and no fit waits for them."""
         self._storage = storage
@@ -57,7 +57,7 @@ class FitQueue:
         self._simulations = simulations
         self._limits = limits
         self._runners = runners
-        self._model = model
+        self._models = models
         self._lock = threading.RLock()
         self._running: dict[str, Any] = {}  # fit id -> future
         self._simulating: set[str] = set()  # of these
@@ -143,7 +143,7 @@ class FitQueue:
     def _start(self, fit_id: str, executor: Executor) -> None:
         self._starts[fit_id] = self._starts.get(fit_id, 0) + 1
         self._began[fit_id] = time.monotonic()
-        task = (execute_fit, self._storage.location, fit_id, self._runners, self._model)
+        task = (execute_fit, self._storage.location, fit_id, self._runners, self._models)
         future = executor.schedule(keeping, task, self._wall_s(fit_id), self._scan_of(fit_id))
         self._running[fit_id] = future
         future.add_done_callback(lambda ended: self._on_end(fit_id, ended))
