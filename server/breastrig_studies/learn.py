@@ -2,7 +2,7 @@
 
 BODIES is a cohort (cohort.py) with truth.ply of every body.  Written into NAME.known and bound to the rig: bodies.json,
 uncertainty.toml and verdict.toml.  Bodies of the groups `report` and `sealed` are left for whoever measures what came
-of it (`breastrig evaluate BODIES --model MODEL`).
+of it (`breastrig evaluate BODIES --model MODEL`).  The rules: docs/decisions/0024.
 """
 
 import json

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
+from helpers.finer_rig import finer
 
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.fitting.fit import FitIterate, FitTask, fit_iterates
@@ -111,6 +112,15 @@ def against_our_fit(
     yardstick = in_turn(lambda: fitted(task, load_recipe("default")))
     benchmark.pedantic(run, setup=yardstick, rounds=rounds, warmup_rounds=0)
     row("  " + name, benchmark, f"{yardstick.ratio(benchmark):.2f} of our fits")
+
+
+@pytest.mark.parametrize("times", [1, 2])
+def test_with_a_finer_model(benchmark: Any, row: Row, in_turn: InTurn, task: FitTask, times: int) -> None:
+    """Each triangle cut in four, once and twice; the surface is the same (test_observation_weights.py)."""
+    rig = finer(task.rig) if times == 1 else finer(finer(task.rig))
+    fine, recipe = replace(task, rig=rig), load_recipe("default")
+    name = f"with {len(rig.template):,} vertices instead of {len(task.rig.template):,}"
+    against_our_fit(benchmark, row, in_turn, task, name, lambda: fitted(fine, recipe), 3)
 
 
 def test_with_the_papers_correspondence(benchmark: Any, row: Row, in_turn: InTurn, task: FitTask) -> None:
