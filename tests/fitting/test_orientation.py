@@ -72,7 +72,12 @@ def test_of_a_person_from_head_to_feet_the_trunk_is_looked_at_alone_either_way_u
     vertices = (vertices / np.ptp(vertices, axis=0)) @ np.diag([0.4, 1.65, 0.3]) @ turn.T
     fronts = np.array([[0.0, 0.0, 1.0]])
     whole, *parts = trunks(ScanTarget(vertices, faces), fronts)
-    assert len(whole[0].vertices) == len(vertices)
-    ends = sorted(np.percentile(part.vertices @ turn[:, 1] / 1.65 + 0.5, [0, 100]).tolist() for part, _ in parts)
+    assert (len(whole[0].vertices), whole[2]) == (len(vertices), 1.0)
+    ends = sorted(np.percentile(part.vertices @ turn[:, 1] / 1.65 + 0.5, [0, 100]).tolist() for part, *_ in parts)
     np.testing.assert_allclose(ends, [[0.1, 0.53], [0.47, 0.9]], atol=0.04)
+    for part, turns, scale in parts:
+        assert scale == pytest.approx(1.65 / 1.55, rel=0.02)
+        np.testing.assert_allclose(np.linalg.det(turns), 1.0)
+        outer_end = np.sign(part.vertices.mean(axis=0) @ turn[:, 1])  # where the head is, of either way up
+        assert (turns[:, :, 1] @ turn[:, 1] * outer_end > 0.999).all()
     assert len([*trunks(ScanTarget(0.6 * vertices, faces), fronts)]) == 1

@@ -8,14 +8,16 @@ import pytest
 
 from breastrig.core.arrays import Array
 from breastrig.core.assets import asset_folder
+from breastrig.core.units import METRES_PER_UNIT
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import FitTask
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.scan_orientation import scan_orientation
-from breastrig.fitting.stance import FoundStance, found_stance
+from breastrig.fitting.stance import STANDS, FoundStance, found_stance
 from breastrig.fitting.starts import supine_or_standing
 from breastrig.fitting.starts.orientation import best_start
+from breastrig.fitting.starts.prone import hanging_views
 from breastrig.fitting.starts.supine_or_standing import stance_signs
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -139,3 +141,18 @@ def test_an_arm_is_as_far_from_hanging_as_it_is_raised_on_its_own_side() -> None
         rotations[bone] = exp_so3(0.4 * sideways / np.linalg.norm(sideways)) @ rotations[bone]
         raised = supine_or_standing.arm_angles(rig, replace(x, rotations=rotations))
         assert raised - rest == pytest.approx(0.4 * (np.arange(len(arms)) == number), abs=1e-6)
+
+
+def test_a_small_front_of_a_standing_body_is_not_prone_though_its_breasts_stand_out() -> None:
+    scan = read_scan(EXAMPLE / "standing" / "scan.ply", None, "auto", texture=False)
+    places, unit = read_landmarks(EXAMPLE / "standing" / "landmarks.json")
+    at = {name: METRES_PER_UNIT[unit or scan.unit] * np.asarray(place) for name, place in places.items()}
+    surface, up = clean(scan), at["suprasternal_notch"] - at["xiphoid"]
+    up, left = (each / np.linalg.norm(each) for each in (up, at["acromion_L"] - at["acromion_R"]))
+    away = surface.vertices[surface.faces].mean(axis=1) - 0.5 * (at["nipple_L"] + at["nipple_R"])
+    kept = (away @ up > -0.14) & (away @ up < 0.2) & (np.abs(away @ left) < 0.2)
+    ready = prepared(Surface(*compact(surface.vertices, surface.faces[kept]), ()), "auto")
+    assert hanging_views(ready.target, ready.frame.front)
+    orientation = scan_orientation(read_rig(default_rig_path()), ready, load_recipe("default"))[0]
+    assert (orientation.stance, orientation.stance_reason) == ("standing", STANDS)
+    assert orientation.start.rotation[:, 1] @ up > 0.9

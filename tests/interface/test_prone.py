@@ -8,7 +8,7 @@ import pytest
 
 import breastrig
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.starts.prone import hangs_to_the_front
+from breastrig.fitting.starts.prone import hanging_views
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.rotations import exp_so3
 from breastrig.relief.prone import prone_views
@@ -94,7 +94,7 @@ def test_breasts_whose_folds_the_field_of_view_cuts_off_hang_all_the_same(
     above = scan.vertices @ TURN[:, 1] > true["nipple_L"] @ TURN[:, 1] - 22.0
     vertices, faces = compact(1e-3 * scan.vertices, scan.faces[above[scan.faces].all(axis=1)])
     assert not any("xiphoid" in view.places for view in prone_views(vertices, faces, TURN[:, 2]))
-    assert hangs_to_the_front(ScanTarget(vertices, faces), TURN[:, 2])
+    assert hanging_views(ScanTarget(vertices, faces), TURN[:, 2])
 
 
 def test_sides_that_are_exchanged_are_said_to_be(skin: tuple[breastrig.Scan, dict[str, np.ndarray]]) -> None:

@@ -114,9 +114,9 @@ def scan_orientation(
     """The orientation, the task of fitting the scan without landmarks, and its iterates where the stance took a fit."""
     start = start_from_scan(rig, scan.target, scan.frame.fronts)
     task = FitTask(rig, scan.target, start.parameters, recipe, {})
-    found = found_stance(task, scan.frame)
+    found = found_stance(task, scan.frame, start.opening)
     if found.stance == PRONE:
-        start = prone_start(rig, scan.target, scan.frame) or start
+        start = found.start or prone_start(rig, scan.target, scan.frame) or start
         task = replace(task, start=start.parameters)
     last = found.iterates[-1] if found.iterates and found.iterates[-1].is_finite else None
     orientation = ScanOrientation(

@@ -11,8 +11,9 @@ import numpy as np
 
 from breastrig.core.stances import PRONE
 from breastrig.fitting.picks.checked_fit import checked_iterates
+from breastrig.fitting.starts.hypotheses import Opening, judge, opened
 from breastrig.fitting.starts.orientation import Start
-from breastrig.fitting.starts.prone import hangs_to_the_front
+from breastrig.fitting.starts.prone import hanging_views, prone_start
 from breastrig.fitting.starts.supine_or_standing import SCANNERS_UP, UPRIGHT, likely_stance, measured_signs
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.rig.similarity import umeyama
@@ -42,6 +43,7 @@ MAY_STAND = "Without a table it is not clear: she seems to stand. If she lies, s
 UNCLEAR = (MAY_LIE, MAY_STAND)
 
 
+WORSE = 2.0  # energy of a body as prone against as standing: prone ones have 0.7 to 1.7, others 2.5 to 10
 HANGS = "Only the front of a chest is seen, and its breasts hang to the front: prone. If not, say how she is scanned."
 
 
@@ -55,8 +57,8 @@ class FoundStance:
     start: Start | None = None  # where the stance has one of its own
 
 
-def found_stance(task: FitTask, frame: Frame) -> FoundStance:
-    """For a task whose start is right and whose stance does not matter yet.
+def found_stance(task: FitTask, frame: Frame, begun: Opening | None = None) -> FoundStance:
+    """For a task whose start is right and whose stance does not matter yet; `begun` is what was fitted to find that.
 
     Whoever fits the task next goes on from the iterates, so that nothing is fitted twice.
     """
@@ -64,9 +66,18 @@ def found_stance(task: FitTask, frame: Frame) -> FoundStance:
     is_said = frame.stance == PRONE or (frame.stance == "supine" and not wall)
     if is_said or not any(shape.kind == "gravity" for shape in task.rig.shapes):
         return FoundStance(frame.stance, frame.stance_reason)
-    if not wall and len(frame.fronts) == 1 and hangs_to_the_front(task.target, frame.front):
-        return FoundStance(PRONE, HANGS)
-    standing = tuple(checked_iterates(replace(task, stance="standing")))
+    task = replace(task, stance="standing")
+    known = begun is not None and begun.task.stance == task.stance and begun.task.recipe is task.recipe
+    begun = begun if known and not task.landmarks else None
+    views = hanging_views(task.target, frame.front) if not wall and len(frame.fronts) == 1 else []
+    prone = prone_start(task.rig, task.target, frame, views) if views else None
+    if prone is not None and prone.opening is not None:
+        of_scan = begun or opened(replace(task, landmarks={}, recipe=judge()))
+        if prone.opening.energy < WORSE * of_scan.energy:
+            lies = replace(task, stance=PRONE, start=prone.parameters)
+            same = not task.landmarks and task.recipe is prone.opening.task.recipe
+            return FoundStance(PRONE, HANGS, tuple(checked_iterates(lies, prone.opening)) if same else (), prone)
+    standing = tuple(checked_iterates(task, begun))
     likely = likely_stance(measured_signs(task, standing[-1]))
     if wall:
         return FoundStance("supine", TABLE) if likely.supine else FoundStance("standing", WALL, standing)

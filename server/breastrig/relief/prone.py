@@ -133,7 +133,9 @@ def _notch(
         return None
     top = rows[-1]
     inside = rows[y[rows] < y[top] - AT_TOP]
-    concave = np.nanmean(bent[inside][:, middle], axis=1) if len(inside) else np.zeros(0)
+    across = bent[inside][:, middle]
+    known = np.isfinite(across).sum(axis=1)
+    concave = np.where(known > 0, np.nansum(across, axis=1) / np.maximum(known, 1), np.nan)
     at, error, beyond = (
         (inside[concave.argmax()], ERRORS[NOTCH], 0.0)
         if len(concave) and concave.max() > CONCAVE

@@ -51,7 +51,7 @@ def with_stance(
     task = replace(task, stance=found.stance)
     if found.stance != PRONE or len(task.landmarks) >= MIN_LANDMARKS:
         return task, found
-    if orientation is None or orientation.stance != PRONE:
+    if found.start is None and (orientation is None or orientation.stance != PRONE):
         found = replace(found, start=prone_start(task.rig, task.target, scan.frame))
     return (task if found.start is None else replace(task, start=found.start.parameters)), found
 

@@ -9,17 +9,18 @@ from dataclasses import replace
 
 from breastrig.fitting.picks.mistakes import mistaken
 from breastrig.fitting.recipe import Recipe
+from breastrig.fitting.starts.hypotheses import Opening
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS
 from breastrig.fitting.starts.second_start import iterates_with_second_start
 from breastrig.fitting.task import Doubt, FitIterate, FitTask
 from breastrig.least_squares.newton import Status
 
 
-def checked_iterates(task: FitTask) -> Iterator[FitIterate]:
+def checked_iterates(task: FitTask, begun: Opening | None = None) -> Iterator[FitIterate]:
     """As iterates_with_second_start; iterates after a pick was rejected name it in `not_followed`."""
     first, rest = _parts(task.recipe)
     if not task.landmarks or task.from_colour or first is None or rest is None:
-        yield from iterates_with_second_start(task)
+        yield from iterates_with_second_start(task, begun)
         return
     for iterate in iterates_with_second_start(replace(task, recipe=first)):
         if iterate.status is Status.RUNNING:

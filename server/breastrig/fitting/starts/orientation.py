@@ -4,31 +4,32 @@ Landmarks are met by a similarity that trusts the majority (iteratively reweight
 wrong place or two exchanged sides do not turn it.
 
 Without them the rest pose is tried all around (starts/rigid_search.py), and on a part of a body at a few heights more
-(starts/part_of_body.py).
+(starts/hypotheses.py): the rest pose covers what there is, and would shrink into it.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.starts.part_of_body import best_height
-from breastrig.fitting.starts.rigid_search import rest_place
+from breastrig.fitting.starts.hypotheses import Opening, ranked
+from breastrig.fitting.starts.rigid_search import rest_place, turns_about, turns_to
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.similarity import Similarity, similar_parameters, umeyama
 from breastrig.rig.skinning import pose
 from breastrig.scan.clean import MIN_TRIANGLES, compact
-from breastrig.scan.orient import propose_frame
 
 TRUST = 0.04  # m; patients' landmarks lie within about 3 cm of a similarity of the model's
 ADULT_SCALE = (0.75, 1.3)  # of the model
 MIN_LANDMARKS = 3  # fewer leave the similarity open
 SURE_LANDMARKS = 6  # so many never lie on one line
 PERSON = 1.3  # m; scans of trunks with head and arms reach 1 m, so this is a person from head to feet
+STATURE = 1.55  # m, of a woman for whom the model's trunk needs no scale
 TRUNK = (0.47, 0.9)  # shares of the stature: from the crotch to the chin
+HEIGHTS = (0.0, 0.03, -0.03)  # m along a part of a body; half of the basin
 AGREED = 0.08  # m, mean distance of the landmarks to a start that they agree with; the dev scans' are under 5 cm
 
 
@@ -58,31 +59,41 @@ def start_from_landmarks(rig: Rig, landmarks: dict[str, Array]) -> RigParameters
 class Start:
     """A rest pose on a scan."""
 
-    parameters: RigParameters
+    rig: Rig
     similarity: Similarity  # of the rest pose
-    rotation: Array  # (3, 3) columns: the body's left, up and front in the scan's axes
     margin: float  # how much worse the best try in another turn is, as a share of the score
+    opening: Opening | None = None  # what was fitted to find it
+
+    @property
+    def parameters(self) -> RigParameters:
+        return similar_parameters(self.rig, self.similarity)
 
 
-def trunks(target: ScanTarget, fronts: Array) -> Iterator[tuple[ScanTarget, Array]]:
-    """The scan and its fronts; where it may be a person from head to feet also where her trunk is, either way up."""
-    yield target, fronts
+def trunks(target: ScanTarget, fronts: Array) -> Iterator[tuple[ScanTarget, Array, float]]:
+    """The scan, the body axes to try and the model's scale; where it may be a person from head to feet also where her
+    trunk is, either way up."""
+    yield target, turns_to(fronts), 1.0
     middle = target.vertices.mean(axis=0)
     axis = np.linalg.eigh(np.cov((target.vertices - middle).T))[1][:, -1]
     heights = target.vertices @ axis
-    for up in (heights - heights.min(), heights.max() - heights) if np.ptp(heights) > PERSON else ():
-        share = up / np.ptp(heights)
+    for up in (axis, -axis) if np.ptp(heights) > PERSON else ():
+        share = (target.vertices @ up - (target.vertices @ up).min()) / np.ptp(heights)
         kept = ((share > TRUNK[0]) & (share < TRUNK[1]))[target.faces].all(axis=1)
         if np.count_nonzero(kept) > MIN_TRIANGLES:
-            part = compact(target.vertices, target.faces[kept])
-            yield ScanTarget(*part), propose_frame(*part).fronts
+            part = ScanTarget(*compact(target.vertices, target.faces[kept]))
+            yield part, turns_about(up), np.ptp(heights) / STATURE
 
 
 def start_from_scan(rig: Rig, target: ScanTarget, fronts: Array) -> Start:
     """The best rest pose for a scan whose front is about one of (N, 3) unit directions."""
     place = min((rest_place(rig, *part) for part in trunks(target, fronts)), key=lambda each: each.uncovered)
-    found = best_height(rig, target, place.similarity) if place.shows_a_part else place.similarity
-    return Start(similar_parameters(rig, found), found, found.rotation, place.margin)
+    if not place.shows_a_part:
+        return Start(rig, place.similarity, place.margin)
+    stance = "standing" if target.table is None else "supine"
+    up = place.similarity.rotation[:, 1]
+    moved = [replace(place.similarity, translation=place.similarity.translation + each * up) for each in HEIGHTS]
+    best, *_ = ranked(rig, target, moved, stance, [1.0] * len(moved))
+    return Start(rig, best.place or place.similarity, place.margin, best)
 
 
 def best_start(

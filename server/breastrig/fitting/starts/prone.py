@@ -1,18 +1,18 @@
 """Where a prone body starts without landmarks: on what its hanging breasts show (relief/prone.py), the head on either
 side; each is fitted for two stages, and the one with the least energy goes on (docs/decisions/0019)."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.stances import PRONE
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.fit import fit_iterates
+from breastrig.fitting.starts.hypotheses import ranked
 from breastrig.fitting.starts.orientation import Start
-from breastrig.fitting.starts.part_of_body import judge
-from breastrig.fitting.task import FitTask
 from breastrig.relief.prone import ProneView, prone_views
 from breastrig.rig.model import Rig
-from breastrig.rig.similarity import Similarity, similar_parameters
+from breastrig.rig.similarity import Similarity
 from breastrig.rig.stance_priors import mean_weights
 from breastrig.scan.orient import Frame
 
@@ -23,20 +23,20 @@ FIELD = 2.0  # nipples are 0.28 to 0.5 of the way from the lower to the upper en
 USUAL_SCALE = 1.05  # of the trunk; hanging breasts say nothing of it
 
 
-def prone_start(rig: Rig, target: ScanTarget, frame: Frame) -> Start | None:
+def prone_start(rig: Rig, target: ScanTarget, frame: Frame, views: Sequence[ProneView] | None = None) -> Start | None:
     """For a scan of this frame, whose way up counts where it is certain; None where it shows no two breasts."""
-    views = list(prone_views(target.vertices, target.faces, frame.front))
+    seen = list(prone_views(target.vertices, target.faces, frame.front)) if views is None else views
     if frame.confidence == 1.0:
-        views = [view for view in views if view.axes[:, 1] @ frame.up > 0.0]
-    starts = [_placed(rig, view) for view in views]
-    dear = [_energy(rig, target, start) * _field(target, view) for start, view in zip(starts, views, strict=True)]
-    tried = sorted(zip(dear, range(len(dear)), strict=True))
-    tried = [pair for pair in tried if np.isfinite(pair[0])]
-    if not tried:
+        seen = [view for view in seen if view.axes[:, 1] @ frame.up > 0.0]
+    openings = ranked(
+        rig, target, [_placed(rig, each) for each in seen], PRONE, [_field(target, each) for each in seen]
+    )
+    tried = [each for each in openings if np.isfinite(each.energy)]
+    if not tried or tried[0].place is None:
         return None
-    best = starts[tried[0][1]]
-    margin = tried[1][0] / tried[0][0] - 1.0 if len(tried) > 1 else 1.0
-    return Start(similar_parameters(rig, best), best, best.rotation, margin)
+    best, *others = tried
+    margin = others[0].price * others[0].energy / (best.price * best.energy) - 1.0 if others else 1.0
+    return Start(rig, tried[0].place, margin, best)
 
 
 def _placed(rig: Rig, view: ProneView) -> Similarity:
@@ -56,20 +56,17 @@ def _field(target: ScanTarget, view: ProneView) -> float:
     return float(np.exp(FIELD * (nipples - low) / max(high - low, 1e-9)))
 
 
-def _energy(rig: Rig, target: ScanTarget, start: Similarity) -> float:
-    *_, last = fit_iterates(FitTask(rig, target, similar_parameters(rig, start), judge(), {}, PRONE))
-    return last.energy if last.is_finite else np.inf
-
-
-def hangs_to_the_front(target: ScanTarget, front: Array) -> bool:
-    """Whether the scan shows no more than an MRI's field of view, with two breasts and the skin between them behind."""
+def hanging_views(target: ScanTarget, front: Array) -> list[ProneView]:
+    """What a scan shows that is no larger than an MRI's field of view, with two breasts and the skin between them
+    behind; nothing of others."""
     flat = target.vertices - np.outer(target.vertices @ front, front)
     flat -= flat.mean(axis=0)
     across = flat @ np.linalg.eigh(flat.T @ flat)[1][:, 1:]  # (V, 2) m
     shorter, longer = np.sort(np.ptp(np.percentile(across, [1.0, 99.0], axis=0), axis=0))
     if shorter > HIGH or longer > WIDE or len(across) == 0:
-        return False
-    return any(_hangs(target, view) for view in prone_views(target.vertices, target.faces, front))
+        return []
+    views = list(prone_views(target.vertices, target.faces, front))
+    return views if any(_hangs(target, view) for view in views) else []
 
 
 def _hangs(target: ScanTarget, view: ProneView) -> bool:

@@ -7,6 +7,7 @@ warped bodies, turned at random, the right place comes first in 36.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -56,7 +57,7 @@ class NearestPoints:
         return distances.reshape(places.shape[:-1]), nearest.reshape(places.shape[:-1])
 
 
-SCALE = (0.85, 1.15)  # of the rest pose; the fit itself may go further
+SCALE = (0.85, 1.4)  # of the rest pose; heavy women's trunks are 1.15 to 1.4 times as large
 NORMAL_LENGTH = 0.06  # m a unit of normal counts as: skin facing away by 60 degrees is as far as skin 6 cm off
 CAP = 0.06  # m; beyond it a distance says only "elsewhere"
 KERNEL = 0.03  # m, of the steps' weights; what a rest pose is off on a patient
@@ -64,17 +65,33 @@ EDGE = 0.012  # m from scan's border or model's rim; the spacing of the points t
 AT_EDGE = 0.5 * CAP  # m; what a pair that ends at an edge counts as at least: nobody knows
 COVER_WEIGHT = 0.3  # of model to scan against scan to model: scans end where they end
 FEWEST_PAIRS = 40  # of a step; fewer would turn the body towards a scrap
-HEIGHTS = 5  # from the scan's lower to its upper end
-TURNS = 24  # around the front: every 15 degrees, the basin is about 20 wide on each side
-PART_TURNS = 12  # with sidewards tries beside them fewer do: 11 of 12 partial scans either way
-PART_YAWS = (-0.7, 0.0, 0.7)  # rad; the front of half a body is read up to 50 degrees wrong
-PART_SHIFTS = (-0.09, 0.0, 0.09)  # m; half of half a body's width
+HEIGHT = 0.075  # m between tries along the body
+TURNS = 12  # around the front: every 30 degrees, the basin is about 20 wide on each side
+YAWS = (-0.7, 0.0, 0.7)  # rad; the front of half a body is read up to 50 degrees wrong
+MIDDLE = 0.12  # m to the sides of it, where her front is looked for
+SHIFTS = (-0.09, 0.0, 0.09)  # m to the sides; half of half a body's width
 UNCOVERED = 0.034  # m, model to scan; whole scans have 0.021 to 0.031, partial ones 0.037 to 0.049
 OTHER_TURN = 0.7  # rad; a try turned farther than this is another position
-FEW_KEPT = 10  # tries at least, for each direction that the front may have
 OTHERS_KEPT = 3  # tries in other positions, so that the margin is measured as well as the score
-COARSE = ((0.12, 1, 0.25), (0.12, 2, 0.3), (0.10, 3, 0.5))  # m a pair may be apart, steps, share of the tries kept
-FINE_REACH, FINE_STEPS = 0.08, 6  # m, steps; more move nothing
+
+
+class Level(NamedTuple):
+    """How the tries that are left are moved and judged."""
+
+    model: tuple[int, int]  # so many of the model's points look for their nearest, about, and are looked among
+    scan: tuple[int, int]  # likewise the scan's
+    reach: float  # m a pair may be apart
+    steps: int
+    kept: int  # tries, for each direction that the front may have
+
+
+LEVELS = (
+    Level((16, 200), (30, 500), 0.12, 1, 80),
+    Level((30, 400), (50, 1000), 0.12, 2, 24),
+    Level((50, 600), (80, 1500), 0.10, 3, 8),
+    Level((120, 900), (200, 2000), 0.08, 2, 3),
+    Level((220, 1200), (350, 3000), 0.08, 3, 3),  # more steps move nothing
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,8 +112,8 @@ class Place:
 class _Comparison:
     """A rest pose and a scan, thinned: pairs, steps and scores of many tries at once."""
 
-    def __init__(self, rig: Rig, target: ScanTarget, model: tuple[int, int], scan: tuple[int, int]) -> None:
-        """`model`, `scan`: about so many points that look for their nearest, and so many that are looked among."""
+    def __init__(self, rig: Rig, target: ScanTarget, level: Level) -> None:
+        model, scan = level.model, level.scan
         normals = vertex_normals(rig.template, rig.faces)
         rim = rig.template[boundary_vertices(rig.faces, len(rig.template))]
         self.asking, self.asking_normals = (each[_thinned(len(each), model[0])] for each in (rig.template, normals))
@@ -124,7 +141,7 @@ class _Comparison:
             self._scan_points, np.concatenate([tries.apply(self.asking), NORMAL_LENGTH * turned], axis=2), reach
         )
 
-    def moved(self, tries: Similarities, reach: float) -> Similarities:
+    def moved(self, tries: Similarities, reach: float, scales: tuple[float, float]) -> Similarities:
         """After one step of closest points both ways, over pairs within `reach` (m) that do not end at an edge."""
         back, on_model = self._to_model(tries, reach)
         there, on_scan = self._to_scan(tries, reach)
@@ -135,12 +152,12 @@ class _Comparison:
             [self.model[on_model], np.broadcast_to(self.asking, (count, *self.asking.shape))], axis=1
         )
         goals = np.concatenate([np.broadcast_to(self.seen, (count, *self.seen.shape)), self.scan[on_scan]], axis=1)
-        found = nearest_similarities(source, goals, used / (1.0 + (gaps / KERNEL) ** 2), SCALE)
+        found = nearest_similarities(source, goals, used / (1.0 + (gaps / KERNEL) ** 2), scales)
         return tries.where(used.sum(axis=1) < FEWEST_PAIRS, found)
 
     def scores(self, tries: Similarities) -> tuple[Array, Array]:
         """(T,), (T,) m: the scores, and how far the model is from the scan."""
-        back, on_model = self._to_model(tries, CAP / SCALE[0])
+        back, on_model = self._to_model(tries, CAP / float(tries.scales.min()))
         back = np.minimum(back * tries.scales[:, None], CAP)
         back = np.where(self.at_rim[on_model], np.maximum(back, AT_EDGE), back).mean(axis=1)
         there, on_scan = self._to_scan(tries, CAP)
@@ -167,71 +184,63 @@ def _nearest(points: NearestPoints, places: Array, reach: float) -> tuple[Array,
     return np.minimum(gaps, 2.0 * reach), nearest
 
 
-def rest_place(rig: Rig, target: ScanTarget, fronts: Array) -> Place:
-    """The best place for a scan whose front is about one of (N, 3) unit directions."""
+def rest_place(rig: Rig, target: ScanTarget, turns: Array, scale: float = 1.0) -> Place:
+    """The best place for a scan of a body whose axes are about one of (T, 3, 3), about `scale` times the model."""
     thinned = target.vertices[:: max(1, len(target.vertices) // 2000)]
-    turns = [turn for front in fronts for turn in _turns(front, TURNS)]
-    tries = _starts(rig, thinned, np.array(turns), (0.0,))
-    found = _searched(rig, target, tries, FEW_KEPT * len(fronts))
-    if found.shows_a_part:
-        found = min(found, _place_of_part(rig, target, thinned, fronts), key=lambda place: place.score)
-    return found
-
-
-def _place_of_part(rig: Rig, target: ScanTarget, thinned: Array, fronts: Array) -> Place:
-    """With tries to both sides of the front and of the middle."""
-    yawed = [
-        turn @ exp_so3(np.array([0.0, yaw, 0.0]))
-        for front in fronts
-        for turn in _turns(front, PART_TURNS)
-        for yaw in PART_YAWS
-    ]
-    tries = _starts(rig, thinned, np.array(yawed), PART_SHIFTS)
-    return _searched(rig, target, tries, FEW_KEPT * len(fronts))
-
-
-def _turns(front: Array, turns: int) -> list[Array]:
-    """(3, 3) body axes (left, up, front as columns) all around a (3,) front."""
-    guess = np.eye(3)[np.abs(front).argmin()]
-    first = guess - (guess @ front) * front
-    first /= np.linalg.norm(first)
-    ups = [exp_so3(angle * front) @ first for angle in np.arange(turns) * (2.0 * np.pi / turns)]
-    return [np.column_stack([np.cross(up, front), up, front]) for up in ups]
-
-
-def _starts(rig: Rig, scan: Array, rotations: Array, shifts: tuple[float, ...]) -> list[Similarity]:
-    """The rest pose in each of (T, 3, 3) axes, at several heights, beside the middle of a (V, 3) scan, at its front."""
-    local = np.ascontiguousarray((scan @ rotations).transpose(2, 0, 1))  # (3, T, V)
-    low, high = np.percentile(local[1:], [1, 99], axis=2)  # (2, T) each, of heights and depths
-    body_low, body_high = rig.template.min(axis=0), rig.template.max(axis=0)
-    ends = np.sort([high[0] - body_high[1] - 0.2, low[0] - body_low[1] + 0.1], axis=0)
-    heights = np.linspace(ends[0], ends[1], HEIGHTS).T  # (T, HEIGHTS)
-    parts = zip(rotations, np.median(local[0], axis=1), heights, high[1] - body_high[2], strict=True)
-    return [
-        Similarity(1.0, rotation, rotation @ np.array([middle + shift, height, front]))
-        for rotation, middle, levels, front in parts
-        for shift in shifts
-        for height in levels
-    ]
-
-
-def _searched(rig: Rig, target: ScanTarget, starts: list[Similarity], few: int) -> Place:
-    """The best place that the tries come to."""
-    tries = Similarities.of(starts)
-    coarse = _Comparison(rig, target, model=(50, 600), scan=(80, 1500))
-    for reach, steps, share in COARSE:
-        for _ in range(steps):
-            tries = coarse.moved(tries, reach)
-        scores, _ = coarse.scores(tries)
-        tries = tries.chosen(_kept(tries, scores, max(few, int(share * len(scores)))))
-    fine = _Comparison(rig, target, model=(220, 1200), scan=(350, 3000))
-    for _ in range(FINE_STEPS):
-        tries = fine.moved(tries, FINE_REACH)
-    scores, uncovered = fine.scores(tries)
+    tries = Similarities.of(_starts(rig, thinned, turns, scale))
+    share = max(len(turns) / (TURNS * len(YAWS)), 1.0)  # of those of a single front
+    scales = SCALE[0] * scale, SCALE[1] * scale
+    for level in LEVELS:
+        comparison = _Comparison(rig, target, level)
+        for _ in range(level.steps):
+            tries = comparison.moved(tries, level.reach, scales)
+        scores, uncovered = comparison.scores(tries)
+        kept = _kept(tries, scores, int(level.kept * share))
+        tries, scores, uncovered = tries.chosen(kept), scores[kept], uncovered[kept]
     first = int(scores.argmin())
     others = scores[_turned_away(tries, first)]
     margin = float(others.min() / max(scores[first], 1e-9)) - 1.0 if len(others) else 1.0
     return Place(tries.one(first), float(scores[first]), margin, float(uncovered[first]))
+
+
+def turns_to(fronts: Array) -> Array:
+    """(T, 3, 3) body axes (left, up, front as columns) all around (N, 3) fronts, and turned a little to their sides."""
+    yawed = [exp_so3(np.array([0.0, yaw, 0.0])) for yaw in YAWS]
+    return np.array([turn @ yaw for front in fronts for turn in _turns(front) for yaw in yawed])
+
+
+def turns_about(up: Array) -> Array:
+    """(T, 3, 3) body axes all around a (3,) unit direction."""
+    return np.array([turn[:, [1, 2, 0]] for turn in _turns(up)])  # its "front" is up here, its "up" is left
+
+
+def _turns(front: Array) -> list[Array]:
+    """(3, 3) body axes (left, up, front as columns) all around a (3,) front."""
+    guess = np.eye(3)[np.abs(front).argmin()]
+    first = guess - (guess @ front) * front
+    first /= np.linalg.norm(first)
+    ups = [exp_so3(angle * front) @ first for angle in np.arange(TURNS) * (2.0 * np.pi / TURNS)]
+    return [np.column_stack([np.cross(up, front), up, front]) for up in ups]
+
+
+def _starts(rig: Rig, scan: Array, rotations: Array, scale: float) -> list[Similarity]:
+    """The rest pose in each of (T, 3, 3) axes, from the lower to the upper end of a (V, 3) scan, at its front."""
+    local = np.ascontiguousarray((scan @ rotations).transpose(2, 0, 1))  # (3, T, V)
+    low, high = np.percentile(local[1], [1, 99], axis=1)  # (T) each, of heights
+    middles = np.median(local[0], axis=1)
+    near = np.abs(local[0] - middles[:, None]) < MIDDLE  # not the hands before her
+    depths = np.sort(np.where(near, local[2], -np.inf), axis=1)
+    fronts = depths[np.arange(len(depths)), len(scan) - 1 - near.sum(axis=1) // 100]
+    body_low, body_high = scale * rig.template.min(axis=0), scale * rig.template.max(axis=0)
+    ends = np.sort([high - body_high[1] - 0.2, low - body_low[1] + 0.1], axis=0).T
+    heights = [np.linspace(first, last, max(2, 1 + round((last - first) / HEIGHT))) for first, last in ends]
+    parts = zip(rotations, middles, heights, fronts - body_high[2], strict=True)
+    return [
+        Similarity(scale, rotation, rotation @ np.array([middle + shift, height, front]))
+        for rotation, middle, levels, front in parts
+        for shift in SHIFTS
+        for height in levels
+    ]
 
 
 def _kept(tries: Similarities, scores: Array, count: int) -> Integers:

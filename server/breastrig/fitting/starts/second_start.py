@@ -5,7 +5,7 @@ Of two stances that are fitted together both begin again where one of them asks 
 hanging: one that does not would pull the other flat.  What decides is what is left on both.
 """
 
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
@@ -14,6 +14,7 @@ from breastrig.fitting.body.hanging_start import hanging_shapes, hanging_start, 
 from breastrig.fitting.fit import InitialPoint, OneScan, Problem, iterates
 from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.recipe import Stage
+from breastrig.fitting.starts.hypotheses import Opening
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.least_squares.newton import Point, Status
 
@@ -22,17 +23,30 @@ Iterates = tuple[FitIterate, ...]  # of each scan
 Tasks = tuple[FitTask, ...]
 
 
-def iterates_with_second_start(task: FitTask) -> Iterator[FitIterate]:
-    """As fit_iterates; where a second opening is gone through, its iterates follow those of the first."""
-    for (iterate,) in joint_iterates_with_second_start((task,), lambda tasks: OneScan(ScanProblem(tasks[0]))):
+def iterates_with_second_start(task: FitTask, begun: Opening | None = None) -> Iterator[FitIterate]:
+    """As fit_iterates; where a second opening is gone through, its iterates follow those of the first.
+
+    `begun` is the whole opening of this very task, where it is known.
+    """
+    known = None if begun is None else (begun.problem, [(each,) for each in begun.iterates])
+    for (iterate,) in joint_iterates_with_second_start((task,), lambda tasks: OneScan(ScanProblem(tasks[0])), known):
         yield iterate
 
 
-def joint_iterates_with_second_start(tasks: Tasks, problem_of: Callable[[Tasks], Problem[P]]) -> Iterator[Iterates]:
+def joint_iterates_with_second_start(
+    tasks: Tasks,
+    problem_of: Callable[[Tasks], Problem[P]],
+    begun: tuple[Problem[P], Sequence[Iterates]] | None = None,
+) -> Iterator[Iterates]:
     """The same of scans that are fitted together; `problem_of` makes one problem of their tasks."""
-    problem, recipe = problem_of(tasks), tasks[0].recipe
+    recipe = tasks[0].recipe
     opening = opening_of(recipe)
-    first = yield from _opened(problem, opening or recipe.stages)
+    if begun is None:
+        problem = problem_of(tasks)
+        first = yield from _opened(iterates(problem, opening or recipe.stages))
+    else:
+        problem = begun[0]
+        first = yield from _opened(begun[1])
     if not opening or first[0].status is Status.NOT_FINITE:
         yield first
         return
@@ -50,9 +64,9 @@ def joint_iterates_with_second_start(tasks: Tasks, problem_of: Callable[[Tasks],
         yield _later(iterate, 0, before)
 
 
-def _opened(problem: Problem[P], opening: Sequence[Stage]) -> Generator[Iterates, None, Iterates]:
+def _opened(opening: Iterable[Iterates]) -> Generator[Iterates, None, Iterates]:
     """Yields all iterates but the last, which it returns."""
-    for iterate in iterates(problem, opening):
+    for iterate in opening:
         if iterate[0].status is Status.RUNNING:
             yield iterate
     return iterate

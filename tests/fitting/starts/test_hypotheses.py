@@ -8,7 +8,8 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import fit_iterates
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import start_from_scan
-from breastrig.fitting.starts.rigid_search import rest_place
+from breastrig.fitting.starts.rigid_search import rest_place, turns_to
+from breastrig.fitting.starts.second_start import iterates_with_second_start
 from breastrig.fitting.task import FitTask
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.skinning import pose
@@ -52,7 +53,21 @@ def test_a_whole_body_starts_where_the_search_around_it_ends() -> None:
     bodies, body = _body("patient_5", "standing")
     target = ScanTarget(*compact(body.vertices, bodies.faces[_front(bodies, body)[1]]))
     rig = read_rig(default_rig_path())
-    start, place = start_from_scan(rig, target, FRONT), rest_place(rig, target, FRONT)
+    start, place = start_from_scan(rig, target, FRONT), rest_place(rig, target, turns_to(FRONT))
     assert not place.shows_a_part
     np.testing.assert_array_equal(start.similarity.translation, place.similarity.translation)
     np.testing.assert_array_equal(start.similarity.rotation, place.similarity.rotation)
+
+
+def test_what_was_fitted_to_find_the_place_is_the_beginning_of_the_fit() -> None:
+    """Of a part several heights are tried; the fit goes on from the best, and ends where a fit from there ends."""
+    bodies, body = _body("patient_5", "standing")
+    middles, seen = _front(bodies, body)
+    target = ScanTarget(*compact(body.vertices, bodies.faces[seen & (middles[:, 0] > 0.0)]))
+    rig, recipe = read_rig(default_rig_path()), load_recipe("default")
+    start = start_from_scan(rig, target, FRONT)
+    assert start.opening is not None
+    task = FitTask(rig, target, start.parameters, recipe, {})
+    anew, further = list(iterates_with_second_start(task)), list(iterates_with_second_start(task, start.opening))
+    assert [(each.iteration, each.stage) for each in further] == [(each.iteration, each.stage) for each in anew]
+    np.testing.assert_array_equal(pose(rig, further[-1].parameters), pose(rig, anew[-1].parameters))
