@@ -57,9 +57,9 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
         orientation_module.start_from_scan,
     )
 
-    def fitted(task: FitTask, *begun: object) -> Iterator[FitIterate]:
+    def fitted(task: FitTask, *known_opening: object) -> Iterator[FitIterate]:
         count["fits"] += 1
-        return of_fit(task, *begun)
+        return of_fit(task, *known_opening)
 
     def fronts(*args: object) -> object:
         count["fronts"] += 1

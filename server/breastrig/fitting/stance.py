@@ -57,8 +57,8 @@ class FoundStance:
     start: Start | None = None  # where the stance has one of its own
 
 
-def found_stance(task: FitTask, frame: Frame, begun: Opening | None = None) -> FoundStance:
-    """For a task whose start is right and whose stance does not matter yet; `begun` is what was fitted to find that.
+def found_stance(task: FitTask, frame: Frame, known_opening: Opening | None = None) -> FoundStance:
+    """For a task whose start is right and whose stance does not matter yet; `known_opening` was fitted to find it.
 
     Whoever fits the task next goes on from the iterates, so that nothing is fitted twice.
     """
@@ -67,17 +67,21 @@ def found_stance(task: FitTask, frame: Frame, begun: Opening | None = None) -> F
     if is_said or not any(shape.kind == "gravity" for shape in task.rig.shapes):
         return FoundStance(frame.stance, frame.stance_reason)
     task = replace(task, stance="standing")
-    known = begun is not None and begun.task.stance == task.stance and begun.task.recipe is task.recipe
-    begun = begun if known and not task.landmarks else None
+    known = (
+        known_opening is not None
+        and known_opening.task.stance == task.stance
+        and known_opening.task.recipe is task.recipe
+    )
+    known_opening = known_opening if known and not task.landmarks else None
     views = hanging_views(task.target, frame.front) if not wall and len(frame.fronts) == 1 else []
     prone = prone_start(task.rig, task.target, frame, views) if views else None
     if prone is not None and prone.opening is not None:
-        of_scan = begun or opened(replace(task, landmarks={}, recipe=judge()))
+        of_scan = known_opening or opened(replace(task, landmarks={}, recipe=judge()))
         if prone.opening.energy < WORSE * of_scan.energy:
             lies = replace(task, stance=PRONE, start=prone.parameters)
             same = not task.landmarks and task.recipe is prone.opening.task.recipe
             return FoundStance(PRONE, HANGS, tuple(checked_iterates(lies, prone.opening)) if same else (), prone)
-    standing = tuple(checked_iterates(task, begun))
+    standing = tuple(checked_iterates(task, known_opening))
     likely = likely_stance(measured_signs(task, standing[-1]))
     if wall:
         return FoundStance("supine", TABLE) if likely.supine else FoundStance("standing", WALL, standing)

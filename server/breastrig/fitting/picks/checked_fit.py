@@ -16,11 +16,11 @@ from breastrig.fitting.task import Doubt, FitIterate, FitTask
 from breastrig.least_squares.newton import Status
 
 
-def checked_iterates(task: FitTask, begun: Opening | None = None) -> Iterator[FitIterate]:
+def checked_iterates(task: FitTask, known_opening: Opening | None = None) -> Iterator[FitIterate]:
     """As iterates_with_second_start; iterates after a pick was rejected name it in `not_followed`."""
     first, rest = _parts(task.recipe)
     if not task.landmarks or task.from_colour or first is None or rest is None:
-        yield from iterates_with_second_start(task, begun)
+        yield from iterates_with_second_start(task, known_opening)
         return
     for iterate in iterates_with_second_start(replace(task, recipe=first)):
         if iterate.status is Status.RUNNING:

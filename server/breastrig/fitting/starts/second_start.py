@@ -23,12 +23,12 @@ Iterates = tuple[FitIterate, ...]  # of each scan
 Tasks = tuple[FitTask, ...]
 
 
-def iterates_with_second_start(task: FitTask, begun: Opening | None = None) -> Iterator[FitIterate]:
+def iterates_with_second_start(task: FitTask, known_opening: Opening | None = None) -> Iterator[FitIterate]:
     """As fit_iterates; where a second opening is gone through, its iterates follow those of the first.
 
-    `begun` is the whole opening of this very task, where it is known.
+    `known_opening` is the whole opening of this very task, where it is known.
     """
-    known = None if begun is None else (begun.problem, [(each,) for each in begun.iterates])
+    known = None if known_opening is None else (known_opening.problem, [(each,) for each in known_opening.iterates])
     for (iterate,) in joint_iterates_with_second_start((task,), lambda tasks: OneScan(ScanProblem(tasks[0])), known):
         yield iterate
 
@@ -36,17 +36,17 @@ def iterates_with_second_start(task: FitTask, begun: Opening | None = None) -> I
 def joint_iterates_with_second_start(
     tasks: Tasks,
     problem_of: Callable[[Tasks], Problem[P]],
-    begun: tuple[Problem[P], Sequence[Iterates]] | None = None,
+    known_opening: tuple[Problem[P], Sequence[Iterates]] | None = None,
 ) -> Iterator[Iterates]:
     """The same of scans that are fitted together; `problem_of` makes one problem of their tasks."""
     recipe = tasks[0].recipe
     opening = opening_of(recipe)
-    if begun is None:
+    if known_opening is None:
         problem = problem_of(tasks)
         first = yield from _opened(iterates(problem, opening or recipe.stages))
     else:
-        problem = begun[0]
-        first = yield from _opened(begun[1])
+        problem = known_opening[0]
+        first = yield from _opened(known_opening[1])
     if not opening or first[0].status is Status.NOT_FINITE:
         yield first
         return
