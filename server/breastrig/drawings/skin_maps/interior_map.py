@@ -1,8 +1,9 @@
 """Maps points inside the body in one stance to the same tissue in another stance of the same patient.
 
-The skin is followed by the skin map as far as that reaches, beyond it by the two fitted models; what lies inside
-follows by the interpolant of least bending energy in space, the thin-plate spline with the kernel |x - y| (Duchon
-1977; Bookstein 1989).  The fitted back and flanks hold it on the far side, where no chest wall is seen.
+The skin is followed by the skin map, by the mean motion alone, as far as that reaches, beyond it by the two fitted
+models; what lies inside follows by the interpolant of least bending energy in space, the thin-plate spline with the
+kernel |x - y| (Duchon 1977; Bookstein 1989).  The fitted back and flanks hold it on the far side, where no chest wall
+is seen.
 
 Evidence: docs/decisions/0015.
 """
@@ -29,7 +30,7 @@ class InteriorMap:
         rig, a, b = self._rig, self._a, self._b
         first, second = (b, a) if a.stance == "supine" and b.stance != "supine" else (a, b)
         followed = within_reach(rig, first.vertices, first.vertices)
-        skin = SkinMap(rig, first, second).moved(first.vertices)
+        skin = SkinMap(rig, first, second, ways=False).moved(first.vertices)
         there = np.where(followed[:, None], skin, second.vertices)
         here, there = (first.vertices, there) if first is a else (there, first.vertices)
         _, apart = np.unique(np.round(here, 5), axis=0, return_index=True)  # two equal places make it singular

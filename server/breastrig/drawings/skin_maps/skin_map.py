@@ -77,8 +77,10 @@ class SkinMap:
         b: FittedScan,
         settings: SkinMapSettings | None = None,
         motion: Array | None = None,
+        ways: bool = True,
     ) -> None:
-        """With the rig's settings and its (1 + K, V, 3) m motions (lying_motion.py), or others.
+        """With the rig's settings and its (1 + K, V, 3) m motions (lying_motion.py), or others; without `ways` the mean
+        alone.
 
         Raises BadDrawing when a model does not lie on its scan.
         """
@@ -86,7 +88,9 @@ class SkinMap:
         lies_down = a.stance == "standing" and b.stance == "supine"
         expected = lying_motion(rig) if motion is None and lies_down else motion
         still = np.zeros((1, len(rig.template), 3))
-        turned = (still if expected is None else expected) @ umeyama(rig.template, b.vertices).rotation.T
+        turned = (still if expected is None else expected if ways else expected[:1]) @ umeyama(
+            rig.template, b.vertices
+        ).rotation.T
         self._moves = np.moveaxis(turned, 0, -1).reshape(len(rig.template), -1)  # (V, 3 (1 + K))
         self._settings = own = settings or skin_map_settings(rig)
         on_scan = MatchRules("rays", own.on_scan_distance, own.on_scan_angle)
