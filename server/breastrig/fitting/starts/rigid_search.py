@@ -1,9 +1,10 @@
 """Where the rest pose lies on a scan, from the scan alone: rigid tries all around, the best of them followed further.
 
 Each try is refined by iterative closest points in both directions, in position and normal at once; pairs at the scan's
-border or the model's rim do not count.  Tries are judged by capped distances the same two ways.  A scan of a part of a
-body is tried to both sides too, one that shows all sides along all six directions of its axes.  Of 38 partial scans of
-warped bodies, turned at random, the right place comes first in 36.
+border or the model's rim do not count.  Tries are judged by capped distances the same two ways, at levels that
+grow finer.  All are turned to both sides of the front and moved to both sides of the middle too, as parts need; a scan
+that shows all sides is tried along all six directions of its axes.  Of 120 scans and parts of warped bodies 118 are
+placed right (docs/decisions/0009).
 """
 
 from dataclasses import dataclass
