@@ -16,8 +16,7 @@ from breastrig.energies.body_prior import BodyPrior
 from breastrig.energies.folding import Folding
 from breastrig.energies.joint_limits import JointLimits
 from breastrig.energies.joint_rest import JointRest
-from breastrig.energies.landmark_observations import LandmarkObservations
-from breastrig.energies.landmarks import Landmarks
+from breastrig.energies.landmarks import LandmarkObservation, Landmarks
 from breastrig.energies.point_to_plane import PointToPlane
 from breastrig.energies.point_to_point import PointToPoint
 from breastrig.energies.scale_prior import ScalePrior
@@ -56,27 +55,19 @@ def random_body(rig: Rig, rng: np.random.Generator) -> tuple[np.ndarray, np.ndar
     return rng.normal(size=size), factors @ factors.T / size + np.eye(size)
 
 
-def random_covariances(count: int, rng: np.random.Generator) -> np.ndarray:
-    """(count, 3, 3) m², in which all axes go with each other."""
-    factors = 0.005 * rng.normal(size=(count, 3, 3))
-    return factors @ factors.transpose(0, 2, 1) + 1e-6 * np.eye(3)
+def observations(rig: Rig, rng: np.random.Generator) -> list[LandmarkObservation]:
+    """Of all landmarks, anywhere, with errors in which all axes go with each other."""
+    factors = 0.005 * rng.normal(size=(len(rig.landmarks), 3, 3))
+    return [
+        LandmarkObservation(name, rng.normal(size=3), factor @ factor.T + 1e-6 * np.eye(3))
+        for name, factor in zip(rig.landmark_names, factors, strict=True)
+    ]
 
 
 TERMS: dict[str, Callable[[Rig, np.random.Generator], Any]] = {
     "point_to_plane": lambda rig, rng: PointToPlane(rig, matches(rig, rng), rng.uniform(0.1, 1, 40), 0.003),
     "point_to_point": lambda rig, rng: PointToPoint(rig, matches(rig, rng), rng.uniform(0.1, 1, 40), 0.01),
-    "landmarks": lambda rig, rng: Landmarks(
-        rig,
-        rig.landmark_points(),
-        rng.normal(size=(len(rig.landmarks), 3)),
-        rng.uniform(0.002, 0.01, len(rig.landmarks)),
-    ),
-    "landmark_observations": lambda rig, rng: LandmarkObservations(
-        rig,
-        rig.landmark_points(),
-        rng.normal(size=(len(rig.landmarks), 3)),
-        random_covariances(len(rig.landmarks), rng),
-    ),
+    "landmarks": lambda rig, rng: Landmarks(rig, observations(rig, rng), rng.uniform(0.1, 1, len(rig.landmarks)), 2.0),
     "scale_prior": lambda rig, _: ScalePrior(rig, 0.1, 0.05),
     "shape_prior": lambda rig, rng: ShapePrior(rng.uniform(0.1, 1, len(rig.shapes)), rng.normal(size=len(rig.shapes))),
     "symmetry": lambda rig, _: Symmetry(rig, 0.5, 0.02),
@@ -166,16 +157,6 @@ def test_a_joint_inside_its_limit_costs_nothing_and_one_beyond_it_does(toy_rig: 
     assert residual[0] == 0.0
 
 
-def test_observed_landmarks_pull_as_picks_do_where_all_axes_are_known_alike(toy_rig: Rig) -> None:
-    rng = np.random.default_rng(8)
-    points, x = toy_rig.landmark_points(), random_state(toy_rig, rng)
-    targets, sigma = rng.normal(size=(len(toy_rig.landmarks), 3)), rng.uniform(0.002, 0.01, len(toy_rig.landmarks))
-    picked = Landmarks(toy_rig, points, targets, sigma).linearise(x)
-    observed = LandmarkObservations(toy_rig, points, targets, sigma[:, None, None] ** 2 * np.eye(3)).linearise(x)
-    np.testing.assert_allclose(observed.residual, picked.residual, rtol=1e-12)
-    np.testing.assert_allclose(observed.jacobian, picked.jacobian, rtol=1e-12, atol=1e-12)
-
-
 def test_an_observation_pulls_only_where_it_knows(toy_rig: Rig) -> None:
     """The squared residual is the Mahalanobis distance: next to nothing along an unknown axis."""
     x = random_state(toy_rig, np.random.default_rng(9))
@@ -183,5 +164,5 @@ def test_an_observation_pulls_only_where_it_knows(toy_rig: Rig) -> None:
     along = np.array([0.6, 0.8, 0.0])
     covariance = 0.003**2 * np.eye(3) + np.outer(along, along)
     target = points.positions(x.posed.vertices, toy_rig.faces) - 0.01 * along
-    residual = LandmarkObservations(toy_rig, points, target, covariance[None]).residual(x)
+    residual = Landmarks(toy_rig, [LandmarkObservation(toy_rig.landmark_names[0], target[0], covariance)]).residual(x)
     assert residual @ residual == pytest.approx(0.01**2 / (1.0 + 0.003**2), rel=1e-9)

@@ -48,7 +48,7 @@ def test_what_reaches_through_the_table_is_pushed_back(torso: Rig) -> None:
 def task(rig: Rig, stance: str, table: Plane | None) -> FitTask:
     target, landmarks, _ = patient(rig, 1)
     seen = ScanTarget(target.vertices, target.faces, table=table)
-    return FitTask(rig, seen, rest_parameters(rig), load_recipe("default"), landmarks, stance)
+    return FitTask(rig, seen, rest_parameters(rig), load_recipe("default"), {}, stance).with_picks(landmarks)
 
 
 def test_a_plane_far_from_the_back_is_no_table_under_it(torso: Rig) -> None:

@@ -41,7 +41,7 @@ def left_half(rig: Rig) -> np.ndarray:
 
 def places(rig: Rig, target: ScanTarget, landmarks: dict[str, Array], recipe: Recipe) -> tuple[Array, Array]:
     """The vertices and landmarks of the rig as fitted, (V, 3) and (L, 3) m."""
-    task = FitTask(rig, target, start_from_landmarks(rig, landmarks), recipe, landmarks)
+    task = FitTask(rig, target, start_from_landmarks(rig, landmarks), recipe, {}).with_picks(landmarks)
     vertices = pose(rig, list(fit_iterates(task))[-1].parameters)
     return vertices, rig.landmark_points().positions(vertices, rig.faces)
 

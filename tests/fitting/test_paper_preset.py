@@ -17,7 +17,6 @@ from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.task import FitTask
 from breastrig.geometry.rotations import log_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.least_squares.newton import value
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
@@ -36,7 +35,13 @@ def torso() -> Rig:
 def fit(torso: Rig) -> ScanProblem:
     target, landmarks, _ = patient(torso, 0)
     return ScanProblem(
-        FitTask(torso, target, start_from_landmarks(torso, landmarks), load_recipe("paper"), dict(landmarks))
+        FitTask(
+            torso,
+            target,
+            start_from_landmarks(torso, landmarks),
+            load_recipe("paper"),
+            {},
+        ).with_picks(dict(landmarks))
     )
 
 
@@ -76,21 +81,21 @@ def test_its_energy_is_equation_9_of_the_paper(seed: int, torso: Rig, fit: ScanP
         + ((CM * gaps) ** 2).sum() / LANDMARKS
     )
     terms = fit.terms(stage, 1.0, state, matches)
-    assert 2.0 * value(terms, fit.held, state).energy == pytest.approx(expected, rel=1e-5)
+    assert 2.0 * fit.value(terms, state).energy == pytest.approx(expected, rel=1e-5)
 
 
 def test_its_residual_has_three_axes_and_the_scans_direction(torso: Rig, fit: ScanProblem) -> None:
     state = fit.start()
     stage = fit.task.recipe.stages[0]
     matches = fit.matches(stage, 1.0, state)
-    (data,) = (term for term in fit.terms(stage, 1.0, state, matches) if isinstance(term, PointToPoint))
-    residual = data.residual(state).reshape(3, -1).T * stage.data_sigma[0]
+    (data,) = (term for term in fit.terms(stage, 1.0, state, matches).residuals if isinstance(term, PointToPoint))
+    residual = data.residual(state).reshape(3, -1).T * fit.task.recipe.observed.skin
     along = np.einsum("mi,mi->m", residual, matches.normals)
     np.testing.assert_allclose(residual, along[:, None] * matches.normals, atol=1e-12)
     moved = BodyState(
         torso, state.x.moved(np.eye(3), np.array([0.001, 0.0, 0.0]))
     )  # the same step costs the same in every direction
-    change = data.residual(moved).reshape(3, -1).T * stage.data_sigma[0] - residual
+    change = data.residual(moved).reshape(3, -1).T * fit.task.recipe.observed.skin - residual
     np.testing.assert_allclose(change, np.tile([0.001, 0.0, 0.0], (len(change), 1)), atol=1e-12)
 
 
@@ -108,8 +113,8 @@ def test_a_projection_stays_in_the_tangent_plane_and_lies_on_the_normal_through_
 
 def test_a_preset_with_two_data_terms_in_one_stage_is_refused(tmp_path: Path, repository: Path) -> None:
     text = (repository / "server/breastrig/fitting/presets/paper.toml").read_text("utf-8")
-    (tmp_path / "both.toml").write_text(text + "along_sigma = [0.01, 0.01]\n", "utf-8")
-    with pytest.raises(BadSettings, match=r"stages\.0: .*along_sigma stands beside point_to_plane only"):
+    (tmp_path / "both.toml").write_text(text + "along = 3.0\n", "utf-8")
+    with pytest.raises(BadSettings, match=r"stages\.0: .*along stands beside point_to_plane only"):
         load_recipe(tmp_path / "both.toml")
 
 

@@ -15,7 +15,6 @@ from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.scan_orientation import scan_orientation
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.relief.limits import relief
 from breastrig.scan.clean import clean, compact
 from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
@@ -85,7 +84,7 @@ def test_areolae_that_the_scan_shows_place_the_nipples_and_without_colour_the_fo
         assert off < 0.004
         assert form > 0.008  # what the form alone can say
         assert plain[name].reason is None
-    by_form = {*HOLLOWS.values(), relief().lying_shoulder.reason}
+    by_form = {*HOLLOWS.values()}
     by_colour = {name for name, each in coloured.items() if each.reason and each.reason not in by_form}
     assert by_colour == {"nipple_L", "nipple_R"}
 
@@ -121,4 +120,4 @@ def test_areolae_where_the_form_has_them_confirm_how_the_body_lies() -> None:
     assert one is not None
     assert form.landmarks["xiphoid"] > 0.3
     assert one.landmarks["xiphoid"] > 0.3  # a single one may be anything
-    assert coloured.landmarks["xiphoid"] < 0.03
+    assert coloured.landmarks["xiphoid"] < 0.05

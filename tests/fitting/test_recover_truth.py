@@ -34,19 +34,17 @@ def for_scans_without_noise(recipe: Recipe) -> Recipe:
             "name": "exact",
             "iterations": 60,
             "tighten": 10,
-            "max_distance": (0.015, 0.015),
-            "data_sigma": (0.004, 0.00002),
-            "landmark_sigma": (0.003, 0.0005),
-            "kernel": "none",
+            "temperature": (1.0, 0.005),
             "reject_border": False,
         }
     )
-    return recipe.model_copy(update={"stages": (*recipe.stages, exact), "observations": None})
+    observed = recipe.observed.model_copy(update={"skin_outlier": None})
+    return recipe.model_copy(update={"stages": (*recipe.stages, exact), "observed": observed, "observations": None})
 
 
 def fitted(rig: Rig, seed: int, recipe: Recipe) -> tuple[list[FitIterate], ScanTarget, Array]:
     target, landmarks, truth = patient(rig, seed)
-    task = FitTask(rig, target, start_from_landmarks(rig, landmarks), recipe, landmarks)
+    task = FitTask(rig, target, start_from_landmarks(rig, landmarks), recipe, {}).with_picks(landmarks)
     return list(fit_iterates(task)), target, truth
 
 
@@ -76,7 +74,7 @@ class Rescanned:
     def errors_mm(self, recipe: Recipe) -> tuple[float, float, float]:
         """Means: fitted vertices to the true surface, to their own true places, landmarks to theirs."""
         rig, start = self._rig, start_from_landmarks(self._rig, self.landmarks)
-        last = list(fit_iterates(FitTask(rig, self.target, start, recipe, self.landmarks)))[-1]
+        last = list(fit_iterates(FitTask(rig, self.target, start, recipe, {}).with_picks(self.landmarks)))[-1]
         assert last.status is Status.CONVERGED
         vertices = pose(rig, last.parameters)
         off = ScanTarget(self._truth, rig.faces).search.query(vertices).distances
@@ -152,7 +150,13 @@ def test_scales_stay_inside_the_rigs_limits(torso: Rig) -> None:
 def test_stopping_to_consume_stops_the_fit(torso: Rig) -> None:
     target, landmarks, _ = patient(torso, 0)
     steps = fit_iterates(
-        FitTask(torso, target, start_from_landmarks(torso, landmarks), load_recipe("default"), landmarks)
+        FitTask(
+            torso,
+            target,
+            start_from_landmarks(torso, landmarks),
+            load_recipe("default"),
+            {},
+        ).with_picks(landmarks)
     )
     assert next(steps).iteration == 0
     steps.close()
@@ -164,7 +168,13 @@ def test_without_rays_the_trees_alone_give_the_same_fit(torso: Rig) -> None:
     surfaces = []
     for use_rays in (True, False):
         scan = ScanTarget(target.vertices, target.faces, use_rays=use_rays)
-        task = FitTask(torso, scan, start_from_landmarks(torso, landmarks), load_recipe("default"), landmarks)
+        task = FitTask(
+            torso,
+            scan,
+            start_from_landmarks(torso, landmarks),
+            load_recipe("default"),
+            {},
+        ).with_picks(landmarks)
         surfaces.append(pose(torso, list(fit_iterates(task))[-1].parameters))
     assert np.linalg.norm(surfaces[0] - surfaces[1], axis=1).mean() < 0.5e-3
 

@@ -47,7 +47,13 @@ def scan_without_table(place: Path) -> ScanTarget:
 def found(target: ScanTarget) -> tuple[FoundStance, Frame]:
     rig, frame = read_rig(default_rig_path()), propose_frame(target.vertices, target.faces)
     none: dict[str, Array] = {}
-    task = FitTask(rig, target, best_start(rig, target, none, lambda: frame.fronts), load_recipe("default"), none)
+    task = FitTask(
+        rig,
+        target,
+        best_start(rig, target, none, lambda: frame.fronts),
+        load_recipe("default"),
+        {},
+    ).with_picks(none)
     return found_stance(task, frame), frame
 
 

@@ -11,7 +11,7 @@ from helpers.toy_rig import toy_rig
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadSettings
 from breastrig.correspondence.target import ScanTarget
-from breastrig.energies.landmarks import Landmarks
+from breastrig.energies.landmarks import LandmarkObservation, Landmarks
 from breastrig.energies.scale_prior import ScalePrior
 from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
@@ -64,7 +64,9 @@ def task_of(rig: Rig, x: RigParameters, recipe: Recipe, stance: str = "standing"
     places = rig.landmark_points().positions(vertices, rig.faces) - centre
     landmarks = dict(zip(rig.landmark_names, places, strict=True))
     target = ScanTarget(fine - centre, triangles)
-    return FitTask(rig, target, start_from_landmarks(rig, landmarks), recipe, landmarks, stance), vertices - centre
+    return FitTask(rig, target, start_from_landmarks(rig, landmarks), recipe, {}, stance).with_picks(
+        landmarks
+    ), vertices - centre
 
 
 def for_scans_without_noise(recipe: Recipe) -> Recipe:
@@ -74,14 +76,12 @@ def for_scans_without_noise(recipe: Recipe) -> Recipe:
             "name": "exact",
             "iterations": 60,
             "tighten": 10,
-            "max_distance": (0.015, 0.015),
-            "data_sigma": (0.004, 0.00002),
-            "landmark_sigma": (0.003, 0.0005),
-            "kernel": "none",
+            "temperature": (1.0, 0.005),
             "reject_border": False,
         }
     )
-    return recipe.model_copy(update={"stages": (*recipe.stages, exact), "observations": None})
+    observed = recipe.observed.model_copy(update={"skin_outlier": None})
+    return recipe.model_copy(update={"stages": (*recipe.stages, exact), "observed": observed, "observations": None})
 
 
 def assert_one_body(iterate: PairIterate, rig: Rig) -> None:
@@ -138,13 +138,12 @@ def test_the_joint_gradient_equals_finite_differences(coupling: Coupling) -> Non
     layout = SharedBody(rig, coupling.exact)
     springs = Springs(rig, coupling, layout)
     state = layout.agreed(*(BodyState(rig, random_parameters(rig, rng)) for _ in range(2)))
-    points = rig.landmark_points()
     terms = [
         [
             ScalePrior(rig, 0.1, 0.1),
             ShapePrior(np.full(len(rig.shapes), 0.5), np.zeros(len(rig.shapes))),
             Symmetry(rig, 0.5, 0.1),
-            Landmarks(rig, points, rng.normal(size=(len(points), 3)), np.full(len(points), 0.3)),
+            Landmarks(rig, [LandmarkObservation(n, rng.normal(size=3), 0.09 * np.eye(3)) for n in rig.landmark_names]),
         ]
         for _ in range(2)
     ]
@@ -197,7 +196,7 @@ def test_bodies_that_are_alike_are_nearer_to_each_other_than_bodies_apart(torso:
 def test_a_scan_without_landmarks_starts_by_itself(torso: Rig) -> None:
     (first, _), (second, truth) = (task_of(torso, x, load_recipe("default")) for x in two_stances(torso, 1))
     blind = replace(
-        second, landmarks={}, start=best_start(torso, second.target, {}, lambda: np.array([[0.0, 0.0, 1.0]]))
+        second.with_picks({}), start=best_start(torso, second.target, {}, lambda: np.array([[0.0, 0.0, 1.0]]))
     )
     last = list(fit_pair_iterates(first, blind, ONE_BODY))[-1]
     assert last.status is Status.CONVERGED
@@ -217,5 +216,5 @@ def test_stances_of_different_models_or_presets_are_refused(torso: Rig) -> None:
 
 def test_a_scan_that_is_nowhere_near_ends_the_fit_with_a_reason(torso: Rig) -> None:
     task, _ = task_of(torso, two_stances(torso, 3)[0], load_recipe("default"))
-    away = replace(task, landmarks={}, target=ScanTarget(task.target.vertices + 9.0, task.target.faces))
+    away = replace(task.with_picks({}), target=ScanTarget(task.target.vertices + 9.0, task.target.faces))
     assert [iterate.status for iterate in fit_pair_iterates(task, away)] == [Status.STALLED]

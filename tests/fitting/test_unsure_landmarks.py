@@ -1,7 +1,5 @@
 """Landmarks that are only proposed: they start the fit, and pull as hard as their confidence says."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from helpers.rig_patient import patient
@@ -38,8 +36,14 @@ def nipple_gap(task: FitTask) -> float:
 def test_the_less_sure_the_less_followed(torso: Rig) -> None:
     target, landmarks, _ = patient(torso, 6)
     wrong = landmarks | {"nipple_L": landmarks["nipple_L"] + [0.0, 0.012, 0.0]}
-    task = FitTask(torso, target, start_from_landmarks(torso, wrong), load_recipe("default"), wrong)
-    gaps = [nipple_gap(replace(task, landmark_errors={"nipple_L": error})) for error in (0.0, 0.003, 0.01, 0.05)]
+    task = FitTask(
+        torso,
+        target,
+        start_from_landmarks(torso, wrong),
+        load_recipe("default"),
+        {},
+    ).with_picks(wrong)
+    gaps = [nipple_gap(task.with_picks(task.landmarks, {"nipple_L": error})) for error in (0.0, 0.003, 0.01, 0.05)]
     assert gaps == sorted(gaps)
     assert gaps[-1] > 0.010, "hardly followed at all"
     assert gaps[0] == nipple_gap(task) < 0.9 * gaps[-1]
@@ -51,6 +55,12 @@ def test_all_unsure_ends_near_the_fit_without_any(torso: Rig) -> None:
     start = start_from_landmarks(torso, landmarks)
     recipe = load_recipe("default")
     without = list(fit_iterates(FitTask(torso, target, start, recipe, {})))[-1].parameters
-    unsure = FitTask(torso, target, start, recipe, moved, landmark_errors=dict.fromkeys(moved, expected_error(0.01)))
+    unsure = FitTask(
+        torso,
+        target,
+        start,
+        recipe,
+        {},
+    ).with_picks(moved, dict.fromkeys(moved, expected_error(0.01)))
     gap = pose(torso, list(fit_iterates(unsure))[-1].parameters) - pose(torso, without)
     assert np.linalg.norm(gap, axis=1).mean() < 0.002

@@ -33,4 +33,11 @@ def example_task(scan: Path = EXAMPLE / "scan.ply", preset: str = "default", sta
     places, unit = read_landmarks(EXAMPLE.with_name(stance) / "landmarks.json")
     assert unit == "mm"
     landmarks = {name: 1e-3 * np.asarray(place) - centre for name, place in places.items()}
-    return FitTask(rig, target, start_from_landmarks(rig, landmarks), load_recipe(preset), landmarks, stance=stance)
+    return FitTask(
+        rig,
+        target,
+        start_from_landmarks(rig, landmarks),
+        load_recipe(preset),
+        {},
+        stance=stance,
+    ).with_picks(landmarks)

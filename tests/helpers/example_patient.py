@@ -55,7 +55,17 @@ class Patient:
         surface = clean(Scan(vertices, faces, "m", 1.0, "As asked for.", "0" * 64))
         target = ScanTarget(surface.vertices, surface.faces)
         start = start_from_landmarks(self.rig, given)
-        last = list(fit_iterates(FitTask(self.rig, target, start, recipe or load_recipe("default"), given)))[-1]
+        last = list(
+            fit_iterates(
+                FitTask(
+                    self.rig,
+                    target,
+                    start,
+                    recipe or load_recipe("default"),
+                    {},
+                ).with_picks(given)
+            )
+        )[-1]
         assert last.status is Status.CONVERGED
         return last.parameters
 

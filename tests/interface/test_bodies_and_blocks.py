@@ -140,7 +140,7 @@ def test_a_preset_is_given_by_what_differs(tmp_path: Path, capsys: pytest.Captur
     changed = load_recipe({"scales": {"sigma": 0.07}, "stages": {last.name: {"iterations": 3, "tighten": 2}}})
     assert (changed.scales.sigma, changed.scales.neighbour_sigma) == (0.07, default.scales.neighbour_sigma)
     assert [stage.name for stage in changed.stages] == [stage.name for stage in default.stages]
-    assert (changed.stages[-1].iterations, changed.stages[-1].max_distance) == (3, last.max_distance)
+    assert (changed.stages[-1].iterations, changed.stages[-1].max_angle) == (3, last.max_angle)
     assert changed.name == "default, changed"
     mine = tmp_path / "mine.toml"
     mine.write_text('base = "paper"\nname = "mine"\n[scales]\nsigma = 0.3\n')

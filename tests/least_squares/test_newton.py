@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import lsq_linear
 
 from breastrig.least_squares.newton import Status, assemble, newton_step
-from breastrig.least_squares.problem import HARD, KERNELS, Linearisation
+from breastrig.least_squares.problem import HARD, Linearisation, inlier_chance, mixture_cost, outlier_cost
 from breastrig.least_squares.quadratic_program import Bounds
 
 
@@ -185,10 +185,18 @@ def test_a_number_that_is_not_finite_is_said() -> None:
     assert step([bad], [], Flat(np.zeros(6))).status is Status.NOT_FINITE
 
 
-@pytest.mark.parametrize("kernel", KERNELS)
-def test_a_robust_weight_is_one_at_zero_and_never_grows(kernel: str) -> None:
-    r = np.linspace(0, 5, 101)
-    weight = KERNELS[kernel](r)
-    assert weight[0] == 1.0
-    assert (np.diff(weight) <= 1e-15).all()
-    assert (weight >= 0).all()
+@pytest.mark.parametrize("even", [2.0, 3.0, 8.0])
+def test_the_price_of_an_outlier_is_its_mixtures_and_reweighting_lies_above_it(even: float) -> None:
+    """Half r² times the weight, plus what it is short of the price there, is at least the price anywhere (EM)."""
+    r = np.linspace(0.0, 12.0, 4801)
+    weight, price = inlier_chance(r, even), mixture_cost(r, even)
+    assert inlier_chance(np.array([even]), even)[0] == pytest.approx(0.5)
+    assert (np.diff(weight) <= 0.0).all()
+    np.testing.assert_allclose(np.gradient(price, r)[1:-1], (weight * r)[1:-1], atol=2e-3)  # its derivative
+    assert price[0] == 0.0
+    assert price[-1] == pytest.approx(outlier_cost(even), abs=1e-6)
+    for at in (0.5, even, even + 1.0):
+        w, p = inlier_chance(np.array([at]), even)[0], mixture_cost(np.array([at]), even)[0]
+        assert (0.5 * w * (r**2 - at**2) + p >= price - 1e-9).all()
+    np.testing.assert_array_equal(mixture_cost(r, None), 0.5 * r**2)
+    np.testing.assert_array_equal(inlier_chance(r, None), 1.0)

@@ -7,8 +7,9 @@ import pytest
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
+from breastrig.energies.landmarks import LandmarkObservation
 from breastrig.relief.limits import relief
-from breastrig.relief.observe import Expected, ReliefObservation, is_on_smooth_skin, relief_observations
+from breastrig.relief.observe import Expected, is_on_smooth_skin, relief_observations
 
 SPACING, HALF = 0.005, 0.15  # m, of the scan's vertices, and half its side
 FRONT = np.array([0.0, 0.0, 1.0])
@@ -45,7 +46,7 @@ def skin(heights: Heights, noise: float = 0.001, seed: int = 3) -> ScanTarget:
     return ScanTarget(np.column_stack([x, y, z]), faces)
 
 
-def seen(target: ScanTarget, name: str, heights: Heights) -> ReliefObservation | None:
+def seen(target: ScanTarget, name: str, heights: Heights) -> LandmarkObservation | None:
     """What is seen of a landmark that the form expects in the middle."""
     place = np.array([0.0, 0.0, float(heights(np.zeros(1), np.zeros(1))[0])])
     return relief_observations(target, {name: Expected(place, FRONT)}, np.eye(3)).get(name)
@@ -56,7 +57,7 @@ def seen(target: ScanTarget, name: str, heights: Heights) -> ReliefObservation |
 def test_a_navel_is_found_where_its_dent_is(at: tuple[float, float], seed: int) -> None:
     found = seen(skin(lambda x, y: belly(x, y) + dent(x, y, at), seed=seed), NAVEL, belly)
     assert found is not None
-    assert found.all_round
+    assert found.is_place
     assert found.reason == "dent seen"
     off = found.place - [*at, float((belly(*np.array([at]).T) + dent(*np.array([at]).T, at))[0])]
     assert np.linalg.norm(off[:2]) < 0.005
@@ -103,7 +104,7 @@ def furrow(x: Array, y: Array) -> Array:
 def test_a_fold_says_how_high_it_is_and_not_where_along_it_the_landmark_lies() -> None:
     found = seen(skin(furrow), FOLD, belly)
     assert found is not None
-    assert not found.all_round
+    assert not found.is_place
     up = np.array([0.0, 1.0, 0.0])
     assert abs(found.place @ up - 0.006) < 0.003
     axes, deviations = np.linalg.eigh(found.covariance)[1], np.sqrt(np.linalg.eigvalsh(found.covariance))

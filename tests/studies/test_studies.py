@@ -116,8 +116,8 @@ def test_a_compliance_is_the_square_of_its_sigmas_and_of_no_others(preset: str, 
 
     compare("", before, after)
     allowed = {
-        "data": {"stages.data_sigma", "stages.along_sigma"},
-        "landmarks": {"stages.landmark_sigma"},
+        "data": {"observed.skin"},
+        "landmarks": {"observed.landmark"},
         "scales": {"scales.sigma", "scales.neighbour_sigma", "body.share", "body.scale_sigma"},
         "shapes": {"shapes.sigma", "shapes.factor", "body.share"},
         "joints": {

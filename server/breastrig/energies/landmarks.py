@@ -1,10 +1,13 @@
-"""Distance of the model's landmarks to the picked points (E_L, equation 9).
+"""Distance of the model's landmarks to where they were observed (E_L, equation 9).
 
-r_l = (Σ_c β_lc M_c(x) − q_l) / σ_l, all three axes; a landmark is a surface point with barycentric
-coordinates β of its triangle's corners c.
+r_l = √w_l L_lᵀ (Σ_c β_lc M_c(x) − q_l) with L_l L_lᵀ the inverse of the observation's covariance and β the barycentric
+coordinates in a triangle with corners c; what is known in one direction and not in another pulls in that one only.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
@@ -14,25 +17,74 @@ from breastrig.least_squares.problem import Linearisation
 from breastrig.rig.model import Rig
 from breastrig.rig.state import BodyState
 
+Source = Literal["pick", "colour", "form", "partner"]
+UNKNOWN = 0.1  # m; an error as large as this is none of a place
+
+
+@dataclass(frozen=True, eq=False)
+class LandmarkObservation:
+    """Where one landmark of the patient is, in the scan's frame."""
+
+    name: str
+    place: Array  # (3,) m
+    covariance: Array  # (3, 3) m²
+    source: Source = "pick"
+    doubtful: bool = False  # it may be another place that was meant
+    reason: str = ""  # a few words
+
+    @property
+    def error(self) -> float:
+        """m, root mean square."""
+        return float(np.sqrt(np.trace(self.covariance)))
+
+    @property
+    def is_place(self) -> bool:
+        """Known on all axes; False for a fold, which does not say where along it the landmark lies."""
+        return self.error < UNKNOWN
+
 
 @dataclass(frozen=True, eq=False)
 class Landmarks:
+    """L observations, each counted by a weight; their errors are `times` as large as they say."""
+
     rig: Rig
-    points: SurfacePoints  # (L) on the model
-    targets: Array  # (L, 3) m, picked on the scan
-    sigma: Array  # (L,) m, expected error of each pick
+    observations: Sequence[LandmarkObservation]
+    weights: Array | float = 1.0  # (L,)
+    times: float = 1.0
     name: str = "landmarks"
+
+    @cached_property
+    def points(self) -> SurfacePoints:
+        """(L) on the model"""
+        return self.rig.landmark_points(tuple(each.name for each in self.observations))
+
+    @cached_property
+    def targets(self) -> Array:
+        """(L, 3) m"""
+        return np.array([each.place for each in self.observations])
+
+    @cached_property
+    def whitening(self) -> Array:
+        """(L, 3, 3): times a gap, the residual"""
+        roots = np.linalg.cholesky(np.linalg.inv([each.covariance for each in self.observations]))
+        scale = np.broadcast_to(np.sqrt(self.weights) / self.times, len(roots))
+        return np.asarray(scale[:, None, None] * roots.transpose(0, 2, 1))
+
+    def gaps(self, vertices: Array) -> Array:
+        """(L, 3) m from the observations to the landmarks of a model with these (V, 3) m vertices"""
+        return self.points.positions(vertices, self.rig.faces) - self.targets
+
+    def deviations(self, vertices: Array) -> Array:
+        """(L,) lengths of the residuals at (V, 3) m vertices"""
+        return np.asarray(np.linalg.norm(np.einsum("lij,lj->li", self.whitening, self.gaps(vertices)), axis=1))
 
     def residual(self, state: BodyState) -> Array:
         """(3L,), axis by axis"""
-        gap = self.points.positions(state.posed.vertices, self.rig.faces) - self.targets
-        return np.asarray((gap / self.sigma[:, None]).T.ravel())
+        return np.asarray(np.einsum("lij,lj->il", self.whitening, self.gaps(state.posed.vertices)).ravel())
 
     def linearise(self, state: BodyState) -> Linearisation:
         """(3L,), (3L, P)"""
-        body = state.posed
         corners = self.rig.faces[self.points.faces].ravel()  # (3L,)
-        weight = (self.points.barycentric / self.sigma[:, None]).ravel()
-        directions = (np.eye(3)[:, None] * weight[:, None]).reshape(-1, 3)  # (9L, 3)
-        rows = body.rows(np.tile(corners, 3), directions)
+        directions = np.einsum("lij,lc->ilcj", self.whitening, self.points.barycentric).reshape(-1, 3)  # (9L, 3)
+        rows = state.posed.rows(np.tile(corners, 3), directions)
         return Linearisation(self.residual(state), rows[0::3] + rows[1::3] + rows[2::3])  # a landmark's three corners

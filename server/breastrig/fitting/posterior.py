@@ -1,15 +1,14 @@
-"""How sure a fit is: the Gaussian that has its normal equations at the end (Laplace's approximation).
+"""How sure a fit is: the Gaussian at the end of the objective that it has minimised (Laplace's approximation).
 
 The covariance of the unknowns is the inverse of Gauss-Newton's H with the joints' part in it.  It knows the scan's
-noise and the priors, not that the model cannot show every body, so whoever uses it adds that misfit.  Hollows of the
-skin count with the errors that were measured for them.  What a pick tells of its partner on the other side does not
-count (body/mirrored_landmarks.py): it is no further observation, and a wrong pick would speak for itself.
+noise and the priors, not that the model cannot show every body, so whoever uses it adds that misfit.
 """
+
+from functools import cached_property
 
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.energies.landmarks import Landmarks
 from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.task import FitTask
 from breastrig.least_squares.problem import HARD
@@ -24,18 +23,23 @@ FLOOR = 1e-6  # of an unknown's natural size: keeps directions that nothing hold
 class Posterior:
     """Of a task whose fit ended at `x`."""
 
-    def __init__(self, task: FitTask, x: RigParameters) -> None:
-        problem, stage = ScanProblem(task, partners=False), task.recipe.stages[-1]
-        if stage.relief is not None:  # the fit follows hollows more closely than their errors say
-            stage = stage.model_copy(update={"relief": 1.0})
+    def __init__(self, task: FitTask, x: RigParameters, *, partners: bool = True) -> None:
+        """`partners`: what a pick tells of its partner counts; what judges picks lets none vouch for itself."""
+        problem, stage = ScanProblem(task, partners=partners), task.recipe.stages[-1]
         self.task, self.state = task, BodyState(task.rig, x)
         terms = problem.terms(stage, 1.0, self.state, problem.matches(stage, 1.0, self.state))
         system = problem.system(terms, self.state)
         held = system.constraint_jacobian
         hessian = system.hessian + held.T @ (held / np.maximum(system.compliance, HARD)[:, None])
         self._factor = cholesky(hessian + np.diag(FLOOR * problem.scaling))
-        self.picks = next((term for term in terms if isinstance(term, Landmarks)), None)
+        self.picks = terms.picks
         self.relief = problem.relief or {}  # landmarks that the skin's form shows
+        self.partners = problem.partners
+
+    @cached_property
+    def of_picks_alone(self) -> "Posterior":
+        """Without what picks tell of their partners, for judging them."""
+        return self if self.partners == () else Posterior(self.task, self.state.x, partners=False)
 
     def whitened(self, rows: Array) -> Array:
         """(N, P) rows of a Jacobian -> (N, P) whose products with each other are the covariances of what they move."""

@@ -6,6 +6,7 @@ problems (two_stances.py), the fit of one scan one; bounds and free unknowns sta
 """
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -14,25 +15,25 @@ import numpy as np
 from breastrig.core.arrays import Array, Booleans
 from breastrig.core.stances import PRONE, STANDING
 from breastrig.correspondence.match import Correspondences, MatchRules, match
+from breastrig.correspondence.target import ScanTarget
 from breastrig.energies.body_prior import BodyPrior
 from breastrig.energies.folding import Folding
 from breastrig.energies.joint_limits import JointLimits
 from breastrig.energies.joint_rest import JointRest
-from breastrig.energies.landmarks import Landmarks
+from breastrig.energies.landmarks import LandmarkObservation, Landmarks
 from breastrig.energies.point_to_plane import PointToPlane
 from breastrig.energies.point_to_point import PointToPoint
 from breastrig.energies.scale_prior import ScalePrior
 from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
 from breastrig.energies.table_contact import TableContact
-from breastrig.fitting.body.mirrored_landmarks import MirroredLandmark, mirrored_landmarks, mirrored_terms
-from breastrig.fitting.body.relief import observe_relief, relief_terms
+from breastrig.fitting.body.mirrored_landmarks import mirrored_landmarks
+from breastrig.fitting.body.relief import observe_relief
 from breastrig.fitting.observation_weights import observation_weights
 from breastrig.fitting.recipe import Body, Hanging, Range, Scales, Shapes, Stage
 from breastrig.fitting.task import FitIterate, FitTask
-from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.least_squares.newton import Status, System, Value, assemble, value
-from breastrig.least_squares.problem import KERNELS, Constraint, ResidualTerm
+from breastrig.least_squares.problem import Constraint, ResidualTerm, inlier_chance, mixture_cost, outlier_cost
 from breastrig.least_squares.quadratic_program import Bounds
 from breastrig.rig.blocks import block
 from breastrig.rig.body_statistics import body_statistics
@@ -43,8 +44,6 @@ from breastrig.rig.skinning import pose
 from breastrig.rig.stance_priors import in_stance, mean_weights, rest_turns
 from breastrig.rig.state import BodyState
 
-Terms = list[ResidualTerm[BodyState]]
-
 MIN_MATCHES = 30  # fewer cannot hold 136 unknowns, whatever the priors
 
 
@@ -54,24 +53,12 @@ def along(pair: Range, progress: float) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class Picks:
-    """L picked landmarks."""
+class Terms:
+    """Residuals at a state, and what its observations cost beyond them: as the mixture's price of outliers has it."""
 
-    points: SurfacePoints  # (L) on the model
-    targets: Array  # (L, 3) m
-    unsure: Array  # (L,) m, expected error beyond a click's
-
-    @staticmethod
-    def of(task: FitTask) -> "Picks | None":
-        """None without any."""
-        if not task.landmarks:
-            return None
-        points, targets = task.rig.landmark_points(tuple(task.landmarks)), np.array([*task.landmarks.values()])
-        return Picks(points, targets, np.array([task.landmark_errors.get(name, 0.0) for name in task.landmarks]))
-
-    def gaps(self, rig: Rig, vertices: Array) -> Array:
-        """(L,) m from the landmarks of a model with these (V, 3) m vertices."""
-        return np.asarray(np.linalg.norm(self.points.positions(vertices, rig.faces) - self.targets, axis=1))
+    residuals: list[ResidualTerm[BodyState]]
+    picks: Landmarks | None
+    beyond: float
 
 
 class ScanProblem:
@@ -79,14 +66,14 @@ class ScanProblem:
 
     def __init__(self, task: FitTask, *, partners: bool = True) -> None:
         """`partners`: whether a pick tells where its partner is; what judges picks lets none vouch for itself."""
-        self.task, self._partners = task, partners
+        self.task = task
         self._joints = expected_joints(task)
         self.priors = prior_terms(task, self._joints)
         self.held: list[Constraint[BodyState]] = [JointRest(self._joints)]
         self.scaling = step_scaling(task)
-        self._picks = Picks.of(task)
+        self._picks = Landmarks(task.rig, tuple(task.given.values())) if task.given else None
         self.relief = task.relief
-        self._mirrored: dict[str, MirroredLandmark] = {}
+        self.partners: tuple[LandmarkObservation, ...] | None = None if partners else ()
         self._began = time.perf_counter()
 
     def start(self) -> BodyState:
@@ -97,7 +84,10 @@ class ScanProblem:
         """Of this stage's share of the model's vertices."""
         vertices, normals = state.vertices, state.normals
         rules = MatchRules(
-            stage.method, along(stage.max_distance, progress), stage.max_angle, reject_border=stage.reject_border
+            stage.method,
+            along(stage.temperature, progress) * self.task.recipe.observed.farthest,
+            stage.max_angle,
+            reject_border=stage.reject_border,
         )
         if stage.every == 1:
             return match(self.task.target, vertices, normals, rules)
@@ -111,28 +101,47 @@ class ScanProblem:
 
     def terms(self, stage: Stage, progress: float, state: BodyState, matches: Correspondences) -> Terms:
         """All residuals at a state; those of scan and landmarks are made for it."""
-        data = data_term(self.task, stage, progress, state, matches)
-        picks = [] if self._picks is None else [landmark_term(self._picks, stage, progress, state)]
-        if stage.relief is None and self.task.stance != PRONE:  # a prone body is found by its breasts
-            return [*self.priors, data, *picks]
-        if self.relief is None:
-            self._look(state, [*self.priors, data], picks)
-        relief = relief_terms(self.task.rig, self.relief or {}, stage)
-        return [*self.priors, data, *picks, *relief, *mirrored_terms(self.task.rig, self._mirrored)]
+        temperature, observed = along(stage.temperature, progress), self.task.recipe.observed
+        data, beyond = data_term(self.task, stage, temperature, state, matches)
+        picks = None if self._picks is None else self._counted(stage, temperature, state, self._picks)
+        followed = [data] if picks is None else [data, picks]
+        if stage.looks_at_form or self.task.stance == PRONE:  # a prone body is found by its breasts
+            form, partners = self._seen(state, [*self.priors, data], picks)
+            rig = self.task.rig
+            followed += [Landmarks(rig, form, times=temperature * observed.form, name="form")] if form else []
+            followed += [Landmarks(rig, partners, times=temperature, name="partners")] if partners else []
+        return Terms([*self.priors, *followed], picks, beyond)
 
-    def _look(self, state: BodyState, others: Terms, picks: list[Landmarks]) -> None:
-        """What else is known of landmarks: looked for once, where the first stage that asks for it begins."""
-        self.relief = observe_relief(self.task, state)
-        for term in picks if self._partners else []:
-            self._mirrored = mirrored_landmarks(self.task, state, term, self.system(others, state), self.scaling)
+    def _counted(self, stage: Stage, temperature: float, state: BodyState, picks: Landmarks) -> Landmarks:
+        """The picks at this temperature; far ones less where another place may have been meant."""
+        now = replace(picks, times=temperature)
+        if not stage.doubts_picks:
+            return now
+        chances = inlier_chance(now.deviations(state.vertices), self.task.recipe.observed.landmark_outlier)
+        doubtful = np.array([each.doubtful for each in picks.observations])
+        return replace(now, weights=np.maximum(np.where(doubtful, chances, 1.0), 1e-6))
+
+    def _seen(
+        self, state: BodyState, others: list[ResidualTerm[BodyState]], picks: Landmarks | None
+    ) -> tuple[Sequence[LandmarkObservation], Sequence[LandmarkObservation]]:
+        """What the form shows, and what picks say of partners; looked for once, where a stage first asks."""
+        if self.relief is None:
+            self.relief = observe_relief(self.task, state)
+        if self.partners is None:
+            self.partners = ()
+            if picks is not None:
+                without = assemble(others, self.held, state)
+                self.partners = mirrored_landmarks(self.task, state, picks, without, self.scaling)
+        return tuple(self.relief.values()), self.partners
 
     def system(self, terms: Terms, state: BodyState) -> System:
         """Gauss-Newton's quadratic model."""
-        return assemble(terms, self.held, state)
+        found = assemble(terms.residuals, self.held, state)
+        return replace(found, energy=found.energy + terms.beyond)
 
     def value(self, terms: Terms, state: BodyState) -> Value:
         """The energy (equation 9)."""
-        return value(terms, self.held, state)
+        return value(terms.residuals, self.held, state) + Value(terms.beyond)
 
     def free(self, stage: Stage) -> Booleans:
         """(P,) what the stage lets move."""
@@ -171,8 +180,8 @@ class ScanProblem:
         """m, mean over the picked landmarks; None without picks of a person."""
         return (
             None
-            if self._picks is None or self.task.from_colour
-            else float(self._picks.gaps(self.task.rig, vertices).mean())
+            if self._picks is None or not self.task.picked
+            else float(np.linalg.norm(self._picks.gaps(vertices), axis=1).mean())
         )
 
 
@@ -192,34 +201,42 @@ def projected(matches: Correspondences, vertices: Array) -> Correspondences:
 
 
 def data_term(
-    task: FitTask, stage: Stage, progress: float, state: BodyState, matches: Correspondences
-) -> ResidualTerm[BodyState]:
-    """The scan's observations, weighted by the skin that each stands for and by the stage's robust kernel.
+    task: FitTask, stage: Stage, temperature: float, state: BodyState, matches: Correspondences
+) -> tuple[ResidualTerm[BodyState], float]:
+    """The scan's observations, and what they cost beyond the residuals: that some may be outliers, and that some are.
 
-    With weights by skin it is the model's surface that is to lie on the scan, not its vertices: these are aimed at as
-    far above the scan as the triangles around them lie below (observation_weights.py).
+    Each is weighted by the skin that it stands for and by the chance that it belongs to the model.  With weights by
+    skin it is the model's surface that is to lie on the scan, not its vertices: these are aimed at as far above the
+    scan as the triangles around them lie below (observation_weights.py).
     """
-    counts = observation_weights(task.rig, task.recipe.observations, stage.every)[matches.vertices]
-    weights = counts * KERNELS[stage.kernel](matches.distances / along(stage.kernel_scale, progress))
-    sigma = along(stage.data_sigma, progress)
+    observed = task.recipe.observed
+    all_counts = observation_weights(task.rig, task.recipe.observations, stage.every)
+    counts, sigma = all_counts[matches.vertices], temperature * observed.skin
+    off, even = matches.distances / sigma, observed.skin_outlier
+    chances = inlier_chance(off, even)
+    beyond = float(counts @ (mixture_cost(off, even) - 0.5 * chances * off**2))
+    if even is not None:
+        beyond += outlier_cost(even) * _beside_skin(task.target, state.vertices, matches, all_counts)
     if task.recipe.observations is not None:
         above = state.chordal_deviation[matches.vertices]
         matches = replace(matches, points=matches.points + above[:, None] * matches.normals)
+    weights = counts * chances
     if stage.data_term == "point_to_projection":
-        return PointToPoint(task.rig, projected(matches, state.vertices), weights, sigma)
-    if stage.along_sigma is not None:
-        return PointToPoint(task.rig, matches, weights, along(stage.along_sigma, progress), sigma)
-    return PointToPlane(task.rig, matches, weights, sigma)
+        return PointToPoint(task.rig, projected(matches, state.vertices), weights, sigma), beyond
+    if stage.along is not None:
+        return PointToPoint(task.rig, matches, weights, stage.along * sigma, sigma), beyond
+    return PointToPlane(task.rig, matches, weights, sigma), beyond
 
 
-def landmark_term(picks: Picks, stage: Stage, progress: float, state: BodyState) -> Landmarks:
-    """The picked landmarks, each with its expected error; far ones weaker where the stage has a kernel for them."""
-    sigma = np.hypot(along(stage.landmark_sigma, progress), picks.unsure)
-    if stage.landmark_kernel_scale is not None:
-        scale = np.hypot(along(stage.landmark_kernel_scale, progress), picks.unsure)
-        trust = KERNELS["geman_mcclure"](picks.gaps(state.rig, state.vertices) / scale)
-        sigma = sigma / np.sqrt(np.maximum(trust, 1e-6))
-    return Landmarks(state.rig, picks.points, picks.targets, sigma)
+def _beside_skin(target: ScanTarget, vertices: Array, matches: Correspondences, counts: Array) -> float:
+    """Sum of the counts of those of (V, 3) m vertices without a match that lie beside skin: not where the scan ends.
+
+    What is not seen costs nothing: half a scan would else draw the body onto the half that it shows.
+    """
+    alone = counts > 0.0
+    alone[matches.vertices] = False
+    nearest = target.vertex_tree.query(vertices[alone])[1]
+    return float(counts[alone] @ ~target.on_border[nearest])
 
 
 def expected_shapes(rig: Rig, settings: Shapes, stance: str) -> tuple[Array, Array]:
@@ -250,7 +267,7 @@ def expected_joints(task: FitTask) -> Joints:
     return Joints(task.rig, joints, rest_turns(task.rig, task.stance))
 
 
-def prior_terms(task: FitTask, joints: Joints) -> Terms:
+def prior_terms(task: FitTask, joints: Joints) -> list[ResidualTerm[BodyState]]:
     """The terms that no scan changes."""
     rig, recipe = task.rig, task.recipe
     hanging = (recipe.hanging, task.hanging) if recipe.hanging is not None and task.hanging else None

@@ -6,6 +6,7 @@ was not clear may lie the other way round.  The confidence is 1 / (1 + (e / 10 m
 that belongs to that radius.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,10 +23,8 @@ from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.scan_orientation import ScanOrientation, orientation_task, scan_orientation
 from breastrig.fitting.starts.second_start import iterates_with_second_start
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
-from breastrig.geometry.normals import vertex_normals
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
-from breastrig.rig.skinning import pose
 from breastrig.scan.scan import Scan
 
 USEFUL = 0.01  # m; a proposal this far off still saves the user a search: confidence one half
@@ -77,17 +76,16 @@ def propose_landmarks(
     shown = {} if coloured is None else colour_observations(ended, fitted, orientation.margin, coloured)
     if shown:
         ended, fitted = _fitted(with_observations(task, shown, fitted))
-    vertices = pose(rig, fitted)
-    points = rig.landmark_points()
-    places, normals = (points.positions(of, rig.faces) for of in (vertices, vertex_normals(vertices, rig.faces)))
     posterior = Posterior(ended, fitted)
-    observed = {name: each.place for name, each in posterior.relief.items() if each.all_round}
-    observed |= {name: each.place for name, each in shown.items()}
-    places += expected_shifts(places, posterior.state, ended, observed)
+    normals = rig.landmark_points().positions(posterior.state.normals, rig.faces)
+    places = expected_places(posterior, {name: each.place for name, each in shown.items()})
     found = match(scan.target, places, normals / np.linalg.norm(normals, axis=1, keepdims=True), ON_SKIN)
     seen = np.zeros(len(places), dtype=np.bool_)
     seen[found.vertices] = True
-    places[found.vertices] = found.points
+    by_form = {name for name, each in posterior.relief.items() if each.is_place}
+    observed = np.array([name in by_form for name in rig.landmark_names])
+    laid = ~observed[found.vertices]
+    places[found.vertices[laid]] = found.points[laid]
     known = radii(posterior, orientation.margin, expected=True)
     proposals = {}
     for k, name in enumerate(rig.landmark_names):
@@ -97,14 +95,21 @@ def propose_landmarks(
             proposals[name] = Proposal(each.place, sure, True, HOLDS_90 * each.error, each.reason, areola_of(each))
             continue
         observation = posterior.relief.get(name)
-        place, on_scan = places[k], bool(seen[k])
-        if observation is not None and observation.all_round:
-            place, on_scan = observation.place, _is_near(scan, observation.place)
+        on_scan = bool(seen[k]) or _is_near(scan, places[k])
         radius = None if known is None else known.landmarks[name]
         confidence = confidence_of(UNKNOWN if radius is None else radius / HOLDS_90)
         reason = None if observation is None else observation.reason
-        proposals[name] = Proposal(place, round(confidence, 2), on_scan, radius, reason)
+        proposals[name] = Proposal(places[k], round(confidence, 2), on_scan, radius, reason)
     return proposals
+
+
+def expected_places(posterior: Posterior, by_colour: Mapping[str, Array]) -> Array:
+    """(L, 3) m, where the rig's landmarks are expected: as they are seen, else beside the fitted model's."""
+    rig, state = posterior.task.rig, posterior.state
+    seen = {name: each.place for name, each in posterior.relief.items() if each.is_place} | dict(by_colour)
+    places = rig.landmark_points().positions(state.vertices, rig.faces)
+    places = places + expected_shifts(places, state, posterior.task, seen)
+    return np.array([seen.get(name, place) for name, place in zip(rig.landmark_names, places, strict=True)])
 
 
 def _is_near(scan: PreparedScan, place: Array) -> bool:

@@ -75,30 +75,37 @@ class Shapes(SettingsPart):
     folding: Folding | None = None  # absent: the skin may fold
 
 
+class Observed(SettingsPart):
+    """Expected errors of what is observed; a stage counts all of them times its temperature."""
+
+    skin: Positive  # m, between a vertex of a well fitted model and the scan
+    skin_outlier: Positive | None = None  # so many of them off a match is as likely none; absent: all count alike
+    farthest: Positive  # m, farther off there is no match
+    landmark: Positive  # m on each axis, of a pick
+    landmark_outlier: Positive | None = None  # likewise, where another place may have been meant
+    form: Positive = 1.0  # times the errors of landmarks that the skin's form shows
+
+
 class Stage(SettingsPart):
     name: str
     iterations: Annotated[int, Field(ge=1, le=500)]  # at most
-    tighten: Annotated[int, Field(ge=1, le=500)]  # iterations until every range is at its end; then it may converge
+    tighten: Annotated[int, Field(ge=1, le=500)]  # iterations until the temperature is at its end; then it may converge
+    temperature: Range = (1.0, 1.0)  # of all observations: their errors count so many times
     method: Literal["rays", "tree", "nearest_vertex"]
     every: Annotated[int, Field(ge=1, le=20)] = 1  # match every so-manieth vertex only
-    max_distance: Range  # m
     max_angle: Positive  # rad
     reject_border: bool = True
     data_term: Literal["point_to_plane", "point_to_projection"] = "point_to_plane"
-    data_sigma: Range  # m
-    along_sigma: Range | None = None  # m, point to point beside point to plane; absent: slide freely
-    landmark_sigma: Range  # m
-    landmark_kernel_scale: Range | None = None  # m, beyond it a pick is rejected (Geman-McClure); absent: never
-    kernel: Literal["none", "huber", "geman_mcclure", "tukey"] = "none"
-    kernel_scale: Range = (1.0, 1.0)  # m, scale of the kernel
+    along: Positive | None = None  # times the skin's error: point to point beside point to plane; absent: slide freely
     free_shapes: tuple[Literal["body", "soft", "gravity"], ...] = ("body", "soft", "gravity")
     free_scales: bool = True
-    relief: Positive | None = None  # times the errors of landmarks that the skin's hollows show; absent: not looked for
+    doubts_picks: bool = False  # a pick far off may be thrown out
+    looks_at_form: bool = False  # for landmarks that nobody picked
 
     @model_validator(mode="after")
     def _one_data_term(self) -> "Stage":
-        if self.data_term != "point_to_plane" and self.along_sigma is not None:
-            raise ValueError(f"along_sigma stands beside point_to_plane only, not beside {self.data_term}")
+        if self.data_term != "point_to_plane" and self.along is not None:
+            raise ValueError(f"along stands beside point_to_plane only, not beside {self.data_term}")
         return self
 
 
@@ -151,6 +158,7 @@ class Recipe(SettingsPart):
     description: str
     damping: Positive  # in units of the priors' information
     stop: Stop
+    observed: Observed
     observations: Observations | None = None  # absent: each vertex of the model is one observation
     joints: Joints
     scales: Scales

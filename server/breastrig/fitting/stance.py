@@ -76,7 +76,7 @@ def found_stance(task: FitTask, frame: Frame, known_opening: Opening | None = No
     views = hanging_views(task.target, frame.front) if not wall and len(frame.fronts) == 1 else []
     prone = prone_start(task.rig, task.target, frame, views) if views else None
     if prone is not None and prone.opening is not None:
-        of_scan = known_opening or opened(replace(task, landmarks={}, recipe=judge()))
+        of_scan = known_opening or opened(replace(task.with_picks({}), recipe=judge()))
         if prone.opening.energy < WORSE * of_scan.energy:
             lies = replace(task, stance=PRONE, start=prone.parameters)
             same = not task.landmarks and task.recipe is prone.opening.task.recipe

@@ -1,15 +1,15 @@
 """What a fit is asked and what it answers: one task in, a stream of frozen iterates out."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
+from breastrig.energies.landmarks import LandmarkObservation
 from breastrig.fitting.recipe import Recipe
 from breastrig.least_squares.newton import Status
-from breastrig.relief.observe import ReliefObservation
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 
@@ -38,9 +38,7 @@ class FitIterate:
     elapsed_s: float
     status: Status  # RUNNING on all but the last
     not_followed: tuple[Doubt, ...] = ()  # rejected picks
-    relief: Mapping[str, ReliefObservation] | None = (
-        None  # landmarks that the skin's form shows; None: not looked at yet
-    )
+    relief: Mapping[str, LandmarkObservation] | None = None  # that the skin's form shows; None: not looked at yet
     hanging: tuple[str, ...] = ()  # shapes by which breasts were seen to hang
 
     @property
@@ -57,13 +55,42 @@ class FitTask:
     target: ScanTarget
     start: RigParameters
     recipe: Recipe
-    landmarks: dict[str, Array]  # name -> (3,) m, in the scan's frame
+    given: Mapping[str, LandmarkObservation]  # by name: picked, or seen in the scan's colours
     stance: str = "standing"  # standing | supine | prone
-    landmark_errors: Mapping[str, float] = field(default_factory=dict)  # m, expected beyond a click's; absent: none
-    certain: frozenset[str] = frozenset()  # picks that are followed whatever all else says
-    from_colour: frozenset[str] = frozenset()  # landmarks observed in the scan's colours, not picked
-    relief: Mapping[str, ReliefObservation] | None = (
-        None  # what the skin's form shows, where a fit has looked; None: it will
-    )
+    relief: Mapping[str, LandmarkObservation] | None = None  # what the skin's form shows; None: the fit will look
     hanging: tuple[str, ...] = ()  # shapes by which breasts were seen to hang (body/hanging_start.py)
     locked: tuple[str, ...] = ()  # blocks of the unknowns that stay where they start, see rig/blocks.py
+
+    @property
+    def landmarks(self) -> dict[str, Array]:
+        """Name -> (3,) m of what is given."""
+        return {name: each.place for name, each in self.given.items()}
+
+    @property
+    def picked(self) -> frozenset[str]:
+        """Of what is given that which a person has placed."""
+        return frozenset(name for name, each in self.given.items() if each.source == "pick")
+
+    @property
+    def certain(self) -> frozenset[str]:
+        """Of what is given that which is followed whatever all else says."""
+        return frozenset(name for name, each in self.given.items() if not each.doubtful)
+
+    def beyond_click(self, name: str) -> float:
+        """m, on each axis, what is given of this name may be off beyond a click's error."""
+        return float(np.sqrt(max(np.trace(self.given[name].covariance) / 3.0 - self.recipe.observed.landmark**2, 0.0)))
+
+    def without(self, names: Collection[str]) -> "FitTask":
+        """The task in which these are not given."""
+        return replace(self, given={name: each for name, each in self.given.items() if name not in names})
+
+    def with_picks(
+        self, landmarks: Mapping[str, Array], unsure: Mapping[str, float] | None = None, certain: Collection[str] = ()
+    ) -> "FitTask":
+        """The task with a person's picks, (3,) m by name, given; `unsure`: m, expected error beyond a click's."""
+        errors = {name: np.hypot(self.recipe.observed.landmark, (unsure or {}).get(name, 0.0)) for name in landmarks}
+        given = {
+            name: LandmarkObservation(name, np.asarray(p), errors[name] ** 2 * np.eye(3), doubtful=name not in certain)
+            for name, p in landmarks.items()
+        }
+        return replace(self, given=given)

@@ -12,9 +12,7 @@ constraint is an equation of the step, met whatever it costs.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
@@ -95,26 +93,25 @@ class Constraint(Protocol[X_contra]):
         """g and its Jacobian."""
 
 
-def huber(r: Array) -> Array:
-    """1 inside |r| <= 1, then 1/|r|."""
-    return np.asarray(1.0 / np.maximum(np.abs(r), 1.0))
+def inlier_chance(r: Array, even: float | None) -> Array:
+    """Chance that an observation r standard deviations off belongs to what it is compared with: one half at `even`.
+
+    Of a Gaussian and a uniform density beside it; None: there are no others.  This is the weight of iteratively
+    reweighted least squares (the E-step; Dempster, Laird and Rubin, 1977).
+    """
+    if even is None:
+        return np.ones_like(r)
+    return np.asarray(1.0 / (1.0 + np.exp(np.minimum(0.5 * (r * r - even * even), 500.0))))
 
 
-def geman_mcclure(r: Array) -> Array:
-    """1 / (1 + r²)²."""
-    return np.asarray(1.0 / (1.0 + r * r) ** 2)
+def mixture_cost(r: Array, even: float | None) -> Array:
+    """Minus the logarithm of that mixture's density at r, 0 at r = 0; at most outlier_cost(even)."""
+    if even is None:
+        return np.asarray(0.5 * r * r)
+    floor = -0.5 * even * even
+    return np.asarray(np.logaddexp(0.0, floor) - np.logaddexp(-0.5 * r * r, floor))
 
 
-def tukey(r: Array) -> Array:
-    """(1 − r²)² inside |r| < 1, else 0."""
-    return np.asarray(np.where(np.abs(r) < 1.0, (1.0 - r * r) ** 2, 0.0))
-
-
-def none(r: Array) -> Array:
-    """Plain least squares."""
-    return np.ones_like(r)
-
-
-KERNELS: MappingProxyType[str, Callable[[Array], Array]] = MappingProxyType(
-    {"none": none, "huber": huber, "geman_mcclure": geman_mcclure, "tukey": tukey}
-)
+def outlier_cost(even: float) -> float:
+    """What an observation costs that is thrown out."""
+    return float(np.logaddexp(0.0, -0.5 * even * even)) + 0.5 * even * even

@@ -53,21 +53,6 @@ class Shoulder(SettingsPart):
     reason: str  # a few words
 
 
-class LyingShoulder(SettingsPart):
-    """How far a lying shoulder's tip is from the form's; each a constant (m) and what it changes per metre of three
-    lengths from the notch: outwards to the form's tip, frontwards to it, frontwards to the front of the upper arm."""
-
-    outwards: tuple[float, float, float, float]
-    front: tuple[float, float, float, float]
-    shown: Positive  # m, to the nearest vertex of the scan at notch and arm's front
-    errors: tuple[Positive, Positive, Positive]  # m, outwards, up, front
-    midclavicle: Positive  # share of the way outwards from notch to tip, at which it lies
-    midclavicle_error: Positive  # m, outwards
-    slack: Positive  # times the errors, in fits
-    farthest: Positive  # m, from the form's tip
-    reason: str  # a few words
-
-
 class MidSternum(SettingsPart):
     """Where the middle of the breast bone is expected between its ends."""
 
@@ -82,7 +67,6 @@ class Relief(SettingsPart):
     fine: Positive  # m, scale at which the skin's height is read where the landmark is
     reach: Positive  # times the form's error, how far is looked
     shoulder: Shoulder
-    lying_shoulder: LyingShoulder
     mid_sternum: MidSternum
     concavities: dict[str, Concavity]  # by the landmark's name without its side
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
+from breastrig.energies.landmarks import LandmarkObservation
 from breastrig.relief.height_field import HeightField, SmoothSkin, height_field, smooth_skin
 from breastrig.relief.limits import Concavity, Relief, relief
 
@@ -26,25 +27,9 @@ class Expected:
     outwards: Array  # (3,) unit, out of the body there
 
 
-@dataclass(frozen=True, eq=False)
-class ReliefObservation:
-    """A landmark that the skin's form shows."""
-
-    place: Array  # (3,) m, on the skin, in the scan's frame
-    covariance: Array  # (3, 3) m²; next to no knowledge along a fold
-    reason: str  # a few words
-    all_round: bool  # known on all axes; False for a fold, which does not say where along it the landmark lies
-    slack: float = 1.0  # times its error, in a fit that follows it
-
-    @property
-    def error(self) -> float:
-        """m, root mean square."""
-        return float(np.sqrt(np.trace(self.covariance)))
-
-
 def relief_observations(
     target: ScanTarget, expected: Mapping[str, Expected], axes: Array
-) -> dict[str, ReliefObservation]:
+) -> dict[str, LandmarkObservation]:
     """Those of the `expected` landmarks whose concavity the scan shows.
 
     axes: (3, 3), columns are the body's left, up and front in the scan's frame.
@@ -52,7 +37,7 @@ def relief_observations(
     rules, seen = relief(), {}
     for name, each in expected.items():
         concavity = rules.concavity(name)
-        found = None if concavity is None else _observed(target, each, axes, concavity, rules)
+        found = None if concavity is None else _observed(name, target, each, axes, concavity, rules)
         if found is not None:
             seen[name] = found
     return seen
@@ -89,8 +74,8 @@ def _evidence(
 
 
 def _observed(
-    target: ScanTarget, expected: Expected, axes: Array, concavity: Concavity, rules: Relief
-) -> ReliefObservation | None:
+    name: str, target: ScanTarget, expected: Expected, axes: Array, concavity: Concavity, rules: Relief
+) -> LandmarkObservation | None:
     """One of them; None where the scan says no more than the form."""
     sides = (rules.reach * concavity.aside, rules.reach * concavity.up)
     around = _evidence(target, expected, axes, concavity, sides)
@@ -116,7 +101,7 @@ def _observed(
     place = field.point(
         float(mean[0]), float(mean[1]), float((fine if fine.shown[row, column] else skin).height[row, column])
     )
-    return ReliefObservation(place, field.axes.T @ total @ field.axes, concavity.reason, concavity.shows_side)
+    return LandmarkObservation(name, place, field.axes.T @ total @ field.axes, "form", reason=concavity.reason)
 
 
 def _moments(field: HeightField, chance: Array) -> tuple[Array, Array]:

@@ -1,8 +1,7 @@
-"""The tips of shoulders, observed from the form of shoulder and upper arm.
+"""The tip of a standing shoulder, observed from the form of shoulder and upper arm in the fitted model.
 
-Standing: the tip is where the arm's outer edge a little below is so far out and its front so far in front; both depend
-on the tip's height and are iterated.  Without this tips end 10 to 25 mm off.  Supine: a line through three lengths from
-the notch, to the form's tip and to the arm's front.  The form is the fitted model's.
+It is where the arm's outer edge a little below is so far out and its front so far in front; both depend on the tip's
+height and are iterated.
 """
 
 from dataclasses import dataclass
@@ -10,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from breastrig.core.arrays import Array, Integers
-from breastrig.relief.limits import LyingShoulder, Shoulder
+from breastrig.relief.limits import Shoulder
 
 ROUNDS = 12  # each goes half of the way, so that a thousandth is left
 
@@ -60,14 +59,3 @@ def _cut(vertices: Array, faces: Integers, axis: int, level: float) -> Array:
     through = np.flatnonzero(before * behind < 0.0)
     share = (before[through] / (before[through] - behind[through]))[:, None]
     return np.asarray((1.0 - share) * one[through] + share * other[through])
-
-
-def lying_tip(notch: Array, tip: Array, arm: Array, rules: LyingShoulder) -> Array | None:
-    """(3,) m, where the tip is expected of whose form has it at `tip`; (3,) m each, with the notch and the most
-    frontal place of the upper `arm`.
-
-    The axes are outwards on this side, up and front.  None where the lengths are none of a lying body.
-    """
-    lengths = np.array([1.0, tip[0] - notch[0], tip[2] - notch[2], arm[2] - notch[2]])
-    step = np.array([lengths @ rules.outwards, 0.0, lengths @ rules.front])
-    return tip + step if np.linalg.norm(step) <= rules.farthest else None

@@ -110,7 +110,7 @@ class FitRecorder:
             proposed = propose_on_scan(ready.task.rig, ready.scan, ready.orientation)
         except BreastRigError:
             return False
-        picks = {name: place for name, place in ready.task.landmarks.items() if name not in ready.task.from_colour}
+        picks = {name: ready.task.given[name].place for name in ready.task.picked}
         places = {name: each.point for name, each in proposed.items()}
         return len(picked_names(picks, places)) < MIN_LANDMARKS
 
@@ -123,7 +123,7 @@ class FitRecorder:
         task, rig, target = ready.task, ready.task.rig, ready.task.target
         rejected = (*ready.exchanged, *last.not_followed)
         posterior = Posterior(ended(task, last), last.parameters)
-        doubtful = rejected if task.from_colour else (*rejected, *unusual(posterior))  # nobody can be asked about those
+        doubtful = (*rejected, *unusual(posterior)) if task.picked else rejected  # nobody can be asked about those
         vertices = posterior.state.vertices
         compared = Comparison(target, vertices, rig.faces)
         posed = in_stance(rig, task.stance), last.parameters, compared, ready.clearness

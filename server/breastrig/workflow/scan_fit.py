@@ -133,7 +133,7 @@ class ReadyScan:
         """How many landmarks a person has given, before any of them was doubted."""
         picked = len(self.landmarks.keys() - self.agreed)
         left = len(self.task.rig.landmark_names) - picked
-        followed = len(self.task.landmarks.keys() - self.task.from_colour)
+        followed = len(self.task.picked)
         return GivenLandmarks(picked, left, followed, agreed=len(self.agreed))
 
     @property
@@ -229,11 +229,9 @@ def prepare_fit(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
         target,
         rest_parameters(rig),
         plan.recipe,
-        followed,
-        landmark_errors=errors,
-        certain=frozenset(settings.certain) & frozenset(followed),
+        {},
         locked=settings.locked,
-    )
+    ).with_picks(followed, errors, settings.certain)
     if earlier is None:
         task, clearness = with_start(task, ready, orientation)
         timing["align"] = clock.lap()
@@ -279,7 +277,7 @@ def _with_colour(
     `fitted` is where the task without landmarks is known to end.
     Only where no person has picked any: who has, has seen the proposals, which are made with the colours.
     """
-    if task.landmarks or not scan.shows_colour:
+    if task.given or not scan.shows_colour:
         return task, known_iterates, None
     if fitted is None:
         last = (known_iterates or tuple(iterates_with_second_start(task)))[-1]

@@ -18,7 +18,6 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.correspondence.distances import ACCEPTED, summary_mm
 from breastrig.correspondence.match import match
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.fit import FitTask
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
@@ -27,7 +26,7 @@ from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.stance import found_stance
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS, Start, best_start, start_from_scan
 from breastrig.fitting.starts.prone import prone_start
-from breastrig.fitting.task import Doubt
+from breastrig.fitting.task import Doubt, FitTask
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
 from breastrig.rig.model import Rig
@@ -101,7 +100,7 @@ class Scene:
     ) -> Fitted:
         """The program's fit from its own start (or `start`) in the known stance (or `stance`); FitFailed."""
         first = self.start(rig, given) if start is None else start
-        task = FitTask(rig, self.target, first, recipe, given, stance or self.case.stance)
+        task = FitTask(rig, self.target, first, recipe, {}, stance or self.case.stance).with_picks(given)
         began = time.process_time()
         *_, last = checked_iterates(task)
         seconds = time.process_time() - began

@@ -43,7 +43,7 @@ def measures_study(scene: Scene, rig: Rig, recipe: Recipe) -> dict[str, Any]:
     clicked = {name: scene.along_the_skin(place, CLICK_ERROR, rng) for name, place in shown.items()}
     answer = {}
     for kind, picks in {"exact": shown, "clicked": clicked, "none": {}}.items():
-        task = FitTask(rig, scene.target, scene.start(rig, picks), recipe, picks, scene.case.stance)
+        task = FitTask(rig, scene.target, scene.start(rig, picks), recipe, {}, scene.case.stance).with_picks(picks)
         *_, last = checked_iterates(task)
         known = radii(Posterior(ended(task, last), last.parameters))
         fitted = pose(rig, last.parameters)

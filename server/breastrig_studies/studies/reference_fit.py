@@ -10,10 +10,10 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.fit import FitTask
 from breastrig.fitting.picks.checked_fit import checked_iterates
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.refine import refined
+from breastrig.fitting.task import FitTask
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
@@ -36,10 +36,9 @@ def reference_fit(scene: Scene, rig: Rig, recipe: Recipe) -> ReferenceFit | None
     if scene.truth is None:
         return None
     target = ready(ScanTarget(scene.truth.vertices, np.asarray(scene.truth.triangles)))
-    close = {"data_sigma": (SIGMA, SIGMA), "max_distance": (REACH, REACH)}
-    stages = (*recipe.stages[:-1], recipe.stages[-1].model_copy(update=close))
+    close = recipe.observed.model_copy(update={"skin": SIGMA, "farthest": REACH})
     start = scene.start(rig, scene.landmarks)
-    known = recipe.model_copy(update={"stages": stages, "body": None})  # what is estimated from it must not be in it
-    *_, last = checked_iterates(FitTask(rig, target, start, known, scene.landmarks, scene.case.stance))
+    known = recipe.model_copy(update={"observed": close, "body": None})  # what is estimated from it must not be in it
+    *_, last = checked_iterates(FitTask(rig, target, start, known, {}, scene.case.stance).with_picks(scene.landmarks))
     vertices = refined(target, pose(rig, last.parameters), rig.faces).vertices
     return ReferenceFit(last.parameters, vertices)

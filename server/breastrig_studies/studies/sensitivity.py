@@ -9,21 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from breastrig.fitting.recipe import Body, Joints, Recipe, Scales, Shapes, Stage
+from breastrig.fitting.recipe import Body, Joints, Recipe, Scales, Shapes
 from breastrig.rig.model import Rig
 from breastrig_studies.studies.case import Scene
 
 TERMS = ("data", "landmarks", "scales", "shapes", "joints")
-
-
-def _data(stage: Stage, root: float) -> Stage:
-    along = None if stage.along_sigma is None else (root * stage.along_sigma[0], root * stage.along_sigma[1])
-    change = {"data_sigma": (root * stage.data_sigma[0], root * stage.data_sigma[1]), "along_sigma": along}
-    return stage.model_copy(update=change)
-
-
-def _landmarks(stage: Stage, root: float) -> Stage:
-    return stage.model_copy(update={"landmark_sigma": (root * stage.landmark_sigma[0], root * stage.landmark_sigma[1])})
+OBSERVED = {"data": "skin", "landmarks": "landmark"}  # terms by the setting of their expected error
 
 
 def _scales(scales: Scales, root: float) -> Scales:
@@ -59,10 +50,9 @@ def _joints(joints: Joints, root: float) -> Joints:
 def scaled_compliance(recipe: Recipe, term: str, factor: float) -> Recipe:
     """The recipe with one term's compliance times `factor`."""
     root = float(np.sqrt(factor))
-    if term == "data":
-        return recipe.model_copy(update={"stages": tuple(_data(stage, root) for stage in recipe.stages)})
-    if term == "landmarks":
-        return recipe.model_copy(update={"stages": tuple(_landmarks(stage, root) for stage in recipe.stages)})
+    if term in OBSERVED:
+        size = root * float(getattr(recipe.observed, OBSERVED[term]))
+        return recipe.model_copy(update={"observed": recipe.observed.model_copy(update={OBSERVED[term]: size})})
     if term == "scales":
         return recipe.model_copy(
             update={"scales": _scales(recipe.scales, root), "body": _body(recipe.body, root, root)}

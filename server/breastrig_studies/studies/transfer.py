@@ -110,7 +110,7 @@ def fitted(rig: Rig, recipe: Recipe, scene: Scene, picks: Picks) -> FittedScan:
     fit = scene.fitted(rig, recipe, picks)
     doubted = {name for doubt in fit.doubts for name in doubt.names}
     trusted = {name: place for name, place in picks.items() if name not in doubted}
-    task = FitTask(rig, scene.target, fit.parameters, recipe, picks, scene.case.stance)
+    task = FitTask(rig, scene.target, fit.parameters, recipe, {}, scene.case.stance).with_picks(picks)
     rejected = tuple(doubt for doubt in fit.doubts if not doubt.followed)
     known = radii(Posterior(without(task, rejected), fit.parameters))
     return FittedScan(scene.target, fit.vertices, trusted, scene.case.stance, None if known is None else known.vertices)

@@ -27,8 +27,8 @@ from breastrig.core.errors import FitFailed
 from breastrig.correspondence.match import match
 from breastrig.drawings.project_drawing import ON_SKIN
 from breastrig.drawings.skin_maps.skin_map import FittedScan, carried
-from breastrig.fitting.fit import FitTask
 from breastrig.fitting.recipe import Recipe
+from breastrig.fitting.task import FitTask
 from breastrig.fitting.two_stances import ALIKE, ONE_BODY, Coupling, fit_pair_iterates
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
@@ -121,7 +121,7 @@ def _fitted_together(
     rig: Rig, recipe: Recipe, scenes: tuple[Scene, Scene], picks: tuple[Picks, Picks], coupling: Coupling
 ) -> tuple[FittedScan, FittedScan]:
     tasks = [
-        FitTask(rig, scene.target, scene.start(rig, given), recipe, given, scene.case.stance)
+        FitTask(rig, scene.target, scene.start(rig, given), recipe, {}, scene.case.stance).with_picks(given)
         for scene, given in zip(scenes, picks, strict=True)
     ]
     last = list(fit_pair_iterates(tasks[0], tasks[1], coupling))[-1]

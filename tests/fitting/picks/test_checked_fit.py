@@ -1,7 +1,5 @@
 """Picks are believed: only mistakes with a name are let go, what is strange is named, what is certain is not asked."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from helpers.rig_patient import patient
@@ -28,7 +26,7 @@ def torso() -> Rig:
 
 def task_of(rig: Rig, seed: int, picks: dict[str, Array], true: dict[str, Array]) -> FitTask:
     target, _, _ = patient(rig, seed)
-    return FitTask(rig, target, start_from_landmarks(rig, true), load_recipe("default"), picks)
+    return FitTask(rig, target, start_from_landmarks(rig, true), load_recipe("default"), {}).with_picks(picks)
 
 
 def named(task: FitTask, last: FitIterate) -> list[tuple[str, ...]]:
@@ -120,7 +118,7 @@ def test_a_certain_pick_is_followed_and_not_asked_about(torso: Rig) -> None:
     _, true, _ = patient(torso, 5)
     wrong = {name: place for name, place in true.items() if name != "nipple_L"}
     wrong["nipple_R"] = true["nipple_L"]
-    task = replace(task_of(torso, 5, wrong, true), certain=frozenset({"nipple_R"}))
+    task = task_of(torso, 5, wrong, true).with_picks(wrong, certain=("nipple_R",))
     last = list(checked_iterates(task))[-1]
     assert last.not_followed == ()
     assert ("nipple_R",) not in named(task, last)

@@ -36,7 +36,7 @@ def test_the_end_of_a_drag_is_where_a_fresh_fit_ends(fitted: FitTask, name: str,
         moved = {**fitted.landmarks, name: fitted.landmarks[name] + share * np.array(way)}
         last = scan.moved(moved)
         assert last.iteration <= ITERATIONS
-    *_, fresh = checked_iterates(replace(example_task(), landmarks=moved))
+    *_, fresh = checked_iterates(example_task().with_picks(moved))
     assert apart_mm(fitted, last.parameters, fresh.parameters).mean() < 0.15
     at_rest = FittedScan(replace(fitted, start=fresh.parameters))  # a fit stops up to 0.1 mm before its own end
     for _ in range(5):

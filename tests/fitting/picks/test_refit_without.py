@@ -1,6 +1,5 @@
 """Suspicious picks seen by the fit that goes on without them, above all a navel beside its dent: the skin tells."""
 
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -23,7 +22,6 @@ from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
 
 NAVEL = "umbilicus"
-CLICK = 0.0018  # m
 LIMIT = load_recipe("default").landmark_errors(NAVEL).unusual
 
 
@@ -33,12 +31,19 @@ def example(stance: str) -> FitTask:
     folder, rig = asset_folder("example") / stance, read_rig(default_rig_path())
     target = prepared(clean(read_scan(folder / "scan.ply", None, "m", texture=False)), stance).target
     true = {name: 1e-3 * np.array(place) for name, place in read_landmarks(folder / "landmarks.json")[0].items()}
-    return FitTask(rig, target, start_from_landmarks(rig, true), load_recipe("default"), true, stance)
+    return FitTask(
+        rig,
+        target,
+        start_from_landmarks(rig, true),
+        load_recipe("default"),
+        {},
+        stance,
+    ).with_picks(true)
 
 
 def fitted(task: FitTask, pick: Array, name: str = NAVEL) -> Posterior:
     """The end of the fit with the landmark picked there."""
-    moved = replace(task, landmarks=task.landmarks | {name: pick})
+    moved = task.with_picks(task.landmarks | {name: pick})
     *_, last = checked_iterates(moved)
     return Posterior(ended(moved, last), last.parameters)
 
@@ -65,7 +70,7 @@ def test_a_navel_beside_its_concavity_is_named_with_its_distance(stance: str, an
     pick = beside(task, angle, 0.05)
     posterior = fitted(task, pick)
     assert on_smooth_skin(posterior) == (NAVEL,)
-    seen = from_observation(refit_without(posterior, (NAVEL,)), NAVEL, pick, CLICK)
+    seen = from_observation(refit_without(posterior, (NAVEL,)), posterior.task.given[NAVEL])
     assert seen is not None
     gap, deviation = seen
     away = float(np.linalg.norm(pick - task.landmarks[NAVEL]))
@@ -76,7 +81,7 @@ def test_a_navel_beside_its_concavity_is_named_with_its_distance(stance: str, an
     assert doubt.names == (NAVEL,)
     assert doubt.followed
     assert f" {1e3 * gap:.0f} mm from where" in doubt.reason
-    certain = replace(posterior.task, certain=frozenset({NAVEL}))
+    certain = posterior.task.with_picks(posterior.task.landmarks, certain=(NAVEL,))
     assert unusual(Posterior(certain, posterior.state.x)) == ()
 
 
@@ -86,7 +91,7 @@ def test_a_fit_that_goes_on_without_a_pick_ends_where_one_ends_that_never_had_it
     followed = fitted(task, pick)
     without = refit_without(followed, (NAVEL,))
     assert NAVEL not in without.task.landmarks
-    never = replace(task, landmarks=without.task.landmarks)
+    never = task.with_picks(without.task.landmarks)
     *_, last = checked_iterates(never)
     points = task.rig.landmark_points((NAVEL,))
     at, before, wanted = (
@@ -95,7 +100,7 @@ def test_a_fit_that_goes_on_without_a_pick_ends_where_one_ends_that_never_had_it
     )
     assert np.linalg.norm(before - wanted) > 0.04
     assert np.linalg.norm(at - wanted) < 0.01
-    gap, deviation = from_expected(without, NAVEL, pick, CLICK)
+    gap, deviation = from_expected(without, followed.task.given[NAVEL])
     assert gap == pytest.approx(np.linalg.norm(pick - at), rel=1e-9), "m; nothing hangs here"
     assert LIMIT is not None
     assert deviation > LIMIT

@@ -2,26 +2,24 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
 from helpers.rig_patient import patient
 
-from breastrig.core.arrays import Array
-from breastrig.fitting.body.hanging import hanging_shifts
 from breastrig.fitting.fit import FitTask, fit_iterates
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.uncertainty import radii as radii_module
-from breastrig.fitting.uncertainty.calibration import calibration
-from breastrig.fitting.uncertainty.radii import HOLDS_90, line_error, radii, seen_vertices, vertex_misfit
+from breastrig.fitting.uncertainty.calibration import Calibration, calibration
+from breastrig.fitting.uncertainty.radii import line_error, radii, seen_vertices, skin_factors
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
 from breastrig.rig.validation.torso import LANDMARKS
+
+NOT_PRONE = {"umbilicus", "acromion", "midclavicle"}  # what an MRI does not show
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +34,7 @@ def without_sides(names: Iterable[str]) -> set[str]:
 def posterior_of(rig: Rig, names: tuple[str, ...] | None = None) -> Posterior:
     target, true, _ = patient(rig, 3)
     picks = true if names is None else {name: true[name] for name in names}
-    task = FitTask(rig, target, start_from_landmarks(rig, true), load_recipe("default"), picks)
+    task = FitTask(rig, target, start_from_landmarks(rig, true), load_recipe("default"), {}).with_picks(picks)
     return Posterior(task, list(fit_iterates(task))[-1].parameters)
 
 
@@ -85,65 +83,45 @@ def test_unseen_skin_is_less_sure_than_seen_skin(torso: Rig) -> None:
     assert (known.vertices > 0.0).all()
 
 
-def test_every_landmark_and_region_of_the_torso_is_calibrated(torso: Rig) -> None:
-    known = calibration(read_rig(default_rig_path()))
+@pytest.mark.parametrize("stance", ["standing", "supine", "prone"])
+def test_every_landmark_and_region_of_the_torso_has_its_factors(stance: str, torso: Rig) -> None:
+    known = calibration(torso)
     assert known is not None
-    assert without_sides(LANDMARKS) <= set(known.landmarks) <= without_sides(torso.landmark_names) | {"other"}
-    assert without_sides(torso.regions) < set(known.regions)
-    assert set(known.hanging) < set(known.landmarks)
-    assert set(known.hanging_regions) < set(known.regions)
+    found = known.of_stance(stance)
+    for landmarks in (found.given, found.others, found.alone, found.proposed):
+        assert without_sides(LANDMARKS) - NOT_PRONE <= set(landmarks) <= without_sides(torso.landmark_names) | {"other"}
+    for regions in (found.seen, found.hidden, found.seen_alone, found.hidden_alone):
+        assert "breast" in regions
+        assert set(regions) <= without_sides(torso.regions) | {"other"}
+    assert set(found.hanging) <= without_sides(torso.regions) | without_sides(torso.landmark_names)
+    assert min(found.hanging.values(), default=1.0) >= 1.0
 
 
-def radii_with_and_without(
-    monkeypatch: pytest.MonkeyPatch, task: FitTask, weights: dict[str, float]
-) -> tuple[Array, Array]:
-    """(V,) m each: of the start with these weights, and as if skin of hanging breasts were as well known as other."""
-    x, names = task.start, task.rig.shape_names
-    changed = x.weights.copy()
-    for name, weight in weights.items():
-        changed[names.index(name)] = weight
-    posterior = Posterior(task, replace(x, weights=changed))
-    known = calibration(read_rig(default_rig_path()))
-    assert known is not None
-    found = []
-    for regions in (known.hanging_regions, {}):
-        as_if = known.model_copy(update={"hanging_regions": regions})
-        monkeypatch.setattr(radii_module, "calibration", lambda _, as_if=as_if: as_if)
-        all_radii = radii(posterior)
-        assert all_radii is not None
-        found.append(all_radii.vertices)
-    return found[0], found[1]
-
-
-def test_skin_of_a_breast_that_hangs_is_less_sure_and_no_other_skin(
+def test_what_a_breast_hides_is_less_sure_where_it_hangs_and_nothing_else_is(
     torso: Rig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    known = calibration(read_rig(default_rig_path()))
+    posterior = posterior_of(torso, ("suprasternal_notch", "xiphoid", "acromion_L"))
+    weights = posterior.task.start.weights.copy()
+    weights[torso.shape_names.index("ptosis_L")], weights[torso.shape_names.index("ptosis_R")] = 2.5, 0.0
+    posterior = Posterior(posterior.task, replace(posterior.task.start, weights=weights))
+    known = calibration(torso)
     assert known is not None
-    picked = posterior_of(torso, ("suprasternal_notch", "xiphoid", "acromion_L")).task
-    left, right, chest = (torso.regions[name] for name in ("breast_L", "breast_R", "chest"))
-    of_left = np.isin(np.arange(len(torso.template)), np.union1d(left, torso.regions["areola_L"]))
-    hangs = {"ptosis_L": 2.5, "ptosis_R": 0.0}
-    grown, before = radii_with_and_without(monkeypatch, picked, hangs)
-    assert np.array_equal(grown[~of_left], before[~of_left])
-    more = HOLDS_90 * known.hanging_regions["breast"].shown * 2.5
-    np.testing.assert_allclose(grown[left], np.hypot(before[left], more))
-    alone = replace(picked, landmarks={})
-    assert np.array_equal(*radii_with_and_without(monkeypatch, alone, hangs)), "the weight alone does not tell"
-    grown, before = radii_with_and_without(monkeypatch, replace(alone, hanging=("ptosis_L",)), hangs)
-    more = HOLDS_90 * known.hanging_regions["breast"].without_picks * 2.5
-    np.testing.assert_allclose(grown[left], np.hypot(before[left], more))
-    only_chest = np.setdiff1d(chest, np.concatenate([left, right]))
-    more = HOLDS_90 * known.hanging_regions["chest"].without_picks * 1.25
-    np.testing.assert_allclose(grown[only_chest], np.hypot(before[only_chest], more))
-
-
-def test_radii_of_breasts_that_do_not_hang_are_what_they_were(torso: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
-    picked = posterior_of(torso, ("suprasternal_notch", "xiphoid", "acromion_L")).task
-    for task in (picked, replace(picked, landmarks={}, hanging=("ptosis_L", "ptosis_R"))):
-        for weight in (1.0, 0.0, -1.0):
-            weights = {"ptosis_L": weight, "ptosis_R": weight}
-            assert np.array_equal(*radii_with_and_without(monkeypatch, task, weights))
+    found = []
+    for times in (1.5, 1.0):
+        stance = known.of_stance("standing").model_copy(update={"hanging": {"breast": times, "nipple": times}})
+        as_if = known.model_copy(update={"stances": {"standing": stance}})
+        monkeypatch.setattr(radii_module, "calibration", lambda _, as_if=as_if: as_if)
+        each = radii(posterior)
+        assert each is not None
+        found.append(each)
+    more, before = found
+    changed = {name for name in torso.landmark_names if more.landmarks[name] != before.landmarks[name]}
+    assert changed == {"nipple_L"}
+    assert more.landmarks["nipple_L"] == pytest.approx(1.5 * before.landmarks["nipple_L"])
+    others = np.setdiff1d(np.arange(len(torso.template)), torso.regions["breast_L"])
+    np.testing.assert_array_equal(more.vertices[others], before.vertices[others])
+    assert (more.vertices >= before.vertices).all()
+    assert more.vertices[torso.regions["breast_L"]].mean() > before.vertices[torso.regions["breast_L"]].mean()
 
 
 def test_without_landmarks_everything_is_less_sure_and_least_where_the_body_may_lie_another_way(torso: Rig) -> None:
@@ -160,13 +138,6 @@ def test_without_landmarks_everything_is_less_sure_and_least_where_the_body_may_
         assert with_picks.landmarks[name] < clear.landmarks[name] < 0.1, name
         assert unclear.landmarks[name] > known.without_picks.astray, name
     assert (unclear.vertices > known.without_picks.astray).all()
-
-
-def test_every_landmark_without_picks_is_calibrated(torso: Rig) -> None:
-    known = calibration(read_rig(default_rig_path()))
-    assert known is not None
-    found = set(known.without_picks.landmarks)
-    assert without_sides(LANDMARKS) <= found <= without_sides(torso.landmark_names) | {"other"}
 
 
 def test_of_another_model_nothing_is_said(torso: Rig) -> None:
@@ -197,7 +168,7 @@ def test_careful_picks_say_nothing_of_skin_that_the_scan_does_not_show(
 ) -> None:
     posterior, far = posterior_of(torso), {}
     for scatter in (0.5, 1.0, 2.0):
-        monkeypatch.setattr(radii_module, "_scatter", lambda *_, found=scatter: found)
+        monkeypatch.setattr(Calibration, "enlarged", lambda *_, found=scatter: found)
         known = radii(posterior)
         assert known is not None
         far[scatter] = known.vertices
@@ -207,37 +178,13 @@ def test_careful_picks_say_nothing_of_skin_that_the_scan_does_not_show(
     np.testing.assert_allclose(far[2.0], 2.0 * far[1.0])
 
 
-def test_skin_is_as_far_off_as_its_region_where_it_is_seen_and_where_it_is_not(torso: Rig) -> None:
-    known = calibration(torso)
+def test_skin_has_the_factor_of_its_region_as_it_is_seen_or_not(torso: Rig) -> None:
+    posterior, known = posterior_of(torso), calibration(torso)
     assert known is not None
-    count = len(torso.template)
-    regions = np.bincount(np.concatenate([*torso.regions.values()]), minlength=count)
-    kinds = {"back": torso.regions["back"], "arm": torso.regions["arm_R"], "other": np.flatnonzero(regions == 0)}
-    posterior: Any = SimpleNamespace(rig=torso, task=SimpleNamespace(rig=torso))
-    for is_seen in (True, False):
-        seen = np.full(count, is_seen)
-        found = vertex_misfit(posterior, known, seen)
+    factors, count = known.of_stance("standing"), len(torso.template)
+    often = np.bincount(np.concatenate([*torso.regions.values()]), minlength=count)
+    kinds = {"back": torso.regions["back"], "arm": torso.regions["arm_R"], "other": np.flatnonzero(often == 0)}
+    for is_seen, of_skin in ((True, factors.seen), (False, factors.hidden)):
+        found = skin_factors(posterior, factors, np.full(count, is_seen))
         for name, vertices in kinds.items():
-            expected = known.region(name)
-            assert found[vertices[regions[vertices] <= 1]] == pytest.approx(
-                expected.shown if is_seen else expected.hidden
-            )
-            assert expected.shown < expected.hidden
-
-
-def test_a_radius_around_the_model_grows_by_half_of_the_way_to_where_the_landmark_is_expected(torso: Rig) -> None:
-    task = posterior_of(torso, ("suprasternal_notch", "xiphoid", "acromion_L")).task
-    weights = task.start.weights.copy()
-    weights[torso.shape_names.index("ptosis_R")] = 2.5
-    posterior = Posterior(task, replace(task.start, weights=weights))
-    around, expected = (radii(posterior, expected=each) for each in (False, True))
-    assert around is not None
-    assert expected is not None
-    names = torso.landmark_names
-    shifts = np.linalg.norm(hanging_shifts(posterior.state, task, names), axis=1)
-    moved = {name: shift for name, shift in zip(names, shifts, strict=True) if shift}
-    assert "inframammary_fold_R" in moved
-    assert "inframammary_fold_L" not in moved
-    for name in names:
-        grown = around.landmarks[name] - expected.landmarks[name]
-        assert grown == pytest.approx(0.5 * moved.get(name, 0.0), abs=1e-9)
+            assert found[vertices[often[vertices] <= 1]] == pytest.approx(of_skin[name])

@@ -144,7 +144,14 @@ def test_she_is_fitted_well(case: Case) -> None:
     centre = surface.vertices.mean(axis=0)
     target = ScanTarget(surface.vertices - centre, surface.faces)
     given = {name: place - centre for name, place in landmarks(case).items()}
-    task = FitTask(rig, target, start_from_landmarks(rig, given), load_recipe("default"), given, case.stance)
+    task = FitTask(
+        rig,
+        target,
+        start_from_landmarks(rig, given),
+        load_recipe("default"),
+        {},
+        case.stance,
+    ).with_picks(given)
     fitted = pose(rig, list(fit_iterates(task))[-1].parameters)
     assert np.nanmean(surface_distances(target, fitted, rig.faces).model) < 0.0015
     truth, faces = mesh(case.folder / "truth.ply", case.unit)

@@ -6,19 +6,15 @@ which balances all others where a fit has settled.  Partners on skin that the sc
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.energies.landmark_observations import LandmarkObservations
-from breastrig.energies.landmarks import Landmarks
+from breastrig.energies.landmarks import LandmarkObservation, Landmarks
 from breastrig.fitting.task import FitTask
 from breastrig.least_squares.newton import System
 from breastrig.least_squares.problem import HARD
 from breastrig.least_squares.quadratic_program import cholesky, solve_lower
-from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
 from breastrig.rig.state import BodyState
 
@@ -29,17 +25,9 @@ UNSHOWN_ERROR = (
 )
 
 
-@dataclass(frozen=True, eq=False)
-class MirroredLandmark:
-    """Where a landmark is expected from its partner's pick."""
-
-    place: Array  # (3,) m, in the scan's frame
-    error: float  # m, on each axis
-
-
 def mirrored_landmarks(
     task: FitTask, state: BodyState, picks: Landmarks, others: System, scaling: Array
-) -> dict[str, MirroredLandmark]:
+) -> tuple[LandmarkObservation, ...]:
     """Of the picks' partners that nobody picked, where the recipe knows how alike two sides are.
 
     `others` is the quadratic model of all terms but the picks' at `state`; scaling: see step_scaling.
@@ -52,20 +40,20 @@ def mirrored_landmarks(
         if partners[name] not in task.landmarks and (alike := task.recipe.landmark_errors(name).mirrored) is not None
     }
     if not wanted:
-        return {}
+        return ()
     points = rig.landmark_points()
     places = points.positions(state.vertices, rig.faces)
     axes = umeyama(points.positions(rig.template, rig.faces), places).rotation
     places = places + _without_picks(state, picks, others, scaling)
     index = {name: k for k, name in enumerate(rig.landmark_names)}
     over = axes @ np.diag([-1.0, 1.0, 1.0]) @ axes.T
-    mirrored = {}
+    mirrored = []
     for name, (picked, alike) in wanted.items():
         place = places[index[name]] + over @ (task.landmarks[picked] - places[index[picked]])
         shown = np.isfinite(task.target.vertex_tree.query(place, distance_upper_bound=SHOWN_DISTANCE)[0])
-        errors = (alike, task.landmark_errors.get(picked, 0.0), 0.0 if shown else UNSHOWN_ERROR)
-        mirrored[name] = MirroredLandmark(place, math.hypot(*errors))
-    return mirrored
+        error = math.hypot(alike, task.beyond_click(picked), 0.0 if shown else UNSHOWN_ERROR)
+        mirrored.append(LandmarkObservation(name, place, error**2 * np.eye(3), "partner"))
+    return tuple(mirrored)
 
 
 def _without_picks(state: BodyState, picks: Landmarks, others: System, scaling: Array) -> Array:
@@ -84,13 +72,3 @@ def _without_picks(state: BodyState, picks: Landmarks, others: System, scaling: 
         rows = state.posed.rows(corners, directions)
         moves[:, axis] = (rows[0::3] + rows[1::3] + rows[2::3]) @ step
     return moves
-
-
-def mirrored_terms(rig: Rig, mirrored: Mapping[str, MirroredLandmark]) -> list[LandmarkObservations]:
-    """How these landmarks pull; none where there is none."""
-    if not mirrored:
-        return []
-    places = np.array([each.place for each in mirrored.values()])
-    covariances = np.array([each.error**2 * np.eye(3) for each in mirrored.values()])
-    points = rig.landmark_points(tuple(mirrored))
-    return [LandmarkObservations(rig, points, places, covariances, "mirrored_landmarks")]

@@ -10,27 +10,21 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.stances import PRONE, STANDING
-from breastrig.energies.landmark_observations import LandmarkObservations
+from breastrig.energies.landmarks import LandmarkObservation
 from breastrig.fitting.body.hanging import body_axes, hanging_shifts, hangs_by, outwards
-from breastrig.fitting.recipe import Stage
 from breastrig.fitting.task import FitTask
-from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import unit_vectors
-from breastrig.least_squares.problem import ResidualTerm
 from breastrig.relief.limits import relief as relief_limits
-from breastrig.relief.observe import NOT_SHOWN, Expected, ReliefObservation, relief_observations
+from breastrig.relief.observe import Expected, relief_observations
 from breastrig.relief.prone import REASON, seen_from
-from breastrig.relief.shoulder import lying_tip, shoulder_tip
-from breastrig.rig.model import Rig
+from breastrig.relief.shoulder import shoulder_tip
 from breastrig.rig.similarity import umeyama
 from breastrig.rig.state import BodyState
 
-NOTCH = "suprasternal_notch"
 TIPS = {"acromion_L": "upper_arm_L", "acromion_R": "upper_arm_R"}
-ARM = 0.9  # share of a vertex that moves with the upper arm; with half of it the shoulder itself is in front
 
 
-def observe_relief(task: FitTask, state: BodyState) -> dict[str, ReliefObservation]:
+def observe_relief(task: FitTask, state: BodyState) -> dict[str, LandmarkObservation]:
     """What the scan shows of the landmarks that nobody picked, expected where the model has them now."""
     rig = task.rig
     points = rig.landmark_points()
@@ -47,11 +41,11 @@ def observe_relief(task: FitTask, state: BodyState) -> dict[str, ReliefObservati
         for k, name in enumerate(rig.landmark_names)
         if name not in task.landmarks and not covered[k]
     }
-    tips = _tips if task.stance == STANDING else _lying_tips
-    return relief_observations(task.target, expected, axes) | tips(task, state, expected, axes)
+    tips = _tips(task, state, expected, axes) if task.stance == STANDING else {}
+    return relief_observations(task.target, expected, axes) | tips
 
 
-def _prone(task: FitTask, state: BodyState) -> dict[str, ReliefObservation]:
+def _prone(task: FitTask, state: BodyState) -> dict[str, LandmarkObservation]:
     """What hanging breasts show."""
     axes = body_axes(task.rig, state.vertices)
     view = seen_from(task.target.vertices, task.target.faces, axes)
@@ -62,48 +56,15 @@ def _prone(task: FitTask, state: BodyState) -> dict[str, ReliefObservation]:
         if name in task.rig.landmark_names and name not in task.landmarks:
             own = axes * outwards(name)
             covariance = (own * np.array(view.errors[name]) ** 2) @ own.T
-            seen[name] = ReliefObservation(place, covariance, REASON, all_round=name.startswith(("nipple", "xiphoid")))
-    return seen
-
-
-def _lying_tips(
-    task: FitTask, state: BodyState, expected: Mapping[str, Expected], axes: Array
-) -> dict[str, ReliefObservation]:
-    """The tips of the shoulders of a supine body, and the middles of the collar bones half way to them."""
-    rules, seen, rig = relief_limits().lying_shoulder, {}, task.rig
-    if not task.from_colour.issuperset(task.landmarks) or NOTCH not in expected:
-        return {}
-    skin = ClosestPointSearch(state.vertices, rig.faces)
-    for name in expected.keys() & TIPS.keys():
-        arm = TIPS[name]
-        if arm not in rig.bone_names:
-            continue
-        own = axes * outwards(name)  # (3, 3) columns: outwards, up, front
-        of_arm = state.vertices[rig.skin_weights[:, rig.bone_names.index(arm)] > ARM]
-        if not len(of_arm):
-            continue
-        notch, front = expected[NOTCH].place, of_arm[(of_arm @ own[:, 2]).argmax()]
-        tip = lying_tip(notch @ own, expected[name].place @ own, front @ own, rules)
-        if tip is None or not _shown(task, np.stack([notch, front]), rules.shown):
-            continue
-        places = {name: (tip, rules.errors)}
-        middle = "midclavicle" + name[-2:]
-        if middle in expected:
-            beside = expected[middle].place @ own
-            beside[0] = (1.0 - rules.midclavicle) * (notch @ own)[0] + rules.midclavicle * tip[0]
-            places[middle] = beside, (rules.midclavicle_error, NOT_SHOWN, NOT_SHOWN)
-        for each, (place, errors) in places.items():
-            near = skin.query((own @ place)[None]).points[0]
-            covariance = (own * np.array(errors) ** 2) @ own.T
-            seen[each] = ReliefObservation(near, covariance, rules.reason, each == name, rules.slack)
+            seen[name] = LandmarkObservation(name, place, covariance, "form", reason=REASON)
     return seen
 
 
 def _tips(
     task: FitTask, state: BodyState, expected: Mapping[str, Expected], axes: Array
-) -> dict[str, ReliefObservation]:
+) -> dict[str, LandmarkObservation]:
     """The tips of the shoulders of a standing body; none where a person has picked any landmark."""
-    if not task.from_colour.issuperset(task.landmarks):
+    if task.picked:
         return {}
     rules, seen = relief_limits().shoulder, {}
     for name, each in expected.items():
@@ -117,19 +78,10 @@ def _tips(
         if _shown(task, places[1:], rules.shown):
             hangs = hangs_by(state, task.recipe, name) > 0.0
             errors = np.array(rules.errors) * (rules.where_hanging if hangs else 1.0)
-            seen[name] = ReliefObservation(places[0], (own * errors**2) @ own.T, rules.reason, all_round=True)
+            seen[name] = LandmarkObservation(name, places[0], (own * errors**2) @ own.T, "form", reason=rules.reason)
     return seen
 
 
 def _shown(task: FitTask, places: Array, near: float) -> bool:
     """Whether the scan has a vertex within `near` m of each of the (N, 3) m places."""
     return bool(np.isfinite(task.target.vertex_tree.query(places, distance_upper_bound=near)[0]).all())
-
-
-def relief_terms(rig: Rig, relief: Mapping[str, ReliefObservation], stage: Stage) -> list[ResidualTerm[BodyState]]:
-    """Their residual term; none without observations."""
-    if not relief:
-        return []
-    places, covariances = zip(*((each.place, each.slack**2 * each.covariance) for each in relief.values()), strict=True)
-    points = rig.landmark_points(tuple(relief))
-    return [LandmarkObservations(rig, points, np.array(places), (stage.relief or 1.0) ** 2 * np.array(covariances))]

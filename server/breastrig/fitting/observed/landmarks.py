@@ -18,6 +18,7 @@ from breastrig.colour.areolae import ObservedAreola
 from breastrig.colour.features.observation import Expectation, Observation
 from breastrig.core.arrays import Array
 from breastrig.core.stances import SIDES
+from breastrig.energies.landmarks import LandmarkObservation
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
@@ -77,25 +78,19 @@ def followed(
     task: FitTask, shown: Mapping[str, Observation] | None, rejected: Collection[str]
 ) -> dict[str, Observation]:
     """Name -> the colour observations that the finished fit followed: those `shown` less those it `rejected`."""
-    return {name: each for name, each in (shown or {}).items() if name in task.from_colour and name not in rejected}
+    return {name: each for name, each in (shown or {}).items() if name in task.given.keys() - task.picked - {*rejected}}
 
 
 def with_observations(task: FitTask, seen: Mapping[str, Observation], fitted: RigParameters) -> FitTask:
     """The task that goes on from where it `fitted` without landmarks, with what colour shows among its observations."""
     if not seen:
         return task
-    errors = {
-        name: float(np.hypot(each.error / np.sqrt(2.0), task.recipe.landmark_errors(name).misfit))
-        for name, each in seen.items()
-    }  # on each axis: the skin has two
-    return replace(
-        task,
-        start=fitted,
-        recipe=task.recipe.continued,
-        landmarks={name: each.place for name, each in seen.items()},
-        landmark_errors=errors,
-        from_colour=frozenset(seen),
-    )
+    given = {}
+    for name, each in seen.items():
+        on_axes = (each.error / np.sqrt(2.0), task.recipe.landmark_errors(name).misfit, task.recipe.observed.landmark)
+        covariance = float(np.square(on_axes).sum()) * np.eye(3)  # the skin has two axes
+        given[name] = LandmarkObservation(name, each.place, covariance, "colour", reason=each.reason)
+    return replace(task, start=fitted, recipe=task.recipe.continued, given=given)
 
 
 KNOWN = 0.006  # m, root mean square error of a fitted or picked nipple

@@ -1,6 +1,6 @@
 """A fit that follows all picks except those explained by a mistake with a name (mistakes.py).
 
-They are rejected after the stages whose landmark term is robust (`landmark_kernel_scale`); other picks that contradict
+They are rejected after the stages that doubt picks; other picks that contradict
 the rest of the fit are only named (unusual.py).  Both decide in standard deviations, never in millimetres.
 """
 
@@ -19,7 +19,7 @@ from breastrig.least_squares.newton import Status
 def checked_iterates(task: FitTask, known_opening: Opening | None = None) -> Iterator[FitIterate]:
     """As iterates_with_second_start; iterates after a pick was rejected name it in `not_followed`."""
     first, rest = _parts(task.recipe)
-    if not task.landmarks or task.from_colour or first is None or rest is None:
+    if not task.picked or first is None or rest is None:
         yield from iterates_with_second_start(task, known_opening)
         return
     for iterate in iterates_with_second_start(replace(task, recipe=first)):
@@ -28,7 +28,7 @@ def checked_iterates(task: FitTask, known_opening: Opening | None = None) -> Ite
     if iterate.status is Status.NOT_FINITE:
         yield iterate
         return
-    most = min(int(task.recipe.outliers.most * len(task.landmarks)), len(task.landmarks) - MIN_LANDMARKS)
+    most = min(int(task.recipe.outliers.most * len(task.given)), len(task.given) - MIN_LANDMARKS)
     doubts = mistaken(task, iterate.parameters, most)
     halfway = iterate
     going_on = replace(without(task, doubts), start=halfway.parameters, recipe=rest, hanging=halfway.hanging)
@@ -43,9 +43,7 @@ def checked_iterates(task: FitTask, known_opening: Opening | None = None) -> Ite
 
 def without(task: FitTask, doubts: Sequence[Doubt]) -> FitTask:
     """The task without the rejected picks."""
-    gone = {name for doubt in doubts if not doubt.followed for name in doubt.names}
-    kept = {name: place for name, place in task.landmarks.items() if name not in gone}
-    return replace(task, landmarks=kept, certain=task.certain & frozenset(kept))
+    return task.without({name for doubt in doubts if not doubt.followed for name in doubt.names})
 
 
 def ended(task: FitTask, last: FitIterate) -> FitTask:
@@ -55,15 +53,15 @@ def ended(task: FitTask, last: FitIterate) -> FitTask:
 
 def agreeing_picks(task: FitTask, known_iterates: Sequence[FitIterate] = ()) -> tuple[FitTask, tuple[Doubt, ...]]:
     """The task without rejected picks, and these; fits anew unless all iterates of its fit are known."""
-    if not task.landmarks or task.from_colour:
+    if not task.picked:
         return task, ()
     *_, last = known_iterates or checked_iterates(task)
     return without(task, last.not_followed), last.not_followed
 
 
 def _parts(recipe: Recipe) -> tuple[Recipe | None, Recipe | None]:
-    """The stages with a robust landmark term, and those after them."""
-    robust = [index for index, stage in enumerate(recipe.stages) if stage.landmark_kernel_scale is not None]
+    """The stages that doubt picks, and those after them."""
+    robust = [index for index, stage in enumerate(recipe.stages) if stage.doubts_picks]
     cut = robust[-1] + 1 if robust else 0
     parts = recipe.stages[:cut], recipe.stages[cut:]
     first, rest = (recipe.model_copy(update={"stages": part}) if part else None for part in parts)

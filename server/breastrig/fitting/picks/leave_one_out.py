@@ -25,16 +25,15 @@ class LeaveOneOut:
         picks, task = posterior.picks, posterior.task
         assert picks is not None, "there are no picks to leave out"
         lin = picks.linearise(posterior.state)
-        self.names = tuple(task.landmarks)
+        self.names = tuple(task.given)
         count = len(self.names)
         rows = lin.jacobian.reshape(3, count, -1).transpose(1, 0, 2).reshape(3 * count, -1)
         white = posterior.whitened(rows)
         self._hat: Array = white @ white.T  # (3L, 3L)
-        self._residual = lin.residual.reshape(3, count).T  # (L, 3), in the sigmas of this state
-        self._sigma = picks.sigma
-        stage = task.recipe.stages[-1]
-        unsure = np.array([task.landmark_errors.get(name, 0.0) for name in self.names])
-        self._expected = np.hypot(stage.landmark_sigma[1], unsure)  # (L,) m, of the pick itself
+        self._residual = lin.residual.reshape(3, count).T  # (L, 3), in standard deviations as they count here
+        self._unit = np.linalg.inv(picks.whitening)  # (L, 3, 3) m, of these
+        self._gaps = picks.gaps(posterior.state.vertices)  # (L, 3) m
+        self._own = [each.covariance for each in picks.observations]
         self._misfit = np.array([task.recipe.landmark_errors(name).misfit for name in self.names])
         self._hanging = [hanging_misfit(posterior.state, task.recipe, name) for name in self.names]
 
@@ -54,16 +53,15 @@ class LeaveOneOut:
             if name not in without:
                 inverse = np.linalg.inv(np.eye(3) - hat[own, own])
                 place, error = inverse - np.eye(3), inverse @ error
-            sigma = self._sigma[i]
-            variance = self._expected[i] ** 2 + self._misfit[i] ** 2
-            shift, spread = self._hanging[i]
-            result[name] = (sigma * error + shift, sigma**2 * place + variance * np.eye(3) + spread)
+            unit, (shift, spread) = self._unit[i], self._hanging[i]
+            beside = self._own[i] + self._misfit[i] ** 2 * np.eye(3) + spread
+            result[name] = (unit @ error + shift, unit @ place @ unit.T + beside)
         return result
 
     @property
     def distances(self) -> dict[str, float]:
         """Name -> m from the fitted model's landmark to the pick, as it was given."""
-        return dict(zip(self.names, map(float, np.linalg.norm(self._residual, axis=1) * self._sigma), strict=True))
+        return dict(zip(self.names, map(float, np.linalg.norm(self._gaps, axis=1)), strict=True))
 
     def gaps(self, without: Collection[str] = ()) -> dict[str, float]:
         """Name -> m for every pick, each left out alone, those in `without` left out all the time."""

@@ -2,7 +2,7 @@
 
 Only such picks are ever rejected, and only when they are farther from where all else expects them than any right pick
 was found to be.  Whether all sides are exchanged is seen in the picks alone, before anything is fitted; single ones
-show at the fitted model, as long as its landmark term rejects distant picks (presets, `landmark_kernel_scale`).  Few
+show at the fitted model, as long as its stages doubt picks.  Few
 picks nearly in one plane fit the model's back as well as its front; the skin under them tells, but not surely enough
 to let right ones go (breasts hang, scans are turned inside out): it explains only why a fit has failed.
 """
@@ -96,7 +96,7 @@ def mistaken(task: FitTask, x: RigParameters, most: int) -> tuple[Doubt, ...]:
     strays = [name for name in task.landmarks if name not in near[name] and name not in task.certain]
     if not strays:
         return ()
-    deviations = LeaveOneOut(Posterior(task, x)).deviations()
+    deviations = LeaveOneOut(Posterior(task, x, partners=False)).deviations()
     strays = sorted((n for n in strays if deviations[n] > rules.impossible), key=deviations.__getitem__, reverse=True)
     found: list[Doubt] = []
     for name in strays:

@@ -10,6 +10,8 @@ ended.
 from collections.abc import Mapping
 from dataclasses import replace
 
+import numpy as np
+
 from breastrig.core.arrays import Array
 from breastrig.fitting.fit import fit_iterates
 from breastrig.fitting.recipe import Recipe, Stage
@@ -18,7 +20,6 @@ from breastrig.fitting.task import FitIterate, FitTask
 ITERATIONS = 4  # a drag sends many positions; what one of them leaves open, the next one closes
 STILL = 1e-9  # m, of the mean distance; where a fit may call itself still it lies up to 0.1 mm before its end
 HOLDS = 0.8  # of the most vertices that met the scan; a drag over the whole breast leaves 0.98
-RANGES = ("max_distance", "data_sigma", "along_sigma", "landmark_sigma", "kernel_scale")
 
 
 class FittedScan:
@@ -38,17 +39,20 @@ class FittedScan:
 
         Where picks have torn it off the scan the next move starts from the fit again.
         """
-        *_, last = fit_iterates(replace(self._task, landmarks=dict(landmarks)))
+        before, moved = self._task.given, self._task.with_picks(landmarks).given
+        stay = {name for name in moved.keys() & before.keys() if np.array_equal(moved[name].place, before[name].place)}
+        asked = replace(self._task, given={**moved, **{name: before[name] for name in stay}})
+        *_, last = fit_iterates(asked)
         self._coverage = max(self._coverage, last.coverage)
         holds = last.is_finite and last.coverage > HOLDS * self._coverage
-        self._task = replace(self._task, landmarks=dict(landmarks), start=last.parameters) if holds else self._fitted
+        self._task = replace(asked, start=last.parameters) if holds else self._fitted
         return last
 
 
 def settled(recipe: Recipe, iterations: int = ITERATIONS) -> Recipe:
-    """The last stage alone, with every range at its end."""
+    """The last stage alone, at its last temperature."""
     last = recipe.stages[-1]
-    ends = {name: (value[1], value[1]) for name in RANGES if (value := getattr(last, name)) is not None}
-    stage: Stage = last.model_copy(update={**ends, "iterations": iterations, "tighten": 1})
+    still = (last.temperature[1], last.temperature[1])
+    stage: Stage = last.model_copy(update={"temperature": still, "iterations": iterations, "tighten": 1})
     stop = recipe.stop.model_copy(update={"distance_change_m": STILL})
     return recipe.model_copy(update={"stages": (stage,), "stop": stop})

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.energies.landmarks import LandmarkObservation
 from breastrig.fitting.body.hanging import body_axes, hanging_misfit
 from breastrig.fitting.fit import fit_iterates
 from breastrig.fitting.picks.moved_landmarks import settled
@@ -26,33 +27,29 @@ ITERATIONS_OBSERVED = 1  # with what the skin shows from there; the same after t
 def refit_without(posterior: Posterior, names: Collection[str]) -> Posterior:
     """Where the fit ends without these picks; itself where it breaks down."""
     task, x = posterior.task, posterior.state.x
-    kept = {name: place for name, place in task.landmarks.items() if name not in names}
-    task = replace(task, landmarks=kept, certain=task.certain & frozenset(kept))
+    task = task.without(names)
     for iterations, known in ((ITERATIONS_WITHOUT, task.relief or {}), (ITERATIONS_OBSERVED, None)):
         going_on = replace(task, start=x, recipe=settled(task.recipe, iterations), relief=known)
         *_, last = fit_iterates(going_on)
         if not last.is_finite:
             return posterior
         x = last.parameters
-    return Posterior(replace(task, relief=last.relief), x)
+    return Posterior(replace(task, relief=last.relief), x, partners=False)
 
 
-def from_expected(without: Posterior, name: str, pick: Array, click: float) -> tuple[float, float]:
-    """m from where a fit without the pick expects it to the pick, (3,) m, and in standard deviations.
-
-    click: m on each axis, of the pick.
-    """
+def from_expected(without: Posterior, pick: LandmarkObservation) -> tuple[float, float]:
+    """m from where a fit without the pick expects it to the pick, and in standard deviations."""
     state, recipe = without.state, without.task.recipe
-    shift, hanging = hanging_misfit(state, recipe, name)
-    variance = click**2 + recipe.landmark_errors(name).misfit ** 2
-    covariance = without.landmark_covariances((name,))[0] + hanging + variance * np.eye(3)
-    return _measured(pick - expected(without, name).place - shift, covariance)
+    shift, hanging = hanging_misfit(state, recipe, pick.name)
+    misfit = recipe.landmark_errors(pick.name).misfit ** 2 * np.eye(3)
+    covariance = without.landmark_covariances((pick.name,))[0] + hanging + misfit + pick.covariance
+    return _measured(pick.place - expected(without, pick.name).place - shift, covariance)
 
 
-def from_observation(without: Posterior, name: str, pick: Array, click: float) -> tuple[float, float] | None:
+def from_observation(without: Posterior, pick: LandmarkObservation) -> tuple[float, float] | None:
     """As from_expected, from the landmark's concavity that the skin shows to that fit; None where it shows none."""
-    concavity = without.relief.get(name)
-    return None if concavity is None else _measured(pick - concavity.place, concavity.covariance + click**2 * np.eye(3))
+    seen = without.relief.get(pick.name)
+    return None if seen is None else _measured(pick.place - seen.place, seen.covariance + pick.covariance)
 
 
 def _measured(gap: Array, covariance: Array) -> tuple[float, float]:
@@ -62,7 +59,7 @@ def _measured(gap: Array, covariance: Array) -> tuple[float, float]:
 def on_smooth_skin(posterior: Posterior) -> tuple[str, ...]:
     """Picks that should lie in a concavity and lie where the scan shows none; certain ones are not among them."""
     task, rules = posterior.task, relief()
-    open_to_doubt = [name for name in task.landmarks if name not in task.certain]
+    open_to_doubt = [name for name in task.given if name not in task.certain]
     known = {
         name: concavity
         for name in open_to_doubt

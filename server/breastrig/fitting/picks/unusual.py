@@ -1,12 +1,10 @@
 """Picks that were followed although all else expects them elsewhere: named, so that a person looks once more."""
 
-import numpy as np
-
 from breastrig.fitting.picks.leave_one_out import LeaveOneOut
 from breastrig.fitting.picks.refit_without import from_expected, from_observation, on_smooth_skin, refit_without
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
-from breastrig.fitting.task import Doubt, FitTask
+from breastrig.fitting.task import Doubt
 
 
 def unusual(posterior: Posterior) -> tuple[Doubt, ...]:
@@ -19,16 +17,17 @@ def unusual(posterior: Posterior) -> tuple[Doubt, ...]:
     if posterior.picks is None:
         return ()
     task = posterior.task
+    posterior = posterior.of_picks_alone
     found: dict[str, float] = {}  # name -> m
     for name in on_smooth_skin(posterior):
         without = refit_without(posterior, (name,))
-        seen = from_observation(without, name, task.landmarks[name], _click(task, name))
+        seen = from_observation(without, task.given[name])
         if seen is not None and seen[1] > _limit(task.recipe, name):
             found[name], posterior = seen[0], without
     cleared: set[str] = set()
     while (suspect := _most_suspicious(posterior, {*found, *cleared})) is not None:
         without = refit_without(posterior, (suspect,))
-        gap, deviation = from_expected(without, suspect, task.landmarks[suspect], _click(task, suspect))
+        gap, deviation = from_expected(without, task.given[suspect])
         if deviation > _limit(task.recipe, suspect):
             found[suspect], posterior = gap, without
         else:
@@ -60,11 +59,6 @@ def _most_suspicious(posterior: Posterior, judged: set[str]) -> str | None:
 
 def _limit(recipe: Recipe, name: str) -> float:
     return recipe.landmark_errors(name).unusual or recipe.outliers.unusual
-
-
-def _click(task: FitTask, name: str) -> float:
-    """m on each axis, of the pick."""
-    return float(np.hypot(task.recipe.stages[-1].landmark_sigma[1], task.landmark_errors.get(name, 0.0)))
 
 
 def _disagreement(picks: LeaveOneOut, recipe: Recipe, without: str) -> float:

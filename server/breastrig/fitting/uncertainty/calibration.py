@@ -1,44 +1,43 @@
 """What a posterior does not know: how far real bodies are from what the model can show, kept as data beside the rig.
 
-The posterior (posterior.py) counts noise and priors.  Its standard deviations are stretched by a factor, and a misfit
-is added to them, both chosen so that the radii hold nine of ten true places of bodies that are known.
+A radius is the posterior's standard deviation times a factor, so chosen for each kind of place that it holds nine of
+ten true places of women who are known, each woman counting alike (conformal prediction normalised by a model's own
+deviation: Lei et al., Distribution-free predictive inference for regression, 2018).  Written by
+breastrig_studies/radii_factors.py; docs/decisions/0025.
 """
 
 from functools import lru_cache
 
-from breastrig.core.settings_file import NotNegative, Positive, SettingsPart
-from breastrig.core.stances import split_side
+from pydantic import Field
+
+from breastrig.core.settings_file import Positive, SettingsPart
+from breastrig.core.stances import STANDING, split_side
 from breastrig.rig.known import known_part
 from breastrig.rig.model import Rig
 
-
-class Misfit(SettingsPart):
-    """m, root mean square distance, of one kind of place."""
-
-    shown: NotNegative  # by a pick, or by the scan
-    hidden: NotNegative  # by neither
+Factors = dict[str, Positive]  # by kind: of landmarks without their side, of regions likewise; "other" for the rest
 
 
-class Hanging(SettingsPart):
-    """m, root mean square distance that one unit of a hanging breast's shape adds, of a kind of landmark or region."""
+class StanceFactors(SettingsPart):
+    """Of bodies in one stance."""
 
-    shown: NotNegative  # by a pick, or skin by the scan while there are picks
-    hidden: NotNegative  # while others are picked
-    without_picks: NotNegative
+    given: Factors = Field(default={})  # landmarks that were given
+    others: Factors = Field(default={})  # those that were not, beside given ones
+    alone: Factors = Field(default={})  # all landmarks of a fit without any
+    proposed: Factors = Field(default={})  # the same around where they are expected (body/expected_shifts.py)
+    seen: Factors = Field(default={})  # skin that the scan shows, with landmarks given
+    hidden: Factors = Field(default={})  # skin that it does not show
+    seen_alone: Factors = Field(default={})  # likewise without any landmark
+    hidden_alone: Factors = Field(default={})
+    hanging: Factors = Field(default={})  # times more where a breast hangs, of landmarks and regions
 
 
 class WithoutPicks(SettingsPart):
-    """Of a fit without landmarks, which the scan alone has placed; see Start.margin for how clear that was."""
+    """Of a fit that the scan alone has placed; see Start.margin for how clear that was."""
 
-    stretch: NotNegative  # of the posterior's standard deviations, in the place of that with picks
     clear: Positive  # margin from which the body lies as it was found
-    unclear: NotNegative  # and up to which it lies another way, as nearly all did
+    unclear: Positive  # and up to which it lies another way, as nearly all did
     astray: Positive  # m, root mean square distance of every place, where it does
-    landmarks: dict[str, NotNegative]  # m, root mean square distance, by name without its side; "other" for the rest
-
-    def landmark(self, name: str) -> float:
-        """m, of the landmark of this name."""
-        return self.landmarks.get(split_side(name)[0], self.landmarks["other"])
 
     def lost(self, margin: float) -> float:
         """m, root mean square distance for the chance that the body lies another way."""
@@ -48,24 +47,27 @@ class WithoutPicks(SettingsPart):
 class Calibration(SettingsPart):
     """Of one model."""
 
-    stretch: NotNegative  # of the posterior's standard deviations
     usual_scatter: Positive  # of picks as good as is said, see radii.py
     least_scatter: Positive  # share of the radii that the best of picks leave
-    least_scatter_hidden: Positive  # likewise where the scan shows no skin
     most_scatter: Positive  # and by how much the worst enlarge them
-    landmarks: dict[str, Misfit]  # by name without its side; "other" for those that are not named
-    regions: dict[str, Misfit]  # of the rig; "other" for vertices outside of all
-    hanging: dict[str, Hanging]  # of landmarks, likewise, where breasts hang (body/hanging.py); absent: nothing
-    hanging_regions: dict[str, Hanging]  # likewise of the rig's regions
     without_picks: WithoutPicks
+    stances: dict[str, StanceFactors] = Field(default={})
 
-    def landmark(self, name: str) -> Misfit:
-        """Of the landmark of this name."""
-        return self.landmarks.get(split_side(name)[0], self.landmarks["other"])
+    def enlarged(self, scatter: float | None) -> float:
+        """By how much picks that scatter so enlarge the radii; None: too few of them to say."""
+        if scatter is None:
+            return 1.0
+        return min(max((scatter / self.usual_scatter) ** 2, self.least_scatter), self.most_scatter)
 
-    def region(self, name: str) -> Misfit:
-        """Of the region of this name."""
-        return self.regions.get(split_side(name)[0], self.regions["other"])
+    def of_stance(self, stance: str) -> StanceFactors:
+        """Those of this stance; what nobody has measured in it, as standing."""
+        standing, its = self.stances.get(STANDING, StanceFactors()), self.stances.get(stance, StanceFactors())
+        return standing.model_copy(update={name: group for name, group in its if group})
+
+
+def factor_of(factors: Factors, name: str) -> float:
+    """Of a landmark or region by its name; 1 where there is none for it nor for others."""
+    return factors.get(split_side(name)[0], factors.get("other", 1.0))
 
 
 @lru_cache(maxsize=8)

@@ -6,17 +6,17 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Booleans
 from breastrig.core.stances import split_side
-from breastrig.fitting.body.hanging import hanging_shifts, hangs_by
+from breastrig.fitting.body.hanging import hangs_by
 from breastrig.fitting.picks.leave_one_out import LeaveOneOut
 from breastrig.fitting.posterior import Posterior
-from breastrig.fitting.uncertainty.calibration import Calibration, Misfit, calibration
+from breastrig.fitting.uncertainty.calibration import StanceFactors, calibration, factor_of
 from breastrig.rig.model import Rig
 
 HOLDS_90 = 1.5  # radius of 90 % for a variance of one in all: 1.44 where three axes share it, 1.52 two, 1.64 one
+OTHER = "other"  # of factors: what none is for
 BOTH = frozenset({"nipple_L", "nipple_R"})  # seen by colour where the form has them: so the body lies as it was found
 FEW = 4  # fewer picks show no scatter
 OUTLYING = 6.0  # standard deviations; more is a wrong pick and says nothing of the others
-MOVED = 0.5  # of the way to where a landmark is expected, that its radius around the model's grows
 SEEN_DISTANCE, SEEN_COSINE = 0.015, 0.5  # m, cosine of 60 degrees: a vertex with scan this near, facing alike, is shown
 
 
@@ -47,82 +47,62 @@ def radii(posterior: Posterior, margin: float | None = None, *, expected: bool =
     """Of a fit; None for a model of which nobody knows how far real bodies are from it.
 
     `margin` is how clear its start was, where the scan alone has placed it (Start.margin).  Landmarks' radii are around
-    the model's, or around where they are `expected` (body/hanging.py).
+    the model's, or around where they are `expected` (body/expected_shifts.py).
     """
     rig, task = posterior.task.rig, posterior.task
     known = calibration(rig)
     if known is None:
         return None
-    names = tuple(rig.landmark_names)
-    lost = 0.0 if margin is None or task.from_colour >= BOTH else known.without_picks.lost(margin)
-    if task.landmarks and task.from_colour.issuperset(task.landmarks):  # by colour alone: the form places all others
-        stretch = known.without_picks.stretch
-        misfits = [
-            known.landmark(name).shown if name in task.from_colour else known.without_picks.landmark(name)
-            for name in names
-        ]
-    elif task.landmarks:
-        stretch, misfits = known.stretch, [_of(known.landmark(name), name in task.landmarks) for name in names]
-    else:
-        stretch, misfits = known.without_picks.stretch, [known.without_picks.landmark(name) for name in names]
-    spread = stretch**2 * posterior.landmark_variances(names) + np.array(misfits) ** 2
-    scatter, seen = _scatter(posterior, known), seen_vertices(posterior)
-    at_landmarks = HOLDS_90 * scatter * np.sqrt(spread + lost**2)
-    for k, name in enumerate(names):  # a relief observation is all that is known of its landmark
-        observation = posterior.relief.get(name)
-        if (
-            observation is not None and observation.all_round and (expected or observation.slack == 1.0)
-        ):  # else the model is beside it
-            at_landmarks[k] = HOLDS_90 * np.hypot(observation.error, lost)
-    at_landmarks = np.hypot(at_landmarks, [_of_hanging(posterior, known, name) for name in names])
-    if not expected:
-        at_landmarks += MOVED * np.linalg.norm(hanging_shifts(posterior.state, task, names), axis=1)
-    at_vertices = HOLDS_90 * np.where(seen, scatter, max(scatter, known.least_scatter_hidden))
-    at_vertices *= np.sqrt(
-        stretch**2 * posterior.vertex_variances() + lost**2 + vertex_misfit(posterior, known, seen) ** 2
-    )
-    at_vertices = np.hypot(at_vertices, _of_hanging_skin(posterior, known, seen))
+    by_colour = task.given.keys() - task.picked
+    lost = 0.0 if margin is None or by_colour >= BOTH else HOLDS_90 * known.without_picks.lost(margin)
+    scatter, names = known.enlarged(scatter_of(posterior)), tuple(rig.landmark_names)
+    factors = scatter * landmark_factors(posterior, known.of_stance(task.stance), expected=expected)
+    at_landmarks = np.hypot(factors * np.sqrt(posterior.landmark_variances(names)), lost)
+    seen = seen_vertices(posterior)
+    factors = np.where(seen, scatter, max(scatter, 1.0)) * skin_factors(posterior, known.of_stance(task.stance), seen)
+    at_vertices = np.hypot(factors * np.sqrt(posterior.vertex_variances()), lost)
     landmarks = dict(zip(names, at_landmarks.tolist(), strict=True))
     return Radii(landmarks, at_vertices, line_error(rig, at_vertices, seen))
 
 
-def _of_hanging(posterior: Posterior, known: Calibration, name: str) -> float:
-    """m, what a hanging breast adds to a landmark's radius."""
-    task, kind = posterior.task, known.hanging.get(split_side(name)[0])
-    if kind is None:
-        return 0.0
-    misfit = kind.shown if name in task.landmarks else kind.hidden if task.landmarks else kind.without_picks
-    return HOLDS_90 * misfit * hangs_by(posterior.state, task.recipe, name)
+def landmark_factors(posterior: Posterior, factors: StanceFactors, *, expected: bool = False) -> Array:
+    """(L,) of the rig's landmarks; of those without a pick around where they are `expected`."""
+    task, found = posterior.task, []
+    for name in task.rig.landmark_names:
+        without = factors.others if task.picked else factors.proposed if expected else factors.alone
+        times = factor_of(factors.given if name in task.given else without, name)
+        found.append(times * _of_hanging(posterior, factors, name))
+    return np.array(found)
 
 
-def _of_hanging_skin(posterior: Posterior, known: Calibration, seen: Booleans) -> Array:
-    """(V,) m, what hanging breasts add to the radii of skin on them and around.
+def skin_factors(posterior: Posterior, factors: StanceFactors, seen: Booleans) -> Array:
+    """(V,) of the model's vertices, (V,) of which are `seen`; where regions overlap the largest counts."""
+    rig, picked = posterior.task.rig, posterior.task.picked
+    shown, hidden = (factors.seen, factors.hidden) if picked else (factors.seen_alone, factors.hidden_alone)
+    found = np.zeros(len(seen))
+    for name, vertices in rig.regions.items():
+        hangs = _of_hanging(posterior, factors, name)
+        here = hangs * np.where(seen[vertices], factor_of(shown, name), factor_of(hidden, name))
+        found[vertices] = np.maximum(found[vertices], here)
+    others = np.where(seen, factor_of(shown, OTHER), factor_of(hidden, OTHER))
+    return np.where(found > 0.0, found, others)
 
-    Without picks only where one was seen to hang: the weight alone does not tell (body/hanging.py).
+
+def _of_hanging(posterior: Posterior, factors: StanceFactors, name: str) -> float:
+    """By how much less is known of a landmark or region where a breast hangs."""
+    kind = factors.hanging.get(split_side(name)[0], 1.0)
+    return kind if kind != 1.0 and hangs_by(posterior.state, posterior.task.recipe, name) > 0.0 else 1.0
+
+
+def scatter_of(posterior: Posterior) -> float | None:
+    """Root mean square of the picks' deviations from where all else has them, on an axis; None of too few picks.
+
+    In the units of picks as good as is said (leave_one_out.py): clicks are more careful here than there, and it shows.
     """
-    task = posterior.task
-    added = np.zeros(len(seen))
-    if not (task.landmarks or task.hanging):
-        return added
-    for name, vertices in task.rig.regions.items():
-        kind = known.hanging_regions.get(split_side(name)[0])
-        if kind is not None:
-            misfit = np.where(seen[vertices], kind.shown, kind.hidden) if task.landmarks else kind.without_picks
-            here = HOLDS_90 * misfit * hangs_by(posterior.state, task.recipe, name)
-            added[vertices] = np.maximum(added[vertices], here)
-    return added
-
-
-def _scatter(posterior: Posterior, known: Calibration) -> float:
-    """By how much the picks' own scatter enlarges the radii: clicks are more careful here than there, and it shows.
-
-    The square of the picks' root mean square deviation (leave_one_out.py), in units of what is usual.
-    """
-    if posterior.picks is None or len(posterior.task.landmarks) < FEW or posterior.task.from_colour:
-        return 1.0
-    deviations = np.array(list(LeaveOneOut(posterior).deviations().values()))
-    scatter = np.sqrt(np.mean(np.minimum(deviations, OUTLYING) ** 2) / 3.0)
-    return float(np.clip((scatter / known.usual_scatter) ** 2, known.least_scatter, known.most_scatter))
+    if posterior.picks is None or len(posterior.task.picked) < FEW:
+        return None
+    deviations = np.array(list(LeaveOneOut(posterior.of_picks_alone).deviations().values()))
+    return float(np.sqrt(np.mean(np.minimum(deviations, OUTLYING) ** 2) / 3.0))
 
 
 def seen_vertices(posterior: Posterior) -> Booleans:
@@ -134,17 +114,3 @@ def seen_vertices(posterior: Posterior) -> Booleans:
     seen = np.zeros(len(vertices), dtype=np.bool_)
     seen[near[facing > SEEN_COSINE]] = True
     return seen
-
-
-def vertex_misfit(posterior: Posterior, known: Calibration, seen: Booleans) -> Array:
-    """(V,) m"""
-    rig = posterior.task.rig
-    result = np.where(seen, known.region("other").shown, known.region("other").hidden)
-    for name, vertices in rig.regions.items():
-        misfit = known.region(name)
-        result[vertices] = np.where(seen[vertices], misfit.shown, misfit.hidden)
-    return np.asarray(result)
-
-
-def _of(misfit: Misfit, shown: bool) -> float:
-    return misfit.shown if shown else misfit.hidden

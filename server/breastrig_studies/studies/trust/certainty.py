@@ -49,7 +49,7 @@ def certainty(scene: Scene, rig: Rig, recipe: Recipe) -> dict[str, Any]:
 def _judged(
     scene: Scene, rig: Rig, recipe: Recipe, picks: dict[str, Array], true: ReferenceFit | None
 ) -> dict[str, Any]:
-    task = FitTask(rig, scene.target, scene.start(rig, picks), recipe, picks, scene.case.stance)
+    task = FitTask(rig, scene.target, scene.start(rig, picks), recipe, {}, scene.case.stance).with_picks(picks)
     *_, last = checked_iterates(task)
     posterior = Posterior(ended(task, last), last.parameters)
     vertices, known = pose(rig, last.parameters), radii(posterior)

@@ -64,7 +64,7 @@ def judged(
     proposed: dict[str, Array],
 ) -> tuple[dict[str, Any], dict[str, Array]]:
     """What is said of the fit, and where its landmarks are."""
-    task = FitTask(rig, scene.target, start, recipe, picks, scene.case.stance)
+    task = FitTask(rig, scene.target, start, recipe, {}, scene.case.stance).with_picks(picks)
     *_, last = checked_iterates(task)
     posterior = Posterior(ended(task, last), last.parameters)
     doubts: tuple[Doubt, ...] = (*last.not_followed, *unusual(posterior))

@@ -1,0 +1,229 @@
+"""Writes by how much radii exceed a posterior's deviations (fitting/uncertainty), over women whose skin is known.
+
+    python -m breastrig_studies.radii_factors DIR/warped DIR/poses DIR/prone [--write]
+
+The factor of a kind of place is the quantile of error over deviation that holds nine of ten of them, each woman of the
+choosing half counting alike (split conformal prediction with groups: women).  Picks are exact, 5 mm off, and half of
+them.  Without --write: what the file's factors hold of the reporting half, and how wide they are.  Scores of each scan
+are kept beside its folder, so that it is fitted once.
+"""
+
+import json
+import sys
+import tomllib
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from breastrig.core.arrays import Array, Integers
+from breastrig.core.stances import PRONE, split_side
+from breastrig.fitting.body.hanging import hangs_by
+from breastrig.fitting.picks.checked_fit import checked_iterates, ended
+from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.propose import expected_places
+from breastrig.fitting.recipe import Recipe, load_recipe
+from breastrig.fitting.starts.orientation import MIN_LANDMARKS
+from breastrig.fitting.task import FitTask
+from breastrig.fitting.uncertainty.calibration import Calibration, calibration, factor_of
+from breastrig.fitting.uncertainty.radii import OTHER, scatter_of, seen_vertices
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.model import Rig
+from breastrig.rig.parameters import RigParameters
+from breastrig_studies.cohort import Case, read_cohort
+from breastrig_studies.studies.case import Scene, read_scene
+from breastrig_studies.studies.landmarks import CLICK_ERROR
+from breastrig_studies.studies.reference_fit import ReferenceFit, reference_fit
+
+LEVEL = 0.9
+SEED = 23
+SHOWN = 0.01  # m; a landmark farther from the scan cannot be picked
+EACH = 40  # vertices of a region in a fit
+MOST = 2  # scans of one woman in a stance
+STATES = ("given", "others", "alone", "proposed", "seen", "hidden", "seen_alone", "hidden_alone")
+HANGS_WITH = ("nipple", "inframammary_fold", "xiphoid", "mid_sternum", "breast", "areola", "chest", "belly")
+WOMEN = 3  # fewer whose breasts hang say nothing of others
+
+
+@dataclass(frozen=True)
+class Score:
+    """Of one place in one fit."""
+
+    state: str
+    kind: str
+    score: float  # error over the posterior's deviation
+    hangs: bool
+    deviation: float  # m
+    scatter: float | None = None  # of the picks (radii.py); None: too few to say
+
+
+def trials(scene: Scene) -> Iterator[dict[str, Array]]:
+    """What is picked: nothing, what can be seen, the same 5 mm off, each half of it."""
+    rng = np.random.default_rng(SEED)
+    gaps = {n: float(scene.target.vertex_tree.query(place)[0]) for n, place in scene.landmarks.items()}
+    shown = {name: place for name, place in scene.landmarks.items() if gaps[name] < SHOWN}
+    clicked = {name: scene.along_the_skin(place, CLICK_ERROR, rng) for name, place in shown.items()}
+    halves = [dict(list(shown.items())[first::2]) for first in (0, 1)]
+    yield {}
+    yield from (each for each in (shown, clicked, *halves) if len(each) >= MIN_LANDMARKS)
+
+
+def fitted(scene: Scene, rig: Rig, recipe: Recipe, picks: dict[str, Array], start: RigParameters) -> Posterior | None:
+    """Where the fit with these picks ends; None where it breaks down."""
+    task = FitTask(rig, scene.target, start, recipe, {}, scene.case.stance).with_picks(picks)
+    *_, last = checked_iterates(task)
+    return Posterior(ended(task, last), last.parameters) if last.is_finite else None
+
+
+def scores_of(posterior: Posterior, scene: Scene, true: ReferenceFit | None) -> Iterator[Score]:
+    """Of all places of a fit that are known: landmarks, and of each region EACH vertices."""
+    rig, state, picked = posterior.task.rig, posterior.state, posterior.task.picked
+    names, rng, scatter = tuple(scene.landmarks), np.random.default_rng(SEED), scatter_of(posterior)
+
+    def score(kind: str, name: str, error: float, deviation: float) -> Score:
+        hangs = hangs_by(state, posterior.task.recipe, name) > 0.0
+        return Score(kind, split_side(name)[0], error / deviation, hangs, deviation, scatter)
+
+    deviations = np.sqrt(posterior.landmark_variances(names))
+    model = dict(zip(rig.landmark_names, rig.landmark_points().positions(state.vertices, rig.faces), strict=True))
+    expected = dict(zip(rig.landmark_names, expected_places(posterior, {}), strict=True))
+    for way, places in [("others", model)] if picked else [("alone", model), ("proposed", expected)]:
+        for name, deviation in zip(names, deviations.tolist(), strict=True):
+            error = float(np.linalg.norm(places[name] - scene.landmarks[name]))
+            yield score("given" if name in picked else way, name, error, deviation)
+    if true is None or scene.case.stance == PRONE:  # an MRI shows too little skin to say what lies where along it
+        return
+    seen, deviations = seen_vertices(posterior), np.sqrt(posterior.vertex_variances())
+    errors = np.linalg.norm(state.vertices - true.vertices, axis=1)
+    for name, vertices in _regions(rig):
+        for is_seen, way in ((True, "seen"), (False, "hidden")):
+            part = vertices[seen[vertices] == is_seen]
+            for v in rng.choice(part, min(EACH, len(part)), replace=False):
+                yield score(way if picked else f"{way}_alone", name, float(errors[v]), float(deviations[v]))
+
+
+def _regions(rig: Rig) -> Iterator[tuple[str, Integers]]:
+    """The rig's regions, and what lies in none."""
+    yield from rig.regions.items()
+    left = np.setdiff1d(np.arange(len(rig.template)), np.concatenate([np.zeros(0, int), *rig.regions.values()]))
+    if len(left):
+        yield OTHER, left
+
+
+def quantile(scores: Sequence[float], women: Sequence[str]) -> float:
+    """The score that holds LEVEL of a new woman's places; those known count alike, and one more as the worst."""
+    values, names = np.array(scores), np.array(women)
+    weights = np.zeros(len(values))
+    for name in {*women}:
+        weights[names == name] = 1.0 / np.count_nonzero(names == name)
+    order = np.argsort(values)
+    share = np.cumsum(weights[order]) / (len({*women}) + 1.0)
+    return float(values[order][min(int(np.searchsorted(share, LEVEL)), len(values) - 1)])
+
+
+Known = list[tuple[str, str, Score]]  # woman, stance
+
+
+def larger_for(each: Score, times: Callable[[float | None], float]) -> float:
+    """What the picks' scatter does to this radius: careful picks say nothing of skin that is not seen."""
+    return max(times(each.scatter), 1.0) if each.state == "hidden" else times(each.scatter)
+
+
+def factors(found: Known, times: Callable[[float | None], float]) -> dict[str, dict[str, dict[str, float]]]:
+    """By stance, state and kind; `times`: by how much a scatter of picks enlarges radii."""
+    result: dict[str, dict[str, dict[str, float]]] = {}
+    for stance in sorted({each[1] for each in found}):
+        groups: dict[tuple[str, str], list[tuple[float, str, bool]]] = defaultdict(list)
+        for woman, its, each in found:
+            if its == stance:
+                score = each.score / larger_for(each, times)
+                groups[each.state, each.kind].append((score, woman, each.hangs))
+        of_stance: dict[str, dict[str, float]] = {state: {} for state in STATES}
+        more: dict[str, list[tuple[float, str]]] = defaultdict(list)
+        for (state, kind), scores in sorted(groups.items()):
+            factor = quantile([s for s, _, _ in scores], [w for _, w, _ in scores])
+            of_stance[state][kind] = round(factor, 2)
+            more[kind] += [(s / factor, w) for s, w, hangs in scores if hangs]
+        of_stance["hanging"] = {
+            kind: round(larger, 2)
+            for kind in HANGS_WITH
+            if len({w for _, w in more[kind]}) >= WOMEN
+            and (larger := quantile([s for s, _ in more[kind]], [w for _, w in more[kind]])) > 1.0
+        }
+        for state, group in of_stance.items():
+            if group and state != "hanging":
+                group[OTHER] = max(group.values(), default=1.0)  # of what has no factor of its own
+        result[stance] = {state: group for state, group in of_stance.items() if group}
+    return result
+
+
+def scores_of_scan(case: Case, rig: Rig, recipe: Recipe) -> Iterator[Score]:
+    """Of all trials."""
+    scene = read_scene(case)
+    true, alone = reference_fit(scene, rig, recipe), scene.place(rig).parameters
+    for picks in trials(scene):
+        posterior = fitted(scene, rig, recipe, picks, scene.start(rig, picks) if picks else alone)
+        if posterior is not None:
+            yield from scores_of(posterior, scene, true)
+
+
+def read_scores(folder: Path, rig: Rig, recipe: Recipe) -> Iterator[tuple[Case, str, list[Score]]]:
+    """(case, half, scores) of all women who are not sealed."""
+    kept, times = folder.parent / f"radii_{folder.name}", defaultdict[tuple[str, str], int](int)
+    kept.mkdir(exist_ok=True)
+    for case in read_cohort(folder):
+        patient = json.loads((folder / case.patient / "patient.json").read_text("utf-8"))
+        number = int("".join(filter(str.isdigit, case.patient)) or 0)
+        half = patient.get("half", ("choose", "report")[number % 2])
+        times[case.patient, case.stance] += 1
+        if half == "sealed" or times[case.patient, case.stance] > MOST:
+            continue
+        file = kept / f"{case.patient}_{case.name}.json"
+        if not file.is_file():
+            file.write_text(json.dumps([asdict(each) for each in scores_of_scan(case, rig, recipe)]), "utf-8")
+        yield case, half, [Score(**each) for each in json.loads(file.read_text("utf-8"))]
+
+
+def table(found: Known, known: Calibration) -> Iterator[str]:
+    """A line for each stance and state: the share held of all women, of the woman of whom least, and how wide."""
+    for stance in sorted({each[1] for each in found}):
+        its = known.of_stance(stance)
+        for state in STATES:
+            held, wide = defaultdict[str, list[bool]](list), []
+            for woman, at, each in found:
+                if (at, each.state) == (stance, state):
+                    times = factor_of(getattr(its, state), each.kind) * larger_for(each, known.enlarged)
+                    times *= its.hanging.get(each.kind, 1.0) if each.hangs else 1.0
+                    held[woman].append(each.score <= times)
+                    wide.append(times * each.deviation)
+            shares = [float(np.mean(each)) for each in held.values()]
+            if shares:
+                width = f"{1e3 * float(np.median(wide)):7.1f} mm"
+                yield f"{stance:9s}{state:13s}{np.mean(shares):7.1%}{min(shares):7.1%}{width}"
+
+
+def main(folders: Sequence[str], write: bool) -> None:
+    """Prints the table of both halves, and writes the file's stances when asked to."""
+    rig, recipe = read_rig(default_rig_path()), load_recipe("default")
+    known = calibration(rig)
+    assert known is not None
+    halves: dict[str, Known] = {"choose": [], "report": []}
+    for folder in map(Path, folders):
+        for case, half, scores in read_scores(folder, rig, recipe):
+            halves[half] += [(f"{folder.name} {case.patient}", case.stance, each) for each in scores]
+    if write:
+        file = default_rig_path().with_suffix(".known") / "uncertainty.toml"
+        lines = [file.read_text("utf-8").partition("[stances.")[0].rstrip(), ""]
+        for stance, states in factors(halves["choose"], known.enlarged).items():
+            for state, group in states.items():
+                lines += [f"[stances.{stance}.{state}]", *(f"{kind} = {value}" for kind, value in group.items()), ""]
+        file.write_text("\n".join(lines).rstrip() + "\n", "utf-8")
+        known = Calibration.model_validate(tomllib.loads(file.read_text("utf-8")))
+    for half, found in halves.items():
+        sys.stdout.write(f"{half}\n" + "\n".join(table(found, known)) + "\n")
+
+
+if __name__ == "__main__":
+    main([each for each in sys.argv[1:] if each != "--write"], "--write" in sys.argv)
