@@ -1,8 +1,8 @@
 """`breastrig model learn MODEL BODIES`: what is known of a rig, from bodies whose whole skin is known.
 
 BODIES is a cohort (cohort.py) with truth.ply of every body.  Written into NAME.known and bound to the rig: bodies.json,
-uncertainty.toml and verdict.toml.  Bodies of the groups `report` and `sealed` are left for whoever measures what came
-of it (`breastrig evaluate BODIES --model MODEL`).  The rules: docs/decisions/0024.
+radii.json, uncertainty.toml and verdict.toml.  Bodies of the groups `report` and `sealed` are left for whoever measures
+what came of it (`breastrig evaluate BODIES --model MODEL`).  The rules: docs/decisions/0024.
 """
 
 import json
@@ -25,7 +25,7 @@ from breastrig.rig.model import Rig
 from breastrig.rig.stance_priors import in_stance
 from breastrig_studies.body_statistics import statistics
 from breastrig_studies.cohort import Case, read_cohort
-from breastrig_studies.radii_factors import Known, Score, factors, fitted, scores_of, trials
+from breastrig_studies.radii_factors import Known, Score, factors, fitted, scores_of, trials, write_factors
 from breastrig_studies.studies.case import Scene, read_scene
 from breastrig_studies.studies.reference_fit import ReferenceFit, reference_fit
 
@@ -90,7 +90,9 @@ def write(glb: Path, rig: Rig, found: Found, stances: set[str], scans: int) -> P
     """Radii and verdict into the rig's folder."""
     folder = glb.with_suffix(".known")
     folder.mkdir(exist_ok=True)
-    (folder / "uncertainty.toml").write_text(_toml(_uncertainty(rig, found), scans), "utf-8")
+    uncertainty = _uncertainty(rig, found)
+    write_factors(folder, factors(found.known, Calibration.model_validate(uncertainty).enlarged))
+    (folder / "uncertainty.toml").write_text(_toml(uncertainty, scans), "utf-8")
     (folder / "verdict.toml").write_text(_toml(_verdict(found, stances), scans), "utf-8")
     return bind_known(glb, rig.sha256).parent
 
@@ -128,7 +130,7 @@ def _uncertainty(rig: Rig, found: Found) -> dict[str, Any]:
     scatters = [each.scatter for _, _, each in found.known if each.scatter is not None]
     right, wrong = found.margins[True], found.margins[False]
     clear = max(0.7 * min(right, default=0.0), 1.3 * max(wrong, default=0.0), 0.01)  # all of these lay right
-    document: dict[str, Any] = {
+    return {
         "usual_scatter": round(float(np.median(scatters)), 2) if scatters else 1.0,
         "least_scatter": SCATTER[0],
         "most_scatter": SCATTER[1],
@@ -137,10 +139,7 @@ def _uncertainty(rig: Rig, found: Found) -> dict[str, Any]:
             "unclear": round(clear / 4.0, 3),
             "astray": round(0.5 * _length(rig), 3),
         },
-        "stances": {},
     }
-    enlarged = Calibration.model_validate(document).enlarged
-    return document | {"stances": factors(found.known, enlarged)}
 
 
 def _verdict(found: Found, stances: set[str]) -> dict[str, Any]:

@@ -10,7 +10,6 @@ are kept beside its folder, so that it is fitted once.
 
 import json
 import sys
-import tomllib
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
@@ -186,6 +185,12 @@ def read_scores(folder: Path, rig: Rig, recipe: Recipe) -> Iterator[tuple[Case, 
         yield case, half, [Score(**each) for each in json.loads(file.read_text("utf-8"))]
 
 
+def write_factors(folder: Path, found: dict[str, dict[str, dict[str, float]]]) -> None:
+    """radii.json of a rig's folder."""
+    document = {"schema": "breastrig/radii@1", "stances": found}
+    (folder / "radii.json").write_text(json.dumps(document, indent=1) + "\n", "utf-8")
+
+
 def table(found: Known, known: Calibration) -> Iterator[str]:
     """A line for each stance and state: the share held of all women, of the woman of whom least, and how wide."""
     for stance in sorted({each[1] for each in found}):
@@ -214,13 +219,9 @@ def main(folders: Sequence[str], write: bool) -> None:
         for case, half, scores in read_scores(folder, rig, recipe):
             halves[half] += [(f"{folder.name} {case.patient}", case.stance, each) for each in scores]
     if write:
-        file = default_rig_path().with_suffix(".known") / "uncertainty.toml"
-        lines = [file.read_text("utf-8").partition("[stances.")[0].rstrip(), ""]
-        for stance, states in factors(halves["choose"], known.enlarged).items():
-            for state, group in states.items():
-                lines += [f"[stances.{stance}.{state}]", *(f"{kind} = {value}" for kind, value in group.items()), ""]
-        file.write_text("\n".join(lines).rstrip() + "\n", "utf-8")
-        known = Calibration.model_validate(tomllib.loads(file.read_text("utf-8")))
+        learnt = factors(halves["choose"], known.enlarged)
+        write_factors(default_rig_path().with_suffix(".known"), learnt)
+        known = Calibration.model_validate(known.model_dump() | {"stances": learnt})
     for half, found in halves.items():
         sys.stdout.write(f"{half}\n" + "\n".join(table(found, known)) + "\n")
 

@@ -10,7 +10,8 @@ that what was measured with one rig is never said of another.
     lying_motion.json    how skin moves between standing and lying                  drawings/skin_maps/lying_motion.py
     gravity.json            what gravity does to breasts in all stances            volume/predicted.py
     skin_map.toml        what differs from the common settings of the skin map      drawings/skin_maps/settings.py
-    uncertainty.toml     how far bodies are from the model beyond what a fit knows  fitting/uncertainty/calibration.py
+    radii.json           how far bodies are from the model beyond what a fit knows  fitting/uncertainty/calibration.py
+    uncertainty.toml     what picks that scatter, and an unclear start, make of it  fitting/uncertainty/calibration.py
     verdict.toml         what right fits look like                                  fitting/verdicts/verdict.py
     measures.toml        what measures of breasts are off                           report/calibration.py
     volume.json          chest wall and tetrahedra                                  volume/known_volume.py

@@ -12,7 +12,7 @@ from pydantic import Field
 
 from breastrig.core.settings_file import Positive, SettingsPart
 from breastrig.core.stances import STANDING, split_side
-from breastrig.rig.known import known_part
+from breastrig.rig.known import checked_part, known_numbers
 from breastrig.rig.model import Rig
 
 Factors = dict[str, Positive]  # by kind: of landmarks without their side, of regions likewise; "other" for the rest
@@ -73,4 +73,7 @@ def factor_of(factors: Factors, name: str) -> float:
 @lru_cache(maxsize=8)
 def calibration(rig: Rig) -> Calibration | None:
     """Of this rig; None when nobody has found any."""
-    return known_part(rig, "uncertainty.toml", Calibration)
+    known, factors = known_numbers(rig, "uncertainty.toml"), known_numbers(rig, "radii.json")
+    if known is None or factors is None:
+        return None
+    return checked_part(rig, "uncertainty.toml", Calibration, known | {"stances": factors.get("stances", {})})
