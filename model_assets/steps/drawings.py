@@ -12,6 +12,8 @@ from steps.skin import Skin
 from steps.source import Array
 from steps.whole_body import FLIP, Template
 
+RIMS = {"areola_lower_L"}  # open lines that follow an edge of the model
+
 
 def on_footprint(template: Template, b: Breast, angles: Array, radius: Array | float) -> Array:
     """(M, 3) m: points of the left breast at these polar coordinates of its footprint (angle rad, 0 lateral)."""
@@ -128,7 +130,8 @@ def drawings(
                 else:
                     anchors, closed = lines[key]
                 if key + side not in fitted:
-                    fitted[key + side] = skin.line(anchors * flip, closed, spacing, d["rounds"])
+                    rounds = 0 if key in RIMS else d["rounds"]  # smoothing would draw an arc to its chord
+                    fitted[key + side] = skin.line(anchors * flip, closed, spacing, rounds)
                     if key == "midline":
                         fitted[key] = skin.nearest_on_midline(skin.at(fitted[key]))
                 words = {"_L": "left ", "_R": "right ", "": ""}[side]

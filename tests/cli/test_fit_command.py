@@ -71,7 +71,7 @@ def test_the_result_keeps_its_contract_and_its_accuracy(fitted: Path) -> None:
     # the triangles lie on the skin in the mean, not the vertices: those 0.02 mm farther off, the whole surface nearer
     assert result["model_alone"]["surface_distance_mm"]["mean"] < 0.57
     assert result["model_alone"]["scan_to_model_mm"]["mean"] < 0.82
-    assert result["model_alone"]["surface_distance_mm"]["p95"] < 1.6
+    assert result["model_alone"]["surface_distance_mm"]["p95"] < 1.65
     assert result["surface_distance_mm"]["coverage"] > 0.75
     assert result["landmark_distance_mm"]["mean"] < 1.7
     assert result["landmark_distance_mm"]["max"] < 4.0

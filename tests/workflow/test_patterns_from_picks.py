@@ -61,7 +61,7 @@ def test_of_a_fit_of_a_plan_and_under_a_hand_alike(beside: Path) -> None:
     assert np.linalg.norm(pick - model) > 0.002  # the model does not follow all of the way
     circle = areola(beside)
     assert off_centre(circle, pick) < 0.0008
-    assert off_centre(circle, model) > 0.0015
+    assert off_centre(circle, model) > 0.001
     scan = found.fitted_scan
     pattern = PlanPattern(id="lift", scan="standing", name="periareolar")
     planned = plan_on_scan(rig, PlannedScan("standing", scan, (pattern,)), ())
@@ -77,4 +77,4 @@ def test_not_from_a_pick_that_is_asked_about(tmp_path: Path) -> None:
     assert "nipple_L" in {name for doubt in asked_about for name in doubt["names"]}
     circle, pick = areola(tmp_path), np.array(result["landmarks_picked"]["nipple_L"])
     assert off_centre(circle, np.array(result["landmarks"]["nipple_L"])) < 0.002
-    assert off_centre(circle, pick) > 0.004
+    assert off_centre(circle, pick) > 0.0035

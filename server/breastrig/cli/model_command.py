@@ -35,7 +35,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         action = actions.add_parser(name, help=what)
         action.add_argument("--model", type=model_path, metavar="MODEL", help="another rig than the package's torso")
     learning = actions.add_parser("learn", help="what is known of a rig, from bodies whose whole skin is")
-    learning.add_argument("model", type=model_path, metavar="MODEL")
+    learning.add_argument("model", type=model_path, metavar="MODEL", help="the rig, as for `breastrig fit --model`")
     learning.add_argument("bodies", type=Path, metavar="BODIES", help="as for `breastrig evaluate`")
     actions.add_parser("build", help="build the torso from its sources (source checkout only)")
 
