@@ -219,9 +219,9 @@ def main(folders: Sequence[str], write: bool) -> None:
         for case, half, scores in read_scores(folder, rig, recipe):
             halves[half] += [(f"{folder.name} {case.patient}", case.stance, each) for each in scores]
     if write:
-        learnt = factors(halves["choose"], known.enlarged)
-        write_factors(default_rig_path().with_suffix(".known"), learnt)
-        known = Calibration.model_validate(known.model_dump() | {"stances": learnt})
+        estimates = factors(halves["choose"], known.enlarged)
+        write_factors(default_rig_path().with_suffix(".known"), estimates)
+        known = Calibration.model_validate(known.model_dump() | {"stances": estimates})
     for half, found in halves.items():
         sys.stdout.write(f"{half}\n" + "\n".join(table(found, known)) + "\n")
 

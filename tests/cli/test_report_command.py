@@ -5,7 +5,6 @@ import itertools
 import json
 import re
 from collections.abc import Iterator
-from dataclasses import replace
 from datetime import UTC, date, datetime
 from pathlib import Path
 
@@ -118,11 +117,10 @@ def test_the_pdf_has_the_numbers_the_settings_a_tape_sheet_of_each_stance_and_th
             for cell in ("left", "right", "value"):
                 if row[cell] is not None:
                     value = Value(*(row[f"{cell}{end}"] for end in ("", "_low", "_high")))
-                    nudges = itertools.product((-0.005, 0.0, 0.005), repeat=2)  # the file's numbers are rounded
-                    near = (
-                        value if value.high is None else replace(value, value=value.value + a, high=value.high + b)
-                        for a, b in nudges
-                    )
+                    near = [value]
+                    if value.low is not None and value.high is not None:  # the file's numbers are rounded
+                        low, high, nudges = value.low, value.high, itertools.product((-0.006, 0.0, 0.006), repeat=2)
+                        near = [Value(value.value + a, low + b, high - b) for a, b in nudges]
                     assert any(with_margin(each, "mm") in whole for each in near), row
     for stance in found["stances"]:
         assert stance["model"]["sha256"][:12] in whole
