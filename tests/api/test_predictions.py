@@ -18,6 +18,7 @@ from helpers.waiting import ended, until
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.execution.limits import FitLimits
+from breastrig.service import kept_models
 from breastrig.service.service import Service
 from breastrig.storage.rows.events import append
 from breastrig.storage.rows.fits import NewFit, add_fits, get_fit
@@ -149,9 +150,9 @@ def test_what_cannot_be_predicted_is_refused_with_one_sentence(real: Real, monke
     moved = real.client.post(real.predicted["links"]["moved"], json={"landmarks": {}})
     assert "This body is predicted" in problem(moved, 422)
     models = real.service.models
-    monkeypatch.setattr(models, "_own", replace(models._own, known={}))
+    monkeypatch.setattr(kept_models, "GRAVITY", "another.json")
     assert "gravity" in problem(real.predict(real.fit["id"], "prone"), 422)
-    monkeypatch.setattr(models, "_own", replace(models._own, sha256="0" * 64))
+    monkeypatch.setitem(vars(models), "_paths", {})
     assert "another version" in problem(real.predict(real.fit["id"], "prone"), 422)
 
 

@@ -68,7 +68,7 @@ def test_a_confidence_is_that_of_its_error() -> None:
             assert 0.003 < each.error < 0.013
         else:
             assert each.reason in HOLLOWS.values()
-            assert 0.008 < each.error < 0.035
+            assert 0.008 < each.error < 0.05
     for error in (0.005, 0.01, 0.04):
         assert expected_error(confidence_of(error)) == pytest.approx(error)
 
