@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from breastrig.core.assets import asset_folder
+from breastrig.fitting import propose
 from breastrig.fitting.fit import fit_iterates
 from breastrig.fitting.observed.landmarks import colour_observations, with_observations
 from breastrig.fitting.posterior import Posterior
@@ -121,3 +122,14 @@ def test_areolae_where_the_form_has_them_confirm_how_the_body_lies() -> None:
     assert form.landmarks["xiphoid"] > 0.3
     assert one.landmarks["xiphoid"] > 0.3  # a single one may be anything
     assert coloured.landmarks["xiphoid"] < 0.05
+
+
+def test_only_what_the_form_shows_is_on_the_scan_for_being_near_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beside a scan's border there is skin near, but not that of the landmark."""
+    monkeypatch.setattr(propose, "_is_near", lambda *_: True)
+    scan = read_scan(STANDING / "scan.ply", "ply", "auto", texture=False)
+    left = (scan.vertices[:, 0] > np.median(scan.vertices[:, 0]))[np.asarray(scan.faces)].all(axis=1)
+    half = replace(scan, faces=np.asarray(scan.faces)[left])
+    found = propose_on_scan(read_rig(default_rig_path()), half)
+    assert not any(each.on_scan for name, each in found.items() if name in ("nipple_R", "midclavicle_R"))
+    assert found["nipple_L"].on_scan

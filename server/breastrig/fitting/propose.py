@@ -83,8 +83,7 @@ def propose_landmarks(
     seen = np.zeros(len(places), dtype=np.bool_)
     seen[found.vertices] = True
     by_form = {name for name, each in posterior.relief.items() if each.is_place}
-    observed = np.array([name in by_form for name in rig.landmark_names])
-    laid = ~observed[found.vertices]
+    laid = [rig.landmark_names[k] not in by_form for k in found.vertices]  # what the form shows stays where it is seen
     places[found.vertices[laid]] = found.points[laid]
     known = radii(posterior, orientation.margin, expected=True)
     proposals = {}
@@ -95,7 +94,7 @@ def propose_landmarks(
             proposals[name] = Proposal(each.place, sure, True, HOLDS_90 * each.error, each.reason, areola_of(each))
             continue
         observation = posterior.relief.get(name)
-        on_scan = bool(seen[k]) or _is_near(scan, places[k])
+        on_scan = _is_near(scan, places[k]) if name in by_form else bool(seen[k])
         radius = None if known is None else known.landmarks[name]
         confidence = confidence_of(UNKNOWN if radius is None else radius / HOLDS_90)
         reason = None if observation is None else observation.reason

@@ -21,7 +21,7 @@ from breastrig.relief.shoulder import shoulder_tip
 from breastrig.rig.similarity import umeyama
 from breastrig.rig.state import BodyState
 
-TIPS = {"acromion_L": "upper_arm_L", "acromion_R": "upper_arm_R"}
+TIPS = ("acromion_L", "acromion_R")
 
 
 def observe_relief(task: FitTask, state: BodyState) -> dict[str, LandmarkObservation]:
