@@ -76,16 +76,27 @@ def _lines(drawn: Sequence[Polyline]) -> list[Line]:
     return lines + [Line(line.points, (0.07, 0.08, 0.1), 2.4, line.closed) for line in drawn]
 
 
-def fit_row(scene: Scene, rig: Rig, vertices: Array) -> Image.Image:
-    """Scan, and model coloured by distance from two sides, each with the first drawing."""
-    axes = umeyama(rig.template, vertices).rotation  # the body's left, up and front in the scan's frame
+def fit_row(
+    scene: Scene,
+    rig: Rig,
+    vertices: Array,
+    views: Sequence[tuple[str, bool]] = VIEWS,
+    frame: Array | None = None,
+) -> Image.Image:
+    """Scan, and model coloured by distance from two sides (or `views`), each with the first drawing.
+
+    `frame`: (3, 3) the body's left, up and front as columns; by default as the model has them.
+    """
+    axes = umeyama(rig.template, vertices).rotation if frame is None else frame
     named = [drawing for drawing in rig.drawings if drawing.name == DRAWING] or list(rig.drawings)
     drawn = on_scan(rig, vertices, named[0], scene.target) if named else ()
     model = Meshes([Layer(vertices, rig.faces, diverging_colours(signed_distances_mm(scene, rig, vertices), LIMIT_MM))])
     scan = Meshes([Layer(scene.target.vertices, scene.target.faces, SCAN_GREY)])
-    row = Image.new("RGB", (SIZE[0] * len(VIEWS), SIZE[1]))
-    for column, (view, of_scan) in enumerate(VIEWS):
-        framed = camera(view, vertices, frame=axes, aspect=SIZE[0] / SIZE[1], margin=0.05)
+    row = Image.new("RGB", (SIZE[0] * len(views), SIZE[1]))
+    for column, (view, of_scan) in enumerate(views):
+        framed = camera(
+            view, scene.target.vertices if of_scan else vertices, frame=axes, aspect=SIZE[0] / SIZE[1], margin=0.05
+        )
         meshes = scan if of_scan else model
         row.paste(Image.fromarray(meshes.render(framed, SIZE, _lines(drawn), PAPER)), (column * SIZE[0], 0))
     return row

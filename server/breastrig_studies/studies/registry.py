@@ -28,6 +28,7 @@ from breastrig_studies.studies.prone import prone
 from breastrig_studies.studies.transfer import transfer_study
 from breastrig_studies.studies.trust import certainty
 from breastrig_studies.studies.trust.asked import asked
+from breastrig_studies.studies.trust.captured import captured
 from breastrig_studies.studies.trust.verdicts import verdicts
 from breastrig_studies.studies.two_stances import gain
 
@@ -100,6 +101,7 @@ ANSWERS: dict[str, Answer] = {
     "measures": _of_one_case(measures_study),
     "verdicts": _of_one_case(verdicts),
     "asked": _of_one_case(asked),
+    "captured": _of_one_case(captured),
     "prone": _of_one_case(prone),
     "peer": _of_one_case(peers.peer),
     "two_stances": two_stances,

@@ -42,7 +42,7 @@ ANSWERING = (  # the code that an answer depends on, besides the module of the q
     "breastrig_studies/cohort.py",
 )
 WITH_DRAWINGS = ("two_stances", "transfer", "other_patient", "ink_transfer")
-ASKED = ("asked",)
+ASKED = ("asked", "captured")
 OF_COLOUR = ("colour_landmarks", "ink", "ink_transfer")
 
 
@@ -92,7 +92,11 @@ def source_digest(question: str) -> str:
     if question in OF_COLOUR:
         own += ("breastrig/colour",)
     if question in ASKED:
-        own += ("breastrig/workflow",)
+        own += (
+            "breastrig/workflow",
+            "breastrig_studies/studies/trust/asked.py",
+            "breastrig_studies/virtual/as_captured.py",
+        )
     for name in (*ANSWERING, *own):
         place = PACKAGE.parent / name
         files = sorted(place.rglob("*")) if place.is_dir() else [place]

@@ -26,7 +26,7 @@ def fuse(
     """((V, 3) m, (F, 3)) the surface inside the box from `low` to `high` (m), on a grid of `voxel` (m)."""
     size = np.ceil((high - low) / voxel).astype(np.int64) + 1
     total, weight = _distances(images, low, size, voxel)
-    vertices, faces = _surface_nets(total, weight >= enough)
+    vertices, faces = surface_nets(total, weight >= enough)
     return low + voxel * vertices, faces
 
 
@@ -81,7 +81,7 @@ def _slant(image: DepthImage) -> Array:
     return np.asarray(np.clip(1.0 / np.sqrt(1.0 + np.nan_to_num(slope, nan=1.0) ** 2), 0.25, 1.0))
 
 
-def _surface_nets(total: Array, known: np.ndarray) -> tuple[Array, Integers]:
+def surface_nets(total: Array, known: np.ndarray) -> tuple[Array, Integers]:
     """((V, 3) in voxels, (F, 3)) the zero surface, only in cells whose eight corners are known."""
     shape = np.array(total.shape)
     corners = [(i, j, k) for i in (0, 1) for j in (0, 1) for k in (0, 1)]

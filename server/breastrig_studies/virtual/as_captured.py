@@ -1,0 +1,243 @@
+"""Scans as they come: what patients wear, what programs do to a surface, how the scanner is held, how little is seen.
+
+Each condition changes a scan of a body whose true landmarks are known; made by formula, in the body's own axes.
+docs/decisions/0026.
+"""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from scipy.ndimage import binary_closing, binary_erosion, binary_fill_holes, gaussian_filter, map_coordinates
+
+from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.geometry.boundary import boundary_edges
+from breastrig.geometry.normals import vertex_normals
+from breastrig.geometry.rotations import exp_so3
+from breastrig.scan.clean import compact, large_pieces
+from breastrig_studies.virtual.depth_fusion import surface_nets
+from breastrig_studies.virtual.warped.captures import shown
+
+Landmarks = Mapping[str, Array]  # (3,) m
+Mesh = tuple[Array, Integers]  # (V, 3) m, +X her left, +Y her head, +Z her front, about the xiphoid; (F, 3)
+
+SOFT = 0.004  # m, over which the edge of what is worn rises
+CUP = 1.5  # of the way from nipple to fold: radius of a cup
+BRIDGED = 40  # rounds of averaging: a cup spans folds and cleavage
+BAND, STRAP = 0.02, 0.009  # m, half the widths
+CLOTH, DRESSING = 0.003, 0.0025  # m thick
+PLASTERS = (0.03, 0.045, 0.05)  # m: half the sides of a plaster, and how far it may lie from the landmark
+LOCK = (0.01, 0.03), (0.03, 0.05), (0.06, 0.12)  # m: thickness, half the width and middle of hair to each side
+BACK = 0.02  # m behind the shoulders' tips, where only a front was seen
+WALL = (0.02, 0.06)  # m from the ragged border to the plate behind it
+CELL, OUTLINE = 0.01, 3  # m, and cells: how near the outline a border is the outer one
+SOLVED, NARROW = 0.005, 1.0  # m, a voxel of Poisson's surface; voxels, to which normals are blurred
+MARGIN = 0.12  # m around her
+TILTED = 8.0  # degrees, of a scanner in the hand
+FACING, DEEPEST = 0.3, -0.15  # cosine, and m behind the xiphoid: what one camera sees
+ABOVE, BELOW, BESIDE = 0.03, 0.05, 0.03  # m around notch, folds and nipples: one picture of the breasts
+
+
+def with_bra(mesh: Mesh, marks: Landmarks, random: np.random.Generator) -> Mesh:
+    """Cups that span what they cover, a band under them and straps over the shoulders."""
+    vertices, faces = mesh
+    cups = np.zeros(len(vertices))
+    for side in "LR":
+        nipple, fold = marks.get(f"nipple_{side}"), marks.get(f"inframammary_fold_{side}")
+        if nipple is not None and fold is not None:
+            away = np.linalg.norm((vertices - nipple)[:, :2], axis=1)
+            cups = np.maximum(cups, _edge(CUP * np.linalg.norm((nipple - fold)[:2]) - away) * (vertices[:, 2] > -0.05))
+    smooth = vertices.copy()
+    for _ in range(BRIDGED):
+        smooth += 0.5 * cups[:, None] * (_neighbours_mean(smooth, faces) - smooth)
+    folds = [at for name, at in marks.items() if name.startswith("inframammary")] or [marks["xiphoid"]]
+    level, aside = np.mean([at[1] for at in folds]), np.mean([abs(marks[f"midclavicle_{s}"][0]) for s in "LR"])
+    band = _edge(BAND - np.abs(vertices[:, 1] - level + BAND)) * (np.abs(vertices[:, 0]) < 0.2)
+    straps = _edge(STRAP - np.abs(np.abs(vertices[:, 0]) - aside)) * (vertices[:, 1] > level)
+    return _thicker((smooth, faces), CLOTH * np.maximum(cups, np.maximum(band, straps)))
+
+
+def with_plaster(mesh: Mesh, marks: Landmarks, random: np.random.Generator) -> Mesh:
+    """A dressing of some centimetres, somewhere on a breast."""
+    at = marks[random.choice([name for name in marks if name.startswith(("nipple", "inframammary"))])]
+    gaps = mesh[0] - at - random.uniform(-PLASTERS[2], PLASTERS[2], 3) * (1.0, 1.0, 0.0)
+    here = (
+        _edge(PLASTERS[0] - np.abs(gaps[:, 0])) * _edge(PLASTERS[1] - np.abs(gaps[:, 1])) * (np.abs(gaps[:, 2]) < 0.1)
+    )
+    return _thicker(mesh, DRESSING * here)
+
+
+def with_long_hair(mesh: Mesh, marks: Landmarks, random: np.random.Generator) -> Mesh:
+    """Before both shoulders, down to the nipples' height."""
+    vertices, faces = mesh[0].copy(), mesh[1]
+    nipples = [at[1] for name, at in marks.items() if name.startswith("nipple")] or [0.0]
+    for side in (-1.0, 1.0):
+        thick, half, middle = (random.uniform(*each) for each in LOCK)
+        end = np.mean(nipples) + random.uniform(-0.03, 0.03)
+        aside = (side * vertices[:, 0] - middle) / half
+        lock = (
+            np.exp(-(aside**4)) * _edge(vertices[:, 1] - end) * (vertices[:, 2] > marks["suprasternal_notch"][2] - 0.1)
+        )
+        vertices[:, 2] += thick * lock * (1.0 + 0.3 * np.sin(6.0 * aside))
+    return vertices, faces
+
+
+def flat_back(mesh: Mesh, marks: Landmarks, random: np.random.Generator) -> Mesh:
+    """Only the front, its ragged border moved on a plate that closes it."""
+    return _closed(_front(mesh, marks), 0.0)
+
+
+def walled_back(mesh: Mesh, marks: Landmarks, random: np.random.Generator) -> Mesh:
+    """Only the front, its border drawn out to a plate behind it."""
+    return _closed(_front(mesh, marks), random.uniform(*WALL))
+
+
+def poisson_lids(mesh: Mesh, marks: Landmarks, random: np.random.Generator) -> Mesh:
+    """A closed surface by Poisson's equation (Kazhdan, Bolitho and Hoppe 2006) on a regular grid."""
+    vertices, faces = mesh
+    crosses = vertex_normals(vertices, faces)
+    low = vertices.min(axis=0) - MARGIN
+    size = np.ceil((vertices.max(axis=0) + MARGIN - low) / SOLVED).astype(np.int64)
+    places = (vertices - low) / SOLVED
+    field = np.zeros((3, *size))
+    np.add.at(field, (slice(None), *np.rint(places).astype(np.int64).T), crosses.T)
+    field = np.stack([gaussian_filter(each, NARROW) for each in field])
+    waves = np.meshgrid(*(np.fft.fftfreq(n) for n in size[:2]), np.fft.rfftfreq(size[2]), indexing="ij")
+    square = np.maximum(sum(wave**2 for wave in waves), 1e-12)
+    along = sum(1j * wave * np.fft.rfftn(part) for wave, part in zip(waves, field, strict=True))
+    solved = np.fft.irfftn(-along / square, tuple(size), (0, 1, 2))
+    solved -= map_coordinates(solved, places.T, order=1).mean()
+    vertices, faces = surface_nets(solved, np.ones(solved.shape, dtype=np.bool_))
+    return compact(vertices * SOLVED + low, faces[large_pieces(vertices, faces)[0]])
+
+
+def front_only(mesh: Mesh, marks: Landmarks, random: np.random.Generator) -> Mesh:
+    """What one camera before her sees."""
+    vertices, faces = mesh
+    seen: Booleans = (vertex_normals(vertices, faces)[:, 2] > FACING) & (vertices[:, 2] > DEEPEST)
+    return _kept(mesh, seen)
+
+
+def breasts_only(mesh: Mesh, marks: Landmarks, random: np.random.Generator) -> Mesh:
+    """The front between collar bones and folds, as one picture shows it."""
+    folds = [at[1] for name, at in marks.items() if name.startswith("inframammary")] or [0.0]
+    low, high = min(folds) - BELOW, marks["suprasternal_notch"][1] + ABOVE
+    wide = max(abs(at[0]) for name, at in marks.items() if name.startswith(("nipple", "midclavicle"))) + BESIDE
+    vertices, faces = front_only(mesh, marks, random)
+    inside: Booleans = (np.abs(vertices[:, 1] - 0.5 * (low + high)) < 0.5 * (high - low)) & (
+        np.abs(vertices[:, 0]) < wide
+    )
+    return _kept((vertices, faces), inside)
+
+
+def _part(capture: str) -> "Condition":
+    def part(mesh: Mesh, marks: Landmarks, random: np.random.Generator) -> Mesh:
+        return _kept(mesh, shown(mesh[0], dict(marks), capture))
+
+    return part
+
+
+def _as_it_is(mesh: Mesh, marks: Landmarks, random: np.random.Generator) -> Mesh:
+    return mesh
+
+
+Condition = Callable[[Mesh, Landmarks, np.random.Generator], Mesh]
+PARTS = ("left_half", "one_side", "above_nipples", "below_nipples")
+CONDITIONS: dict[str, Condition] = {
+    "as_it_is": _as_it_is,
+    "bra": with_bra,
+    "plaster": with_plaster,
+    "long_hair": with_long_hair,
+    "flat_back": flat_back,
+    "walled_back": walled_back,
+    "poisson": poisson_lids,
+    "portrait": _as_it_is,
+    "landscape": _as_it_is,
+    "front_only": front_only,
+    "breasts_only": breasts_only,
+    **{name: _part(name) for name in PARTS},
+}
+HELD = {"portrait": 0.0, "landscape": 90.0}  # degrees about the view; the scanner's axes, +Y up in its picture
+
+
+def as_captured(
+    condition: str, vertices: Array, faces: Integers, marks: Landmarks, random: np.random.Generator
+) -> tuple[Array, Integers, dict[str, Array]]:
+    """The scan with (V, 3) m vertices under this condition, and where the true landmarks then are.
+
+    In the scan's own frame, but where it matters how the scanner was held.
+    """
+    axes, origin = body_frame(marks)
+    local = {name: (at - origin) @ axes for name, at in marks.items()}
+    changed, triangles = CONDITIONS[condition](((vertices - origin) @ axes, faces), local, random)
+    if condition in HELD:
+        roll = np.radians(HELD[condition] * random.choice([-1.0, 1.0]))
+        axes = exp_so3(np.array([0.0, 0.0, roll])) @ exp_so3(np.radians(random.normal(0.0, TILTED, 3)))
+    turned = {name: at @ axes.T + origin for name, at in local.items()}
+    return changed @ axes.T + origin, triangles, turned
+
+
+def body_frame(marks: Landmarks) -> tuple[Array, Array]:
+    """((3, 3) her left, up and front as columns, (3,) m xiphoid)."""
+    up = marks["suprasternal_notch"] - marks["xiphoid"]
+    up = marks["suprasternal_notch"] - marks["umbilicus"] if "umbilicus" in marks else up
+    up = up / np.linalg.norm(up)
+    left = marks["midclavicle_L"] - marks["midclavicle_R"]
+    left = left - (left @ up) * up
+    left /= np.linalg.norm(left)
+    return np.column_stack([left, up, np.cross(left, up)]), marks["xiphoid"]
+
+
+def _edge(inside: Array) -> Array:
+    """0 outside, 1 where it is SOFT (m) or farther inside."""
+    return np.asarray(np.clip(inside / SOFT, 0.0, 1.0))
+
+
+def _thicker(mesh: Mesh, by: Array) -> Mesh:
+    return mesh[0] + by[:, None] * vertex_normals(*mesh), mesh[1]
+
+
+def _neighbours_mean(vertices: Array, faces: Integers) -> Array:
+    total, count = np.zeros_like(vertices), np.zeros(len(vertices))
+    for k in range(3):
+        for other in (1, 2):
+            np.add.at(total, faces[:, k], vertices[faces[:, (k + other) % 3]])
+            np.add.at(count, faces[:, k], 1.0)
+    return np.where(count[:, None] > 0.0, total / np.maximum(count, 1.0)[:, None], vertices)
+
+
+def _kept(mesh: Mesh, chosen: Booleans) -> Mesh:
+    """Of the (V,) vertices."""
+    vertices, faces = compact(mesh[0], mesh[1][chosen[mesh[1]].all(axis=1)])
+    return compact(vertices, faces[large_pieces(vertices, faces)[0]])
+
+
+def _front(mesh: Mesh, marks: Landmarks) -> Mesh:
+    depth = min(marks[f"acromion_{side}"][2] for side in "LR") - BACK
+    return _kept(mesh, mesh[0][:, 2] > depth)
+
+
+def _closed(mesh: Mesh, wall: float) -> Mesh:
+    """With its outer border drawn out by `wall` (m; 0: moved) to a plate behind all of it."""
+    vertices, faces = mesh[0].copy(), mesh[1]
+    edges = boundary_edges(faces)
+    edges = edges[_at_outline(vertices)[edges].all(axis=1)]
+    rim, ends = np.unique(edges, return_inverse=True)
+    on_plate = vertices[rim]
+    on_plate[:, 2] = on_plate[:, 2].min() - wall
+    if not wall:
+        vertices[rim] = on_plate
+    first, second = len(vertices) + ends.reshape(-1, 2).T
+    middle = np.full(len(edges), len(vertices) + len(rim))
+    walls = np.stack([edges[:, 0], first, edges[:, 1], first, second, edges[:, 1]], axis=1).reshape(-1, 3)
+    plate = np.stack([second, first, middle], axis=1)
+    vertices = np.concatenate([vertices, on_plate, on_plate.mean(axis=0, keepdims=True)])
+    return vertices, np.concatenate([faces, walls, plate])
+
+
+def _at_outline(vertices: Array) -> Booleans:
+    """(V,) near the outline that one sees from the front."""
+    cells = np.floor((vertices[:, :2] - vertices[:, :2].min(axis=0)) / CELL).astype(np.int64) + 1
+    seen = np.zeros(cells.max(axis=0) + 2, dtype=np.bool_)
+    seen[tuple(cells.T)] = True
+    inside = binary_erosion(binary_fill_holes(binary_closing(seen)), iterations=OUTLINE)
+    return np.asarray(~inside[tuple(cells.T)])
