@@ -8,6 +8,8 @@ from helpers.toy_rig import toy_rig
 from breastrig import __version__
 from breastrig.api.config import Config
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.gltf.read_rig import read_rig
+from breastrig.gltf.write_rig import rig_glb
 
 FOR_EVER = "public, max-age=31536000, immutable"
 
@@ -69,7 +71,7 @@ def test_meta_names_the_patterns_of_the_packaged_torso(client_for, config: Confi
 
 def test_the_model_is_the_file_on_disk(client: FlaskClient, config: Config) -> None:
     answer = client.get("/api/models/torso.glb")
-    assert answer.data == config.model.read_bytes()
+    assert answer.data == rig_glb(read_rig(config.model)) == config.model.read_bytes()
     assert (answer.mimetype, answer.headers["Cache-Control"]) == ("model/gltf-binary", "no-cache")
     assert client.get("/api/models/torso.glb", headers={"If-None-Match": answer.headers["ETag"]}).status_code == 304
     part = client.get("/api/models/torso.glb", headers={"Range": "bytes=0-3"})

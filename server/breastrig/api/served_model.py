@@ -18,16 +18,23 @@ class ServedModel:
     """One rig with the bytes that belong to it."""
 
     rig: Rig
-    glb: bytes
+    on_disk: bytes
     file: Path
     side: dict[str, Any]  # the side file as it is on disk
 
     def is_still_there(self) -> bool:
         """Whether workers, who read the file for each fit, find the same one."""
         try:
-            return self.file.read_bytes() == self.glb
+            return self.file.read_bytes() == self.on_disk
         except OSError:
             return False
+
+    @cached_property
+    def glb(self) -> bytes:
+        """Written anew: nodes as a fit poses them, whatever the file calls its bones' sizes."""
+        from breastrig.gltf.write_rig import rig_glb
+
+        return rig_glb(self.rig)
 
     @cached_property
     def side_json(self) -> bytes:

@@ -1,7 +1,7 @@
 // The rigged model that the fit was made with: loaded once, then posed by whatever the service says, live or replayed.
 // Over the scan it is translucent clay, see viewer/overlaid.ts.  A first pass fills the depth only, so that it never shows
 // its own inside.
-import { DoubleSide, FrontSide, type Material, MeshStandardMaterial, type Object3D, SkinnedMesh, Vector3 } from "three";
+import { DoubleSide, FrontSide, type Material, Mesh, MeshStandardMaterial, type Object3D, SkinnedMesh, Vector3 } from "three";
 import type { Model, ModelSide, NodePose } from "../api/types";
 import type { ScanSlice } from "../scan/state";
 import { disposeTree, readGltf } from "../viewer/gltf";
@@ -10,12 +10,14 @@ import { bringNearer, depthMaterial, GLASS, MODEL_SHARE, ORDER } from "../viewer
 import { isBeside, type ViewSlice } from "../viewer/state";
 import type { VertexAt } from "../viewer/lines/surfacePoints";
 import type { Part, Viewer } from "../viewer/Viewer";
+import { DualQuaternionSkin } from "./dualQuaternions";
 import { modelOf, type Shown, shownPoses, showsFittedSurface } from "./state";
 
 type State = Shown & Pick<ViewSlice & ScanSlice, "overlay" | "scan">;
 
 export class TorsoModel implements Part<State> {
   mesh: SkinnedMesh | null = null;
+  private skin: DualQuaternionSkin | null = null; // that is shown in its place where the rig asks for it
   private root: Object3D | null = null;
   private readonly nodes = new Map<string, Object3D>();
   private wanted: Model | null = null;
@@ -72,13 +74,15 @@ export class TorsoModel implements Part<State> {
     }
     this.applied = poses;
     this.root!.updateMatrixWorld(true);
+    this.skin?.pose();
   }
 
   /** Posed vertices in the scan's frame, metres; null until a pose is known. */
   get vertexAt(): VertexAt | null {
     const mesh = this.mesh;
     if (!mesh || !this.applied) return null;
-    return (vertex, target) => mesh.getVertexPosition(vertex, target).applyMatrix4(mesh.matrix);
+    const places = this.skin?.geometry.attributes.position;
+    return (vertex, target) => (places ? target.fromBufferAttribute(places, vertex) : mesh.getVertexPosition(vertex, target)).applyMatrix4(mesh.matrix);
   }
 
   private async load(model: Model): Promise<void> {
@@ -91,7 +95,7 @@ export class TorsoModel implements Part<State> {
         this.nodes.set(node.name, node);
         if (node instanceof SkinnedMesh) mesh = node;
       });
-      this.adopt(scene, mesh);
+      this.adopt(scene, mesh, model.side);
       this.model = model;
       this.applied = null;
       this.onReady(null);
@@ -100,28 +104,32 @@ export class TorsoModel implements Part<State> {
     }
   }
 
-  private adopt(scene: Object3D, mesh: SkinnedMesh | null): void {
+  private adopt(scene: Object3D, mesh: SkinnedMesh | null, side: ModelSide): void {
     if (!mesh) throw new Error("no skinned mesh");
     if (this.root) disposeTree(this.root);
-    const { geometry, skeleton, bindMatrix, morphTargetInfluences } = mesh;
+    const { skeleton, bindMatrix, morphTargetInfluences } = mesh;
+    this.skin = side.skinning === "dual_quaternion" ? new DualQuaternionSkin(mesh) : null;
+    const geometry = this.skin?.geometry ?? mesh.geometry;
     this.lids = withLids(geometry);
-    const pass = (material: Material): SkinnedMesh => {
+    const pass = (material: Material | Material[]): Mesh => {
+      if (this.skin) return new Mesh(geometry, material);
       const made = new SkinnedMesh(geometry, material);
       made.bind(skeleton, bindMatrix);
       made.morphTargetInfluences = morphTargetInfluences!;
       return made;
     };
-    const [depth, restoring] = [pass(this.depthOnly), pass(this.trueDepth)];
-    mesh.material = [this.clay, this.lid];
+    const passes = [pass([this.clay, this.lid]), pass(this.depthOnly), pass(this.trueDepth)] as const;
+    const [shown, depth, restoring] = passes;
+    mesh.visible = false;
     depth.renderOrder = ORDER.modelDepth;
-    mesh.renderOrder = ORDER.model;
+    shown.renderOrder = ORDER.model;
     restoring.renderOrder = ORDER.restoreModel;
     this.restoring = restoring;
-    for (const each of [mesh, depth, restoring]) {
+    for (const each of passes) {
       each.frustumCulled = false; // its box would have to be posed on the CPU for each picture
       each.raycast = () => undefined;
     }
-    mesh.parent!.add(depth, restoring);
+    mesh.parent!.add(...passes);
     scene.visible = false;
     this.mesh = mesh;
     this.root = scene;
