@@ -1,12 +1,11 @@
 """A viewer of our files draws what rig/skinning.py computes, to a micrometre."""
 
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from helpers.gltf_evaluator import GltfScene
-from helpers.random_pose import random_parameters
+from helpers.random_pose import random_parameters, skinned_by
 from helpers.toy_rig import toy_rig
 
 from breastrig.geometry.rotations import exp_so3
@@ -15,20 +14,21 @@ from breastrig.gltf.pose_nodes import node_poses
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.replay import KEY_SPACING, fitted_glb
 from breastrig.gltf.write_rig import rig_glb
-from breastrig.rig.model import Rig
+from breastrig.rig.model import Rig, Skinning
 from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig.rig.skinning import pose
 
 MICROMETRE = 1e-6
 
 
-@pytest.fixture(scope="module", params=["toy", "torso", "dual quaternions"])
+@pytest.fixture(scope="module", params=["toy", "torso", "dual quaternions", "correctives"])
 def rig(request: pytest.FixtureRequest) -> Rig:
-    """The last one has layers, for viewers skin linearly."""
+    """Viewers skin linearly: for dual quaternions there are layers, correctives are shapes of their own."""
     if request.param == "toy":
         return toy_rig()
     torso = read_rig(default_rig_path())
-    return torso if request.param == "torso" else replace(torso, skinning="dual_quaternion")
+    ways: dict[str, Skinning] = {"dual quaternions": "dual_quaternion", "correctives": "corrective"}
+    return skinned_by(torso, ways.get(request.param, "linear"))
 
 
 def somewhere(rig: Rig, seed: int) -> RigParameters:

@@ -1,8 +1,10 @@
-"""Random but plausible parameters of any rig, from a seeded generator."""
+"""Random but plausible parameters of any rig, from a seeded generator; and any rig by another skinning."""
+
+from dataclasses import replace
 
 import numpy as np
 
-from breastrig.rig.model import Rig
+from breastrig.rig.model import Corrective, Rig, Skinning
 from breastrig.rig.parameters import RigParameters, rest_parameters
 
 
@@ -24,3 +26,13 @@ def random_parameters(
     blocks[:, 6:9] = scale * rng.uniform(-1, 1, size=(bones, 3))
     step[9 * bones :] = shape * rng.normal(size=len(rig.shapes)) * [s.sigma for s in rig.shapes]
     return rest.retract(step)
+
+
+def skinned_by(rig: Rig, skinning: Skinning) -> Rig:
+    """Where it is "corrective", with two shapes: by a turn about two axes, and by the square of one about the third."""
+    if skinning != "corrective":
+        return replace(rig, skinning=skinning)
+    bulges = 0.02 * np.sin(20.0 * rig.template[:, :, None] + np.arange(2)).transpose(2, 0, 1)
+    last = len(rig.joints) - 1
+    made = (Corrective("bent", last, (1, 1, 0), bulges[0]), Corrective("raised", last - 1, (0, 0, 2), bulges[1]))
+    return replace(rig, skinning=skinning, correctives=made)

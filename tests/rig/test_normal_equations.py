@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.random_pose import random_parameters
+from helpers.random_pose import random_parameters, skinned_by
 
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.normal_equations import normal_equations, vertex_variances
-from breastrig.rig.skinning import Posed
+from breastrig.rig.skinning import in_pose
 from breastrig.rig.vertex_groups import vertex_groups
 
 
@@ -20,7 +20,7 @@ def torso() -> Rig:
 
 def assert_equal_to_dense(rig: Rig, chosen: np.ndarray, rng: np.random.Generator) -> None:
     """Each entry to 1e-10 of what its row and column could have at most."""
-    posed = Posed(rig, random_parameters(rig, rng))
+    posed = in_pose(rig, random_parameters(rig, rng))
     directions, residual = rng.normal(size=(len(chosen), 3)), rng.normal(size=len(chosen))
     jacobian = posed.rows(chosen, directions)
     found = normal_equations(posed, chosen, directions, residual)
@@ -34,7 +34,7 @@ def assert_equal_to_dense(rig: Rig, chosen: np.ndarray, rng: np.random.Generator
 
 
 def assert_variances_equal_to_dense(rig: Rig, rng: np.random.Generator) -> None:
-    posed = Posed(rig, random_parameters(rig, rng))
+    posed = in_pose(rig, random_parameters(rig, rng))
     root = rng.normal(size=(posed.x.dof, posed.x.dof))
     everyone = np.arange(len(rig.template))
     expected = np.zeros(len(everyone))
@@ -46,7 +46,7 @@ def assert_variances_equal_to_dense(rig: Rig, rng: np.random.Generator) -> None:
 @pytest.mark.parametrize("seed", range(3))
 def test_of_any_vertices_in_any_order_and_several_times_each(seed: int, torso: Rig, toy_rig: Rig) -> None:
     rng = np.random.default_rng(seed)
-    for rig in (torso, toy_rig):
+    for rig in (torso, toy_rig, skinned_by(torso, "corrective")):
         assert_equal_to_dense(rig, rng.integers(0, len(rig.template), 1000), rng)
 
 

@@ -1,11 +1,12 @@
-"""Both ways of skinning: their derivative, what they share, and what dual quaternions keep."""
+"""All ways of skinning: their derivative, what they share, and what dual quaternions keep."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.random_pose import random_parameters
+from helpers.random_pose import random_parameters, skinned_by
 
 from breastrig.core.errors import BadModel
 from breastrig.geometry.rotations import exp_so3
@@ -15,7 +16,7 @@ from breastrig.rig.model import Rig, Skinning
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.skinning import Posed, in_pose, pose
 
-WAYS: tuple[Skinning, ...] = ("linear", "dual_quaternion")
+WAYS: tuple[Skinning, ...] = ("linear", "dual_quaternion", "corrective")
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +27,7 @@ def torso() -> Rig:
 @pytest.mark.parametrize("skinning", WAYS)
 def test_rows_are_the_finite_differences_in_every_unknown(skinning: Skinning, torso: Rig, toy_rig: Rig) -> None:
     rng = np.random.default_rng(3)
-    for rig in (replace(torso, skinning=skinning), replace(toy_rig, skinning=skinning)):
+    for rig in (skinned_by(torso, skinning), skinned_by(toy_rig, skinning)):
         x = random_parameters(rig, rng, turn=1.0)
         chosen = rng.integers(0, len(rig.template), 60)
         directions = rng.normal(size=(len(chosen), 3))
@@ -40,17 +41,28 @@ def test_a_rig_keeps_its_skinning_in_its_side_file_and_another_word_is_one_sente
     toy_rig: Rig, tmp_path: Path
 ) -> None:
     for skinning in WAYS:
-        write_rig(replace(toy_rig, skinning=skinning), tmp_path)
-        assert read_rig(tmp_path / "toy.glb").skinning == skinning
+        rig = skinned_by(toy_rig, skinning)
+        write_rig(rig, tmp_path)
+        read = read_rig(tmp_path / "toy.glb")
+        assert (read.skinning, read.shape_names) == (skinning, rig.shape_names)
+        x = random_parameters(rig, np.random.default_rng(2), turn=1.0)
+        np.testing.assert_allclose(pose(read, x), pose(rig, x), atol=1e-6)
     file = tmp_path / "toy.json"
-    file.write_text(file.read_text("utf-8").replace("dual_quaternion", "spherical"), "utf-8")
-    with pytest.raises(BadModel, match=r"^toy.json .*skinning.*'linear' or 'dual_quaternion'.*\.$"):
-        read_rig(tmp_path / "toy.glb")
+    for word, expected in (
+        ("spherical", r"^toy.json .*skinning.*'linear', 'dual_quaternion' or 'corrective'.*\.$"),
+        (
+            "linear",
+            '^The side file says "skinning": "corrective" if and only if it lists correctives.$',
+        ),
+    ):
+        file.write_text(re.sub('"skinning": "[a-z]*"', f'"skinning": "{word}"', file.read_text("utf-8")), "utf-8")
+        with pytest.raises(BadModel, match=expected):
+            read_rig(tmp_path / "toy.glb")
 
 
 @pytest.mark.parametrize("skinning", WAYS)
 def test_the_linear_map_takes_moves_at_rest_to_moves_of_the_skin(skinning: Skinning, torso: Rig) -> None:
-    rig = replace(torso, skinning=skinning)
+    rig = skinned_by(torso, skinning)
     x = random_parameters(rig, np.random.default_rng(4), turn=1.0)
     move = 1e-3 * np.random.default_rng(5).normal(size=rig.template.shape)
     moved = pose(replace(rig, template=rig.template + move), x) - pose(rig, x)

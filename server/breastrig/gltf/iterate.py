@@ -19,17 +19,17 @@ from breastrig.gltf.replay import add_skin_layers
 from breastrig.gltf.skinned import SkinnedNodes, add_skinned_rig, mesh_of, own_targets, set_pose
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
-from breastrig.rig.skinning import pose
+from breastrig.rig.skinning import as_linear, pose
 
 
 def model_buffer(rig: Rig) -> bytes:
     """The immutable buffer of the rig, the same bytes as the binary chunk of its .glb."""
-    return _built(rig, None)[2].content()
+    return _built(rig.with_correctives_as_shapes, None)[2].content()
 
 
 def drawing_buffer(rig: Rig, drawing: ModelDrawing) -> bytes:
     """The immutable buffer of one of its drawings; empty when the drawing has no line."""
-    lines = _built(rig, drawing)[3]
+    lines = _built(rig.with_correctives_as_shapes, drawing)[3]
     return b"" if lines is None else lines.content()
 
 
@@ -41,6 +41,7 @@ def iterate_gltf(
     The buffers are `model_uri` and `drawing_uri`, which must answer with `model_buffer` and `drawing_buffer`;
     a drawing without an address is left out.
     """
+    rig, x = as_linear(rig, x)
     base, skinned, _, lines = _built(rig, drawing if drawing_uri else None)
     document = copy.copy(base)
     document.nodes = copy.deepcopy(base.nodes)

@@ -15,6 +15,7 @@ from breastrig.core.arrays import Array
 from breastrig.geometry.rotations import quaternion_from_rotation, rotation_from_quaternion
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
+from breastrig.rig.skinning import as_linear
 
 DECIMALS = 7  # 0.1 µm and 0.1 µrad: under the float32 accuracy of the vertices
 
@@ -25,7 +26,11 @@ def scale_node(bone: str) -> str:
 
 
 def node_poses(rig: Rig, x: RigParameters) -> list[dict[str, Any]]:
-    """One dictionary per node: name and those of translation (m), rotation (x y z w), scale, weights it has."""
+    """One dictionary per node: name and those of translation (m), rotation (x y z w), scale, weights it has.
+
+    Weights are those of the shapes, then of correctives.
+    """
+    rig, x = as_linear(rig, x)
     rotations, translations = x.rotations, x.translations
     children = [index for index, bone in enumerate(rig.bones) if bone.parent is not None]
     if children:
@@ -63,7 +68,7 @@ def posed_by_nodes(rig: Rig, poses: Iterable[Mapping[str, Any]]) -> RigParameter
         rotations=np.array(rotations),
         translations=np.array(translations),
         scales=np.array([nodes[scale_node(bone.name)]["scale"] for bone in rig.bones]),
-        weights=np.array(nodes[rig.name]["weights"]),
+        weights=np.array(nodes[rig.name]["weights"][: len(rig.shapes)]),
     )
 
 

@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 import numpy as np
 from pydantic import ValidationError
 
-from breastrig.core.arrays import Array, Integers
+from breastrig.core.arrays import Array, Integers, frozen
 from breastrig.core.assets import packaged_models
 from breastrig.core.errors import BadModel
 from breastrig.core.glb import split_glb
@@ -27,7 +27,7 @@ from breastrig.core.stances import split_side
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.gltf.known_files import known_paths, read_known
 from breastrig.gltf.side_file import DrawingFile, FilePart, LandmarkEntry, RigFile, SurfacePointEntry
-from breastrig.rig.model import Bone, DrawnShape, Joint, Landmark, Length, ModelDrawing, Rig, Shape
+from breastrig.rig.model import Bone, Corrective, DrawnShape, Joint, Landmark, Length, ModelDrawing, Rig, Shape
 
 TRIANGLES = 4
 MODEL_BYTES = 500_000_000  # the torso has 2.5 million
@@ -181,7 +181,13 @@ def _assembled(side: RigFile, mesh: _SkinnedMesh, drawings: tuple[ModelDrawing, 
     vertices, faces = len(mesh.template), len(mesh.faces)
     names = _unique("bone", [bone.name for bone in side.bones])
     _same_names("bone", names, mesh.bone_names, mesh.skin_weights)
-    _same_names("shape", _unique("shape", [shape.name for shape in side.shapes]), mesh.shape_names)
+    driven = [each.name for each in side.correctives]
+    _same_names("shape", _unique("shape", [*(shape.name for shape in side.shapes), *driven]), mesh.shape_names)
+    if bool(driven) != (side.skinning == "corrective"):
+        raise BadModel('The side file says "skinning": "corrective" if and only if it lists correctives.')
+    moves = dict(zip(mesh.shape_names, mesh.shapes, strict=True))
+    shape_names = [name for name in mesh.shape_names if name not in driven]
+    moved_by = [joint.child for joint in side.joints]
     _unique("landmark", [landmark.name for landmark in side.landmarks])
     _unique("drawing", [drawing.name for drawing in drawings])
     columns = [mesh.bone_names.index(name) for name in names]
@@ -200,7 +206,7 @@ def _assembled(side: RigFile, mesh: _SkinnedMesh, drawings: tuple[ModelDrawing, 
         template=mesh.template,
         faces=mesh.faces,
         uv=mesh.uv,
-        blendshapes=np.array(mesh.shapes).reshape(-1, vertices, 3),
+        blendshapes=np.array([moves[name] for name in shape_names]).reshape(-1, vertices, 3),
         skin_weights=mesh.skin_weights[:, columns],
         bones=tuple(_bone(side, index, names, mesh.inverse_bind[columns[index]]) for index in range(len(names))),
         joints=tuple(
@@ -212,7 +218,7 @@ def _assembled(side: RigFile, mesh: _SkinnedMesh, drawings: tuple[ModelDrawing, 
             )
             for joint in side.joints
         ),
-        shapes=tuple(_shape(shapes, name, mesh.shape_names) for name in mesh.shape_names),
+        shapes=tuple(_shape(shapes, name, shape_names) for name in shape_names),
         landmarks=tuple(
             Landmark(**mark.model_dump(exclude={"barycentric"}), barycentric=np.array(mark.barycentric))
             for mark in side.landmarks
@@ -223,6 +229,10 @@ def _assembled(side: RigFile, mesh: _SkinnedMesh, drawings: tuple[ModelDrawing, 
         sha256=sha256,
         lengths=tuple(Length(**length.model_dump()) for length in side.lengths),
         skinning=side.skinning,
+        correctives=tuple(
+            Corrective(each.name, _known("joint", each.joint, moved_by), each.powers, frozen(moves[each.name]))
+            for each in side.correctives
+        ),
     )
 
 

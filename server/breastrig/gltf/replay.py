@@ -25,7 +25,7 @@ from breastrig.gltf.pose_nodes import node_poses
 from breastrig.gltf.skinned import SkinnedNodes, as_float32, mesh_of, set_pose, skinned_document
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
-from breastrig.rig.skinning import Posed, pose
+from breastrig.rig.skinning import Posed, as_linear, pose
 
 SKIN_LAYER = "skin_layer"
 
@@ -94,6 +94,8 @@ def fitted_glb(
     the skin where a free-form layer has moved it off the last of the iterates.  Viewers skin linearly: a rig by dual
     quaternions gets a layer for each iterate.
     """
+    iterates = [as_linear(rig, x)[1] for x in iterates]
+    rig = rig.with_correctives_as_shapes
     document, buffer, skinned = skinned_document(rig, extras)
     place = far_place(iterates[-1].translations)
     if place.any():

@@ -15,6 +15,7 @@ DRAWING_SCHEMA = "breastrig/drawing@1"
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]
 Triple = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
+Power = Annotated[int, Field(ge=0, le=6)]
 PositiveTriple = Annotated[list[PositiveFloat], Field(min_length=3, max_length=3)]
 
 
@@ -54,6 +55,12 @@ class ShapeEntry(FilePart):
     mirror: Name
 
 
+class CorrectiveEntry(FilePart):
+    name: Name
+    joint: Name  # its child bone
+    powers: tuple[Power, Power, Power]
+
+
 class SurfacePointEntry(FilePart):
     face: NonNegativeInt
     barycentric: Triple
@@ -91,6 +98,7 @@ class RigFile(FilePart):
     up: Literal["+Y"] = "+Y"
     front: Literal["+Z"] = "+Z"
     skinning: Skinning = "linear"
+    correctives: list[CorrectiveEntry] = []
     bones: list[BoneEntry] = Field(min_length=1)
     joints: list[JointEntry]
     shapes: list[ShapeEntry]

@@ -12,6 +12,7 @@ from breastrig.gltf.side_file import (
     DRAWING_SCHEMA,
     RIG_SCHEMA,
     BoneEntry,
+    CorrectiveEntry,
     FilePart,
     JointEntry,
     LandmarkEntry,
@@ -38,6 +39,7 @@ def rig_glb(rig: Rig) -> bytes:
     """The rig at rest as one .glb."""
     document = new_document()
     buffer = BufferWriter(document)
+    rig = rig.with_correctives_as_shapes
     skinned = add_skinned_rig(document, buffer, rig)
     set_pose(document, skinned, rig, rest_parameters(rig))
     return to_glb(document, buffer)
@@ -45,6 +47,7 @@ def rig_glb(rig: Rig) -> bytes:
 
 def _side_file(rig: Rig, license: str, provenance: Mapping[str, Any]) -> dict[str, Any]:
     names = rig.bone_names
+    correctives = [_entry(CorrectiveEntry, each, joint=names[rig.joints[each.joint].child]) for each in rig.correctives]
     return {
         "schema": RIG_SCHEMA,
         "name": rig.name,
@@ -65,6 +68,7 @@ def _side_file(rig: Rig, license: str, provenance: Mapping[str, Any]) -> dict[st
             for length in rig.lengths
         ],
         **({} if rig.skinning == "linear" else {"skinning": rig.skinning}),
+        **({"correctives": correctives} if correctives else {}),
         "drawings": list(rig.drawing_names),
         "regions": {name: vertices.tolist() for name, vertices in sorted(rig.regions.items())},
         "symmetry": {"vertices": rig.mirror_vertices.tolist()},

@@ -13,7 +13,7 @@ R_j = Q_j, T_j = o_j, s_j = 1, which is the identity.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
@@ -23,7 +23,7 @@ from breastrig.core.arrays import Array, Integers, frozen
 from breastrig.geometry.normals import VertexNormals
 from breastrig.geometry.surface_points import ChordalDeviation, SurfacePoints
 
-Skinning = Literal["linear", "dual_quaternion"]  # how bones' motions are blended (skinning.py)
+Skinning = Literal["linear", "dual_quaternion", "corrective"]  # how bones' motions are blended (skinning.py)
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +62,16 @@ class Shape:
     sigma: float  # expected size of the weight over patients
     mirror: str  # name of the shape on the other side, its own name when symmetric
     label: str  # for people
+
+
+@dataclass(frozen=True, eq=False)
+class Corrective:
+    """A shape that the turn of a joint drives: its weight is the product of φ_i to the power of p_i, i = x, y, z."""
+
+    name: str
+    joint: int  # index in the rig's joints; φ (rad) is its rotation vector from rest, in the body's axes at rest
+    powers: tuple[int, int, int]
+    moves: Array  # (V, 3) m for weight 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,6 +139,7 @@ class Rig:
     sha256: str  # of the .glb and its side file
     lengths: tuple[Length, ...] = ()
     skinning: Skinning = "linear"
+    correctives: tuple[Corrective, ...] = ()  # of "corrective" skinning
     known: Mapping[str, str] = field(default_factory=dict)  # what has been estimated for it, see known.py
 
     def __post_init__(self) -> None:
@@ -136,6 +147,15 @@ class Rig:
             object.__setattr__(self, name, frozen(getattr(self, name)))
         for name in ("faces", "mirror_vertices"):
             object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
+
+    @cached_property
+    def with_correctives_as_shapes(self) -> "Rig":
+        """The same surfaces by linear skinning alone, as viewers have it, once the weights are given (skinning.py)."""
+        if not self.correctives:
+            return self
+        moves = np.concatenate([self.blendshapes, [each.moves for each in self.correctives]])
+        shapes = [Shape(each.name, "pose", 0.0, 0.0, 1.0, each.name, each.name) for each in self.correctives]
+        return replace(self, blendshapes=moves, shapes=(*self.shapes, *shapes), skinning="linear", correctives=())
 
     @cached_property
     def bone_names(self) -> tuple[str, ...]:

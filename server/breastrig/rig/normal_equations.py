@@ -21,7 +21,7 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.geometry.rotations import hat
 from breastrig.least_squares.problem import NormalEquations
 from breastrig.rig.parameters import BONE_DOFS
-from breastrig.rig.skinning import Posed
+from breastrig.rig.skinning import Posed, PosedWithCorrectives
 from breastrig.rig.vertex_groups import VertexGroups, vertex_groups
 
 AFFINE = 12  # entries of a bone's affine map: each row of A, then its entry of t
@@ -30,6 +30,10 @@ TURNS = hat(np.eye(3))  # (3, 3, 3): ∂exp(ω)/∂ω_m at 0
 
 def normal_equations(posed: Posed, chosen: Integers, directions: Array, residual: Array) -> NormalEquations:
     """Of M residuals (M,) with the Jacobian directionsᵀ ∂M/∂x of the chosen vertices, one direction (M, 3) each."""
+    if isinstance(posed, PosedWithCorrectives):
+        inner, step = normal_equations(posed.plain, chosen, directions, residual), posed.tangent
+        hessian = step.T @ inner.hessian @ step
+        return NormalEquations(0.5 * (hessian + hessian.T), step.T @ inner.gradient, inner.energy)
     if posed.rig.skinning != "linear":
         slopes = posed.rows(chosen, directions)
         return NormalEquations(slopes.T @ slopes, slopes.T @ residual, 0.5 * float(residual @ residual))
@@ -97,6 +101,8 @@ def affine_steps(posed: Posed) -> Array:
 
 def vertex_variances(posed: Posed, covariance: Array) -> Array:
     """(V,) m², over all three axes, for a step with this (P, P) covariance."""
+    if isinstance(posed, PosedWithCorrectives):
+        return vertex_variances(posed.plain, posed.tangent @ covariance @ posed.tangent.T)
     if posed.rig.skinning != "linear":
         everyone = np.arange(len(posed.shaped))
         by_axis = (posed.rows(everyone, np.tile(axis, (len(everyone), 1))) for axis in np.eye(3))

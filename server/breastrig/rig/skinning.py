@@ -1,4 +1,4 @@
-"""Equation 3 of the paper: blendshapes, then skinning, linear or by dual quaternions, and its derivative.
+"""Equation 3 of the paper: blendshapes, then skinning, linear, by dual quaternions or corrected; and its derivative.
 
     M_i = Σ_j w_ij ( R_j S_j Q_jᵀ (B_i(α) − o_j) + T_j ),   B(α) = v + Σ_k α_k b_k     (2)
 
@@ -14,6 +14,9 @@ So a body is stretched first, at rest, which is linear skinning with R_j = Q_j a
 layers, as there): with c = Σ_j w_ij (r_j, e_j), r_j the rotation R_j Q_jᵀ and e_j = (T_j r_j − r_j o_j) / 2,
 
     M_i = (r x r* + 2 e r*) / |r|²      ∂(d · M_i)/∂e = 2 d r / |r|²      ∂/∂r = −2 (d (r x + e) + (d · M_i) r) / |r|²
+
+Corrected (pose space deformation: Lewis, Cordner and Fong, SIGGRAPH 2000): linear skinning with further blendshapes
+whose weights c_k(φ) are polynomials of joints' turns φ (joints.py); their columns are those of shapes, times ∂c_k/∂x.
 """
 
 from dataclasses import dataclass
@@ -23,7 +26,8 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.geometry.rotations import quaternion_from_rotation, quaternion_product, rotation_from_quaternion
-from breastrig.rig.model import Rig
+from breastrig.rig.joints import Joints
+from breastrig.rig.model import Rig, Skinning
 from breastrig.rig.parameters import BONE_DOFS, RigParameters
 
 
@@ -166,9 +170,57 @@ class PosedByDualQuaternions(Posed):
         return result
 
 
+def as_linear(rig: Rig, x: RigParameters) -> tuple[Rig, RigParameters]:
+    """The same surface with correctives as shapes of their own, as glTF has it; linear rigs come back as they are."""
+    if not rig.correctives:
+        return rig, x
+    weights = np.concatenate([x.weights, _correction(rig, x)[0]])
+    return rig.with_correctives_as_shapes, RigParameters(x.rotations, x.translations, x.scales, weights)
+
+
+def _correction(rig: Rig, x: RigParameters) -> tuple[Array, Array]:
+    """((K,) weights of the correctives, (K, P) their derivative)."""
+    motion = Joints(rig, tuple(rig.joints[each.joint] for each in rig.correctives)).motion(x)
+    powers = np.array([each.powers for each in rig.correctives])
+    factors = motion.turn**powers
+    slopes = powers * motion.turn ** np.maximum(powers - 1, 0)
+    by_turn = np.stack([slopes[:, i] * np.delete(factors, i, axis=1).prod(axis=1) for i in range(3)], axis=1)
+    return factors.prod(axis=1), np.einsum("ki,kip->kp", by_turn, motion.jacobian[:, 3:])
+
+
+class PosedWithCorrectives(Posed):
+    """The same with correctives."""
+
+    @cached_property
+    def plain(self) -> Posed:
+        """With the correctives as shapes of their own."""
+        return Posed(*as_linear(self.rig, self.x))
+
+    @cached_property
+    def tangent(self) -> Array:
+        """(P + K, P): a step of `plain` by a step of this."""
+        return np.concatenate([np.eye(self.x.dof), _correction(self.rig, self.x)[1]])
+
+    @cached_property
+    def shaped(self) -> Array:
+        return self.plain.shaped
+
+    def rows(self, chosen: Integers, directions: Array) -> Array:
+        every = self.plain.rows(chosen, directions)
+        own = self.x.dof
+        return np.asarray(every[:, :own] + every[:, own:] @ self.tangent[own:])
+
+
+POSED: dict[Skinning, type[Posed]] = {
+    "linear": Posed,
+    "dual_quaternion": PosedByDualQuaternions,
+    "corrective": PosedWithCorrectives,
+}
+
+
 def in_pose(rig: Rig, x: RigParameters) -> Posed:
     """The rig as it says that it is skinned."""
-    return (Posed if rig.skinning == "linear" else PosedByDualQuaternions)(rig, x)
+    return POSED[rig.skinning](rig, x)
 
 
 def pose(rig: Rig, x: RigParameters) -> Array:

@@ -79,7 +79,7 @@ export type ModelSide = wire.ModelSide & {
   landmarks: (LandmarkDefinition & wire.SurfacePoint)[];
   bones: { name: string; scale_min: Vector; scale_max: Vector }[];
   shapes: { name: string; label: string; min: number; max: number }[];
-  skinning?: "linear" | "dual_quaternion";
+  skinning?: "linear" | "dual_quaternion" | "corrective"; // the last one is linear with further shapes
 };
 /** A rig: its file, and what is known of it. */
 export interface Model {
