@@ -2,8 +2,8 @@
 
     breastrig evaluate --warped 44 COHORT -o DIR --quick
     python model_assets/make_poses.py POSES
-    python model_assets/make_poses.py HEAVY --women 12 --heavy
-    python -m breastrig_studies.lying_motion DIR/warped POSES HEAVY
+    python model_assets/make_poses.py HEAVY --women 12 --kind heavy
+    python -m breastrig_studies.lying_motion DIR/warped POSES HEAVY [-o FILE]
 
 Of the choosing half only.  The mean is that of the first folder.  Two ways of computing how a body lies down are in it,
 that of the given patients and that of our virtual cohort: it begins with the mean of both; then what the skin map still
@@ -14,8 +14,8 @@ How women differ are the principal components of all folders' bodies about that 
 what one does the reverse of the other.  There dense skin is asked, also what no scan shows.
 """
 
+import argparse
 import json
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -208,4 +208,8 @@ def write(rig: Rig, mean: Motions, folders: Sequence[Path], file: Path) -> None:
 
 
 if __name__ == "__main__":
-    main([Path(folder) for folder in sys.argv[1:]])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folders", type=Path, nargs="+")
+    parser.add_argument("-o", "--output", type=Path, default=FILE)
+    options = parser.parse_args()
+    main(options.folders, options.output)

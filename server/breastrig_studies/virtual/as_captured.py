@@ -5,13 +5,15 @@ docs/decisions/0026.
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import binary_closing, binary_erosion, binary_fill_holes, gaussian_filter, map_coordinates
+from scipy.spatial import Delaunay
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.geometry.boundary import boundary_edges
-from breastrig.geometry.normals import vertex_normals
+from breastrig.geometry.normals import face_crosses, vertex_normals
 from breastrig.geometry.rotations import exp_so3
 from breastrig.scan.clean import compact, large_pieces
 from breastrig_studies.virtual.depth_fusion import surface_nets
@@ -27,6 +29,7 @@ BAND, STRAP = 0.02, 0.009  # m, half the widths
 CLOTH, DRESSING = 0.003, 0.0025  # m thick
 PLASTERS = (0.03, 0.045, 0.05)  # m: half the sides of a plaster, and how far it may lie from the landmark
 LOCK = (0.01, 0.03), (0.03, 0.05), (0.06, 0.12)  # m: thickness, half the width and middle of hair to each side
+CREASES, ROLL = (0.04, 0.08), (0.03, 0.06)  # m, under the navel at most, under the breasts at least; of a roll
 BACK = 0.02  # m behind the shoulders' tips, where only a front was seen
 WALL = (0.02, 0.06)  # m from the ragged border to the plate behind it
 CELL, OUTLINE = 0.01, 3  # m, and cells: how near the outline a border is the outer one
@@ -78,6 +81,21 @@ def with_long_hair(mesh: Mesh, marks: Landmarks, random: np.random.Generator) ->
             np.exp(-(aside**4)) * _edge(vertices[:, 1] - end) * (vertices[:, 2] > marks["suprasternal_notch"][2] - 0.1)
         )
         vertices[:, 2] += thick * lock * (1.0 + 0.3 * np.sin(6.0 * aside))
+    return vertices, faces
+
+
+def belly_folds(mesh: Mesh, marks: Landmarks, random: np.random.Generator) -> Mesh:
+    """Rolls of a belly that hang over creases, and flanks, farther out than the model's shapes reach."""
+    vertices, faces = mesh[0].copy(), mesh[1]
+    navel = marks["umbilicus"][1] if "umbilicus" in marks else -0.18
+    lowest = min([at[1] for name, at in marks.items() if name.startswith(("nipple", "inframammary"))] or [0.0])
+    for crease in random.uniform(navel - CREASES[0], max(navel, lowest - CREASES[1]), int(random.integers(1, 3))):
+        above = vertices[:, 1] - crease
+        out, wide = random.uniform(*ROLL), np.exp(-((vertices[:, 0] / 0.2) ** 4)) * (vertices[:, 2] > -0.08)
+        roll = np.exp(-(((above - 0.03) / 0.03) ** 2))
+        vertices[:, 2] += out * wide * (roll - 0.5 * np.exp(-((above / 0.012) ** 2)))
+        vertices[:, 1] -= 0.8 * out * wide * roll
+        vertices[:, 0] += 0.7 * out * roll * np.clip(vertices[:, 0] / 0.12, -1.0, 1.0) * (np.abs(vertices[:, 0]) < 0.22)
     return vertices, faces
 
 
@@ -147,6 +165,7 @@ CONDITIONS: dict[str, Condition] = {
     "bra": with_bra,
     "plaster": with_plaster,
     "long_hair": with_long_hair,
+    "belly_folds": belly_folds,
     "flat_back": flat_back,
     "walled_back": walled_back,
     "poisson": poisson_lids,
@@ -219,25 +238,43 @@ def _front(mesh: Mesh, marks: Landmarks) -> Mesh:
 def _closed(mesh: Mesh, wall: float) -> Mesh:
     """With its outer border drawn out by `wall` (m; 0: moved) to a plate behind all of it."""
     vertices, faces = mesh[0].copy(), mesh[1]
+    outline = _Outline.of(vertices)
     edges = boundary_edges(faces)
-    edges = edges[_at_outline(vertices)[edges].all(axis=1)]
+    edges = edges[outline.near(vertices)[edges].all(axis=1)]
     rim, ends = np.unique(edges, return_inverse=True)
     on_plate = vertices[rim]
     on_plate[:, 2] = on_plate[:, 2].min() - wall
     if not wall:
         vertices[rim] = on_plate
     first, second = len(vertices) + ends.reshape(-1, 2).T
-    middle = np.full(len(edges), len(vertices) + len(rim))
     walls = np.stack([edges[:, 0], first, edges[:, 1], first, second, edges[:, 1]], axis=1).reshape(-1, 3)
-    plate = np.stack([second, first, middle], axis=1)
-    vertices = np.concatenate([vertices, on_plate, on_plate.mean(axis=0, keepdims=True)])
-    return vertices, np.concatenate([faces, walls, plate])
+    plate = Delaunay(on_plate[:, :2]).simplices.astype(np.int64)
+    plate = plate[outline.holds(on_plate[plate].mean(axis=1))]
+    front = face_crosses(on_plate, plate)[:, 2] > 0.0
+    plate[front] = plate[front, ::-1]
+    return np.concatenate([vertices, on_plate]), np.concatenate([faces, walls, len(vertices) + plate])
 
 
-def _at_outline(vertices: Array) -> Booleans:
-    """(V,) near the outline that one sees from the front."""
-    cells = np.floor((vertices[:, :2] - vertices[:, :2].min(axis=0)) / CELL).astype(np.int64) + 1
-    seen = np.zeros(cells.max(axis=0) + 2, dtype=np.bool_)
-    seen[tuple(cells.T)] = True
-    inside = binary_erosion(binary_fill_holes(binary_closing(seen)), iterations=OUTLINE)
-    return np.asarray(~inside[tuple(cells.T)])
+@dataclass(frozen=True, eq=False)
+class _Outline:
+    """What one sees from the front, in cells."""
+
+    low: Array  # (2,) m
+    inside: Booleans
+
+    @staticmethod
+    def of(vertices: Array) -> "_Outline":
+        low = vertices[:, :2].min(axis=0) - 2.0 * CELL
+        cells = np.floor((vertices[:, :2] - low) / CELL).astype(np.int64)
+        seen = np.zeros(cells.max(axis=0) + 3, dtype=np.bool_)
+        seen[tuple(cells.T)] = True
+        return _Outline(low, binary_fill_holes(binary_closing(seen)))
+
+    def holds(self, points: Array, by: int = 0) -> Booleans:
+        """Which of (M, 3) m points are inside it, and this many cells away from it."""
+        inside = binary_erosion(self.inside, iterations=by) if by else self.inside
+        return np.asarray(inside[tuple(np.floor((points[:, :2] - self.low) / CELL).astype(np.int64).T)])
+
+    def near(self, points: Array) -> Booleans:
+        """Which of (M, 3) m points are at it."""
+        return ~self.holds(points, OUTLINE)
