@@ -47,7 +47,14 @@ def test_by_command_line(arm: tuple[Path, Path, Path], tmp_path: Path, capfd: py
     assert main(["transfer", "--from", out, "--to", out, "--model", model, "-o", str(tmp_path / "there.json")]) == 0
     assert main(["export", out, "--model", model, "-o", str(tmp_path / "export")]) == 0
     assert main(["landmarks", scan, "--units", "mm", "--model", model, "-o", str(tmp_path / "proposed.json")]) == 0
-    assert "Traceback" not in capfd.readouterr().err
+    table = tmp_path / "manifest.csv"
+    table.write_text(f"scan,landmarks,name,units\n{scan},{places},again,mm\n", "utf-8")
+    assert main(["batch", str(table), "--model", model, "--jobs", "1", "-o", str(tmp_path / "batch")]) == 0
+    assert (tmp_path / "batch" / "again" / "fitted.ply").read_bytes() == (Path(out) / "fitted.ply").read_bytes()
+    assert main(["batch", str(table), "--model", model, "--scheduler", "tcp://a:1", "-o", str(tmp_path / "far")]) == 2
+    said = capfd.readouterr().err
+    assert said.endswith("have a rig of your own; run its batch here, without --scheduler.\n")
+    assert "Traceback" not in said
     fit = breastrig.Fit.load(out, model)
     truth = 1e3 * posed_forearm(fit.model)[0]
     assert np.linalg.norm(fit.vertices - truth, axis=1).mean() < 3.0

@@ -54,6 +54,7 @@ class Batch:
     rows: Sequence[BatchRow]
     folder: Path
     model_sha256: str
+    model: str | None = None  # as FitOfBytes has it
     again: bool = False  # do also what is done
     runner: Runner = measured_fit
     wall_s: float = FitLimits().wall_s
@@ -142,7 +143,7 @@ _Ready = tuple[BatchRow, dict[str, Any], FitOfBytes]
 def _looked_at(batch: Batch, row: BatchRow) -> _Ready | Outcome:
     """The row with what its result depends on and its task; or its outcome, where there is nothing to be done."""
     try:
-        task = _fit_of(row)
+        task = _fit_of(row, batch.model)
     except OSError as error:
         return Outcome(row.name, f"The files of this row cannot be read any more ({error.strerror}).")
     inputs = _inputs(batch, task)
@@ -156,7 +157,7 @@ def _looked_at(batch: Batch, row: BatchRow) -> _Ready | Outcome:
     return row, inputs, task
 
 
-def _fit_of(row: BatchRow) -> FitOfBytes:
+def _fit_of(row: BatchRow, model: str | None) -> FitOfBytes:
     return FitOfBytes(
         scan=read_ordinary(row.scan, FILE_BYTES),
         ending=row.scan.suffix,
@@ -168,6 +169,7 @@ def _fit_of(row: BatchRow) -> FitOfBytes:
         preset_file=read_ordinary(Path(row.preset), LIMIT_BYTES) if row.preset.endswith(".toml") else None,
         drawing=row.drawing,
         refine=row.refine,
+        model=model,
     )
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from breastrig.batch.table import MEASURES
 from breastrig.core.arrays import Array
+from breastrig.core.assets import model_path
 from breastrig.core.picks import Picks
 from breastrig.core.private_files import write_private
 from breastrig.core.scratch import scratch_folder
@@ -32,6 +33,7 @@ class FitOfBytes:
     preset_file: bytes | None  # a preset of the user's own
     drawing: str | None
     refine: bool
+    model: str | None = None  # a packaged one's name or a path on this machine; None: the torso
 
     def picks(self) -> Picks:
         """Those without a unit of their own have the scan's."""
@@ -70,6 +72,7 @@ def fit_of_bytes(task: FitOfBytes, runner: Runner) -> dict[str, bytes]:
             preset=preset,
             drawing=task.drawing,
             refine=task.refine,
+            model=None if task.model is None else model_path(task.model),
         )
         for _ in runner(job):
             pass  # the files say it all

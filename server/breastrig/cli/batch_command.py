@@ -21,7 +21,8 @@ from breastrig.batch.manifest import INPUTS, BadManifest, BatchRow, read_manifes
 from breastrig.batch.run import SPARE, Batch, exclusive, run_batch
 from breastrig.batch.table import FILE, MEASURES, Outcome, is_table, write_table
 from breastrig.batch.task import measured_fit
-from breastrig.cli.output_options import add_output_options, output_folder
+from breastrig.cli.output_options import add_output_options, files_of_model, output_folder
+from breastrig.core.assets import model_path, packaged_models
 from breastrig.core.errors import BadSettings
 from breastrig.core.output_files import OutputSet, check_inputs_kept, check_output
 from breastrig.core.scratch import sweep_scratch
@@ -52,6 +53,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--jobs", type=int, metavar="N", help="fits at a time (default: one a core, at most 8)")
     where.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler, as in tcp://host:8786")
+    parser.add_argument("--model", metavar="MODEL", help="another rig for all rows: male, or the .glb of your own")
     parser.add_argument("--again", action="store_true", help="do also the rows that are done")
     parser.add_argument("--no-progress", action="store_true", help="no progress bar, no line for each row")
 
@@ -63,14 +65,26 @@ def run(options: argparse.Namespace) -> int:
     """Fits, writes and counts; 0: all is done, 1: rows failed or lack a pattern, 2: a manifest of no use."""
     if options.jobs is not None and options.jobs < 1:
         raise BadSettings("--jobs must be 1 or more.")
-    rig = read_rig(default_rig_path())
+    glb = None if options.model is None else model_path(options.model)
+    if options.scheduler is not None and glb not in (None, *packaged_models().values()):
+        raise BadSettings("Other machines do not have a rig of your own; run its batch here, without --scheduler.")
+    rig = read_rig(glb or default_rig_path())
     try:
         rows = read_manifest(options.manifest, rig, options.output, options.force)
     except BadManifest as error:
         return _report_faults(error.faults)
-    _check_places(options, rows)
+    _check_places(options, rows, glb)
     ahead = 0 if options.scheduler is None else SPARE  # here a process stands ready, and is given what is at hand
-    batch = Batch(rows, options.output, rig.sha256, options.again, measured_fit, force=options.force, ahead=ahead)
+    batch = Batch(
+        rows,
+        options.output,
+        rig.sha256,
+        options.model,
+        options.again,
+        measured_fit,
+        force=options.force,
+        ahead=ahead,
+    )
     with exclusive(options.output):
         executor = _executor(options, rows)
         done: dict[str, Outcome] = {}
@@ -96,10 +110,15 @@ def _in_order(rows: Sequence[BatchRow], done: dict[str, Outcome]) -> list[Outcom
     return [done[row.name] for row in rows if row.name in done]
 
 
-def _check_places(options: argparse.Namespace, rows: Sequence[BatchRow]) -> None:
+def _check_places(options: argparse.Namespace, rows: Sequence[BatchRow], model: Path | None) -> None:
     """Raises BadInput when the table of results or a result would replace what must stay."""
     presets = {Path(row.preset) for row in rows if row.preset.endswith(".toml")}
-    read = [options.manifest, *presets, *(file for row in rows for file in (row.scan, row.landmarks) if file)]
+    read = [
+        options.manifest,
+        *files_of_model(model),
+        *presets,
+        *(file for row in rows for file in (row.scan, row.landmarks) if file),
+    ]
     names = () if is_table(options.output / FILE) else (FILE,)
     check_output(output_folder(options, [OutputSet(Path(), names)], read))
     results = [options.output / row.name / name for row in rows for name in (*FIT_FILES, MEASURES, INPUTS)]
