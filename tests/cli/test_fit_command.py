@@ -45,7 +45,7 @@ def document(folder: Path, name: str) -> dict:
     return json.loads((folder / name).read_text())
 
 
-def test_the_eight_files_are_there_and_nothing_else(fitted: Path) -> None:
+def test_its_files_are_there_and_nothing_else(fitted: Path) -> None:
     names = {file.name for file in fitted.iterdir()}
     assert names == {
         "result.json",
@@ -55,6 +55,7 @@ def test_the_eight_files_are_there_and_nothing_else(fitted: Path) -> None:
         "drawing.json",
         "distances.bin",
         "uncertainty.bin",
+        "body.bin",
         "fit.log.jsonl",
     }
 

@@ -31,6 +31,7 @@ FILES = (
     "drawing.json",
     "distances.bin",
     "uncertainty.bin",
+    "body.bin",
     "fit.log.jsonl",
     "measures.csv",
 )

@@ -74,6 +74,7 @@ def test_each_folder_is_that_of_a_fit_and_names_nothing_of_the_other(
             "drawing.json",
             "distances.bin",
             "uncertainty.bin",
+            "body.bin",
             "fit.log.jsonl",
         }
         sha = json.loads((folder / other / "result.json").read_text())["scan"]["sha256"]

@@ -57,6 +57,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--preset", default="default", metavar="NAME", help="default, paper, or a TOML file")
     parser.add_argument("--model", type=model_path, metavar="MODEL", help="another rig of the same form")
     parser.add_argument(
+        "--prior", type=Path, metavar="FILE", help="what a cohort's fits say of bodies: `breastrig cohort`"
+    )
+    parser.add_argument(
         "--drawing",
         default=FIRST,
         metavar="NAME",
@@ -110,7 +113,7 @@ def _output(options: argparse.Namespace) -> Output:
     preset = Path(options.preset) if options.preset.endswith(".toml") else None
     first = options.scan, options.landmarks, options.cuts
     second = options.other, options.with_landmarks, options.with_cuts
-    inputs = [*first, *second, preset]
+    inputs = [*first, *second, preset, options.prior]
     sets = [fit_set(Path())] if options.other is None else PAIR_SETS
     return output_folder(options, sets, [*inputs, *files_of_model(options.model)])
 
@@ -135,6 +138,7 @@ def _run(options: argparse.Namespace) -> FitRun[Iterate, Fit] | FitRun[tuple[Ite
             tumours=options.tumour,
             refine=options.refine,
             model=options.model,
+            prior=options.prior,
         )
     other, other_units = _scan(options.other, options.with_units, options.with_cuts)
     return pair_iterates(
@@ -152,6 +156,7 @@ def _run(options: argparse.Namespace) -> FitRun[Iterate, Fit] | FitRun[tuple[Ite
         refine=options.refine,
         alike=options.alike,
         model=options.model,
+        prior=options.prior,
     )
 
 

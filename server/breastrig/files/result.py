@@ -21,6 +21,7 @@ from breastrig.core.stances import Stance
 
 RESULT = "result.json"
 UNCERTAINTY = "uncertainty.bin"
+BODY = "body.bin"  # what the fit says of scales and shapes, for a cohort (fitting.uncertainty.contribution.py)
 RESULT_SCHEMA = "breastrig/result@1"
 RESULT_BYTES = 4_000_000  # a result.json has some ten thousand
 FIT_FILES = (
@@ -30,6 +31,7 @@ FIT_FILES = (
     "drawing.json",
     "distances.bin",
     UNCERTAINTY,
+    BODY,
     "fit.log.jsonl",
     RESULT,  # the last one: where it stands, the others are there
 )

@@ -17,6 +17,7 @@ from breastrig.rig.normal_equations import vertex_variances
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.state import BodyState
 
+OF_BODIES = ("body_prior", "scale_prior", "shape_prior")
 FLOOR = 1e-6  # of an unknown's natural size: keeps directions that nothing holds out of the inverse
 
 
@@ -33,6 +34,7 @@ class Posterior:
         hessian = system.hessian + held.T @ (held / np.maximum(system.compliance, HARD)[:, None])
         self._factor = cholesky(hessian + np.diag(FLOOR * problem.scaling))
         self.picks = terms.picks
+        self.expected = [term for term in terms.residuals if term.name in OF_BODIES]  # what it expected of the body
         self.relief = problem.relief or {}  # landmarks that the skin's form shows
         self.partners = problem.partners
 

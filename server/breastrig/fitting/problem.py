@@ -13,10 +13,10 @@ from functools import lru_cache
 import numpy as np
 
 from breastrig.core.arrays import Array, Booleans
-from breastrig.core.stances import PRONE, STANDING
+from breastrig.core.stances import PRONE
 from breastrig.correspondence.match import Correspondences, MatchRules, match
 from breastrig.correspondence.target import ScanTarget
-from breastrig.energies.body_prior import BodyPrior
+from breastrig.energies.body_prior import BodyPrior, EitherBody
 from breastrig.energies.folding import Folding
 from breastrig.energies.joint_limits import JointLimits
 from breastrig.energies.joint_rest import JointRest
@@ -27,6 +27,7 @@ from breastrig.energies.scale_prior import ScalePrior
 from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
 from breastrig.energies.table_contact import TableContact
+from breastrig.fitting.body.expected_body import cohort_belief, expected_shapes
 from breastrig.fitting.body.mirrored_landmarks import mirrored_landmarks
 from breastrig.fitting.body.relief import observe_relief
 from breastrig.fitting.observation_weights import observation_weights
@@ -41,7 +42,7 @@ from breastrig.rig.joints import Joints
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import BONE_DOFS, RigParameters
 from breastrig.rig.skinning import pose
-from breastrig.rig.stance_priors import in_stance, mean_weights, rest_turns
+from breastrig.rig.stance_priors import in_stance, rest_turns
 from breastrig.rig.state import BodyState
 
 MIN_MATCHES = 30  # fewer cannot hold 136 unknowns, whatever the priors
@@ -68,6 +69,7 @@ class ScanProblem:
         """`partners`: whether a pick tells where its partner is; what judges picks lets none vouch for itself."""
         self.task = task
         self._joints = expected_joints(task)
+        self.either = either_body(task)
         self.priors = prior_terms(task, self._joints)
         self.held: list[Constraint[BodyState]] = [JointRest(self._joints)]
         self.scaling = step_scaling(task)
@@ -105,12 +107,19 @@ class ScanProblem:
         data, beyond = data_term(self.task, stage, temperature, state, matches)
         picks = None if self._picks is None else self._counted(stage, temperature, state, self._picks)
         followed = [data] if picks is None else [data, picks]
+        priors = [*self.priors, *self._either(state, followed)]
         if stage.looks_at_form or self.task.stance == PRONE:  # a prone body is found by its breasts
-            form, partners = self._seen(state, [*self.priors, data], picks)
+            form, partners = self._seen(state, [*priors, data], picks)
             rig = self.task.rig
             followed += [Landmarks(rig, form, times=temperature * observed.form, name="form")] if form else []
             followed += [Landmarks(rig, partners, times=temperature, name="partners")] if partners else []
-        return Terms([*self.priors, *followed], picks, beyond)
+        return Terms([*priors, *followed], picks, beyond)
+
+    def _either(self, state: BodyState, followed: Sequence[ResidualTerm[BodyState]]) -> Sequence[BodyPrior]:
+        """Of two bodies what counts, by all that tells of them."""
+        if self.either is None:
+            return ()
+        return (self.either.weighted(state, assemble([*self.priors, *followed], self.held, state)),)
 
     def _counted(self, stage: Stage, temperature: float, state: BodyState, picks: Landmarks) -> Landmarks:
         """The picks at this temperature; far ones less where another place may have been meant."""
@@ -239,16 +248,6 @@ def _beside_skin(target: ScanTarget, vertices: Array, matches: Correspondences, 
     return float(counts[alone] @ ~target.on_border[nearest])
 
 
-def expected_shapes(rig: Rig, settings: Shapes, stance: str) -> tuple[Array, Array]:
-    """(S,), (S,): expected size and mean of every shape weight."""
-    shapes, mean = in_stance(rig, stance).shapes, mean_weights(rig, stance)
-    sigma = np.array([settings.sigma or shape.sigma * settings.factor for shape in shapes])
-    gravity = np.array([shape.kind == "gravity" for shape in shapes], dtype=np.bool_)
-    if stance == "supine":
-        return sigma, np.where(gravity, settings.supine_gravity_mean, mean)
-    return np.where(gravity & (stance == STANDING), sigma * settings.standing_gravity_factor, sigma), mean
-
-
 def expected_joints(task: FitTask) -> Joints:
     """The rig's joints with the recipe's expected sizes."""
     settings, rig = task.recipe.joints, in_stance(task.rig, task.stance)
@@ -270,8 +269,9 @@ def expected_joints(task: FitTask) -> Joints:
 def prior_terms(task: FitTask, joints: Joints) -> list[ResidualTerm[BodyState]]:
     """The terms that no scan changes."""
     rig, recipe = task.rig, task.recipe
-    hanging = (recipe.hanging, task.hanging) if recipe.hanging is not None and task.hanging else None
-    terms = [*body_terms(rig, recipe.shapes, recipe.scales, recipe.body, task.stance, hanging)]
+    either = either_body(task) is not None  # the scan says which; see ScanProblem.terms
+    own = () if either else body_terms(rig, recipe.shapes, recipe.scales, recipe.body, task.stance, _hanging_of(task))
+    terms = [*own]
     if recipe.joints.limit_sigma is not None:
         terms.append(JointLimits(joints, recipe.joints.limit_sigma))
     if recipe.shapes.symmetry_sigma or recipe.scales.symmetry_sigma:
@@ -280,6 +280,25 @@ def prior_terms(task: FitTask, joints: Joints) -> list[ResidualTerm[BodyState]]:
         terms.append(Folding(in_stance(rig, task.stance), recipe.shapes.folding.least, recipe.shapes.folding.sigma))
     contact = table_contact(task)
     return terms if contact is None else [*terms, contact]
+
+
+def _hanging_of(task: FitTask) -> tuple[Hanging, tuple[str, ...]] | None:
+    return (task.recipe.hanging, task.hanging) if task.recipe.hanging is not None and task.hanging else None
+
+
+def either_body(task: FitTask) -> EitherBody | None:
+    """A cohort's body or the built-in one; None where no cohort is believed."""
+    recipe, rig = task.recipe, task.rig
+    belief = None if recipe.body is None else cohort_belief(rig, recipe.shapes, recipe.body, task.stance)
+    if belief is None:
+        return None
+    (own,) = body_terms(rig, recipe.shapes, recipe.scales, recipe.body, task.stance, _hanging_of(task))
+    assert isinstance(own, BodyPrior)
+    mean, more = belief.expected.mean.copy(), np.zeros(len(own.mean))
+    if recipe.hanging is not None:
+        places = [3 * len(rig.bones) + rig.shape_names.index(name) for name in task.hanging]
+        mean[places], more[places] = recipe.hanging.weight, recipe.hanging.sigma**2
+    return EitherBody(BodyPrior(rig, mean, belief.expected.covariance + np.diag(more)), own)
 
 
 @lru_cache(maxsize=16)

@@ -151,9 +151,9 @@ class Fit:
     def save(self, folder: str | Path, *, force: bool = False) -> None:
         """Writes the files of `breastrig fit -o FOLDER`, all of them or none, for their owner only.
 
-        result.json, scan.ply, fitted.ply, fitted.glb, drawing.json, distances.bin, uncertainty.bin and fit.log.jsonl;
-        each says its unit or has the scan's.  Replaces an earlier fit's files; others with `force` only, and files that
-        the fit was made from never.  Raises BadInput.
+        result.json, scan.ply, fitted.ply, fitted.glb, drawing.json, distances.bin, uncertainty.bin, body.bin and
+        fit.log.jsonl; each says its unit or has the scan's.  Replaces an earlier fit's files; others with `force` only,
+        and files that the fit was made from never.  Raises BadInput.
         """
         output = FolderOutput(Path(folder), (fit_set(Path()),), self.inputs, force)
         with all_or_nothing(output) as staging:

@@ -9,6 +9,7 @@ from breastrig.core.arrays import Array
 from breastrig.core.assets import model_path
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig import model
+from breastrig.rig.cohort_prior import read_prior, with_prior
 from breastrig.rig.named_parameters import Parameters, posed, sampled
 
 
@@ -57,6 +58,16 @@ def loaded(given: Model) -> Rig:
     return public(given) if isinstance(given, model.Rig) else load_model(given)
 
 
-def files_of(given: Model) -> tuple[Path, ...]:
-    """The .glb and its side file, where the model was given as a file."""
-    return (model_path(given), model_path(given).with_suffix(".json")) if isinstance(given, str | Path) else ()
+def with_cohort(given: Model, prior: str | Path | None) -> Rig:
+    """The model with which a cohort's prior is known; BadInput for a file that is none, or another model's."""
+    if prior is None:
+        return loaded(given)
+    if not isinstance(given, model.Rig):
+        given = read_rig(default_rig_path() if given is None else model_path(given))  # the same object each time
+    return public(with_prior(given, read_prior(Path(prior))))
+
+
+def files_of(given: Model, prior: str | Path | None = None) -> tuple[Path, ...]:
+    """The .glb and its side file, where the model was given as a file, and the prior's."""
+    own = (model_path(given), model_path(given).with_suffix(".json")) if isinstance(given, str | Path) else ()
+    return own if prior is None else (*own, Path(prior))

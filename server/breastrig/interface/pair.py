@@ -14,7 +14,7 @@ from breastrig.files.result import RESULT, fit_set
 from breastrig.fitting.two_stances import ALIKE, ONE_BODY
 from breastrig.interface.fit_result import Fit, fit_of_outcome
 from breastrig.interface.landmarks import Landmarks
-from breastrig.interface.model import Model, files_of, loaded
+from breastrig.interface.model import Model, files_of, loaded, with_cohort
 from breastrig.interface.one_thread import one_thread
 from breastrig.interface.run import FitRun, GivenScan, Iterate, Preset, Settings, iterate_of
 from breastrig.interface.scan import ScanLike, ScanSource
@@ -82,6 +82,7 @@ def pair_iterates(
     refine: bool = True,
     alike: bool = True,
     model: Model = None,
+    prior: str | Path | None = None,
 ) -> FitRun[tuple[Iterate, Iterate], FitPair]:
     """As `fit_pair`, as an iterator of two `Iterate`s at a time, each in its scan's unit and frame; see `iterates`."""
     clock = Clock()
@@ -92,10 +93,15 @@ def pair_iterates(
         GivenScan(ScanSource(second, second_units), second_landmarks, second_certain),
     )
     with one_thread():
-        rig = loaded(model)
+        rig = with_cohort(model, prior)
         plans = given[0].plan(settings[0], rig), given[1].plan(settings[1], rig)
         ready = prepare_pair(plans, [each.scan.read() for each in given])
-    inputs = (*given[0].files, *given[1].files, *settings[0].files, *files_of(model))
+    inputs = (
+        *given[0].files,
+        *given[1].files,
+        *settings[0].files,
+        *files_of(model, prior),
+    )
 
     def steps() -> Generator[tuple[Iterate, Iterate], None, FitPair]:
         for step in pair_steps(ready, coupling, clock):
@@ -127,6 +133,7 @@ def fit_pair(
     refine: bool = True,
     alike: bool = True,
     model: Model = None,
+    prior: str | Path | None = None,
 ) -> FitPair:
     """Fits two scans of one patient in two stances together; each `Fit` is in its own scan's unit and frame.
 
@@ -154,4 +161,5 @@ def fit_pair(
         refine=refine,
         alike=alike,
         model=model,
+        prior=prior,
     ).result()

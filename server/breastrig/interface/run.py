@@ -17,7 +17,7 @@ from breastrig.drawings.patterns import tumour_text
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.interface.fit_result import Fit, fit_of_outcome
 from breastrig.interface.landmarks import Landmarks, landmarks_in_mm
-from breastrig.interface.model import Model, Rig, files_of, loaded, public
+from breastrig.interface.model import Model, Rig, files_of, public, with_cohort
 from breastrig.interface.one_thread import one_thread
 from breastrig.interface.scan import ScanLike, ScanSource
 from breastrig.rig.named_parameters import Parameters, in_metres, parameters_by_name
@@ -112,6 +112,7 @@ def iterates(
     start: Fit | Parameters | None = None,
     locked: Sequence[str] = (),
     model: Model = None,
+    prior: str | Path | None = None,
 ) -> FitRun[Iterate, Fit]:
     """A fit as an iterator of `Iterate` objects, each with its vertices (V, 3) in the scan's unit and frame::
 
@@ -127,9 +128,9 @@ def iterates(
     settings = Settings(stance, preset, drawing, tuple(tumours), refine, start, tuple(locked))
     given = GivenScan(ScanSource(scan, units), landmarks, certain)
     with one_thread():
-        plan = given.plan(settings, loaded(model))
+        plan = given.plan(settings, with_cohort(model, prior))
         ready = prepare_fit(plan, *given.scan.read())
-    inputs = (*given.files, *settings.files, *files_of(model))
+    inputs = (*given.files, *settings.files, *files_of(model, prior))
 
     def steps() -> Generator[Iterate, None, Fit]:
         for step in fit_steps(ready, clock):
@@ -155,6 +156,7 @@ def fit(
     start: Fit | Parameters | None = None,
     locked: Sequence[str] = (),
     model: Model = None,
+    prior: str | Path | None = None,
 ) -> Fit:
     """Fits the model to one scan, and returns a `Fit` with everything in the scan's unit and frame; writes nothing.
 
@@ -179,6 +181,7 @@ def fit(
         locked: Blocks that stay where they start: scales, shapes, rotations, translations, the name of a bone or a
             shape, or one part of a bone (lumbar.scale).
         model: From `load_model`, or the path of a .glb; None: the torso of the package.
+        prior: A file of `breastrig cohort`, of fits with this model; None: the built-in prior.
 
     Raises:
         BadInput: BadScan, BadLandmarks, BadDrawing, BadModel or BadSettings, for what can be mended.
@@ -197,6 +200,7 @@ def fit(
         start=start,
         locked=locked,
         model=model,
+        prior=prior,
     ).result()
 
 

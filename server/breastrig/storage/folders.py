@@ -4,7 +4,7 @@
     data/breastrig.sqlite3      rows, unless they are elsewhere (see `location`)
     data/scans/ID/              scan.stored (what was read of the upload), mesh.glb (for display), thumbnail.png
     data/fits/ID/               result.json, scan.ply (cleaned), fitted.ply, fitted.glb, drawing.json,
-                                distances.bin, uncertainty.bin, fit.log.jsonl
+                                distances.bin, uncertainty.bin, body.bin, fit.log.jsonl
     data/shares/ID/             what one share link shows (see workflow/share_snapshot.py)
     data/models/SHA256.zip      the models that fits were made with
     data/rubbish/KIND.ID        on its way out: a folder is first moved here, so that no path into it works any more

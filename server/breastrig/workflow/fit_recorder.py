@@ -26,6 +26,7 @@ from breastrig.fitting.refine import refined
 from breastrig.fitting.stance import UNCLEAR
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS
 from breastrig.fitting.task import Doubt
+from breastrig.fitting.uncertainty.contribution import contribution
 from breastrig.fitting.uncertainty.radii import HOLDS_90, Radii, radii
 from breastrig.fitting.verdicts.fit_signals import fit_signals, near_breasts
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, picked_names
@@ -40,6 +41,7 @@ from breastrig.fitting.verdicts.verdict import (
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.least_squares.newton import Status
+from breastrig.rig.cohort_belief import Gaussian
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.stance_priors import in_stance
@@ -75,6 +77,7 @@ class FitOutcome:
     recorded: tuple[RecordedIterate, ...]
     parameters: RigParameters
     covariance: Array  # (P, P) of a step from the parameters (fitting/posterior.py)
+    body: Gaussian | None  # what it says of her body (fitting.uncertainty.contribution.py)
     vertices: Array  # (V, 3) m, the fitted surface in the scan's frame, refined or not
     model_alone: ModelAlone
     timing_s: dict[str, float]
@@ -171,6 +174,7 @@ class FitRecorder:
             recorded=tuple(self._recorded),
             parameters=last.parameters,
             covariance=posterior.covariance(),
+            body=contribution(posterior),
             vertices=vertices,
             model_alone=alone,
             timing_s=timing,

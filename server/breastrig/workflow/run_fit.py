@@ -40,9 +40,7 @@ def fit_steps(ready: ReadyScan, clock: Clock) -> Iterator[RecordedIterate | FitO
 def run_fit(job: FitJob) -> Generator[Event, None, None]:
     """Started, Iterated …, Done; a BreastRigError instead when it cannot be done.
 
-    Writes result.json, scan.ply, fitted.ply, fitted.glb, drawing.json, distances.bin, uncertainty.bin and
-    fit.log.jsonl into job.out
-    before Done.
+    Writes all FIT_FILES (files/result.py) into job.out before Done.
     """
     clock = Clock()
     plan = fit_plan(job, read_model(job), job.landmarks_mm)

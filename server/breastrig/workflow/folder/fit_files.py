@@ -23,6 +23,7 @@ from breastrig.correspondence.distances import (
 )
 from breastrig.drawings.drawing_file import shape_document
 from breastrig.files.result import (
+    BODY,
     FIT_FILES,
     RESULT,
     UNCERTAINTY,
@@ -39,6 +40,7 @@ from breastrig.files.result import (
     Verdict,
 )
 from breastrig.fitting.task import Doubt
+from breastrig.fitting.uncertainty.contribution import contribution_bytes
 from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.replay import fitted_glb
 from breastrig.least_squares.newton import Status
@@ -229,6 +231,7 @@ MAKERS: dict[str, Callable[[FitOutcome], bytes]] = {
     "drawing.json": lambda outcome: json_bytes(drawing_json(outcome)),
     "distances.bin": distances_bin,
     UNCERTAINTY: uncertainty_bin,
+    BODY: lambda outcome: contribution_bytes(outcome.body),
     "fit.log.jsonl": _log,
     RESULT: lambda outcome: result_of(outcome).content(),
 }

@@ -15,7 +15,7 @@ from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput
 from breastrig.core.stances import Stance
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.files.result import FIT_FILES, RESULT, UNCERTAINTY, MedianPlane, ResultFile, Verdict
+from breastrig.files.result import BODY, FIT_FILES, RESULT, UNCERTAINTY, MedianPlane, ResultFile, Verdict
 from breastrig.fitting.uncertainty.radii import line_error
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.gltf.replay import fitted_glb
@@ -90,6 +90,7 @@ def predict_steps(
         "drawing.json": json_bytes(drawing),
         "distances.bin": np.full(len(moves), np.nan, "<f4").tobytes(),
         UNCERTAINTY: (1e3 * radii).astype("<f4").tobytes(),
+        BODY: b"",
         "fit.log.jsonl": b"",
         RESULT: result.content(),
     }

@@ -1,0 +1,119 @@
+"""`breastrig cohort learn|merge|remove|info|share`: what a clinic's fits say of bodies, for `breastrig fit --prior`.
+
+    breastrig cohort learn RESULTS -o prior.json         folders that `fit` or `batch` wrote, searched whole
+    breastrig cohort merge A.json B.json -o both.json
+    breastrig cohort remove prior.json RESULT -o left.json
+    breastrig cohort share prior.json -o for_others.json --epsilon 5
+
+A prior holds sums over women and no woman's numbers; of few women it is still not for others: share says how it may be.
+"""
+
+import argparse
+import sys
+from functools import reduce
+from pathlib import Path
+
+from breastrig.cli.output_options import add_output_options, output_file
+from breastrig.core.assets import model_path
+from breastrig.core.errors import BadInput
+from breastrig.core.output_files import all_or_nothing
+from breastrig.core.private_files import write_private
+from breastrig.fitting.body.expected_body import cohort_belief
+from breastrig.fitting.recipe import load_recipe
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.cohort_belief import TOO_MANY
+from breastrig.rig.cohort_prior import CohortPrior, read_prior, with_prior
+from breastrig.rig.model import Rig
+from breastrig.workflow.folder.cohort import DELTA, cohort_of_folders, shared
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+    learning = actions.add_parser("learn", help="the prior of the fits in folders")
+    learning.add_argument("results", type=Path, nargs="+", metavar="RESULTS", help="folders of fits, searched whole")
+    merging = actions.add_parser("merge", help="one prior of several")
+    merging.add_argument("priors", type=Path, nargs="+", metavar="PRIOR", help="of women who are in none of the others")
+    removing = actions.add_parser("remove", help="the prior without the fits in folders")
+    removing.add_argument("prior", type=Path, metavar="PRIOR", help="a file that this command wrote")
+    removing.add_argument("results", type=Path, nargs="+", metavar="RESULT", help="folders of the patient's fits")
+    info = actions.add_parser("info", help="of how many women a prior is, and how far it is believed")
+    info.add_argument("prior", type=Path, metavar="PRIOR", help="a file that this command wrote")
+    sharing = actions.add_parser("share", help="the means with noise, which others may have")
+    sharing.add_argument("prior", type=Path, metavar="PRIOR", help="a file that this command wrote")
+    sharing.add_argument(
+        "--epsilon", type=float, required=True, metavar="E", help="privacy loss: the less, the noisier"
+    )
+    sharing.add_argument("--delta", type=float, default=DELTA, metavar="D", help=f"chance of a larger loss ({DELTA:g})")
+    for action in (learning, removing, info, sharing):
+        action.add_argument("--model", type=model_path, metavar="MODEL", help="another rig than the package's torso")
+    for action in (learning, merging, removing, sharing):
+        add_output_options(action, "PRIOR", "file for the prior")
+
+
+def run(options: argparse.Namespace) -> int:
+    """The action that was asked for."""
+    if options.action == "info":
+        print("\n".join(described(_rig(options), read_prior(options.prior))))
+        return 0
+    folders = list(getattr(options, "results", []))
+    priors = list(getattr(options, "priors", [])) or ([options.prior] if "prior" in options else [])
+    _not_within(options.output, folders)
+    with all_or_nothing(output_file(options, priors)) as out:
+        prior = _made(options, folders, priors)
+        write_private(out / options.output.name, prior.content())
+    if sys.stdout.isatty():
+        print(f"{options.output} is of {_women(prior)}.")
+    return 0
+
+
+def _made(options: argparse.Namespace, folders: list[Path], files: list[Path]) -> CohortPrior:
+    priors = [read_prior(file) for file in files]
+    if options.action == "merge":
+        return reduce(CohortPrior.plus, priors)
+    rig = _rig(options)
+    if options.action == "share":
+        with_prior(rig, priors[0])
+        return shared(priors[0], rig, options.epsilon, options.delta)
+    found = cohort_of_folders(folders, rig)
+    for sentence in found.others:
+        print(f"breastrig: {sentence}", file=sys.stderr)
+    return found.prior if options.action == "learn" else priors[0].without(found.prior)
+
+
+def _not_within(output: Path, folders: list[Path]) -> None:
+    for folder in folders:
+        if output.resolve().is_relative_to(folder.resolve()):
+            raise BadInput(
+                f"{output.name} would be among the results that it is made of; write it beside {folder.name}."
+            )
+
+
+def _rig(options: argparse.Namespace) -> Rig:
+    return read_rig(options.model or default_rig_path())
+
+
+def _women(prior: CohortPrior) -> str:
+    return ", ".join(f"{each.women} {stance}" for stance, each in prior.stances.items()) or "nobody"
+
+
+def described(rig: Rig, prior: CohortPrior) -> list[str]:
+    """Lines for people."""
+    rig, recipe = with_prior(rig, prior), load_recipe("default")
+    lines = [f"prior of {_women(prior)}, for {prior.rig_name} ({prior.rig_sha256[:12]})"]
+    if prior.shared is not None:
+        lines.append(f"shared: means alone, epsilon {prior.shared.epsilon:g}, delta {prior.shared.delta:g}")
+    for stance, sums in prior.stances.items():
+        belief = None if recipe.body is None else cohort_belief(rig, recipe.shapes, recipe.body, stance)
+        if belief is None:
+            lines.append(f"{stance}: {sums.women} women, not believed: they are as the built-in prior has them")
+            continue
+        own = [
+            f"{sums.women} to {worth:.3g}" if worth < TOO_MANY else "not at all"
+            for worth in (belief.mean_worth, belief.spread_worth)
+        ]
+        lines.append(
+            f"{stance}: {sums.women} women, believed against the built-in prior {own[0]} in the mean, {own[1]} in the "
+            f"spread; foretells a woman better by {belief.gain:.1f} nats"
+        )
+    return lines

@@ -1,0 +1,84 @@
+"""What one fit says of its woman's body under the built-in prior, whichever it was fitted with (decision 0027).
+
+The fit's posterior of scales and weights, pose integrated out, is what the scan said times the prior that the fit had;
+that one is divided out and the built-in one put in.  In its file: float32, the mean, then the covariance's upper
+triangle row by row; empty where nothing is said.
+"""
+
+import numpy as np
+
+from breastrig.core.arrays import Array
+from breastrig.fitting.body.expected_body import built_in_body
+from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.recipe import load_recipe
+from breastrig.rig.cohort_belief import Gaussian
+from breastrig.rig.cohort_prior import Sums
+from breastrig.rig.model import Rig
+from breastrig.rig.parameters import BONE_DOFS
+
+BUILT_IN = "default"  # the preset whose prior is the built-in one
+FARTHEST = 2.0  # times the built-in prior's root mean square, over all directions; a woman beyond counts as if there
+
+
+def built_in(rig: Rig, stance: str) -> Gaussian | None:
+    """What is expected without any cohort; None for a rig without statistics of bodies."""
+    recipe = load_recipe(BUILT_IN)
+    return None if recipe.body is None else built_in_body(rig, recipe.shapes, recipe.body, stance)
+
+
+def contribution(posterior: Posterior) -> Gaussian | None:
+    """None for a rig without statistics of bodies, or where the numbers break down."""
+    task, state = posterior.task, posterior.state
+    own, kept = built_in(task.rig, task.stance), body_places(task.rig)
+    if own is None:
+        return None
+    body = np.concatenate([state.x.scales.ravel(), state.x.weights])
+    precision = np.linalg.inv(posterior.covariance()[np.ix_(kept, kept)])
+    pull = precision @ body
+    for term in posterior.expected:
+        of_prior = term.linearise(state)
+        slope = of_prior.jacobian[:, kept]
+        precision -= slope.T @ slope
+        pull -= slope.T @ (slope @ body - of_prior.residual)
+    before = np.linalg.inv(own.covariance)
+    precision += before
+    covariance = np.linalg.inv(0.5 * (precision + precision.T))
+    mean = covariance @ (pull + before @ own.mean)
+    found = Gaussian(mean, 0.5 * (covariance + covariance.T))
+    return found if np.isfinite(mean).all() and np.linalg.eigvalsh(found.covariance)[0] > 0.0 else None
+
+
+def body_places(rig: Rig) -> Array:
+    """(N,) where the scales of all bones, then the weights stand among the unknowns."""
+    first = BONE_DOFS * len(rig.bones)
+    scales = np.arange(first).reshape(-1, BONE_DOFS)[:, 6:9].ravel()
+    return np.concatenate([scales, np.arange(first, first + len(rig.shapes))])
+
+
+def contribution_bytes(found: Gaussian | None) -> bytes:
+    """The file."""
+    if found is None:
+        return b""
+    upper = found.covariance[np.triu_indices(len(found.mean))]
+    return np.concatenate([found.mean, upper]).astype("<f4").tobytes()
+
+
+def parsed_contribution(content: bytes, rig: Rig, stance: str) -> Sums | None:
+    """Her sums, bounded; None for a file that says nothing, or nothing of a body of this rig."""
+    own, size = built_in(rig, stance), 3 * len(rig.bones) + len(rig.shapes)
+    if own is None or len(content) != 4 * (size + size * (size + 1) // 2):
+        return None
+    numbers = np.frombuffer(content, dtype="<f4").astype(np.float64)
+    covariance = np.zeros((size, size))
+    covariance[np.triu_indices(size)] = numbers[size:]
+    covariance += np.triu(covariance, 1).T
+    if not np.isfinite(numbers).all():
+        return None
+    root = np.linalg.cholesky(own.covariance)
+    away = np.linalg.solve(root, numbers[:size] - own.mean)
+    inside = np.linalg.eigvalsh(np.linalg.solve(root, np.linalg.solve(root, covariance).T))
+    if not (inside[0] > -1e-3 and inside[-1] < 1.0 + 1e-3):  # no posterior is wider than what it began with
+        return None
+    bound = FARTHEST * np.sqrt(size)
+    share = min(1.0, bound / max(float(np.linalg.norm(away)), 1e-12))
+    return Sums.of_woman(own.mean + root @ (share * away), covariance)

@@ -1,0 +1,135 @@
+"""From sums over women to what is expected of the next one: normal-inverse-Wishart, centred on the built-in prior.
+
+In coordinates in which the built-in prior is standard normal, and in those directions alone of which scans showed more
+than it: mean ~ N(0, Σ/κ), Σ ~ IW(ν), scaled so that the built-in prior is what is expected of the first woman.  κ and ν
+are those of the largest marginal likelihood, closed forms of multivariate t: the mean over all ways to leave some women
+out and to predict them from the rest (Fong and Holmes, 2020; decision 0027).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import multigammaln
+
+from breastrig.core.arrays import Array, Integers
+from breastrig.least_squares.quadratic_program import cholesky, solve_lower
+from breastrig.rig.cohort_prior import Sums
+from breastrig.rig.model import Rig
+
+SHOWN = 0.5  # share of its built-in variance that a direction keeps on the mean, at most, to be learned from scans
+WORTHS = np.geomspace(0.5, 4096.0, 27)  # women that the built-in prior may count as
+TOO_MANY = 1e6  # likewise: it is all that is believed
+
+
+@dataclass(frozen=True, eq=False)
+class Gaussian:
+    """Of N scales and weights."""
+
+    mean: Array  # (N,)
+    covariance: Array  # (N, N)
+
+
+@dataclass(frozen=True, eq=False)
+class Belief:
+    """What is expected of the next woman, and why."""
+
+    expected: Gaussian
+    women: int
+    mean_worth: float  # women that the built-in prior counts as for the mean (κ) ...
+    spread_worth: float  # ... and for the covariance (ν - K - 1)
+    directions: int  # K, that were learned of
+    gain: float  # mean log predictive density of a woman's directions over the built-in prior's, nats
+
+
+def mirrored_places(rig: Rig) -> Integers:
+    """(N,) where the scales and weights of the other side stand; the scales' axes are alike on both sides."""
+    bones = [rig.bone_names.index(bone.mirror) for bone in rig.bones]
+    shapes = [rig.shape_names.index(shape.mirror) for shape in rig.shapes]
+    scales = (3 * np.array(bones)[:, None] + np.arange(3)).ravel()
+    return np.concatenate([scales, 3 * len(bones) + np.array(shapes, dtype=np.int64)])
+
+
+def believed(rig: Rig, sums: Sums, built_in: Gaussian, noise: float | None = None) -> Belief | None:
+    """None where nothing is believed of them.  `noise`: see Shared; then the sums are of means alone."""
+    n, root, mirror = sums.women, cholesky(built_in.covariance), mirrored_places(rig)
+    root = np.tril(root)
+    mean = 0.5 * (sums.means + sums.means[mirror]) / n  # each woman as she is and mirrored: no side is preferred
+    centred = solve_lower(root, mean - built_in.mean)
+    if noise is not None:
+        return _of_means(centred, n / (1.0 + noise**2 / n), n, root, built_in)
+    about = sums.products / n - np.outer(sums.means, sums.means) / n**2
+    about, kept = (0.5 * (each + each[np.ix_(mirror, mirror)]) for each in (about, sums.covariances / n))
+    away = 0.5 * (sums.means - sums.means[mirror]) / n
+    about = about + np.outer(away, away)
+    about, kept = (_whitened(root, each) for each in (about, kept))
+    shares, axes = np.linalg.eigh(kept)
+    axes = axes[:, shares < SHOWN]
+    if not axes.shape[1]:
+        return None
+    inside, scatter = axes.T @ centred, n * axes.T @ (about + kept) @ axes
+    evidence = _Evidence(n, inside, scatter)
+    worths = np.array([*WORTHS, TOO_MANY])
+    found = np.array([[evidence.at(k, b) for b in worths] for k in worths])
+    best = np.unravel_index(int(found.argmax()), found.shape)
+    gain = float(found[best] - evidence.at(TOO_MANY, TOO_MANY)) / n
+    if gain <= 0.0:
+        return None
+    k, b = float(worths[best[0]]), float(worths[best[1]])
+    spread = evidence.spread(k, b) * (k + n + 1.0) / ((k + n) * (b + n))
+    turned = root @ axes
+    expected = Gaussian(
+        built_in.mean + turned @ (n / (k + n) * inside),
+        built_in.covariance + turned @ (spread - np.eye(len(inside))) @ turned.T,
+    )
+    return Belief(expected, n, k, b, len(inside), gain)
+
+
+def _of_means(centred: Array, told: float, women: int, root: Array, built_in: Gaussian) -> Belief | None:
+    """Of sums of means with noise, which are worth fewer women; the covariance is the built-in one."""
+    worths = np.array([*WORTHS, TOO_MANY])
+    variance = 1.0 / worths + 1.0 / told
+    found = -0.5 * (len(centred) * np.log(variance) + centred @ centred / variance)
+    k = float(worths[int(found.argmax())])
+    gain = float(found.max() - found[-1]) / women
+    if gain <= 0.0:
+        return None
+    expected = Gaussian(
+        built_in.mean + root @ (told / (k + told) * centred),
+        built_in.covariance * ((1.0 + 1.0 / (k + told)) / (1.0 + 1.0 / k)),
+    )
+    return Belief(expected, women, k, TOO_MANY, len(centred), gain)
+
+
+def _whitened(root: Array, matrix: Array) -> Array:
+    """(N, N): L⁻¹ M L⁻ᵀ."""
+    half = solve_lower(root, matrix)
+    whole = solve_lower(root, half.T)
+    return np.asarray(0.5 * (whole + whole.T))
+
+
+class _Evidence:
+    """Logarithm of the marginal likelihood of n women with this mean (K,) and scatter (K, K) about it."""
+
+    def __init__(self, n: int, mean: Array, scatter: Array) -> None:
+        self._n, self._mean, self._scatter = n, mean, scatter
+        self._sizes, axes = np.linalg.eigh(scatter)
+        self._along = (axes.T @ mean) ** 2
+
+    def spread(self, k: float, b: float) -> Array:
+        """(K, K) of the inverse Wishart after all women."""
+        pull = k * self._n / (k + self._n)
+        return b * k / (k + 1.0) * np.eye(len(self._mean)) + self._scatter + pull * np.outer(self._mean, self._mean)
+
+    def at(self, k: float, b: float) -> float:
+        """For built-in priors worth so many women; without what does not depend on them."""
+        n, size = self._n, len(self._mean)
+        if b >= TOO_MANY:  # a Gaussian of known covariance
+            known = k / (k + 1.0)
+            squares = self._sizes.sum() + k * n / (k + n) * self._along.sum()
+            return float(0.5 * size * np.log(k / (k + n)) - 0.5 * n * size * np.log(known) - 0.5 * squares / known)
+        nu, scale = b + size + 1.0, b * k / (k + 1.0)
+        pull = k * n / (k + n)
+        log_det = np.log(scale + self._sizes).sum() + np.log1p(pull * (self._along / (scale + self._sizes)).sum())
+        found = multigammaln(0.5 * (nu + n), size) - multigammaln(0.5 * nu, size) + 0.5 * n * size * np.log(2.0)
+        found += 0.5 * nu * size * np.log(scale) - 0.5 * (nu + n) * log_det + 0.5 * size * np.log(k / (k + n))
+        return float(found)

@@ -1,0 +1,245 @@
+"""What fits of a clinic say of bodies: sums over women, no woman's row; a file `breastrig/prior@1` (decision 0027).
+
+Of each stance: how many women, the sums of the posterior means of their scales and weights, of the means' products and
+of the posterior covariances.  Each woman's numbers are rounded to GRID, so that sums are exact: cohorts may be
+merged in any order, and a woman who is removed leaves nothing.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+
+from breastrig.core.arrays import Array
+from breastrig.core.documents import json_bytes
+from breastrig.core.errors import BadInput
+from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.core.private_files import read_ordinary, shown
+from breastrig.core.stances import Stance
+from breastrig.rig.model import Rig
+
+SCHEMA = "breastrig/prior@1"
+KNOWN_AS = "cohort.json"  # among what is known of a rig (known.py)
+FILE_BYTES = 5_000_000  # one of three stances has 600 thousand
+GRID = 2.0**-36  # 1.5e-11: sums of numbers on it are exact below 2^17
+LARGEST = 2.0**16
+ROUNDING = 1e-6  # of a matrix's trace, below which an eigenvalue is none
+
+
+@dataclass(frozen=True, eq=False)
+class Sums:
+    """Over the women of one stance; N = 3 B + S, the scales of all bones, then the weights."""
+
+    women: int
+    means: Array  # (N,)
+    products: Array  # (N, N) of the means
+    covariances: Array  # (N, N)
+
+    @staticmethod
+    def of_woman(mean: Array, covariance: Array) -> "Sums":
+        """Of one posterior, (N,) and (N, N)."""
+        rounded = [np.round(each / GRID) * GRID for each in (mean, np.outer(mean, mean), covariance)]
+        return Sums(1, *rounded)
+
+    def plus(self, other: "Sums", sign: int = 1) -> "Sums":
+        """Both together; with -1 the others taken out."""
+        return Sums(
+            self.women + sign * other.women,
+            self.means + sign * other.means,
+            self.products + sign * other.products,
+            self.covariances + sign * other.covariances,
+        )
+
+    @property
+    def possible(self) -> bool:
+        """Whether there can be women of whom these are the sums."""
+        if self.women <= 0:
+            return not (self.women or self.means.any() or self.products.any() or self.covariances.any())
+        scatter = self.products - np.outer(self.means, self.means) / self.women
+        return all(np.linalg.eigvalsh(m)[0] > -ROUNDING * max(np.trace(m), GRID) for m in (scatter, self.covariances))
+
+
+@dataclass(frozen=True, eq=False)
+class Shared:
+    """Of a file that left the house: sums of means alone, with noise (workflow/cohort.py)."""
+
+    epsilon: float
+    delta: float
+    noise: float  # standard deviation of each sum, in units of what the built-in prior expects of one woman
+
+
+@dataclass(frozen=True, eq=False)
+class CohortPrior:
+    """Of one rig."""
+
+    rig_name: str
+    rig_sha256: str
+    bones: tuple[str, ...]
+    shapes: tuple[str, ...]
+    stances: Mapping[str, Sums]
+    shared: Shared | None = None
+
+    @property
+    def women(self) -> int:
+        """Scans of which it is, each of another woman or stance."""
+        return sum(each.women for each in self.stances.values())
+
+    def plus(self, other: "CohortPrior") -> "CohortPrior":
+        """Of both; BadInput where they are of two rigs, or one has noise and the other none."""
+        if other.rig_sha256 != self.rig_sha256:
+            raise BadInput("These priors are of two different rigs; merge those of one.")
+        if (self.shared is None) != (other.shared is None):
+            raise BadInput("A prior that was shared has means only; merge it with others that were shared.")
+        shared = self.shared
+        if shared is not None and other.shared is not None:
+            worst = max(shared.epsilon, other.shared.epsilon), max(shared.delta, other.shared.delta)
+            shared = Shared(*worst, float(np.hypot(shared.noise, other.shared.noise)))
+        return replace(self, stances=self._changed(other.stances, 1), shared=shared)
+
+    def without(self, other: "CohortPrior") -> "CohortPrior":
+        """With these women taken out; BadInput where they cannot have been in it."""
+        if self.shared is not None:
+            raise BadInput("Nobody can be taken out of a prior that was shared; remove her from the one at home.")
+        if other.rig_sha256 != self.rig_sha256:
+            raise BadInput("This fit is of another rig than the prior; it was never in it.")
+        left = self._changed(other.stances, -1)
+        if not all(sums.possible for sums in left.values()):
+            raise BadInput("This fit is not in the prior; give a prior that was made with it.")
+        return replace(self, stances={stance: sums for stance, sums in left.items() if sums.women})
+
+    def _changed(self, others: Mapping[str, Sums], sign: int) -> dict[str, Sums]:
+        size = 3 * len(self.bones) + len(self.shapes)
+        none = Sums(0, np.zeros(size), np.zeros((size, size)), np.zeros((size, size)))
+        both = sorted({*self.stances, *others})
+        return {stance: self.stances.get(stance, none).plus(others.get(stance, none), sign) for stance in both}
+
+    def content(self) -> bytes:
+        """Of the file."""
+        upper = np.triu_indices(3 * len(self.bones) + len(self.shapes))
+        document: dict[str, Any] = {
+            "schema": SCHEMA,
+            "notice": LIMITS_OF_USE,
+            "rig": {"name": self.rig_name, "sha256": self.rig_sha256},
+            "bones": list(self.bones),
+            "shapes": list(self.shapes),
+            "stances": {
+                stance: {"women": sums.women, "means": sums.means.tolist()}
+                | (
+                    {}
+                    if self.shared
+                    else {"products": sums.products[upper].tolist(), "covariances": sums.covariances[upper].tolist()}
+                )
+                for stance, sums in sorted(self.stances.items())
+            },
+        }
+        if self.shared is not None:
+            document["shared"] = vars(self.shared)
+        return json_bytes(document)
+
+
+def no_cohort(rig: Rig) -> CohortPrior:
+    """Of nobody."""
+    return CohortPrior(rig.name, rig.sha256, rig.bone_names, rig.shape_names, {})
+
+
+Number = Annotated[FiniteFloat, Field(ge=-LARGEST, le=LARGEST)]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+
+class _Rig(_Part):
+    name: Annotated[str, Field(max_length=100)]
+    sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+
+
+class _Sums(_Part):
+    women: Annotated[int, Field(ge=1, le=10_000_000)]
+    means: list[Number]
+    products: list[Number] = []
+    covariances: list[Number] = []
+
+
+class _Shared(_Part):
+    epsilon: Annotated[FiniteFloat, Field(gt=0.0)]
+    delta: Annotated[FiniteFloat, Field(gt=0.0, lt=1.0)]
+    noise: Annotated[FiniteFloat, Field(gt=0.0)]
+
+
+class _File(_Part):
+    schema_: Literal["breastrig/prior@1"] = Field(alias="schema")
+    notice: str = ""
+    rig: _Rig
+    bones: Annotated[list[str], Field(max_length=1000)]
+    shapes: Annotated[list[str], Field(max_length=1000)]
+    stances: dict[Stance, _Sums]
+    shared: _Shared | None = None
+
+
+def parsed_prior(text: str | bytes, name: str) -> CohortPrior:
+    """The file's text; BadInput for what is none, `name` is shown."""
+    try:
+        found = _File.model_validate_json(text)
+    except (ValidationError, RecursionError) as error:
+        faults = error.errors(include_url=False, include_input=False) if isinstance(error, ValidationError) else []
+        where = ".".join(map(str, faults[0]["loc"])) if faults else ""
+        where = where or "it is no JSON of that kind"
+        raise BadInput(f"{name} is no prior that `breastrig cohort` wrote ({where}); make it again.") from error
+    shared = None if found.shared is None else Shared(**found.shared.model_dump())
+    size = 3 * len(found.bones) + len(found.shapes)
+    stances = {}
+    for stance, each in found.stances.items():
+        lengths = len(each.means), len(each.products), len(each.covariances)
+        upper = 0 if shared else size * (size + 1) // 2
+        sums = (
+            Sums(each.women, np.array(each.means), *(_square(t, size) for t in (each.products, each.covariances)))
+            if lengths == (size, upper, upper)
+            else None
+        )
+        if sums is None or (shared is None and not sums.possible):
+            raise BadInput(f"{name} does not hold together ({stance}): no women have such sums; make it again.")
+        stances[str(stance)] = sums
+    return CohortPrior(found.rig.name, found.rig.sha256, tuple(found.bones), tuple(found.shapes), stances, shared)
+
+
+def _square(upper: list[float], size: int) -> Array:
+    """(N, N), symmetric; zeros without numbers."""
+    matrix = np.zeros((size, size))
+    if upper:
+        matrix[np.triu_indices(size)] = upper
+    return matrix + np.triu(matrix, 1).T
+
+
+def read_prior(file: Path) -> CohortPrior:
+    """BadInput for a file that cannot be read or is none."""
+    try:
+        content = read_ordinary(file, FILE_BYTES)
+    except OSError as error:
+        raise BadInput(f"The prior {shown(file)} cannot be read; check the file.") from error
+    if len(content) > FILE_BYTES:
+        raise BadInput(f"The prior {shown(file)} is larger than {FILE_BYTES // 10**6} MB; it is none.")
+    return parsed_prior(content, shown(file))
+
+
+def with_prior(rig: Rig, prior: CohortPrior) -> Rig:
+    """The rig with which these women are known; itself where they are none.  BadInput for another rig's prior."""
+    if prior.rig_sha256 != rig.sha256 or (prior.bones, prior.shapes) != (rig.bone_names, rig.shape_names):
+        raise BadInput(f"This prior is of another rig ({prior.rig_name}); make one of fits with {rig.name} as it is.")
+    return _with_text(rig, prior.content().decode()) if prior.women else rig
+
+
+@lru_cache(maxsize=4)  # the same object each time: what is derived from a rig is kept with it
+def _with_text(rig: Rig, text: str) -> Rig:
+    return replace(rig, known={**rig.known, KNOWN_AS: text})
+
+
+@lru_cache(maxsize=8)
+def cohort_of(rig: Rig) -> CohortPrior | None:
+    """The women that are known with this rig."""
+    text = rig.known.get(KNOWN_AS)
+    return None if text is None else parsed_prior(text, KNOWN_AS)

@@ -1,0 +1,143 @@
+"""Priors from folders of fits, and one that may leave the house (decision 0027)."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from breastrig.core.errors import BadInput
+from breastrig.core.private_files import read_ordinary
+from breastrig.files.result import BODY, RESULT, ResultFile, folder_name, parsed_result, result_text
+from breastrig.fitting.uncertainty.contribution import FARTHEST, built_in, parsed_contribution
+from breastrig.rig.cohort_prior import CohortPrior, Shared, Sums, no_cohort
+from breastrig.rig.model import Rig
+
+BODY_BYTES = 10_000_000  # the torso's has 14 thousand
+FEWEST = 30  # women of a stance in a prior that may leave the house
+DELTA = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Cohort:
+    """What folders of fits say of bodies."""
+
+    prior: CohortPrior
+    fits: int  # that count
+    others: tuple[str, ...]  # a sentence for each kind of fits that do not
+
+
+def cohort_in(folders: Sequence[Path], rig: Rig) -> Cohort:
+    """All fits in these folders; of a patient who was scanned several times in a stance the one that shows most.
+
+    Raises BadInput for a folder without any, and for fits of another rig.
+    """
+    best: dict[tuple[str, str], Sums] = {}
+    silent = again = unusable = 0
+    for place in _fits(folders):
+        result = parsed_result(result_text(place), folder_name(place))
+        if result.model.sha256 != rig.sha256:
+            raise BadInput(
+                f"{folder_name(place)} was fitted with another model ({result.model.name}); give that model."
+            )
+        if result.predicted or (result.verdict is not None and result.verdict.level == "unusable"):
+            unusable += 1
+            continue
+        sums = _sums(place, rig, result)
+        if sums is None:
+            silent += 1
+            continue
+        key = (_patient(place, result), result.stance)
+        again += key in best
+        if key not in best or np.trace(sums.covariances) < np.trace(best[key].covariances):
+            best[key] = sums
+    prior = no_cohort(rig)
+    for (_, stance), sums in best.items():
+        prior = prior.plus(replace(prior, stances={stance: sums}))
+    said = (
+        (again, "are of patients with another scan in that stance, which shows more"),
+        (unusable, "are not usable, or predicted"),
+        (silent, f"have no {BODY} of this version; fit those scans again"),
+    )
+    return Cohort(prior, len(best), tuple(f"{count} of the fits {what}." for count, what in said if count))
+
+
+def cohort_of_folders(folders: Sequence[Path], rig: Rig) -> Cohort:
+    """The same; BadInput where none of them counts."""
+    found = cohort_in(folders, rig)
+    if not found.fits:
+        raise BadInput(" ".join(("None of these fits says anything of bodies.", *found.others)))
+    return found
+
+
+def _fits(folders: Sequence[Path]) -> Iterator[Path]:
+    for folder in folders:
+        places = sorted(file.parent for file in folder.rglob(RESULT))
+        if not places:
+            raise BadInput(
+                f"There is no fit in {folder_name(folder)}; give folders that `breastrig fit` or `batch` wrote."
+            )
+        yield from places
+
+
+def _sums(place: Path, rig: Rig, result: ResultFile) -> Sums | None:
+    try:
+        content = read_ordinary(place / BODY, BODY_BYTES)
+    except OSError:
+        return None
+    return parsed_contribution(content, rig, result.stance)
+
+
+def _patient(place: Path, result: ResultFile) -> str:
+    """Her code where a person has given one; else each folder is of another woman."""
+    given = result.patient is not None and result.patient.given
+    return f"code {result.patient.code}" if given and result.patient else f"folder {place.resolve()}"
+
+
+def shared(prior: CohortPrior, rig: Rig, epsilon: float, delta: float = DELTA) -> CohortPrior:
+    """The sums of means alone, with Gaussian noise: (ε, δ)-differential privacy for one woman exchanged for another.
+
+    In units of the built-in prior no woman's mean is farther from it than FARTHEST sqrt(N) (contribution.py), so that
+    one in all S stances moves the sums by twice that and sqrt(S) at most.  How many they are is no secret.  Raises
+    BadInput for stances of fewer than FEWEST women, and where OpenDP is not installed.
+    """
+    try:
+        import opendp.prelude as dp  # an extra
+    except ModuleNotFoundError as error:
+        raise BadInput('`breastrig cohort share` needs OpenDP: pip install "breastrig[share]".') from error
+    stances = sorted(stance for stance, sums in prior.stances.items() if sums.women >= FEWEST)
+    if prior.shared is not None:
+        raise BadInput("This prior was shared already; noise on noise tells less and hides no more.")
+    if not stances:
+        most = max((sums.women for sums in prior.stances.values()), default=0)
+        raise BadInput(f"Only priors of {FEWEST} women or more of a stance may be shared, and this one has {most}.")
+    if not (0.0 < epsilon <= 100.0 and 0.0 < delta < 1e-3):
+        raise BadInput("epsilon must be above 0 and at most 100, delta above 0 and below 0.001.")
+    own = {stance: built_in(rig, stance) for stance in stances}
+    size = 3 * len(prior.bones) + len(prior.shapes)
+    dp.enable_features("contrib")
+    domain, metric = (
+        dp.vector_domain(dp.atom_domain(T=float, nan=False), size=size * len(stances)),
+        dp.l2_distance(T=float),
+    )
+
+    def private(scale: float) -> "dp.Measurement":
+        return dp.c.make_fix_delta(dp.c.make_zCDP_to_approxDP(dp.m.make_gaussian(domain, metric, scale=scale)), delta)
+
+    moved = 2.0 * FARTHEST * float(np.sqrt(size * len(stances)))
+    noise = float(dp.binary_search_param(private, d_in=moved, d_out=(epsilon, delta)))
+    roots = {stance: np.linalg.cholesky(each.covariance) for stance, each in own.items() if each is not None}
+    away = [
+        np.linalg.solve(roots[stance], prior.stances[stance].means - prior.stances[stance].women * each.mean)
+        for stance, each in own.items()
+        if each is not None
+    ]
+    told = np.array(private(noise)(np.concatenate(away).tolist())).reshape(len(stances), size)
+    empty = np.zeros((size, size))
+    found = {}
+    for stance, row in zip(stances, told, strict=True):
+        each = own[stance]
+        assert each is not None
+        women = prior.stances[stance].women
+        found[stance] = Sums(women, women * each.mean + roots[stance] @ row, empty, empty)
+    return replace(prior, stances=found, shared=Shared(epsilon, delta, noise))

@@ -1,0 +1,159 @@
+"""`breastrig cohort`: from folders of fits to a prior, and a fit with it."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.results import result_document
+
+from breastrig.cli.main import main
+from breastrig.core.errors import BadInput
+from breastrig.files.result import BODY, RESULT, ResultFile
+from breastrig.fitting.uncertainty.contribution import built_in
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.cohort_prior import CohortPrior, read_prior
+from breastrig.workflow.folder.cohort import cohort_of_folders, shared
+
+RIG = read_rig(default_rig_path())
+
+
+def write_fit(folder: Path, seed: int, code: str = "", seen: float = 0.9, **changes: object) -> Path:
+    """What a cohort reads of a fit; all women are alike in one direction."""
+    own = built_in(RIG, "standing")
+    assert own is not None
+    rng = np.random.default_rng(seed)
+    away = rng.standard_normal(len(own.mean)) + 3.0 * (np.arange(len(own.mean)) == 2)
+    mean = own.mean + seen * np.linalg.cholesky(own.covariance) @ away
+    upper = ((1.0 - seen) * own.covariance)[np.triu_indices(len(own.mean))]
+    folder.mkdir(parents=True)
+    (folder / BODY).write_bytes(np.concatenate([mean, upper]).astype("<f4").tobytes())
+    model = {"name": RIG.name, "sha256": RIG.sha256}
+    patient = {"patient": {"code": code, "given": True}} if code else {}
+    document = result_document(model=model, **patient) | changes
+    (folder / RESULT).write_bytes(ResultFile.model_validate(document).content())
+    return folder
+
+
+def cohort(*words: object) -> int:
+    return main(["cohort", *map(str, words)])
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("cohort") / "results"
+    for seed in range(12):
+        write_fit(folder / f"woman_{seed}", seed)
+    return folder
+
+
+def test_learn_merge_remove_and_info_agree(results: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    whole, first, second, left = (tmp_path / f"{name}.json" for name in ("whole", "first", "second", "left"))
+    some = [results / f"woman_{seed}" for seed in range(5)]
+    assert cohort("learn", results, "-o", whole) == 0
+    assert cohort("learn", *some, "-o", first) == 0
+    assert cohort("remove", whole, *some, "-o", second) == 0
+    assert cohort("merge", second, first, "-o", left) == 0
+    assert left.read_bytes() == whole.read_bytes()
+    assert read_prior(second).women == 7
+    assert cohort("remove", second, some[0], "-o", left, "--force") == 2
+    assert "not in the prior" in capsys.readouterr().err
+    assert cohort("info", whole) == 0
+    assert "standing: 12 women" in capsys.readouterr().out
+
+
+def test_a_file_of_sums_names_nobody(results: Path, tmp_path: Path) -> None:
+    assert cohort("learn", results, "-o", tmp_path / "p.json") == 0
+    document = json.loads((tmp_path / "p.json").read_text())
+    assert set(document) == {"schema", "notice", "rig", "bones", "shapes", "stances"}
+    assert set(document["stances"]["standing"]) == {"women", "means", "products", "covariances"}
+    assert "woman_" not in (tmp_path / "p.json").read_text()
+
+
+def test_a_patient_counts_once_in_a_stance_by_the_scan_that_shows_most(tmp_path: Path) -> None:
+    for place, seed, seen in (("a", 1, 0.3), ("b", 2, 0.9), ("c", 3, 0.5)):
+        write_fit(tmp_path / place, seed, "P 7", seen)
+    write_fit(tmp_path / "d", 4, predicted=True)
+    write_fit(tmp_path / "e", 5, verdict={"level": "unusable", "reasons": []})
+    (write_fit(tmp_path / "f", 6) / BODY).unlink()
+    found = cohort_of_folders([tmp_path], RIG)
+    alone = cohort_of_folders([tmp_path / "b"], RIG)
+    assert found.prior.content() == alone.prior.content()
+    assert [sentence.split()[0] for sentence in found.others] == ["2", "2", "1"]
+
+
+def test_what_says_nothing_is_refused_in_one_sentence(
+    results: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_fit(tmp_path / "other" / "fit", 1, model={"name": "other", "sha256": "0" * 64} | MODEL)
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "no.json").write_text("{}")
+    for words, why in (
+        (("learn", tmp_path / "other", "-o", tmp_path / "p.json"), "another model"),
+        (("learn", tmp_path / "empty", "-o", tmp_path / "p.json"), "no fit in empty"),
+        (("learn", results, "-o", results / "p.json"), "beside"),
+        (("merge", tmp_path / "no.json", "-o", tmp_path / "p.json"), "is no prior"),
+        (("info", tmp_path / "gone.json"), "cannot be read"),
+    ):
+        assert cohort(*words) == 2
+        said = capsys.readouterr().err
+        assert why in said
+        assert said.count("\n") == 1
+    assert not (tmp_path / "p.json").exists()
+
+
+MODEL = {"vertices": 1, "bones": 1, "blendshapes": 1}
+
+
+def prior_of(count: int) -> CohortPrior:
+    """Of so many women who are all alike."""
+    from dataclasses import replace
+
+    from breastrig.rig.cohort_prior import Sums, no_cohort
+
+    own = built_in(RIG, "standing")
+    assert own is not None
+    mean = own.mean + np.linalg.cholesky(own.covariance)[:, 2]
+    one = Sums.of_woman(mean, 0.1 * own.covariance)
+    prior = no_cohort(RIG)
+    for _ in range(count):
+        prior = prior.plus(replace(prior, stances={"standing": one}))
+    return prior
+
+
+def test_what_is_shared_has_means_with_the_noise_that_epsilon_asks_for() -> None:
+    pytest.importorskip("opendp")
+    own, prior = built_in(RIG, "standing"), prior_of(40)
+    assert own is not None
+    root = np.linalg.cholesky(own.covariance)
+    spreads = {}
+    for epsilon in (1.0, 10.0):
+        found = shared(prior, RIG, epsilon)
+        sums = found.stances["standing"]
+        assert found.shared is not None
+        assert sums.women == 40
+        assert not sums.products.any()
+        assert not sums.covariances.any()
+        off = np.linalg.solve(root, sums.means - prior.stances["standing"].means)
+        assert 0.7 < off.std() / found.shared.noise < 1.4  # 82 draws
+        spreads[epsilon] = found.shared.noise
+    assert spreads[1.0] > 5.0 * spreads[10.0] > 0.0
+    assert shared(prior, RIG, 1.0).content() != shared(prior, RIG, 1.0).content()
+
+
+def test_few_women_and_what_was_shared_already_are_not_shared() -> None:
+    pytest.importorskip("opendp")
+    with pytest.raises(BadInput, match="30 women or more"):
+        shared(prior_of(29), RIG, 1.0)
+    again = shared(prior_of(30), RIG, 1.0)
+    for wrong in (
+        lambda: shared(again, RIG, 1.0),
+        lambda: again.plus(prior_of(30)),
+        lambda: again.without(prior_of(1)),
+    ):
+        with pytest.raises(BadInput, match="shared"):
+            wrong()
+    for epsilon in (0.0, -1.0, float("nan"), 1e9):
+        with pytest.raises(BadInput, match="epsilon"):
+            shared(prior_of(30), RIG, epsilon)
+    assert again.plus(again).women == 60
