@@ -84,18 +84,18 @@ def believed(rig: Rig, sums: Sums, built_in: Gaussian, noise: float | None = Non
     return Belief(expected, n, k, b, len(inside), gain)
 
 
-def _of_means(centred: Array, told: float, women: int, root: Array, built_in: Gaussian) -> Belief | None:
+def _of_means(centred: Array, informed: float, women: int, root: Array, built_in: Gaussian) -> Belief | None:
     """Of sums of means with noise, which are worth fewer women; the covariance is the built-in one."""
     worths = np.array([*WORTHS, TOO_MANY])
-    variance = 1.0 / worths + 1.0 / told
+    variance = 1.0 / worths + 1.0 / informed
     found = -0.5 * (len(centred) * np.log(variance) + centred @ centred / variance)
     k = float(worths[int(found.argmax())])
     gain = float(found.max() - found[-1]) / women
     if gain <= 0.0:
         return None
     expected = Gaussian(
-        built_in.mean + root @ (told / (k + told) * centred),
-        built_in.covariance * ((1.0 + 1.0 / (k + told)) / (1.0 + 1.0 / k)),
+        built_in.mean + root @ (informed / (k + informed) * centred),
+        built_in.covariance * ((1.0 + 1.0 / (k + informed)) / (1.0 + 1.0 / k)),
     )
     return Belief(expected, women, k, TOO_MANY, len(centred), gain)
 

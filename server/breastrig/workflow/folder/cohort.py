@@ -132,10 +132,10 @@ def shared(prior: CohortPrior, rig: Rig, epsilon: float, delta: float = DELTA) -
         for stance, each in own.items()
         if each is not None
     ]
-    told = np.array(private(noise)(np.concatenate(away).tolist())).reshape(len(stances), size)
+    noisy = np.array(private(noise)(np.concatenate(away).tolist())).reshape(len(stances), size)
     empty = np.zeros((size, size))
     found = {}
-    for stance, row in zip(stances, told, strict=True):
+    for stance, row in zip(stances, noisy, strict=True):
         each = own[stance]
         assert each is not None
         women = prior.stances[stance].women
