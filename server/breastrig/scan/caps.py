@@ -1,7 +1,8 @@
 """Flat pieces with which programs close a scan: a plate behind it, lids on neck, waist and arms.  None of them is skin.
 
 A lid is planar to a fraction of a millimetre, as no scanned surface is, and what it adjoins lies behind it and meets it
-at an edge; a table or a floor has the body before it.  Evidence: docs/decisions/0022.
+at an edge; a table or a floor has the body before it.  A fan over a ragged border folds over itself, so that either
+winding is of it.  Evidence: docs/decisions/0022.
 """
 
 import numpy as np
@@ -35,7 +36,7 @@ def caps(vertices: Array, faces: Integers, crosses: Array) -> Booleans:
         normal = unit_vectors(crosses[seed].sum(axis=0, keepdims=True))[0]
         level = float(np.average(heights[seed], weights=areas[seed]))
         away = (vertices - vertices[0]) @ normal - level
-        near: Booleans = (np.abs(away[faces]).max(axis=1) < PLANAR) & (normals @ normal > ALIKE)
+        near: Booleans = (np.abs(away[faces]).max(axis=1) < PLANAR) & (np.abs(normals @ normal) > ALIKE)
         if areas[near].sum() >= LEAST and _closes(faces, near, away, normals @ normal):
             result |= near
     return result
