@@ -27,7 +27,7 @@ from breastrig.fitting.stance import UNCLEAR
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS
 from breastrig.fitting.task import Doubt
 from breastrig.fitting.uncertainty.contribution import contribution
-from breastrig.fitting.uncertainty.radii import HOLDS_90, Radii, radii
+from breastrig.fitting.uncertainty.radii import HOLDS_90, Radii, radii, seen_vertices
 from breastrig.fitting.verdicts.fit_signals import fit_signals, near_breasts
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, picked_names
 from breastrig.fitting.verdicts.verdict import (
@@ -131,7 +131,7 @@ class FitRecorder:
         compared = Comparison(target, vertices, rig.faces)
         posed = in_stance(rig, task.stance), last.parameters, compared, ready.clearness
         signals, near = fit_signals(*posed), fit_signals(*posed, near_breasts(rig))
-        found_limits, given = verdict_limits(rig), ready.given
+        found_limits, given = verdict_limits(rig), replace(ready.given, left=_to_be_placed(posterior))
         limits = None if found_limits is None else found_limits.in_stance(task.stance)
         if given.placed and shows_a_part(signals, limits):
             given = replace(given, repeated=self._only_repeats())
@@ -202,6 +202,14 @@ def _iterated(rig: Rig, iterate: FitIterate) -> Iterated:
         elapsed_s=round(iterate.elapsed_s, 4),
         nodes=[NodePose.model_validate(node) for node in node_poses(rig, iterate.parameters)],
     )
+
+
+def _to_be_placed(posterior: Posterior) -> int:
+    """How many landmarks the scan shows that nobody has picked."""
+    rig, picked = posterior.task.rig, posterior.task.picked
+    left = tuple(name for name in rig.landmark_names if name not in picked)
+    corners = rig.faces[rig.landmark_points(left).faces] if left else np.zeros((0, 3), dtype=np.int64)
+    return int(seen_vertices(posterior)[corners].any(axis=1).sum())
 
 
 def _why_failed(iterate: FitIterate, given: GivenLandmarks) -> str:

@@ -57,7 +57,7 @@ class Calibration(SettingsPart):
         """By how much picks that scatter so enlarge the radii; None: too few of them to say."""
         if scatter is None:
             return 1.0
-        return min(max((scatter / self.usual_scatter) ** 2, self.least_scatter), self.most_scatter)
+        return min(max(scatter / self.usual_scatter, self.least_scatter), self.most_scatter)
 
     def of_stance(self, stance: str) -> StanceFactors:
         """Those of this stance; what nobody has measured in it, as standing."""

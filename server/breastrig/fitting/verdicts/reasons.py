@@ -1,7 +1,7 @@
 """Reasons as sentences: what was found and what to do about it, without advice that was given or followed before."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,7 +17,7 @@ class GivenLandmarks:
     """How many of a rig's landmarks a person has given."""
 
     picked: int  # not those that were only agreed to
-    left: int  # the others
+    left: int  # of the others those that the scan shows
     followed: int  # as observations
     agreed: int = 0  # proposed, and only agreed to
     repeated: bool = False  # those that are followed lie where they were proposed
@@ -41,10 +41,11 @@ class Reason:
 
     fact: str
     advice: tuple[str, ...] = ()  # one or the other; empty ones do not count
+    note: bool = False  # said of a good fit, too
 
     def without(self, given: Iterable[str]) -> "Reason":
         """The reason without advice that was given before."""
-        return Reason(self.fact, tuple(each for each in self.advice if each and each not in given))
+        return replace(self, advice=tuple(each for each in self.advice if each and each not in given))
 
     def __str__(self) -> str:
         return f"{'; '.join(filter(None, (self.fact, ', or '.join(filter(None, self.advice)))))}."
@@ -64,13 +65,9 @@ def of_agreed(given: GivenLandmarks) -> tuple[Reason, ...]:
     """That landmarks keep the error of their proposals."""
     if not given.agreed:
         return ()
-    if given.agreed == 1:
-        return (Reason("One landmark was only agreed to where it was proposed; it keeps the proposal's error"),)
-    return (
-        Reason(
-            f"{given.agreed} landmarks were only agreed to where they were proposed; they keep the proposals' errors"
-        ),
-    )
+    one = "One landmark was only agreed to where it was proposed; it keeps the proposal's error"
+    more = f"{given.agreed} landmarks were only agreed to where they were proposed; they keep the proposals' errors"
+    return (Reason(one if given.agreed == 1 else more, note=True),)
 
 
 def of_doubts(doubts: Sequence[Doubt]) -> tuple[Reason, ...]:

@@ -32,6 +32,7 @@ class Length(SettingsPart):
 
 class SizeLimits(SettingsPart):
     asked: Positive  # standard deviations from the mean size, from which on it is asked about
+    unlikely: Positive  # likewise, from which on the fit is to be checked before anything is measured in it
     correlation: float  # of the lengths among women
     lengths: tuple[Length, ...]
 

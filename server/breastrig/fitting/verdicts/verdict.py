@@ -8,7 +8,7 @@ them.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Annotated, Literal
 
@@ -76,7 +76,8 @@ class LineLimits(SettingsPart):
     """m, of how far off nine of ten places of a line on the breasts may be."""
 
     check: float  # farther off landmarks would help
-    placed: float  # likewise where they have placed the fit: farther off is wrong
+    placed: float  # likewise where they have placed the fit and more could be placed
+    all_placed: float  # likewise where the scan shows no other
     unknown: float  # and beyond no place is known
 
 
@@ -162,22 +163,32 @@ def verdict(
         {n: s for n, s in everywhere.items() if (strengths.get(n, s) > 0.0) == is_here} for is_here in (True, False)
     )
     found = _reasons(signals, here, limits, given)
-    elsewhere = _reasons(signals, far_off, limits, given)[:1]
-    notes = tuple(Reason(FAR + each.fact) for each in elsewhere if placed)
-    found += tuple(Reason(FAR + each.fact, each.advice) for each in elsewhere if not placed)
+    elsewhere = tuple(
+        Reason(FAR + each.fact, () if placed else each.advice, note=placed)
+        for each in _reasons(signals, far_off, limits, given)[:1]
+    )
+    found, notes = (found, elsewhere) if placed else (found + elsewhere, ())
     unknown = line_error is not None and line_error > limits.lines.unknown
-    far = line_error is not None and line_error > (limits.lines.placed if placed else limits.lines.check)
     refused = impossible >= limits.unusable_at and in_all >= limits.refused_at and not given.placed
     if nothing or refused:
         return Verdict("unusable", sentences((*((NO_SKIN,) if nothing else ()), *found)), False, bool(size))
     if unknown or impossible >= limits.unusable_at:
-        lines = (Reason(UNKNOWN_LINES, (given.advice,)),) if unknown else ()
-        return Verdict("unusable", sentences((*lines, *agreed, *found, *broken, *asked, *notes)))
-    lines = (Reason(FAR_LINES.format(1e3 * (line_error or 0.0)), (given.advice, WITH_MARGIN)),) if far else ()
+        nowhere = (Reason(UNKNOWN_LINES, (given.advice,)),) if unknown else ()
+        return Verdict("unusable", sentences((*nowhere, *agreed, *found, *broken, *asked, *notes)))
+    lines = _of_lines(line_error or 0.0, limits.lines, given, placed)
     unlike = () if stance in limits.stances else (Reason(OTHER_STANCE.format(stance), (LOOK_CLOSELY,)),)
-    if not (lines or found or stopped or asked or unlike):
-        return Verdict("good", sentences((*agreed, *notes)))
-    return Verdict("check", sentences((*lines, *agreed, *found, *stopped, *asked, *unlike, *notes)))
+    reasons = (*lines, *agreed, *found, *stopped, *asked, *unlike, *notes)
+    return Verdict("good" if all(each.note for each in reasons) else "check", sentences(reasons))
+
+
+def _of_lines(error: float, limits: LineLimits, given: GivenLandmarks, placed: bool) -> tuple[Reason, ...]:
+    """How far off (m) lines may be, where that is more than a plan allows for; a note where no landmark would help."""
+    far = Reason(FAR_LINES.format(1e3 * error), (given.advice, WITH_MARGIN))
+    if not placed:
+        return (far,) if error > limits.check else ()
+    if error <= limits.placed:
+        return ()
+    return (replace(far, note=not given.left and error <= limits.all_placed),)
 
 
 def unusual_size(
@@ -194,7 +205,7 @@ def unusual_size(
     first, last = rig.landmark_points(ends).positions(vertices, rig.faces)
     labels = [next(each.label for each in rig.landmarks if each.name == end) for end in ends]
     measure = MEASURE.format(*labels, 100.0 * float(np.linalg.norm(last - first)))
-    return (Reason(SIZE.format(100.0 * abs(size), *words), (measure,)),)
+    return (Reason(SIZE.format(100.0 * abs(size), *words), (measure,), note=abs(found[1]) < limits.size.unlikely),)
 
 
 def _strengths(signals: FitSignals, limits: VerdictLimits, given: GivenLandmarks) -> dict[str, float]:
