@@ -10,8 +10,8 @@ from helpers.toy_rig import toy_rig
 
 from breastrig.fitting.task import Doubt
 from breastrig.fitting.verdicts.fit_signals import FitSignals, near_breasts
-from breastrig.fitting.verdicts.reasons import GivenLandmarks, Reason, of_agreed, picked_names
-from breastrig.fitting.verdicts.verdict import UNCLEAR_STANCE, Verdict, shows_a_part, verdict, verdict_limits
+from breastrig.fitting.verdicts.reasons import GivenLandmarks, Reason, of_agreed, of_doubts, picked_names
+from breastrig.fitting.verdicts.verdict import Verdict, shows_a_part, verdict, verdict_limits
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
 
@@ -129,15 +129,15 @@ def test_what_is_far_from_the_breasts_is_to_be_checked_and_condemns_no_fit() -> 
 
 
 def test_a_refusal_speaks_of_the_unit_only_where_the_size_is_unusual() -> None:
-    far, size = beyond_no_torso(*NAMES), (Reason("Her trunk is 80 % larger", ("measure her",)),)
-    assert "unit" not in verdict(far, Status.CONVERGED, LIMITS, NONE).refusal("torso", NONE)
-    assert "check scan and unit" in verdict(far, Status.CONVERGED, LIMITS, NONE, size=size).refusal("torso", NONE)
+    found = verdict(beyond_no_torso(*NAMES), Status.CONVERGED, LIMITS, NONE)
+    assert "unit" not in found.refusal("torso", NONE)
+    assert "check scan and unit" in found.refusal("torso", NONE, unusual_size=True)
 
 
 def test_an_unusual_size_is_asked_about_and_only_an_unlikely_one_is_to_be_checked() -> None:
     tall = Reason("Her trunk is 14 % larger", ("measure her",), note=True)
-    assert verdict(RIGHT, Status.CONVERGED, LIMITS, ALL, size=(tall,)) == Verdict("good", (str(tall),))
-    assert verdict(RIGHT, Status.CONVERGED, LIMITS, ALL, size=(replace(tall, note=False),)).level == "check"
+    assert verdict(RIGHT, Status.CONVERGED, LIMITS, ALL, asked=(tall,)) == Verdict("good", (str(tall),))
+    assert verdict(RIGHT, Status.CONVERGED, LIMITS, ALL, asked=(replace(tall, note=False),)).level == "check"
 
 
 def test_near_the_breasts_are_the_breasts_and_the_breastbone_but_no_arms_and_no_hips() -> None:
@@ -178,7 +178,7 @@ def test_of_another_model_nothing_is_known() -> None:
 
 def test_landmarks_in_doubt_make_a_right_fit_worth_a_look() -> None:
     def judged(*doubts: Doubt) -> Verdict:
-        return verdict(RIGHT, Status.CONVERGED, LIMITS, ALL, doubts=doubts)
+        return verdict(RIGHT, Status.CONVERGED, LIMITS, ALL, of_doubts(doubts))
 
     notch = Doubt(("suprasternal_notch",), "It is elsewhere.")
     one, two = judged(NAVEL), judged(NAVEL, notch)
@@ -191,11 +191,13 @@ def test_landmarks_in_doubt_make_a_right_fit_worth_a_look() -> None:
     )
 
 
-def test_an_unclear_stance_is_asked_about_where_landmarks_do_not_hold_the_fit() -> None:
-    assert verdict(RIGHT, Status.CONVERGED, LIMITS, ALL, unclear=(UNCLEAR_STANCE,)) == Verdict("good", ())
-    found = verdict(RIGHT, Status.CONVERGED, LIMITS, NONE, unclear=(UNCLEAR_STANCE,))
-    assert found.level == "check"
-    assert found.reasons == ("The scan does not show clearly whether she stands or lies; say which it is.",)
+def test_a_landmark_in_doubt_that_is_far_from_the_breasts_is_a_note() -> None:
+    (note,) = of_doubts((NAVEL,), {"umbilicus"})
+    assert verdict(RIGHT, Status.CONVERGED, LIMITS, ALL, (note,)) == Verdict("good", (str(note),))
+    notch = Doubt(("suprasternal_notch",), "It is elsewhere.")
+    for doubts in ((NAVEL, notch), (PAIR,)):
+        (reason,) = of_doubts(doubts, {"umbilicus", *PAIR.names})
+        assert not reason.note
 
 
 def test_a_part_of_a_body_is_to_be_checked_unless_landmarks_say_where_it_belongs() -> None:
@@ -259,7 +261,7 @@ def all_verdicts() -> Iterator[tuple[str, GivenLandmarks, Verdict]]:
         signals, (Status.CONVERGED, Status.STALLED), (limits, None), landmarks, doubts, (None, 0.005, 0.02, 0.1)
     ):
         if given.picked or not asked:  # doubts are of picks
-            found = verdict(shown, status, known, given, asked, error)
+            found = verdict(shown, status, known, given, of_doubts(asked), error)
             text = " ".join(found.reasons) if found.is_torso else found.refusal("torso", given)
             yield text, given, found
 

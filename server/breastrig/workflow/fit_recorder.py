@@ -27,24 +27,16 @@ from breastrig.fitting.stance import UNCLEAR
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS
 from breastrig.fitting.task import Doubt
 from breastrig.fitting.uncertainty.contribution import contribution
-from breastrig.fitting.uncertainty.radii import HOLDS_90, Radii, radii, seen_vertices
-from breastrig.fitting.verdicts.fit_signals import fit_signals, near_breasts
+from breastrig.fitting.uncertainty.radii import HOLDS_90, Radii
+from breastrig.fitting.verdicts.judge import judge
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, picked_names
-from breastrig.fitting.verdicts.verdict import (
-    UNCLEAR_STANCE,
-    Verdict,
-    shows_a_part,
-    unusual_size,
-    verdict,
-    verdict_limits,
-)
+from breastrig.fitting.verdicts.verdict import Verdict
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.least_squares.newton import Status
 from breastrig.rig.cohort_belief import Gaussian
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
-from breastrig.rig.stance_priors import in_stance
 from breastrig.workflow.events import Iterated, NodePose
 from breastrig.workflow.propose_on_scan import propose_on_scan
 from breastrig.workflow.scan_fit import Clock, ReadyScan
@@ -128,22 +120,18 @@ class FitRecorder:
         posterior = Posterior(ended(task, last), last.parameters)
         doubtful = (*rejected, *unusual(posterior)) if task.picked else rejected  # nobody can be asked about those
         vertices = posterior.state.vertices
-        compared = Comparison(target, vertices, rig.faces)
-        posed = in_stance(rig, task.stance), last.parameters, compared, ready.clearness
-        signals, near = fit_signals(*posed), fit_signals(*posed, near_breasts(rig))
-        found_limits, given = verdict_limits(rig), replace(ready.given, left=_to_be_placed(posterior))
-        limits = None if found_limits is None else found_limits.in_stance(task.stance)
-        if given.placed and shows_a_part(signals, limits):
-            given = replace(given, repeated=self._only_repeats())
-        known = radii(posterior, ready.clearness)
-        lines_off = None if known is None else known.lines
-        unclear = (UNCLEAR_STANCE,) if ready.stance_reason in UNCLEAR else ()
-        size = unusual_size(limits, rig, vertices, target, task.stance)
-        found_verdict = verdict(
-            signals, last.status, limits, given, doubtful, lines_off, task.stance, unclear, size, near
+        judged = judge(
+            posterior,
+            last.status,
+            ready.given,
+            doubtful,
+            ready.clearness,
+            unclear_stance=ready.stance_reason in UNCLEAR,
+            repeats=self._only_repeats,
         )
+        found_verdict, compared, known = judged.verdict, judged.compared, judged.radii
         if not found_verdict.is_torso:
-            raise FitFailed(" ".join(explained(task, (found_verdict.refusal(rig.name, given),))))
+            raise FitFailed(" ".join(explained(task, (judged.refusal,))))
         if found_verdict.level == "unusable" and not any(doubt.exchanged for doubt in rejected):
             found_verdict = replace(found_verdict, reasons=explained(task, found_verdict.reasons))
         timing = ready.timing_s | {"solve": solve_s}
@@ -202,14 +190,6 @@ def _iterated(rig: Rig, iterate: FitIterate) -> Iterated:
         elapsed_s=round(iterate.elapsed_s, 4),
         nodes=[NodePose.model_validate(node) for node in node_poses(rig, iterate.parameters)],
     )
-
-
-def _to_be_placed(posterior: Posterior) -> int:
-    """How many landmarks the scan shows that nobody has picked."""
-    rig, picked = posterior.task.rig, posterior.task.picked
-    left = tuple(name for name in rig.landmark_names if name not in picked)
-    corners = rig.faces[rig.landmark_points(left).faces] if left else np.zeros((0, 3), dtype=np.int64)
-    return int(seen_vertices(posterior)[corners].any(axis=1).sum())
 
 
 def _why_failed(iterate: FitIterate, given: GivenLandmarks) -> str:

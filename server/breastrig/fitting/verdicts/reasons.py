@@ -1,6 +1,6 @@
 """Reasons as sentences: what was found and what to do about it, without advice that was given or followed before."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,6 +26,11 @@ class GivenLandmarks:
     def placed(self) -> bool:
         """Whether they have placed the fit."""
         return self.followed >= MIN_LANDMARKS
+
+    @property
+    def on_their_own(self) -> bool:
+        """Whether they have placed it and are more than what the program has proposed."""
+        return self.placed and not self.repeated
 
     @property
     def advice(self) -> str:
@@ -70,8 +75,11 @@ def of_agreed(given: GivenLandmarks) -> tuple[Reason, ...]:
     return (Reason(one if given.agreed == 1 else more, note=True),)
 
 
-def of_doubts(doubts: Sequence[Doubt]) -> tuple[Reason, ...]:
-    """How many landmarks are asked about; each doubt has its own sentence, which names them."""
+def of_doubts(doubts: Sequence[Doubt], far: Collection[str] = ()) -> tuple[Reason, ...]:
+    """How many landmarks are asked about, in a note where all are `far` from what is planned on.
+
+    Each doubt has its own sentence, which names them.
+    """
     exchanged = sum(len(doubt.names) for doubt in doubts if doubt.exchanged)
     others = sum(len(doubt.names) for doubt in doubts if not doubt.exchanged)
     parts = [f"{exchanged} landmarks look exchanged between left and right"] if exchanged else []
@@ -80,7 +88,8 @@ def of_doubts(doubts: Sequence[Doubt]) -> tuple[Reason, ...]:
         parts.append(f"{count} in doubt")
     fact = ", and ".join(parts)
     which = "it" if exchanged + others == 1 else "them"
-    return (Reason(fact[:1].upper() + fact[1:], (LOOK_AGAIN.format(which),)),) if parts else ()
+    note = not exchanged and all(name in far for doubt in doubts for name in doubt.names)
+    return (Reason(fact[:1].upper() + fact[1:], (LOOK_AGAIN.format(which),), note),) if parts else ()
 
 
 REPEATED = 0.002  # m; at least three true picks of each of 92 parts lie farther from proposals, 3 mm: of all but 3

@@ -19,9 +19,8 @@ from breastrig.core.arrays import Array
 from breastrig.core.settings_file import SettingsPart
 from breastrig.core.stances import STANDING
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.task import Doubt
 from breastrig.fitting.verdicts.fit_signals import HANGS, FitSignals
-from breastrig.fitting.verdicts.reasons import GivenLandmarks, Reason, of_agreed, of_doubts, sentences
+from breastrig.fitting.verdicts.reasons import GivenLandmarks, Reason, of_agreed, sentences
 from breastrig.fitting.verdicts.size import SizeLimits, times_larger
 from breastrig.least_squares.newton import Status
 from breastrig.rig.known import NOT_CALIBRATED, known_part
@@ -38,7 +37,6 @@ UNKNOWN_LINES = "Where lines on the breasts lie is not known"
 OTHER_STANCE = "How far off a fit of a {} body may be has not been measured"
 LOOK_CLOSELY = "look at it closely"
 FAR = "With what is far from the breasts: "
-UNCLEAR_STANCE = Reason("The scan does not show clearly whether she stands or lies", ("say which it is",))
 SIZE = "Her trunk is {:.0f} % {} than most women's: she may be {}, or the scan without a true scale"
 MEASURE = (
     "measure on her the straight way from {} to {}, {:.0f} cm in this scan, and scale the scan where that is wrong"
@@ -106,13 +104,12 @@ class Verdict:
     level: Level
     reasons: tuple[str, ...]  # sentences, the strongest first; of a good one notes alone
     is_torso: bool = True  # False: certainly none
-    unusual_size: bool = False  # its unit may be wrong
 
-    def refusal(self, name: str, given: GivenLandmarks) -> str:
-        """One sentence, for what is certainly not what the rig of this name shows."""
+    def refusal(self, name: str, given: GivenLandmarks, *, unusual_size: bool = False) -> str:
+        """One sentence, for what is certainly not what the rig of this name shows; its unit may be wrong."""
         facts = [reason.partition(";")[0].rstrip(".") for reason in self.reasons[:SHOWN]]
         inner = ", and ".join(fact[:1].lower() + fact[1:] for fact in facts)
-        checked = ["scan", *(["unit"] if self.unusual_size else []), *(["landmarks"] if given.picked else [])]
+        checked = ["scan", *(["unit"] if unusual_size else []), *(["landmarks"] if given.picked else [])]
         words = " and ".join(filter(None, (", ".join(checked[:-1]), checked[-1])))
         landmarks = ", or place landmarks if it is one" if given.left and not given.picked else ""
         return f"This does not look like a {name.replace('_', ' ')}: {inner}; check {words}{landmarks}."
@@ -129,23 +126,20 @@ def verdict(
     status: Status,
     limits: VerdictLimits | None,
     given: GivenLandmarks,
-    doubts: Sequence[Doubt] = (),
+    asked: Sequence[Reason] = (),
     line_error: float | None = None,
     stance: str = STANDING,
-    unclear: Sequence[Reason] = (),
-    size: Sequence[Reason] = (),
     near: FitSignals | None = None,
 ) -> Verdict:
-    """`status` is why the fit stopped, `doubts` are asked about; `line_error` (m) says what the fit is good for.
+    """`status` is why the fit stopped; `line_error` (m) says what the fit is good for.
 
-    `unclear` and `size` are asked about, too.  `near`: the signals of what plans are made on; without these no fit is
-    unusable, and what speaks against it elsewhere is said to be far from there.
+    `near`: the signals of what plans are made on; without these no fit is unusable, and what speaks against it
+    elsewhere is said to be far from there.
 
     Whoever places landmarks has seen a torso: such a fit is unusable at most, only what no right fit has is to be
-    checked, what is far from the breasts is a note, and the stance moves nothing.
+    checked, and what is far from the breasts is a note.
     """
-    placed = given.placed and not given.repeated
-    asked, agreed = (*of_doubts(doubts), *(() if placed else unclear), *size), of_agreed(given)
+    placed, agreed = given.on_their_own, of_agreed(given)
     converged = status is Status.CONVERGED
     stopped = () if converged else (Reason(NOT_CONVERGED, (LOOK_CLOSELY, given.advice)),)
     broken = () if converged else (Reason(NOT_CONVERGED),)
@@ -171,7 +165,7 @@ def verdict(
     unknown = line_error is not None and line_error > limits.lines.unknown
     refused = impossible >= limits.unusable_at and in_all >= limits.refused_at and not given.placed
     if nothing or refused:
-        return Verdict("unusable", sentences((*((NO_SKIN,) if nothing else ()), *found)), False, bool(size))
+        return Verdict("unusable", sentences((*((NO_SKIN,) if nothing else ()), *found)), False)
     if unknown or impossible >= limits.unusable_at:
         nowhere = (Reason(UNKNOWN_LINES, (given.advice,)),) if unknown else ()
         return Verdict("unusable", sentences((*nowhere, *agreed, *found, *broken, *asked, *notes)))
@@ -211,13 +205,12 @@ def unusual_size(
 def _strengths(signals: FitSignals, limits: VerdictLimits, given: GivenLandmarks) -> dict[str, float]:
     """By name, of the signals that say anything of this fit."""
     values = vars(signals)
-    trusted = given.placed and not given.repeated
     found = {
         name: _strength(values[name], limit, signals.hanging > HANGS)
         for name, limit in limits.signals.items()
-        if np.isfinite(values[name]) and not (trusted and limit.scan_alone)
+        if np.isfinite(values[name]) and not (given.on_their_own and limit.scan_alone)
     }
-    return {name: strength if strength >= 1.0 or not trusted else 0.0 for name, strength in found.items()}
+    return {name: strength if strength >= 1.0 or not given.on_their_own else 0.0 for name, strength in found.items()}
 
 
 def _reasons(

@@ -11,21 +11,18 @@ from typing import Any
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.correspondence.distances import Comparison, surface_summary_mm
+from breastrig.correspondence.distances import surface_summary_mm
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS, start_from_scan
 from breastrig.fitting.task import Doubt, FitTask
-from breastrig.fitting.uncertainty.radii import radii
-from breastrig.fitting.verdicts.fit_signals import fit_signals
+from breastrig.fitting.verdicts.judge import judge
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, picked_names
-from breastrig.fitting.verdicts.verdict import verdict, verdict_limits
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.similarity import Similarity, similar_parameters
-from breastrig.rig.stance_priors import in_stance
 from breastrig_studies.studies.case import Scene
 
 SHOWN = 0.01  # m; a landmark farther from the scan cannot be picked
@@ -69,14 +66,10 @@ def judged(
     posterior = Posterior(ended(task, last), last.parameters)
     doubts: tuple[Doubt, ...] = (*last.not_followed, *unusual(posterior))
     vertices = posterior.state.vertices
-    compared = Comparison(scene.target, vertices, rig.faces)
-    signals = fit_signals(in_stance(rig, task.stance), last.parameters, compared, clearness)
     repeated = len(picked_names(picks, proposed)) < MIN_LANDMARKS
-    left = len(rig.landmark_names) - len(picks)
-    given = GivenLandmarks(picked=len(picks), left=left, followed=len(picks), repeated=repeated)
-    known = radii(posterior, clearness)
-    lines = None if known is None else known.lines
-    said = verdict(signals, last.status, verdict_limits(rig), given, doubts, lines, task.stance)
+    given = GivenLandmarks(picked=len(picks), left=0, followed=len(picks))
+    found = judge(posterior, last.status, given, doubts, clearness, repeats=lambda: repeated)
+    said, compared = found.verdict, found.compared
     error = 1e3 * float(scene.landmark_errors(rig, vertices).mean())
     at = rig.landmark_points().positions(vertices, rig.faces)
     surface = surface_summary_mm(compared.distances.model)["mean"]
