@@ -1,6 +1,6 @@
 """How the energy really rises around a fit, in units of what its Gaussian (fitting/posterior.py) says.
 
-    python -m breastrig_studies.studies.laplace COHORT [COHORT ...]
+    python -m breastrig_studies.studies.trust.laplace COHORT [COHORT ...]
 
 Steps drawn from the posterior are brought to 1, 2 and 4 deviations; matches are looked for anew at each.  1: as the
 Gaussian says; less: the fit is less sure there than it says.  Of the first two women of each stance.
