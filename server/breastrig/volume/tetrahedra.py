@@ -90,7 +90,7 @@ def depths(rig: Rig) -> Array:
     depth[count : 2 * count] = depth[behind] = 1.0
     depth[:count] = 0.0
     free = np.setdiff1d(np.arange(2 * count, total), behind)
-    _solve(depth, _stiffness(known), free)
+    _solve(depth, stiffness(known), free)
     return depth
 
 
@@ -100,7 +100,7 @@ def extended(known: KnownVolume, surfaces: Array) -> Array:
     cut = np.setdiff1d(known.cuts, given)
     points = np.concatenate([surfaces, np.zeros((total - len(surfaces), 3))])
     _solve(points, (sparse.diags_array(np.ones(total)) - neighbours(known.cuts, total)).tocsr(), cut)
-    _solve(points, _stiffness(known), np.setdiff1d(np.arange(len(surfaces), total), cut))
+    _solve(points, stiffness(known), np.setdiff1d(np.arange(len(surfaces), total), cut))
     return points
 
 
@@ -112,7 +112,7 @@ def _solve(points: Array, matrix: sparse.csr_array, free: Integers) -> None:
 
 
 @lru_cache(maxsize=4)
-def _stiffness(known: KnownVolume) -> sparse.csr_array:
+def stiffness(known: KnownVolume) -> sparse.csr_array:
     """(N, N) of linear elements at rest: ∫ ∇φ_i · ∇φ_j."""
     gradients, volumes = shape_gradients(known.points, known.tetrahedra)
     local = np.einsum("m,mai,mbi->mab", volumes, gradients, gradients)
