@@ -4,37 +4,35 @@
     breastrig evaluate --warped 24 COHORT -o DIR --quick
     python -m breastrig_studies.stance_signs DIR/poses DIR/warped
 
-Of each scan the table is cut away; taken are the whole and its left half.  Printed are the signs' numbers, from the
-choosing women, and how many answers are wrong, said to be unsure or not: in the choosing group each woman by the
-others, else by the numbers that are kept.  Fits that went astray, whose stance says nothing, are left out, and so are
-sealed women (evaluate --sealed).
+Scans are whole and without their tables; each is fitted without landmarks and with all that are on it, so that one
+answer holds for both.  Printed are the signs' numbers, from the choosing women, and how many answers are wrong, said to
+be unsure or not: in the choosing group each woman by the others, else by the numbers that are kept.  Fits that went
+astray, whose stance says nothing, are left out, and so are sealed women (evaluate --sealed).
 """
 
 import json
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 
 from breastrig.core.arrays import Array, Booleans
 from breastrig.fitting.picks.checked_fit import checked_iterates
-from breastrig.fitting.prepare_scan import PreparedScan, prepared
 from breastrig.fitting.recipe import load_recipe
-from breastrig.fitting.starts.orientation import start_from_scan
 from breastrig.fitting.starts.supine_or_standing import Sign, StanceSigns, measured_signs, stance_signs
 from breastrig.fitting.task import FitTask
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
-from breastrig.scan.clean import Surface, compact
-from breastrig_studies.cohort import Case, read_cohort
-from breastrig_studies.studies.case import Scene, read_scene
+from breastrig_studies.cohort import read_cohort
+from breastrig_studies.studies.case import read_scene
+from breastrig_studies.studies.trust.captured import captured_scene
 
 ASTRAY = 0.04  # m, mean distance of the landmarks
 MOST = 1.5  # standard deviations, of any sign: a woman with next to no breasts shows little, not much
-RIDGE = 3.0  # of the weights, in units of scans, of which each woman has many
+RIDGE = 10.0  # of the weights, in units of fits, of which each woman has many
 GROUPS = ("choose", "report")
 
 
@@ -42,24 +40,11 @@ GROUPS = ("choose", "report")
 class ScanSigns:
     """One scan, and what it shows of the stance."""
 
-    kind: str  # folder, pose and part
+    kind: str  # folder, pose and landmarks
     half: str
     source: str
     lies: bool
     signs: Mapping[str, float]
-
-
-def scans_without_table(case: Case) -> Iterator[tuple[str, Scene, PreparedScan]]:
-    """The case without its table, and its left half."""
-    scene = read_scene(case)
-    skin = Surface(scene.target.vertices, scene.target.faces, ())
-    yield "", scene, prepared(skin, "auto")
-    left = scene.landmarks["acromion_L"] - scene.landmarks["acromion_R"]
-    kept: Booleans = np.asarray(
-        (skin.vertices @ left > scene.landmarks["suprasternal_notch"] @ left)[skin.faces].all(axis=1)
-    )
-    if kept.mean() > 0.25:  # else it is half a scan already
-        yield "half", scene, prepared(Surface(*compact(skin.vertices, skin.faces[kept]), ()), "auto")
 
 
 def signs_of_scans(folder: Path, rig: Rig) -> Iterator[ScanSigns]:
@@ -73,12 +58,12 @@ def signs_of_scans(folder: Path, rig: Rig) -> Iterator[ScanSigns]:
             continue
         if not file.is_file():
             found = []
-            for part, scene, ready in scans_without_table(case):
-                start = start_from_scan(rig, ready.target, ready.frame.fronts).parameters
-                task = FitTask(rig, ready.target, start, recipe, {})
-                *_, last = checked_iterates(replace(task, stance="standing"))
+            scene = captured_scene(read_scene(case), "as_it_is")  # without the table
+            for given, picks in (("none", {}), ("all", dict(scene.landmarks))):
+                task = FitTask(rig, scene.target, scene.start(rig, picks), recipe, {}, "standing").with_picks(picks)
+                *_, last = checked_iterates(task)
                 if scene.landmark_errors(rig, pose(rig, last.parameters)).mean() < ASTRAY:
-                    kind = f"{folder.name} {case.name} {part}".strip()
+                    kind = f"{folder.name} {case.name} {given}"
                     lies, signs = case.stance == "supine", measured_signs(task, last)
                     found.append(ScanSigns(kind, patient["half"], patient["source"], lies, signs))
             file.write_text(json.dumps([asdict(each) for each in found]), "utf-8")

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,11 +11,12 @@ from breastrig.core.arrays import Array
 from breastrig.core.assets import asset_folder
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.correspondence.target import ScanTarget
+from breastrig.fitting import stance as stance_module
 from breastrig.fitting.fit import FitTask
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.scan_orientation import scan_orientation
-from breastrig.fitting.stance import STANDS, FoundStance, found_stance
+from breastrig.fitting.stance import HANGS, MAY_HANG, STANDS, FoundStance, found_stance
 from breastrig.fitting.starts import supine_or_standing
 from breastrig.fitting.starts.orientation import best_start
 from breastrig.fitting.starts.prone import hanging_views
@@ -125,13 +127,13 @@ def test_a_table_that_a_scanner_sees_upright_is_a_table() -> None:
 @pytest.mark.parametrize("turn", [np.eye(3), exp_so3(np.array([0.3, -1.1, 0.7]))])
 def test_signs_are_measured_in_the_bodys_own_axes(turn: Array) -> None:
     rig = read_rig(default_rig_path())
-    vertices = rig.template @ turn.T
+    x, vertices = rest_parameters(rig), rig.template @ turn.T
     marks = dict(zip(rig.landmark_names, rig.landmark_points().positions(rig.template, rig.faces), strict=True))
     bone = np.linalg.norm(marks["suprasternal_notch"] - marks["xiphoid"])
     forward = 0.5 * (marks["nipple_L"] + marks["nipple_R"])
-    found = supine_or_standing.breast_signs(rig, vertices, ScanTarget(vertices, rig.faces))
+    found = supine_or_standing.breast_signs(rig, x, vertices, ScanTarget(vertices, rig.faces))
     assert found["nipples_in_front"] == pytest.approx((forward - marks["xiphoid"])[2] / bone, abs=0.01)
-    assert all(value > 0.05 for value in found.values())
+    assert all(found[name] > 0.05 for name in ("nipples_in_front", "nipples_over_folds", "facing_back"))
 
 
 def test_an_arm_is_as_far_from_hanging_as_it_is_raised_on_its_own_side() -> None:
@@ -162,3 +164,19 @@ def test_a_small_front_of_a_standing_body_is_not_prone_though_its_breasts_stand_
     orientation = scan_orientation(read_rig(default_rig_path()), ready, load_recipe("default"))[0]
     assert (orientation.stance, orientation.stance_reason) == ("standing", STANDS)
     assert orientation.start.rotation[:, 1] @ up > 0.9
+
+
+@pytest.mark.parametrize(("better", "reason"), [(80.0, HANGS), (-17.0, MAY_HANG)])
+def test_prone_is_doubted_where_standing_explains_the_front_about_as_well(
+    monkeypatch: pytest.MonkeyPatch, better: float, reason: str
+) -> None:
+    rig = read_rig(default_rig_path())
+    target = ScanTarget(rig.template, rig.faces)
+    task = FitTask(rig, target, rest_parameters(rig), load_recipe("default"), {}).with_picks({"xiphoid": np.zeros(3)})
+    prone, standing = (SimpleNamespace(energy=energy, task=task) for energy in (100.0 - better, 100.0))
+    view = SimpleNamespace(parameters=task.start, opening=prone)
+    monkeypatch.setattr(stance_module, "hanging_views", lambda *_: ["a view"])
+    monkeypatch.setattr(stance_module, "prone_start", lambda *_: view)
+    monkeypatch.setattr(stance_module, "opened", lambda _: standing)
+    answer = found_stance(task, replace(propose_frame(target.vertices, target.faces), fronts=np.eye(3)[:1]))
+    assert (answer.stance, answer.reason) == ("prone", reason)

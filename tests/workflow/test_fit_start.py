@@ -1,6 +1,7 @@
 """A fit that goes on from an earlier one of the same scan ends where a fresh fit with the same picks ends."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +11,23 @@ from helpers.example_patient import EXAMPLE
 from helpers.random_pose import random_parameters
 
 from breastrig.core.errors import BadSettings
+from breastrig.correspondence.target import ScanTarget
+from breastrig.fitting.prepare_scan import PreparedScan
+from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.scan_orientation import ScanOrientation
+from breastrig.fitting.stance import FoundStance
+from breastrig.fitting.task import FitTask
 from breastrig.gltf.pose_nodes import node_poses, posed_by_nodes
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
+from breastrig.rig.parameters import rest_parameters
+from breastrig.rig.similarity import Similarity
 from breastrig.rig.skinning import pose
+from breastrig.scan.clean import Surface
+from breastrig.scan.orient import LABEL_MAP_FRAME
+from breastrig.workflow import fit_start
 from breastrig.workflow.events import Event
+from breastrig.workflow.fit_start import with_stance
 from breastrig.workflow.jobs import EarlierFit, FitJob
 from breastrig.workflow.run_fit import run_fit
 
@@ -72,3 +85,21 @@ def test_after_one_pick_was_moved(rig: Rig, tmp_path: Path) -> None:
 def test_the_pose_of_another_model_is_refused(tmp_path: Path) -> None:
     with pytest.raises(BadSettings, match="another model"):
         events_of(tmp_path, PICKS, earlier=EarlierFit("standing", [], "0" * 64))
+
+
+@pytest.mark.parametrize(("apart", "stance"), [(0.0, "supine"), (0.03, "supine"), (0.2, "standing")])
+def test_landmarks_change_no_stance_unless_the_scan_alone_was_fitted_elsewhere(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch, apart: float, stance: str
+) -> None:
+    monkeypatch.setattr(fit_start, "found_stance", lambda task, frame: FoundStance("standing", "Found anew."))
+    x = rest_parameters(rig)
+    start = Similarity(1.0, np.eye(3), np.zeros(3))
+    orientation = ScanOrientation(rig.sha256, LABEL_MAP_FRAME, start, 1.0, "supine", "As found before.", x)
+    places = rig.landmark_points().positions(rig.template, rig.faces) + apart * np.eye(3)[0]
+    target = ScanTarget(rig.template, rig.faces)
+    task = FitTask(rig, target, x, load_recipe("default"), {}).with_picks(
+        dict(zip(rig.landmark_names, places, strict=True))
+    )
+    scan = PreparedScan(Surface(rig.template, rig.faces, ()), target, 0, LABEL_MAP_FRAME)
+    assert with_stance(task, "auto", scan, orientation)[0].stance == stance
+    assert with_stance(replace(task, given={}), "auto", scan, orientation)[0].stance == "supine"

@@ -40,10 +40,14 @@ LIES = "There is no table in the scan, but she looks like a lying patient."
 STANDS = "There is no table in the scan, and she looks like a standing patient."
 MAY_LIE = "Without a table it is not clear: she seems to lie. If she stands, say that she stands."
 MAY_STAND = "Without a table it is not clear: she seems to stand. If she lies, say that she lies."
-UNCLEAR = (MAY_LIE, MAY_STAND)
+MAY_HANG = (
+    "Only the front of a chest is seen, and its breasts may hang to the front: prone. If not, say how she is scanned."
+)
+UNCLEAR = (MAY_LIE, MAY_STAND, MAY_HANG)
 
 
-WORSE = 60.0  # log likelihood that prone may lack against standing: 26 of 28 prone bodies lack up to 22, others 114 on
+WORSE = 60.0  # log likelihood that prone may lack against standing, and has more where it is clear: 26 of 28 prone
+# bodies lack up to 22, others 114 on, but fronts of firm implants -1 to 17
 HANGS = "Only the front of a chest is seen, and its breasts hang to the front: prone. If not, say how she is scanned."
 
 
@@ -80,7 +84,8 @@ def found_stance(task: FitTask, frame: Frame, known_opening: Opening | None = No
         if prone.opening.energy < of_scan.energy + WORSE:
             lies = replace(task, stance=PRONE, start=prone.parameters)
             same = not task.landmarks and task.recipe is prone.opening.task.recipe
-            return FoundStance(PRONE, HANGS, tuple(checked_iterates(lies, prone.opening)) if same else (), prone)
+            why = HANGS if prone.opening.energy + WORSE < of_scan.energy else MAY_HANG
+            return FoundStance(PRONE, why, tuple(checked_iterates(lies, prone.opening)) if same else (), prone)
     standing = tuple(checked_iterates(task, known_opening))
     likely = likely_stance(measured_signs(task, standing[-1]))
     if wall:

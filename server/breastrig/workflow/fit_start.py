@@ -13,7 +13,7 @@ from breastrig.fitting.body.hanging_start import hanging_shapes
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.scan_orientation import ScanOrientation
 from breastrig.fitting.stance import FoundStance, found_stance
-from breastrig.fitting.starts.orientation import MIN_LANDMARKS, best_start, start_from_scan
+from breastrig.fitting.starts.orientation import MIN_LANDMARKS, agree, best_start, start_from_scan
 from breastrig.fitting.starts.prone import prone_start
 from breastrig.fitting.task import FitTask
 from breastrig.gltf.pose_nodes import posed_by_nodes
@@ -39,12 +39,12 @@ def with_stance(
 ) -> tuple[FitTask, FoundStance]:
     """A task that has its start, in the stance that was asked for or found, and how it was found.
 
-    The body shows its stance in a fit.  With landmarks that is the fit itself, which then goes on from there; without
-    any it is the fit that was made when the orientation was found.
+    The body shows its stance in a fit: the one that was made when the orientation was found, so that landmarks change
+    no answer, unless they lie elsewhere than it ended; else the fit itself, which then goes on from there.
     """
     if stance != AUTO:
         found = FoundStance(stance, "As asked for.")
-    elif orientation is not None and not task.landmarks:
+    elif orientation is not None and _found(task, orientation):
         found = FoundStance(orientation.stance, orientation.stance_reason)
     else:
         found = found_stance(task, scan.frame)
@@ -54,6 +54,12 @@ def with_stance(
     if found.start is None and (orientation is None or orientation.stance != PRONE):
         found = replace(found, start=prone_start(task.rig, task.target, scan.frame))
     return (task if found.start is None else replace(task, start=found.start.parameters)), found
+
+
+def _found(task: FitTask, orientation: ScanOrientation) -> bool:
+    """Whether the fit of the orientation ended where the landmarks are; True where there is no such fit, or none."""
+    fitted = orientation.fitted
+    return fitted is None or not task.landmarks or agree(task.rig, fitted, task.landmarks)
 
 
 def with_earlier_start(task: FitTask, stance: str, earlier: EarlierFit) -> tuple[FitTask, FoundStance]:

@@ -11,12 +11,14 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.starts.supine_or_standing import breast_signs, likely_stance, stance_signs
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
+from breastrig.rig.parameters import rest_parameters
 from breastrig.scan.clean import compact
+from breastrig_studies.virtual.bodies import closed
 
 
 def as_scanned(rig: Rig, vertices: Array) -> dict[str, float]:
     """The signs of vertices (V, 3) m that lie on their scan."""
-    return breast_signs(rig, vertices, ScanTarget(vertices, rig.faces))
+    return breast_signs(rig, rest_parameters(rig), vertices, ScanTarget(vertices, rig.faces))
 
 
 def in_between() -> dict[str, float]:
@@ -77,12 +79,28 @@ def test_nipples_that_move_back_are_seen() -> None:
     assert after["nipples_in_front"] < before["nipples_in_front"]
 
 
+@pytest.mark.parametrize("side", ["L", "R"])
+def test_a_breast_that_is_gone_says_nothing(side: str) -> None:
+    rig = read_rig(default_rig_path())
+    moved = rig.template.copy()
+    moved[rig.regions[f"areola_{side}"], 2] -= 0.06
+    weights = np.where(np.array(rig.shape_names) == f"projection_{side}", -2.0, 0.0)
+    seen = breast_signs(rig, replace(rest_parameters(rig), weights=weights), moved, ScanTarget(moved, rig.faces))
+    assert seen == pytest.approx(as_scanned(rig, rig.template), abs=0.03)
+
+
 def test_skin_that_faces_backwards_is_seen_where_the_scan_shows_it() -> None:
     rig = read_rig(default_rig_path())
     front = rig.faces[(rig.template[:, 2] > np.median(rig.template[:, 2]))[rig.faces].all(axis=1)]
     assert as_scanned(rig, rig.template)["facing_back"] > 0.25
-    shown = breast_signs(rig, rig.template, ScanTarget(*compact(rig.template, front)))
-    assert shown["facing_back"] < 0.05
+    shown = breast_signs(rig, rest_parameters(rig), rig.template, ScanTarget(*compact(rig.template, front)))
+    assert "facing_back" not in shown
+
+
+def test_the_back_of_a_surface_that_a_program_has_closed_says_nothing() -> None:
+    rig = read_rig(default_rig_path())
+    scan = ScanTarget(*closed(rig.template, rig.faces))
+    assert "facing_back" not in breast_signs(rig, rest_parameters(rig), rig.template, scan)
 
 
 def test_of_a_rig_without_the_landmarks_the_breasts_say_nothing() -> None:

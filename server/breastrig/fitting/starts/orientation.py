@@ -7,7 +7,7 @@ Without them the rest pose is tried all around (starts/rigid_search.py), and on 
 (starts/hypotheses.py): the rest pose covers what there is, and would shrink into it.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -121,7 +121,10 @@ def best_start(
     if len(landmarks) >= SURE_LANDMARKS:
         return by_landmarks
     by_scan = from_scan()
-    names = tuple(landmarks)
-    places = rig.landmark_points(names).positions(pose(rig, by_scan), rig.faces)
-    gaps = np.linalg.norm(places - np.array([landmarks[name] for name in names]), axis=1)
-    return by_scan if gaps.mean() < AGREED else by_landmarks
+    return by_scan if agree(rig, by_scan, landmarks) else by_landmarks
+
+
+def agree(rig: Rig, x: RigParameters, landmarks: Mapping[str, Array]) -> bool:
+    """Whether landmarks ((3,) m by name, one or more) are about where the body posed by `x` has them."""
+    places = rig.landmark_points(tuple(landmarks)).positions(pose(rig, x), rig.faces)
+    return bool(np.linalg.norm(places - np.array([*landmarks.values()]), axis=1).mean() < AGREED)

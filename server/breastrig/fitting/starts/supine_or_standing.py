@@ -1,8 +1,9 @@
 """Probability that a body without a visible table is supine, from the signs of a fit that assumes it stands.
 
-Arms say little: standing ones may be anywhere.  Breasts say most: where nipples are to the breastbone and to the folds,
-in units of the breastbone's length, and the shapes by which they flatten and lie aside.  Skin that faces backwards
-is seen of a standing body only.  Weights: stance_signs.toml, by breastrig_studies/stance_signs.py; docs/decisions/0022.
+Arms say little: standing ones may be anywhere.  Breasts say most, by the one that is more in front, as the other may be
+gone: where nipple is to breastbone and fold, in units of the breastbone's length, and the shapes by which breasts
+flatten and lie aside.  Skin that faces backwards is seen of a standing body only.  Weights: stance_signs.toml, by
+breastrig_studies/stance_signs.py; docs/decisions/0022.
 """
 
 from collections.abc import Mapping
@@ -11,8 +12,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from breastrig.core.arrays import Array, Integers
+from breastrig.core.arrays import Array
 from breastrig.core.settings_file import SettingsPart, packaged
+from breastrig.core.stances import SIDES
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.body.hanging import body_axes
 from breastrig.fitting.task import FitIterate, FitTask
@@ -22,8 +24,9 @@ from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
 
 MEASURED = ("suprasternal_notch", "xiphoid", "nipple_L", "nipple_R", "inframammary_fold_L", "inframammary_fold_R")
-SHAPES = {"flattened": "projection", "aside": "position_lateral"}  # signs that are mean weights of a shape's two sides
+SHAPES = {"flattened": "projection", "aside": "position_lateral"}  # signs that are weights of a shape
 BACKWARDS = -0.3  # cosine to the front; a lying body is seen from above
+SOME_BACK = 0.01  # share of the trunk's skin
 TRUNK = (
     (-0.5, 0.75),
     0.8,
@@ -79,44 +82,47 @@ def arm_angles(rig: Rig, x: RigParameters) -> Array:
     return np.array(angles)
 
 
-def breast_signs(rig: Rig, vertices: Array, target: ScanTarget) -> dict[str, float]:
-    """How (V, 3) m vertices show the breasts, in lengths of the breastbone; nothing of a rig without its landmarks."""
+def breast_signs(rig: Rig, x: RigParameters, vertices: Array, target: ScanTarget) -> dict[str, float]:
+    """How (V, 3) m vertices, posed by `x`, show the breasts, in lengths of the breastbone; nothing of a rig without
+    its landmarks."""
     if not set(MEASURED) <= set(rig.landmark_names):
         return {}
-    places = rig.landmark_points(MEASURED).positions(vertices, rig.faces)
     axes = body_axes(rig, vertices)
-    notch, end, *breasts = places @ axes
-    nipples, folds = np.array(breasts[:2]), np.array(breasts[2:])
+    notch, end, *breasts = rig.landmark_points(MEASURED).positions(vertices, rig.faces) @ axes
+    side, nipple, fold = max(zip(SIDES, breasts[:2], breasts[2:], strict=True), key=lambda each: float(each[1][2]))
     bone = float(np.linalg.norm(notch - end))
+    weights = dict(zip(rig.shape_names, x.weights.tolist(), strict=True))
     return {
-        "nipples_in_front": float(nipples[:, 2].mean() - end[2]) / bone,
-        "nipples_over_folds": float((nipples - folds)[:, 1].mean()) / bone,
-        "facing_back": _facing_back((target.vertices @ axes - end) / bone, target.faces),
+        "nipples_in_front": float(nipple[2] - end[2]) / bone,
+        "nipples_over_folds": float(nipple[1] - fold[1]) / bone,
+        **_facing_back((target.vertices @ axes - end) / bone, target),
+        **{sign: weights[f"{shape}_{side}"] for sign, shape in SHAPES.items() if f"{shape}_{side}" in weights},
     }
 
 
-def _facing_back(vertices: Array, faces: Integers) -> float:
-    """Share of the trunk's scanned skin; (V, 3) from the xiphoid in the body's axes, in lengths of the breastbone."""
+def _facing_back(vertices: Array, target: ScanTarget) -> dict[str, float]:
+    """Share of the trunk's scanned skin; (V, 3) from the xiphoid in the body's axes, in lengths of the breastbone.
+
+    Nothing where next to none does, as one camera may have been before her, or where a program has closed the surface.
+    """
+    faces = target.faces
     crosses, middles = face_crosses(vertices, faces), vertices[faces].mean(axis=1)
     (low, high), aside = TRUNK
     trunk = (middles[:, 1] > low) & (middles[:, 1] < high) & (np.abs(middles[:, 0]) < aside)
     areas = np.linalg.norm(crosses, axis=1)
     backwards = trunk & (crosses[:, 2] < BACKWARDS * areas)
-    return float(areas[backwards].sum() / max(areas[trunk].sum(), 1e-9))
+    share = float(areas[backwards].sum() / max(areas[trunk].sum(), 1e-9))
+    return {"facing_back": share} if share > SOME_BACK and target.on_border.any() else {}
 
 
 def measured_signs(task: FitTask, standing: FitIterate) -> dict[str, float]:
     """What the end of a task's fit as standing shows, by the signs' names."""
     rig, x = task.rig, standing.parameters
     vertices = pose(rig, x)
-    seen = breast_signs(rig, vertices, task.target)
+    seen = breast_signs(rig, x, vertices, task.target)
     arms = arm_angles(rig, x)
     if len(arms):
         seen["arms"] = float(arms.mean())
-    for sign, shape in SHAPES.items():
-        weights = [weight for name, weight in zip(rig.shape_names, x.weights, strict=True) if name[:-2] == shape]
-        if weights:
-            seen[sign] = float(np.mean(weights))
     _, up, front = body_axes(rig, vertices).T @ SCANNERS_UP
     seen["upright"] = float(up > UPRIGHT) - float(front > UPRIGHT)
     return seen

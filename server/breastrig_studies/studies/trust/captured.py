@@ -13,6 +13,7 @@ from breastrig.core.errors import BadInput
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.recipe import Recipe
 from breastrig.rig.model import Rig
+from breastrig.scan.clean import Surface
 from breastrig_studies.studies.case import Scene, TrueLandmarks
 from breastrig_studies.studies.trust.asked import answer
 from breastrig_studies.virtual.as_captured import as_captured
@@ -28,7 +29,8 @@ def captured_scene(scene: Scene, condition: str) -> Scene:
     changed = ScanTarget(vertices, faces)
     away = np.atleast_1d(changed.vertex_tree.query(np.array([*marks.values()]))[0])
     seen = {name: at for (name, at), far in zip(marks.items(), away, strict=True) if far < ON_SCAN}
-    return replace(scene, target=changed, landmarks=TrueLandmarks(seen), truth=None)
+    whole = Surface(vertices, faces, ())
+    return replace(scene, target=changed, whole=whole, landmarks=TrueLandmarks(seen), truth=None)
 
 
 def captured(scene: Scene, rig: Rig, recipe: Recipe, condition: str) -> dict[str, Any]:
