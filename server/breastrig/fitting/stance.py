@@ -40,14 +40,12 @@ LIES = "There is no table in the scan, but she looks like a lying patient."
 STANDS = "There is no table in the scan, and she looks like a standing patient."
 MAY_LIE = "Without a table it is not clear: she seems to lie. If she stands, say that she stands."
 MAY_STAND = "Without a table it is not clear: she seems to stand. If she lies, say that she lies."
-MAY_HANG = (
-    "Only the front of a chest is seen, and its breasts may hang to the front: prone. If not, say how she is scanned."
-)
+MAY_HANG = "Only a chest's front is seen, and its breasts may hang to the front: prone. If not, say how she is scanned."
 UNCLEAR = (MAY_LIE, MAY_STAND, MAY_HANG)
 
-
-WORSE = 60.0  # log likelihood that prone may lack against standing, and has more where it is clear: 26 of 28 prone
-# bodies lack up to 22, others 114 on, but fronts of firm implants -1 to 17
+WORSE = (
+    60.0  # log likelihood that prone may lack, and has more where clear: prone -22 on, others -114, implants -17 to 1
+)
 HANGS = "Only the front of a chest is seen, and its breasts hang to the front: prone. If not, say how she is scanned."
 
 
