@@ -5,13 +5,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.forearm import write_bodies, write_forearm
+from helpers.forearm import posed_forearm, write_bodies, write_forearm
 
+import breastrig
+from breastrig.cli.main import main
 from breastrig.core.errors import BadInput
 from breastrig.fitting.uncertainty.calibration import calibration
 from breastrig.fitting.verdicts.fit_signals import FitSignals
 from breastrig.fitting.verdicts.verdict import verdict_limits
 from breastrig.gltf.read_rig import read_rig
+from breastrig.rig.model import Rig
 from breastrig_studies import learn
 from breastrig_studies.radii_factors import Score
 
@@ -52,3 +55,27 @@ def test_too_few_bodies_are_one_sentence(tmp_path: Path) -> None:
     write_bodies(tmp_path / "bodies", 2)
     with pytest.raises(BadInput, match="bodies has fewer than 6 bodies to learn from; more are needed"):
         learn.learn(glb, tmp_path / "bodies")
+
+
+def test_what_the_command_learns_of_a_rig_is_what_its_fits_go_by(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    glb, scan, places = write_forearm(tmp_path)
+    write_bodies(tmp_path / "bodies", 3)
+    before = breastrig.fit(breastrig.read_scan(scan, "mm"), places, model=glb)
+    assert (before.verdict.level, before.result["landmark_uncertainty_mm"]) == ("uncalibrated", {})
+    monkeypatch.setattr(learn, "FEWEST", 3)
+    assert main(["model", "learn", str(glb), str(tmp_path / "bodies")]) == 0
+    assert "what is known of forearm.glb" in capsys.readouterr().out
+    fit = breastrig.fit(breastrig.read_scan(scan, "mm"), places, model=glb)
+    assert fit.result.get("not_calibrated") is None
+    assert fit.verdict.level in ("good", "check")  # three arms are few: limits are where these three were
+    radii = fit.result["landmark_uncertainty_mm"]
+    truth = dict(zip(fit.model.landmark_names, _marks(fit.model, posed_forearm(fit.model)[0]), strict=True))
+    assert set(radii) == set(truth)
+    for name, place in truth.items():
+        assert np.linalg.norm(np.array(fit.result["landmarks"][name]) - 1e3 * place) < radii[name] < 40.0
+
+
+def _marks(rig: Rig, vertices: np.ndarray) -> np.ndarray:
+    return rig.landmark_points().positions(vertices, rig.faces)

@@ -1,7 +1,7 @@
 // A rig's day in the browser: a forearm, made by data only, served with `--model`; its scan is brought, fitted, drawn on,
-// measured and reported.  The page shows what the rig has, and nothing of breasts or sides.
+// measured, reported and shared.  The page shows what the rig has, and nothing of breasts or sides.
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, rmSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { expect } from "@playwright/test";
@@ -14,6 +14,8 @@ let service: Running;
 test.use({ base: async ({}, use) => use(service.base) });
 test.beforeAll(async () => {
   execFileSync(findPython(), [FOREARM, folder]);
+  const side = join(folder, "forearm.json"); // the page has to pose such a rig itself
+  writeFileSync(side, readFileSync(side, "utf-8").replace('"up":', '"skinning": "dual_quaternion",\n "up":'));
   service = await startService({}, ["--no-token", "--model", join(folder, "forearm.glb")]);
 });
 test.afterAll(async () => {
@@ -21,7 +23,7 @@ test.afterAll(async () => {
   rmSync(folder, { recursive: true });
 });
 
-test("a forearm is fitted, drawn on, measured and reported", async ({ page, base, troubles }) => {
+test("a forearm is fitted, drawn on, measured, reported and shared", async ({ page, base, troubles, browser }) => {
   await page.goto(base);
   await expect(page.getByRole("combobox", { name: "Model" })).toBeHidden(); // there is but this one
   await page.locator("#scan-file").setInputFiles(join(folder, "scan.ply"));
@@ -63,6 +65,20 @@ test("a forearm is fitted, drawn on, measured and reported", async ({ page, base
     if (PICTURES) await page.screenshot({ path: `${PICTURES}/measures.png` });
     const report = await page.request.get(base + (await dialog.locator("#report-both").getAttribute("href"))!);
     expect((await report.body()).subarray(0, 5).toString()).toBe("%PDF-");
+    await page.keyboard.press("Escape");
+    await expect(dialog).toBeHidden();
+  });
+
+  await test.step("and a colleague is shown it by a link", async () => {
+    await page.getByRole("button", { name: "Share", exact: true }).click();
+    const dialog = page.getByRole("dialog", { name: "Share this result" });
+    await dialog.getByRole("button", { name: "Make a link" }).click();
+    await expect(dialog.getByLabel("Address of the link")).not.toHaveValue("");
+    const colleague = await (await browser.newContext()).newPage();
+    await colleague.goto(await dialog.getByLabel("Address of the link").inputValue());
+    await expect(colleague.getByText("fitted.glb")).toBeVisible();
+    await expect(colleague.locator("[data-line=palmar]")).toHaveCount(1);
+    if (PICTURES) await colleague.screenshot({ path: `${PICTURES}/shared.png` });
   });
   expect(troubles).toEqual([]);
 });
