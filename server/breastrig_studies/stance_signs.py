@@ -4,9 +4,9 @@
     breastrig evaluate --warped 24 COHORT -o DIR --quick
     python -m breastrig_studies.stance_signs DIR/poses DIR/warped
 
-Scans are whole and without their tables; each is fitted without landmarks and with all that are on it, so that one
-answer holds for both.  Printed are the signs' numbers, from the choosing women, and how many answers are wrong, said to
-be unsure or not: in the choosing group each woman by the others, else by the numbers that are kept.  Fits that went
+Scans are whole and without their tables; each is fitted without landmarks and with all that are on it.  Printed are the
+signs' numbers, from the choosing women without landmarks, and how many answers are wrong, said to be unsure or not: in
+the choosing group each woman by the others, else by the numbers that are kept.  Fits that went
 astray, whose stance says nothing, are left out, and so are sealed women (evaluate --sealed).
 """
 
@@ -32,7 +32,8 @@ from breastrig_studies.studies.trust.captured import captured_scene
 
 ASTRAY = 0.04  # m, mean distance of the landmarks
 MOST = 1.5  # standard deviations, of any sign: a woman with next to no breasts shows little, not much
-RIDGE = 10.0  # of the weights, in units of fits, of which each woman has many
+RIDGE = 6.0  # of the weights, in units of scans, of which each woman has many
+ALONE = "none"  # of the landmarks are given
 GROUPS = ("choose", "report")
 
 
@@ -59,7 +60,7 @@ def signs_of_scans(folder: Path, rig: Rig) -> Iterator[ScanSigns]:
         if not file.is_file():
             found = []
             scene = captured_scene(read_scene(case), "as_it_is")  # without the table
-            for given, picks in (("none", {}), ("all", dict(scene.landmarks))):
+            for given, picks in ((ALONE, {}), ("all", dict(scene.landmarks))):
                 task = FitTask(rig, scene.target, scene.start(rig, picks), recipe, {}, "standing").with_picks(picks)
                 *_, last = checked_iterates(task)
                 if scene.landmark_errors(rig, pose(rig, last.parameters)).mean() < ASTRAY:
@@ -128,12 +129,13 @@ def main(folders: Sequence[Path]) -> None:
     rig, kept = read_rig(default_rig_path()), stance_signs()
     scans = [each for folder in folders for each in signs_of_scans(folder, rig)]
     choosing = [s for s in scans if s.half == "choose"]
-    whole = estimated(choosing, kept)
+    alone = [s for s in choosing if s.kind.endswith(ALONE)]
+    whole = estimated(alone, kept)
     say([f"constant = {whole.constant:.3g}"])
     for name, sign in whole.signs.items():
         say([f"{name}: between {sign.between:.4g}, weight {sign.weight:.4g}, most {sign.most:.3g}"])
     by_others = {
-        source: estimated([s for s in choosing if s.source != source], kept) for source in {s.source for s in choosing}
+        source: estimated([s for s in alone if s.source != source], kept) for source in {s.source for s in choosing}
     }
     say(["choosing group, each woman by the others"])
     say(table(choosing, np.array([by_others[s.source].log_odds(s.signs) for s in choosing]), kept.unsure))

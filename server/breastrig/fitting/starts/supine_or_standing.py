@@ -26,7 +26,6 @@ from breastrig.rig.skinning import pose
 MEASURED = ("suprasternal_notch", "xiphoid", "nipple_L", "nipple_R", "inframammary_fold_L", "inframammary_fold_R")
 SHAPES = {"flattened": "projection", "aside": "position_lateral"}  # signs that are weights of a shape
 BACKWARDS = -0.3  # cosine to the front; a lying body is seen from above
-SOME_BACK = 0.01  # share of the trunk's skin
 TRUNK = (
     (-0.5, 0.75),
     0.8,
@@ -103,7 +102,7 @@ def breast_signs(rig: Rig, x: RigParameters, vertices: Array, target: ScanTarget
 def _facing_back(vertices: Array, target: ScanTarget) -> dict[str, float]:
     """Share of the trunk's scanned skin; (V, 3) from the xiphoid in the body's axes, in lengths of the breastbone.
 
-    Nothing where next to none does, as one camera may have been before her, or where a program has closed the surface.
+    Nothing where a program has closed the surface.
     """
     faces = target.faces
     crosses, middles = face_crosses(vertices, faces), vertices[faces].mean(axis=1)
@@ -112,7 +111,7 @@ def _facing_back(vertices: Array, target: ScanTarget) -> dict[str, float]:
     areas = np.linalg.norm(crosses, axis=1)
     backwards = trunk & (crosses[:, 2] < BACKWARDS * areas)
     share = float(areas[backwards].sum() / max(areas[trunk].sum(), 1e-9))
-    return {"facing_back": share} if share > SOME_BACK and target.on_border.any() else {}
+    return {"facing_back": share} if target.on_border.any() else {}
 
 
 def measured_signs(task: FitTask, standing: FitIterate) -> dict[str, float]:
