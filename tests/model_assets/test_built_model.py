@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from breastrig.gltf.read_rig import default_rig_path
+from breastrig.core.assets import packaged_models
+from breastrig.gltf.read_rig import read_rig
 from breastrig.interface.model import load_model
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import shaped
@@ -176,9 +177,10 @@ def test_landmarks_stand_where_anatomy_has_them(torso: Rig) -> None:
     assert abs(at["xiphoid"][1] - 0.5 * (at["inframammary_fold_L"][1] + at["inframammary_fold_R"][1])) < 0.002
 
 
-def test_what_is_known_of_the_torso_is_bound_to_it_as_it_is(torso: Rig) -> None:
-    folder = default_rig_path().with_suffix(".known")
-    assert set(torso.known) == {file.name for file in folder.iterdir()} - {"rig.json"}
-    assert json.loads((folder / "rig.json").read_text())["rig_sha256"] == torso.sha256, (
-        "a build has changed the model: see whether torso.known still holds, then run: breastrig model bind"
+@pytest.mark.parametrize("glb", packaged_models().values(), ids=packaged_models())
+def test_what_is_known_of_a_model_is_bound_to_it_as_it_is(glb: Path) -> None:
+    rig, folder = read_rig(glb), glb.with_suffix(".known")
+    assert json.loads((folder / "rig.json").read_text())["rig_sha256"] == rig.sha256, (
+        f"a build has changed the model: see whether {folder.name} still holds, then run: breastrig model bind"
     )
+    assert set(rig.known) == {file.name for file in folder.iterdir()} - {"rig.json"}
