@@ -153,3 +153,9 @@ def test_a_woman_beyond_all_bounds_counts_as_one_at_the_bound(rig: Rig, own: Gau
     np.testing.assert_allclose(near.means, own.mean + 0.5 * bound * root[:, 0], atol=1e-5)
     for wrong in (b"", content(1.0)[:-4], content(float("nan")), content(1.0)[:328] + content(1.0)[:328] * 41):
         assert parsed_contribution(wrong, rig, "standing") is None
+
+
+def test_one_woman_is_a_cohort_that_nobody_believes(rig: Rig, own: Gaussian) -> None:
+    one = women(rig, own, 1, 9, shift=1.0)
+    assert parsed_prior(one.content(), "p.json").content() == one.content()
+    assert believed(rig, one.stances["standing"], own) is None

@@ -27,7 +27,7 @@ KNOWN_AS = "cohort.json"  # among what is known of a rig (known.py)
 FILE_BYTES = 5_000_000  # one of three stances has 600 thousand
 GRID = 2.0**-36  # 1.5e-11: sums of numbers on it are exact below 2^17
 LARGEST = 2.0**16
-ROUNDING = 1e-6  # of a matrix's trace, below which an eigenvalue is none
+ROUNDING = 1e-12  # of the sum of squares, beyond the grid's
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +60,8 @@ class Sums:
         if self.women <= 0:
             return not (self.women or self.means.any() or self.products.any() or self.covariances.any())
         scatter = self.products - np.outer(self.means, self.means) / self.women
-        return all(np.linalg.eigvalsh(m)[0] > -ROUNDING * max(np.trace(m), GRID) for m in (scatter, self.covariances))
+        rounding = self.women * len(self.means) * GRID + ROUNDING * float(np.trace(self.products))
+        return all(np.linalg.eigvalsh(matrix)[0] > -rounding for matrix in (scatter, self.covariances))
 
 
 @dataclass(frozen=True, eq=False)

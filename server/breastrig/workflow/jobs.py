@@ -47,6 +47,15 @@ class FitJob(FitSettings):
     file_type: str | None = None  # None: from the content
     model: Path | None = None  # None: the torso of the package
     cuts: tuple[dict[str, Any], ...] = ()  # by hand, see scan/hand_cuts.py
+    prior: bytes | None = None  # a file of `breastrig cohort`
+
+
+@dataclass(frozen=True)
+class CohortJob:
+    """Women to learn of."""
+
+    bodies: tuple[tuple[str, str, bytes], ...]  # patient, stance, what a fit says of her body (files/result.py: BODY)
+    model: Path | None = None  # None: the torso of the package
 
 
 @dataclass(frozen=True)

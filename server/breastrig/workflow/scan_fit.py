@@ -30,6 +30,7 @@ from breastrig.fitting.task import Doubt
 from breastrig.fitting.verdicts.reasons import GivenLandmarks
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.blocks import block
+from breastrig.rig.cohort_prior import cohort_of, parsed_prior, with_prior
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig.scan.hand_cuts import without_hand_cuts
@@ -151,8 +152,9 @@ class ReadyScan:
 
 
 def read_model(job: FitJob) -> Rig:
-    """The job's rig."""
-    return read_rig(job.model or default_rig_path())
+    """The job's rig, with its prior."""
+    rig = read_rig(job.model or default_rig_path())
+    return rig if job.prior is None else with_prior(rig, parsed_prior(job.prior, "The prior"))
 
 
 def named_drawing(rig: Rig, text: str | None) -> str | None:
@@ -248,7 +250,7 @@ def prepare_fit(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
     return ReadyScan(
         settings=settings,
         scan=scan,
-        notes=(*scan.notes, *ready.notes, *_words(shown), *_unchecked(plan)),
+        notes=(*scan.notes, *ready.notes, *_words(shown), *_unchecked(plan), *_of_cohort(rig, task.stance)),
         table_triangles=ready.table_triangles,
         cut_away=ready.cut_away,
         landmarks=landmarks,
@@ -297,6 +299,16 @@ def _unchecked(plan: FitPlan) -> tuple[str, ...]:
     first, *others = plan.proposed
     which = f"{1 + len(others)} landmarks are" if others else f"The landmark {first} is"
     return (f"{which} as proposed from this scan, and did not pull at the fit.",)
+
+
+def _of_cohort(rig: Rig, stance: str) -> tuple[str, ...]:
+    """A note of whose bodies are expected beside the built-in ones."""
+    cohort = cohort_of(rig)
+    women = 0 if cohort is None or stance not in cohort.stances else cohort.stances[stance].women
+    if not women:
+        return ()
+    scans = "a scan" if women == 1 else f"{women} scans"
+    return (f"Fitted with a prior of {scans} in this stance, which counts where the scan looks like them.",)
 
 
 def _words(shown: Mapping[str, Observation] | None) -> tuple[str, ...]:

@@ -591,6 +591,8 @@ export type Meta = {
   /** that need no parameters; patterns with all defaults among them */
   drawings: DrawingInfo[];
   patterns: PatternInfo[];
+  /** what the service has learned of bodies from its fits with that model */
+  prior: Prior;
 };
 
 export type MissingItem = {
@@ -986,6 +988,23 @@ export type PredictionRequest = {
   stance: "standing" | "supine" | "prone";
   /** by finite elements of this body, in minutes; else by a cohort of such bodies */
   simulate?: boolean;
+};
+
+export type Prior = {
+  /** whether the service learns from its fits; off unless its owner asked for it */
+  learns: boolean;
+  /** ISO 8601; null until it has been learned since the service's start */
+  learned_at: string | null;
+  /** of the model; empty where nobody is in it */
+  stances: PriorStance[];
+};
+
+export type PriorStance = {
+  stance: string;
+  /** each with her scan that shows most */
+  women: number;
+  /** how much better it foretells one of them than the built-in prior does, nats */
+  gain: number;
 };
 
 /** RFC 9457 problem details. */

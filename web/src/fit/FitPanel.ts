@@ -30,7 +30,8 @@ export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<
   const warnings = el("p", { class: "look-here", hidden: true });
   const notes = el("div", { class: "reasons" });
   const wrong = problem(dismiss);
-  const element = el("div", { class: "panel" }, wrong.element, stance.element, preset.element, refining, hint, running, cancelled, warnings, notes);
+  const prior = el("p", { class: "muted", hidden: true });
+  const element = el("div", { class: "panel" }, wrong.element, stance.element, preset.element, refining, prior, hint, running, cancelled, warnings, notes);
   return {
     element,
     select: only("meta", "problems", "scan", "picks", "certain", "stance", "preset", "refine", "fit", "isStarting"),
@@ -43,6 +44,9 @@ export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<
       for (const each of [stance, preset]) each.enable(!busy);
       refine.checked = state.refine;
       refine.disabled = busy;
+      const cohort = meta?.prior.stances ?? [];
+      show(prior, cohort.length > 0);
+      setText(prior, text.fit.prior(cohort));
       const count = pickCount(state);
       show(hint, !busy && count < ENOUGH);
       setText(hint, count === 0 ? text.fit.noLandmarks : text.fit.fewLandmarks(count));

@@ -46,6 +46,18 @@ class MetaQuery(Wire):
     model: str | None = Field(None, max_length=64, description="name of one of `models`; without it the first")
 
 
+class PriorStance(Wire):
+    stance: str
+    women: int = Field(description="each with her scan that shows most")
+    gain: float = Field(description="how much better it foretells one of them than the built-in prior does, nats")
+
+
+class Prior(Wire):
+    learns: bool = Field(description="whether the service learns from its fits; off unless its owner asked for it")
+    learned_at: str | None = Field(description="ISO 8601; null until it has been learned since the service's start")
+    stances: list[PriorStance] = Field(description="of the model; empty where nobody is in it")
+
+
 class Meta(Wire):
     name: Literal["BreastRig"]
     version: str
@@ -58,6 +70,7 @@ class Meta(Wire):
     presets: list[str]
     drawings: list[DrawingInfo] = Field(description="that need no parameters; patterns with all defaults among them")
     patterns: list[PatternInfo]
+    prior: Prior = Field(description="what the service has learned of bodies from its fits with that model")
 
 
 class Health(Wire):
