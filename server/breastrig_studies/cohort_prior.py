@@ -39,10 +39,15 @@ HIDDEN = 0.015  # m from what the scan shows
 QUESTIONS = ("half", "none", "unseen", "surface", "held")
 
 
+def number_of(patient: str) -> int:
+    """By which kinds of women take turns."""
+    return int("".join(filter(str.isdigit, patient)) or 0)
+
+
 def contributions(folder: Path, kept: Path, rig: Rig, recipe: Recipe) -> Iterator[bytes]:
     """Of each scan, fitted with all landmarks."""
     kept.mkdir(parents=True, exist_ok=True)
-    for case in read_cohort(folder):
+    for case in sorted(read_cohort(folder), key=lambda case: (number_of(case.patient), case.name)):
         file = kept / f"{case.patient}_{case.name}.bin"
         if case.stance != STANDING:
             continue
@@ -130,6 +135,7 @@ def table(found: list[dict[str, object]]) -> Iterator[str]:
 def main(learn: Path, out: Path, families: dict[str, Path]) -> None:
     """Prints the table."""
     rig, recipe = read_rig(default_rig_path()), load_recipe("default")
+    out.mkdir(parents=True, exist_ok=True)
     rigs = {size: with_prior(rig, prior) for size, prior in priors(learn, out / "learn", rig, recipe)}
     found = [row for name, folder in families.items() for row in rows(name, folder, rigs, recipe, out)]
     sys.stdout.write(f"family      women scans  {'  '.join(QUESTIONS)}\n" + "\n".join(table(found)) + "\n")
