@@ -29,7 +29,7 @@ from breastrig_studies.studies.case import read_scene
 from breastrig_studies.studies.result_cache import Record, Unit, records
 from breastrig_studies.studies.trust.asked import RIGHT
 from breastrig_studies.studies.trust.captured import captured_scene
-from breastrig_studies.virtual.as_captured import CONDITIONS, body_frame
+from breastrig_studies.virtual.as_captured import CONDITIONS, HELD, body_frame
 
 KINDS = ("all", "none")  # of the landmarks
 SIDES = (("front", True), ("front", False), ("left", False), ("right", False), ("three_quarter", False))
@@ -99,7 +99,10 @@ def by_woman(found: Sequence[Record]) -> bytes:
 
 
 def worst_sheet(found: Sequence[Record], rig: Rig, count: int) -> Image.Image:
-    """The worst fits: the scan, and the model coloured by its distance to it from the sides, in her true axes."""
+    """The worst fits: the scan, and the model coloured by its distance to it from the sides, in her true axes.
+
+    In the model's own where those of the scan were turned.
+    """
     fits = [(r, kind) for r in found if not r.failed for kind in KINDS if "error_mm" in r.answer[kind]]
     fits = sorted(fits, key=lambda fit: -fit[0].answer[fit[1]]["error_mm"])[:count]
     rows = []
@@ -112,7 +115,8 @@ def worst_sheet(found: Sequence[Record], rig: Rig, count: int) -> Image.Image:
             )
         except FitFailed:
             continue
-        row = fit_row(scene, rig, fit.vertices, SIDES, body_frame(read_scene(record.case).landmarks)[0])
+        axes = None if condition in HELD else body_frame(read_scene(record.case).landmarks)[0]
+        row = fit_row(scene, rig, fit.vertices, SIDES, axes)
         words = (*(record.case.patient, record.case.name, condition), f"landmarks: {kind}", f"{answer['error_mm']} mm")
         ImageDraw.Draw(row).text((8, 6), ", ".join((*words, answer["level"], answer["stance"])), INK, font_size=18)
         rows.append(row)
