@@ -59,8 +59,21 @@ def test_what_shows_nothing_prefers_neither_also_where_one_is_narrower(state: Bo
     assert narrow.evidence(state, blind) == pytest.approx(wide.evidence(state, blind), abs=1e-3)
 
 
-def test_far_from_one_body_the_other_is_all_there_is(state: BodyState) -> None:
-    here, far = prior(state, 0.0, 1.0, 2), prior(state, 9.0, 1.0, 3)
-    others = observed(state, 0.1)
-    assert EitherBody(here, far).weighted(state, others) is here
-    assert EitherBody(far, here).weighted(state, others) is here
+def test_a_woman_is_of_the_cohort_where_she_speaks_for_it_as_its_women_do(state: BodyState) -> None:
+    """Its women's evidence is on the mean as much larger as is expected; far from it the other body is all there is."""
+    rng, others = np.random.default_rng(5), observed(state, 0.3)
+    others = replace(others, gradient=np.zeros(state.x.dof))
+    cohort, all_women = prior(state, 0.3, 0.5, 2), prior(state, -0.3, 1.5, 3)
+    either = EitherBody(cohort, all_women)
+    root, size = np.linalg.cholesky(cohort.covariance), 3 * len(state.rig.bones)
+    gains = []
+    for _ in range(400):
+        seen = cohort.mean + root @ rng.standard_normal(len(root)) + 0.3 * rng.standard_normal(len(root))
+        x = replace(state.x, scales=seen[:size].reshape(-1, 3), weights=seen[size:])
+        there = BodyState(state.rig, x)
+        gains.append(cohort.evidence(there, others) - all_women.evidence(there, others))
+    expected = either.expected_gain(others)
+    assert abs(np.mean(gains) - expected) < 4.0 * np.std(gains) / np.sqrt(len(gains))
+    assert expected > 0.0
+    far = EitherBody(replace(cohort, mean=cohort.mean + 9.0), all_women)
+    assert far.weighted(state, others) is far.second

@@ -16,6 +16,7 @@ from breastrig.least_squares.quadratic_program import cholesky, solve_lower
 from breastrig.rig.cohort_prior import Sums
 from breastrig.rig.model import Rig
 
+FEWEST = 10  # women; fewer are about themselves, and what all fits are off alike would count as theirs
 SHOWN = 0.5  # share of its built-in variance that a direction keeps on the mean, at most, to be learned from scans
 WORTHS = np.geomspace(0.5, 4096.0, 27)  # women that the built-in prior may count as
 TOO_MANY = 1e6  # likewise: it is all that is believed
@@ -50,7 +51,9 @@ def mirrored_places(rig: Rig) -> Integers:
 
 
 def believed(rig: Rig, sums: Sums, built_in: Gaussian, noise: float | None = None) -> Belief | None:
-    """None where nothing is believed of them.  `noise`: see Shared; then the sums are of means alone."""
+    """None where they are few or not believed.  `noise`: see Shared; then the sums are of means alone."""
+    if sums.women < FEWEST:
+        return None
     n, root, mirror = sums.women, cholesky(built_in.covariance), mirrored_places(rig)
     root = np.tril(root)
     mean = 0.5 * (sums.means + sums.means[mirror]) / n  # each woman as she is and mirrored: no side is preferred

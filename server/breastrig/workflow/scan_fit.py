@@ -19,6 +19,7 @@ from breastrig.core.units import BEYOND, distance_text
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.patterns import AskedDrawing, asked_drawing
 from breastrig.files.result import DoubtedPick
+from breastrig.fitting.body.expected_body import cohort_belief
 from breastrig.fitting.fit import FitIterate, FitTask
 from breastrig.fitting.observed.landmarks import colour_observations, with_observations
 from breastrig.fitting.picks.mistakes import sides_exchanged
@@ -30,7 +31,7 @@ from breastrig.fitting.task import Doubt
 from breastrig.fitting.verdicts.reasons import GivenLandmarks
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.blocks import block
-from breastrig.rig.cohort_prior import cohort_of, parsed_prior, with_prior
+from breastrig.rig.cohort_prior import parsed_prior, with_prior
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig.scan.hand_cuts import without_hand_cuts
@@ -250,7 +251,13 @@ def prepare_fit(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
     return ReadyScan(
         settings=settings,
         scan=scan,
-        notes=(*scan.notes, *ready.notes, *_words(shown), *_unchecked(plan), *_of_cohort(rig, task.stance)),
+        notes=(
+            *scan.notes,
+            *ready.notes,
+            *_words(shown),
+            *_unchecked(plan),
+            *_of_cohort(task),
+        ),
         table_triangles=ready.table_triangles,
         cut_away=ready.cut_away,
         landmarks=landmarks,
@@ -301,14 +308,13 @@ def _unchecked(plan: FitPlan) -> tuple[str, ...]:
     return (f"{which} as proposed from this scan, and did not pull at the fit.",)
 
 
-def _of_cohort(rig: Rig, stance: str) -> tuple[str, ...]:
+def _of_cohort(task: FitTask) -> tuple[str, ...]:
     """A note of whose bodies are expected beside the built-in ones."""
-    cohort = cohort_of(rig)
-    women = 0 if cohort is None or stance not in cohort.stances else cohort.stances[stance].women
-    if not women:
+    recipe = task.recipe
+    belief = None if recipe.body is None else cohort_belief(task.rig, recipe.shapes, recipe.body, task.stance)
+    if belief is None:
         return ()
-    scans = "a scan" if women == 1 else f"{women} scans"
-    return (f"Fitted with a prior of {scans} in this stance, which counts where the scan looks like them.",)
+    return (f"Fitted with a prior of {belief.women} scans in this stance, which counts where the scan is like theirs.",)
 
 
 def _words(shown: Mapping[str, Observation] | None) -> tuple[str, ...]:
