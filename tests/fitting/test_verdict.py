@@ -128,6 +128,13 @@ def test_what_is_far_from_the_breasts_is_to_be_checked_and_condemns_no_fit() -> 
     )
 
 
+def test_what_speaks_against_the_breasts_alone_is_said_with_its_own_number() -> None:
+    found = verdict(RIGHT, Status.CONVERGED, LIMITS, ALL, near=replace(beyond_no_torso(*NAMES), explained=0.4))
+    assert found.level == "unusable"
+    assert "40 %" in found.reasons[0]
+    assert not any("far from the breasts" in each for each in found.reasons)
+
+
 def test_a_refusal_speaks_of_the_unit_only_where_the_size_is_unusual() -> None:
     found = verdict(beyond_no_torso(*NAMES), Status.CONVERGED, LIMITS, NONE)
     assert "unit" not in found.refusal("torso", NONE)

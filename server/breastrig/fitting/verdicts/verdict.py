@@ -153,10 +153,8 @@ def verdict(
     everywhere = _strengths(signals, limits, given)
     strengths = everywhere if near is None else _strengths(near, limits, given)
     impossible, in_all = (sum(strength >= 1.0 for strength in each.values()) for each in (strengths, everywhere))
-    here, far_off = (
-        {n: s for n, s in everywhere.items() if (strengths.get(n, s) > 0.0) == is_here} for is_here in (True, False)
-    )
-    found = _reasons(signals, here, limits, given)
+    far_off = {name: strength for name, strength in everywhere.items() if strengths.get(name, 0.0) <= 0.0}
+    found = _reasons(near or signals, strengths, limits, given)
     elsewhere = tuple(
         Reason(FAR + each.fact, () if placed else each.advice, note=placed)
         for each in _reasons(signals, far_off, limits, given)[:1]
