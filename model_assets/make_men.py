@@ -1,7 +1,8 @@
 """Makes men of MakeHuman's adult dials, standing and lying: python model_assets/make_men.py FOLDER.
 
-As make_poses.py makes women (virtual_patient/sampled.py); every other one has gynaecomastia.  Men n with n % 3 == 2 are
-of the group `report`, the others are what `breastrig model learn male FOLDER` learns from.  A man who is there stays.
+As make_poses.py makes women (virtual_patient/sampled.py), of statures of the survey ANSUR II; every other one has
+gynaecomastia.  Men n with n % 3 == 2 are of the group `report`, the others are what `breastrig model learn male FOLDER`
+learns from.  A man who is there stays.
 """
 
 import argparse
@@ -22,6 +23,8 @@ from breastrig_studies.virtual.scan import Circumstances, scan_skin
 
 GROUPS = ("choose", "choose", "report")
 FIRST = 5000  # number of the first man
+STATURE, SPREAD = 1.756, 0.039  # m, and of its logarithm: 4,082 men of ANSUR II
+BELOW = 0.004  # m to both sides of the nipple's meridian where his fold or the muscle's border is looked for
 LARGER = 1.08  # of a man's trunk against a woman's, from pelvis to neck (steps/frame.py)
 TALL = (BOX[0], LARGER * BOX[1], 1.15 * BOX[2])  # m
 
@@ -46,8 +49,9 @@ def write_man(place: Path, source: Source, net: Net, number: int) -> None:
     """Both his scans; patient.json comes last."""
     random = np.random.default_rng((FIRST, number))
     him = with_arms(man(FIRST + number), random)
-    body = Body(source, vertices_of(source, him), *net.fine)
-    marks = landmarks(body, net)
+    skin, stature = vertices_of(source, him), STATURE * np.exp(SPREAD * random.standard_normal())
+    body = Body(source, stature / np.ptp(skin[np.unique(source.quads), 1]) * skin, *net.fine)
+    marks = landmarks(body, net, BELOW)
     for k, (name, turns) in enumerate((("standing", standing_turns(him)), ("supine", lying_turns(him)))):
         moved = posed(body, net, marks, name == "standing", turns)
         scan = scan_skin(moved, net.faces, net.scanned, random, Circumstances(every=2))

@@ -20,7 +20,7 @@ from virtual_patient.body import BOX, Body, Turns
 from virtual_patient.lie_down import FOOTPRINT, at_rest, sagged
 from virtual_patient.lying import Tissue, back_on_table, chest_wall
 from virtual_patient.sampled import KINDS
-from virtual_patient.true_landmarks import true_landmarks
+from virtual_patient.true_landmarks import FOLD_REACH, true_landmarks
 from virtual_patient.woman import AVERAGE, Woman, vertices_of
 
 from breastrig.geometry.closest_point import ClosestPointSearch
@@ -162,12 +162,12 @@ def with_folds(body: VirtualBody, folds: np.ndarray) -> VirtualBody:
     return replace(body, vertices=vertices)
 
 
-def landmarks(body: Body, trunk: Net) -> dict[str, SurfacePoints]:
+def landmarks(body: Body, trunk: Net, fold_reach: float = FOLD_REACH) -> dict[str, SurfacePoints]:
     """On `body`, found in the posture in which MakeHuman's women are made, on the net that ends at the elbows."""
     short = Body(body.source, body.neutral, *trunk.fine)
     vertices, shoulders = short.posed(AT_EASE)
     nipples = {side: vertices[short.nipple(side)] for side in ("L", "R")}
-    found = true_landmarks(vertices, short.faces, short.middle, nipples, shoulders)
+    found = true_landmarks(vertices, short.faces, short.middle, nipples, shoulders, fold_reach)
     whole = ClosestPointSearch(body.posed(AT_EASE)[0], body.faces)
     return {name: whole.query(point.positions(vertices, short.faces)).on_mesh for name, point in found.items()}
 

@@ -22,7 +22,12 @@ TO_THE_SKIN = np.array([0.0, -0.5, -0.87])  # the direction in which the mid-cla
 
 
 def true_landmarks(
-    vertices: Array, faces: Array, middle: Array, nipples: dict[str, Array], shoulders: dict[str, Array]
+    vertices: Array,
+    faces: Array,
+    middle: Array,
+    nipples: dict[str, Array],
+    shoulders: dict[str, Array],
+    fold_reach: float = FOLD_REACH,
 ) -> dict[str, SurfacePoints]:
     """Each landmark as one surface point.
 
@@ -42,7 +47,7 @@ def true_landmarks(
     result |= {"suprasternal_notch": notch, "umbilicus": navel}
     for side, tip in nipples.items():
         result[f"nipple_{side}"] = tip
-        result[f"inframammary_fold_{side}"] = _fold(vertices, faces, tip)
+        result[f"inframammary_fold_{side}"] = _fold(vertices, faces, tip, fold_reach)
         between = 0.5 * (notch + result[f"acromion_{side}"]) + [0.0, 0.005, 0.0]
         direction = TO_THE_SKIN / np.linalg.norm(TO_THE_SKIN)
         result[f"midclavicle_{side}"] = _shot(rays, between - 0.15 * direction, direction)
@@ -67,10 +72,10 @@ def _above(rays: RayCaster, side: str, joint: Array) -> Array:
     return _shot(rays, joint + np.array([outwards, 0.3, 0.0]), np.array([0.0, -1.0, 0.0]))
 
 
-def _fold(vertices: Array, faces: Array, tip: Array) -> Array:
+def _fold(vertices: Array, faces: Array, tip: Array, reach: float) -> Array:
     """The lowest of the strong concave places under the breast, on sagittal cuts near the nipple."""
     candidates = []
-    for offset in np.arange(-FOLD_REACH, FOLD_REACH + 1e-9, 0.004):
+    for offset in np.arange(-reach, reach + 1e-9, 0.004):
         for line in _sections(vertices, faces, vertices[:, 0] - tip[0] - offset):
             profile = _evenly(line)
             below = (profile[:, 1] < tip[1] - 0.01) & (profile[:, 1] > tip[1] - FOLD_DEPTH)

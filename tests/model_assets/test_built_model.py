@@ -71,6 +71,10 @@ def test_the_chest_of_a_man_keeps_the_rules_of_any_rig_and_has_his_drawings() ->
     apart = np.linalg.norm(line - nipple, axis=1)
     assert (line[:, 1] < nipple[1] + 0.003).all()  # below the nipple, along an areola of 30 mm
     assert 0.011 < apart.min() < apart.max() < 0.018
+    at = dict(zip(male.landmark_names, male.landmark_points().positions(male.template, male.faces), strict=True))
+    assert (
+        abs(at["inframammary_fold_L"][0] - at["nipple_L"][0]) < 0.007
+    )  # straight below, where a flat chest has no fold
 
 
 def test_sizes_are_those_of_the_specification(torso: Rig) -> None:
