@@ -157,3 +157,24 @@ def test_few_women_and_what_was_shared_already_are_not_shared() -> None:
         with pytest.raises(BadInput, match="epsilon"):
             shared(prior_of(30), RIG, epsilon)
     assert again.plus(again).women == 60
+
+
+def test_a_fit_refuses_a_prior_that_is_not_for_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    from dataclasses import replace
+
+    from breastrig.core.assets import asset_folder
+
+    scan = asset_folder("example") / "standing" / "scan.ply"
+    right, wrong = tmp_path / "right.json", tmp_path / "wrong.json"
+    right.write_bytes(prior_of(2).content())
+    wrong.write_bytes(replace(prior_of(2), rig_sha256="0" * 64).content())
+    for more, why in (
+        (["--prior", wrong], "another rig"),
+        (["--prior", right, "--preset", "paper"], "leave the prior out"),
+        (["--prior", tmp_path / "gone.json"], "cannot be read"),
+    ):
+        assert main(["fit", str(scan), *map(str, more), "-o", str(tmp_path / "out")]) == 2
+        said = capsys.readouterr().err
+        assert why in said
+        assert said.count("\n") == 1
+        assert not (tmp_path / "out").exists()

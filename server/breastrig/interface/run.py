@@ -129,6 +129,7 @@ def iterates(
     given = GivenScan(ScanSource(scan, units), landmarks, certain)
     with one_thread():
         plan = given.plan(settings, with_cohort(model, prior))
+        check_prior(plan, prior)
         ready = prepare_fit(plan, *given.scan.read())
     inputs = (*given.files, *settings.files, *files_of(model, prior))
 
@@ -236,6 +237,12 @@ class Settings:
         """Drawing and tumours as one; BadDrawing names what is no tumour."""
         parts = [] if self.drawing is None else [self.drawing]
         return "+".join([*parts, *(tumour_text(short) for short in self.tumours)]) or None
+
+
+def check_prior(plan: FitPlan, prior: str | Path | None) -> None:
+    """Raises BadSettings for a prior that this preset would not look at."""
+    if prior is not None and plan.recipe.body is None:
+        raise BadSettings(f"The preset {plan.recipe.name} expects nothing of bodies together; leave the prior out.")
 
 
 class GivenScan:

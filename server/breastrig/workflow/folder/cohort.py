@@ -57,7 +57,7 @@ def cohort_in(folders: Sequence[Path], rig: Rig) -> Cohort:
     said = (
         (again, "are of patients with another scan in that stance, which shows more"),
         (unusable, "are not usable, or predicted"),
-        (silent, f"have no {BODY} of this version; fit those scans again"),
+        (silent, f"say nothing of bodies: no {BODY} of this version, or a rig without statistics of bodies"),
     )
     return Cohort(prior, len(best), tuple(f"{count} of the fits {what}." for count, what in said if count))
 
