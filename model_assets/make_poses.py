@@ -50,20 +50,25 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--women", type=int, default=40)
     parser.add_argument("--kind", choices=KINDS, help="women of this kind only")
+    parser.add_argument("--first", type=int, default=0, help="number of the first woman")
+    parser.add_argument("--poses", type=int, metavar="N", help="of each woman's three scans the first N")
     parser.add_argument("--part", default="0/1", help="K/N: only women k of each n, for several processes")
     options = parser.parse_args()
     wanted = tomllib.loads((HERE / "recipe.toml").read_text("utf-8"))["source"]
     source = read_source(fetch(wanted["wheel"], wanted["requirement"], wanted["sha256"], HERE / "sources"))
     net, trunk = shared_net(source, WITH_HANDS, BOX[0], np.inf), shared_net(source)
     part, parts = map(int, options.part.split("/"))
-    for number in range(part, options.women, parts):
+    for number in range(options.first + part, options.first + options.women, parts):
         kind = options.kind or [*KINDS][number % len(KINDS)]
         place = options.folder / f"{kind}_{number:03d}_{GROUPS[number % len(GROUPS)]}"
         if not (place / "patient.json").is_file():
-            write_woman(place, source, net, trunk, number, kind)
+            try:
+                write_woman(place, source, net, trunk, number, kind, options.poses)
+            except ValueError as error:  # of some heavy ones no fold is found
+                print(f"{place.name} is left out: {error}")
 
 
-def write_woman(place: Path, source: Source, net: Net, trunk: Net, number: int, kind: str) -> None:
+def write_woman(place: Path, source: Source, net: Net, trunk: Net, number: int, kind: str, scans: int | None) -> None:
     """Her scans; patient.json comes last."""
     random = np.random.default_rng((FIRST, number))
     woman = KINDS[kind](FIRST + number)
@@ -72,7 +77,8 @@ def write_woman(place: Path, source: Source, net: Net, trunk: Net, number: int, 
     stature = STATURE * np.exp(SPREAD * random.standard_normal())
     body = Body(source, stature / np.ptp(skin[np.unique(source.quads), 1]) * skin, *net.fine)
     marks = landmarks(body, trunk)
-    for k, (name, stands, turns) in enumerate(islice(poses(random), number // len(GROUPS) % 2, None, 2)):
+    chosen = islice(islice(poses(random), number // len(GROUPS) % 2, None, 2), scans)
+    for k, (name, stands, turns) in enumerate(chosen):
         moved = with_folds(posed(body, net, marks, woman, stands, turns), folds)
         hair = random.random() < HAIR
         shown = net.scanned if random.random() < 0.5 else np.ones(len(net.scanned), dtype=np.bool_)
