@@ -2,23 +2,28 @@
 
     breastrig evaluate --warped 73 --half choose COHORT -o DIR --quick
     python -m breastrig_studies.body_statistics DIR/warped
+    python -m breastrig_studies.body_statistics --beside DIR/poses DIR/women
 
-Each body is seen twice, as she is and mirrored, so that no side is preferred.  Standing and lying bodies each lose
-their own mean: the prior's centre knows the stance already.  The covariance is kept as its strongest directions.
+Each body is seen twice, as she is and mirrored, so that no side is preferred; women of many scans count as others do.
+Standing and lying bodies each lose their own mean: the prior's centre knows the stance already.  The covariance is kept
+as its strongest directions.  With --beside the file's bodies keep half of the say.  Only choosing women are read of
+folders that have groups.
 """
 
 import json
 import sys
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from breastrig.core.arrays import Array, Integers
-from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.rig.body_statistics import SCHEMA
+from breastrig.rig.body_statistics import SCHEMA, BodyStatistics, body_statistics
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig_studies.cohort import read_cohort
@@ -37,43 +42,78 @@ def mirrored(rig: Rig) -> Integers:
     return np.concatenate([scales, 3 * len(bones) + np.array(shapes, dtype=np.int64)])
 
 
-def statistics(rig: Rig, bodies: Sequence[tuple[str, RigParameters]]) -> dict[str, Any]:
-    """The document of (stance, parameters) of bodies."""
-    rows = np.array([np.concatenate([x.scales.ravel(), x.weights]) for _, x in bodies])
-    stances = np.array([stance for stance, _ in bodies] * 2)
+@dataclass(frozen=True, eq=False)
+class KnownBody:
+    """Of one scan of which the whole skin is known."""
+
+    woman: str
+    stance: str
+    parameters: RigParameters
+
+
+def statistics(rig: Rig, bodies: Sequence[KnownBody]) -> BodyStatistics:
+    """Of these bodies."""
+    rows = np.array([np.concatenate([each.parameters.scales.ravel(), each.parameters.weights]) for each in bodies])
+    times = Counter((each.woman, each.stance) for each in bodies)
+    counts = np.array([1.0 / times[each.woman, each.stance] for each in bodies] * 2)
+    stances = np.array([each.stance for each in bodies] * 2)
     rows = np.concatenate([rows, rows[:, mirrored(rig)]])
-    scales = 3 * len(rig.bones)
     deviations = rows.copy()
     for stance in np.unique(stances):
-        deviations[stances == stance] -= rows[stances == stance].mean(axis=0)
+        its = stances == stance
+        deviations[its] -= np.average(rows[its], axis=0, weights=counts[its])
+    covariance = (deviations * counts[:, None]).T @ deviations / counts.sum()
+    mean = np.average(rows[:, : 3 * len(rig.bones)], axis=0, weights=counts)
+    return BodyStatistics(mean, covariance, len(bodies))
+
+
+def mixed(first: BodyStatistics, second: BodyStatistics) -> BodyStatistics:
+    """Both, each with half of the say."""
+    return BodyStatistics(
+        0.5 * (first.mean_scales + second.mean_scales),
+        0.5 * (first.covariance + second.covariance),
+        first.bodies + second.bodies,
+    )
+
+
+def document(rig: Rig, known: BodyStatistics) -> dict[str, Any]:
+    """Of the file."""
     return {
         "schema": SCHEMA,
-        "bodies": len(bodies),
+        "bodies": known.bodies,
         "bones": list(rig.bone_names),
         "shapes": list(rig.shape_names),
-        "mean_scales": np.round(rows[:, :scales].mean(axis=0), 4).tolist(),
-        "factors": np.round(_strongest(deviations), 5).tolist(),
+        "mean_scales": np.round(known.mean_scales, 4).tolist(),
+        "factors": np.round(_strongest(known.covariance), 5).tolist(),
     }
 
 
-def _strongest(deviations: Array) -> Array:
-    """(K, N) whose FᵀF is nearly the covariance of the (M, N) deviations."""
-    _, sizes, directions = np.linalg.svd(deviations / np.sqrt(len(deviations)), full_matrices=False)
-    share = np.cumsum(sizes**2) / (sizes**2).sum()
-    count = int(np.searchsorted(share, KEPT)) + 1
-    return np.asarray(sizes[:count, None] * directions[:count])
+def _strongest(covariance: Array) -> Array:
+    """(K, N) whose FᵀF is nearly the (N, N) covariance."""
+    values, directions = np.linalg.eigh(covariance)
+    values, directions = values[::-1], directions[:, ::-1].T
+    count = int(np.searchsorted(np.cumsum(values) / values.sum(), KEPT)) + 1
+    return np.asarray(np.sqrt(values[:count, None]) * directions[:count])
 
 
-def main(folder: Path, file: Path = FILE) -> None:
-    """Fits every case of the folder and writes the file."""
-    rig, recipe = read_rig(default_rig_path()), load_recipe("default")
-    bodies = []
+def known_bodies(folder: Path, rig: Rig, recipe: Recipe) -> Iterator[KnownBody]:
+    """Fits to every case of the folder."""
     for case in read_cohort(folder):
+        if case.patient.endswith(("_report", "_sealed")):
+            continue
         found = reference_fit(read_scene(case), rig, recipe)
         if found is not None:
-            bodies.append((case.stance, found.parameters))
-    file.write_text(json.dumps(statistics(rig, bodies), indent=1) + "\n", "utf-8")
+            yield KnownBody(case.patient, case.stance, found.parameters)
+
+
+def main(folders: Sequence[Path], beside: bool, file: Path = FILE) -> None:
+    """Writes the file of these folders' bodies."""
+    rig, recipe = read_rig(default_rig_path()), load_recipe("default")
+    known = statistics(rig, [body for folder in folders for body in known_bodies(folder, rig, recipe)])
+    before = body_statistics(rig) if beside else None
+    known = known if before is None else mixed(before, known)
+    file.write_text(json.dumps(document(rig, known)) + "\n", "utf-8")
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main([Path(each) for each in sys.argv[1:] if each != "--beside"], "--beside" in sys.argv)

@@ -23,7 +23,7 @@ from breastrig.gltf.known_files import bind_known
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.stance_priors import in_stance
-from breastrig_studies.body_statistics import statistics
+from breastrig_studies.body_statistics import KnownBody, document, statistics
 from breastrig_studies.cohort import Case, read_cohort
 from breastrig_studies.radii_factors import Known, Score, factors, fitted, scores_of, trials, write_factors
 from breastrig_studies.studies.case import Scene, read_scene
@@ -72,11 +72,13 @@ def learn(glb: Path, bodies: Path) -> Path:
         raise BadInput(f"{bodies} has fewer than {FEWEST} bodies to learn from; more are needed to say what 90 % are.")
     rig, recipe, folder = read_rig(glb), load_recipe("default"), glb.with_suffix(".known")
     truths = {case: reference_fit(read_scene(case), rig, recipe) for case in cases}
-    known = [(case.stance, truth.parameters) for case, truth in truths.items() if truth is not None]
+    known = [
+        KnownBody(case.patient, case.stance, truth.parameters) for case, truth in truths.items() if truth is not None
+    ]
     if len(known) < len(cases):
         raise BadInput(f"{bodies} has scans without truth.ply; what is not known cannot be estimated on.")
     folder.mkdir(exist_ok=True)
-    (folder / "bodies.json").write_text(json.dumps(statistics(rig, known), indent=1) + "\n", "utf-8")
+    (folder / "bodies.json").write_text(json.dumps(document(rig, statistics(rig, known))) + "\n", "utf-8")
     bind_known(glb, rig.sha256)
     rig = read_rig(glb)  # with these bodies
     found = Found()

@@ -8,8 +8,8 @@ import pytest
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.body_statistics import body_statistics
 from breastrig.rig.model import Rig
-from breastrig.rig.parameters import RigParameters, rest_parameters
-from breastrig_studies.body_statistics import mirrored, statistics
+from breastrig.rig.parameters import rest_parameters
+from breastrig_studies.body_statistics import KnownBody, document, mirrored, mixed, statistics
 from breastrig_studies.studies.sensitivity import with_shapes
 
 
@@ -62,18 +62,22 @@ def test_the_covariance_is_that_of_the_bodies_within_their_stance(torso: Rig) ->
     rng = np.random.default_rng(2)
     rest = rest_parameters(torso)
 
-    def body(stance: str) -> tuple[str, RigParameters]:
+    def body(stance: str, woman: str) -> KnownBody:
         size = 1.1 + 0.1 * rng.standard_normal()
         lying = 0.5 if stance == "supine" else 0.0
-        return stance, replace(rest, scales=np.full_like(rest.scales, size), weights=np.full_like(rest.weights, lying))
+        x = replace(rest, scales=np.full_like(rest.scales, size), weights=np.full_like(rest.weights, lying))
+        return KnownBody(woman, stance, x)
 
-    bodies = [body(stance) for stance in ("standing", "supine") for _ in range(40)]
-    document = statistics(torso, bodies)
-    factors = np.array(document["factors"])
+    bodies = [body(stance, f"{k}") for stance in ("standing", "supine") for k in range(40)]
+    seen_often = [*bodies, *[bodies[0]] * 7, *[bodies[40]] * 7]
+    known = statistics(torso, seen_often)
+    written = document(torso, known)
+    factors = np.array(written["factors"])
     covariance = factors.T @ factors
     scales = 3 * len(torso.bones)
-    sizes = np.array([x.scales[0, 0] for _, x in bodies])
-    assert document["mean_scales"] == pytest.approx(np.full(scales, sizes.mean()), abs=1e-4)
+    sizes = np.array([each.parameters.scales[0, 0] for each in bodies])
+    assert written["mean_scales"] == pytest.approx(np.full(scales, sizes.mean()), abs=1e-4)
     within = 0.5 * (sizes[:40].var() + sizes[40:].var())
     np.testing.assert_allclose(covariance[:scales, :scales], within, rtol=0.01)
     np.testing.assert_allclose(covariance[scales:, scales:], 0.0, atol=1e-9)
+    np.testing.assert_allclose(mixed(known, known).covariance, known.covariance)
