@@ -20,10 +20,11 @@ TITLE = """# Sealed women
 Virtual women on whom nothing is chosen.  `breastrig evaluate COHORT --sealed docs/sealed.md` alone looks at them, and
 appends a line.  Scans are whole and without tables, the stance is `auto`; a fit is right when its landmarks are no more
 than 15 mm off on average.  *good*: of right fits with all landmarks.  *wrong*: called good, of fits that are not right,
-with one landmark 30 mm off, or of scans 1.25 times too large.  *stance*: right, and how many others are said to be
-unclear.  *mm*: landmarks, all and none given.
+with one landmark 30 mm off, or of scans 1.25 times too large without a question about her size (up to cc66939d with
+one, too).  *stance*: right, and how many others are said to be unclear.  *mm*: landmarks, all and none given.
 
 """
+ASKED = "Her trunk is"  # begins a question about her size
 COLUMNS = (
     "date",
     "commit",
@@ -76,7 +77,8 @@ def figures(records: Sequence[Record]) -> list[str]:
     given = [record.answer["all"] for record in done if is_right(record.answer["all"])]
     wrong = [fit for r in done for k, fit in r.answer.items() if k in ("one_wrong", "larger") or not is_right(fit)]
     columns = [str(len({record.case.patient for record in done})), str(len(done))]
-    columns += [_share([fit["level"] == "good" for fit in fits]) for fits in (given, wrong)]
+    columns += [_share([fit["level"] == "good" for fit in given])]
+    columns += [_share([fit["level"] == "good" and ASKED not in " ".join(fit["reasons"]) for fit in wrong])]
     for kind in ("all", "none"):
         found = [(record.answer[kind], record.case.stance) for record in done if "stance" in record.answer[kind]]
         missed = [fit["unclear"] for fit, true in found if fit["stance"] != true]
