@@ -107,7 +107,7 @@ class ResultParameters(Document):
 class Verdict(Document):
     level: VerdictLevel
     reasons: tuple[str, ...] = Field(
-        description="one sentence each, the strongest first; of a good fit how many picks were only agreed to"
+        description="one sentence each, the strongest first; of a good fit what is to be known of it all the same"
     )
 
 

@@ -1434,6 +1434,6 @@ export type TransferRequest = {
 
 export type Verdict = {
   level: "good" | "uncalibrated" | "check" | "unusable";
-  /** one sentence each, the strongest first; of a good fit how many picks were only agreed to */
+  /** one sentence each, the strongest first; of a good fit what is to be known of it all the same */
   reasons: string[];
 };
