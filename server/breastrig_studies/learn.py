@@ -23,7 +23,7 @@ from breastrig.gltf.known_files import bind_known
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.stance_priors import in_stance
-from breastrig_studies.body_statistics import KnownBody, document, statistics
+from breastrig_studies.bodies.body_statistics import KnownBody, document, statistics
 from breastrig_studies.cohort import Case, read_cohort
 from breastrig_studies.radii_factors import Known, Score, factors, fitted, scores_of, trials, write_factors
 from breastrig_studies.studies.case import Scene, read_scene

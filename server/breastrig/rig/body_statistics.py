@@ -1,7 +1,7 @@
 """Mean and covariance of bone scales and shape weights over bodies, kept as data beside the rig.
 
 They are of virtual bodies whose whole skin is known, fitted with all of it
-(breastrig_studies/body_statistics.py): no person's body, and no scan, is in them.  Rigs without such a file keep the
+(breastrig_studies/bodies): no person's body, and no scan, is in them.  Rigs without such a file keep the
 two plain priors.
 """
 

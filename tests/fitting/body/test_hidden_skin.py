@@ -12,7 +12,7 @@ from breastrig.fitting.refine import refined
 from breastrig.geometry.normals import vertex_normals
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
-from breastrig_studies.hidden_skin import about_the_back, agreed_form, estimated
+from breastrig_studies.bodies.hidden_skin import about_the_back, agreed_form, estimated
 
 
 @pytest.fixture(scope="module")

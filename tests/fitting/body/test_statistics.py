@@ -9,7 +9,7 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.body_statistics import body_statistics
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
-from breastrig_studies.body_statistics import KnownBody, document, mirrored, mixed, statistics
+from breastrig_studies.bodies.body_statistics import KnownBody, document, mirrored, mixed, statistics
 from breastrig_studies.studies.sensitivity import with_shapes
 
 

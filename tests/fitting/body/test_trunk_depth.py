@@ -13,7 +13,7 @@ from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.plane import Plane
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
-from breastrig_studies.trunk_depth import Body, estimated
+from breastrig_studies.bodies.trunk_depth import Body, estimated
 
 FORWARD = np.array([0.0, 0.0, 1.0])
 

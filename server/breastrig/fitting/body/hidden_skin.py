@@ -1,6 +1,6 @@
 """Mean distance from the fitted model to the true skin where no scan shows it, by place; data beside this file.
 
-Estimated on virtual bodies whose whole skin is known (breastrig_studies/hidden_skin.py); evidence: docs/decisions/0005.
+Estimated on virtual bodies whose whole skin is known (breastrig_studies/bodies); evidence: docs/decisions/0005.
 Of supine bodies only the back's form is kept; trunk_depth.py adds its height.
 """
 

@@ -1,7 +1,7 @@
 """How much deeper than the fitted model a supine body's hidden skin is, by the height of her belly above the table.
 
 Height of the belly above a threshold times a slope at each place, no farther than down to the table, added to the mean
-of hidden_skin.py.  Estimated on virtual bodies (breastrig_studies/trunk_depth.py); evidence: docs/decisions/0005.
+of hidden_skin.py.  Estimated on virtual bodies (breastrig_studies/bodies); evidence: docs/decisions/0005.
 """
 
 from dataclasses import dataclass

@@ -1,7 +1,7 @@
 """Writes how far hidden skin lies above the fitted model on the mean (fitting/body), over bodies whose skin is known.
 
     breastrig evaluate --warped 44 COHORT -o DIR --quick
-    python -m breastrig_studies.hidden_skin DIR/warped
+    python -m breastrig_studies.bodies.hidden_skin DIR/warped
 
 Of the choosing half's bodies only, fitted without landmarks.  The given patients and our virtual cohort count alike,
 however many each has, and each body counts as she is and mirrored.  How high the whole back of a lying body is off says

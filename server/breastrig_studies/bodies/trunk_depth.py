@@ -1,7 +1,7 @@
 """Writes how hidden skin is deeper the higher a lying belly is (fitting/body), over bodies whose skin is known.
 
     breastrig evaluate --warped 44 COHORT -o DIR --quick
-    python -m breastrig_studies.trunk_depth DIR/warped
+    python -m breastrig_studies.bodies.trunk_depth DIR/warped
 
 Of both halves, because few women are deep: each half alone has one or two of them.  What it is worth was measured on
 each woman with the others' bodies only (fitting/body/trunk_depth.py).  The bodies are fitted without landmarks; every
@@ -26,8 +26,8 @@ from breastrig.fitting.body.trunk_depth import SCHEMA
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
+from breastrig_studies.bodies.hidden_skin import FOLDER, hidden_heights, smoothed
 from breastrig_studies.cohort import read_cohort
-from breastrig_studies.hidden_skin import FOLDER, hidden_heights, smoothed
 from breastrig_studies.studies.case import read_scene
 
 # Hidden skin of the choosing half, no landmark given, each woman by the others, mean mm (5.9 without): 0.2125 m 5.3,
@@ -73,7 +73,9 @@ def main(folder: Path, into: Path = FOLDER) -> None:
     rig, recipe = read_rig(default_rig_path()), load_recipe("default")
     expected = hidden_skin(rig, "supine")
     if expected is None:
-        raise SystemExit(f"Nothing is known of the hidden skin of {rig.name}: run breastrig_studies.hidden_skin first.")
+        raise SystemExit(
+            f"Nothing is known of the hidden skin of {rig.name}: run breastrig_studies.bodies.hidden_skin first."
+        )
     women = dict[str, list[Body]]()
     for case in read_cohort(folder):
         patient = json.loads((folder / case.patient / "patient.json").read_text("utf-8"))
