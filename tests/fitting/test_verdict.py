@@ -350,5 +350,5 @@ def test_a_prone_bodys_front_is_all_that_its_scan_shows_and_nothing_of_that_coun
     assert verdict(front, Status.CONVERGED, LIMITS, NONE, stance="prone").level == "good"
     assert verdict(front, Status.CONVERGED, LIMITS, NONE, stance="standing").level == "check"
     head_down = replace(RIGHT, beyond=0.09, angle_p90=0.48, distance_p95=0.0085)
-    assert verdict(head_down, Status.CONVERGED, LIMITS, ALL, stance="prone").level == "unusable"
+    assert verdict(head_down, Status.CONVERGED, LIMITS, NONE, stance="prone").level == "unusable"
     assert LIMITS.in_stance("standing") == LIMITS == LIMITS.in_stance("supine")

@@ -6,12 +6,14 @@ from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.task import Doubt
 
+SUSPECTED = 0.8  # of its limit; to first order a wrong pick on smooth skin looks nearer than it is (refit_without.py)
+
 
 def unusual(posterior: Posterior) -> tuple[Doubt, ...]:
     """One doubt each, the strangest first; certain picks are not asked about again.
 
-    A wrong pick pushes its neighbours, so one after the other is left out: each time, of those that are beyond their
-    limit to first order, the one without which the others agree best.  It is named if it is beyond its limit also to
+    A wrong pick pushes its neighbours, so one after the other is left out: each time, of those that are SUSPECTED to
+    first order, the one without which the others agree best.  It is named if it is beyond its limit also to
     the fit that goes on without it, and the others are judged by that fit.  Navels on smooth skin come first.
     """
     if posterior.picks is None:
@@ -44,7 +46,7 @@ def unusual(posterior: Posterior) -> tuple[Doubt, ...]:
 
 
 def _most_suspicious(posterior: Posterior, judged: set[str]) -> str | None:
-    """Of the picks beyond their limit and not yet judged the one without which the others agree best."""
+    """Of the suspected picks that are not yet judged the one without which the others agree best."""
     if posterior.picks is None:
         return None
     picks, task = LeaveOneOut(posterior), posterior.task
@@ -52,7 +54,7 @@ def _most_suspicious(posterior: Posterior, judged: set[str]) -> str | None:
     suspects = [
         name
         for name in picks.names
-        if name not in judged | task.certain and deviations[name] > _limit(task.recipe, name)
+        if name not in judged | task.certain and deviations[name] > SUSPECTED * _limit(task.recipe, name)
     ]
     return min(suspects, key=lambda name: _disagreement(picks, task.recipe, name), default=None)
 

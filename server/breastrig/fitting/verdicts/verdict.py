@@ -136,8 +136,8 @@ def verdict(
     `near`: the signals of what plans are made on; without these no fit is unusable, and what speaks against it
     elsewhere is said to be far from there.
 
-    Whoever places landmarks has seen a torso: such a fit is unusable at most, only what no right fit has is to be
-    checked, and what is far from the breasts is a note.
+    Whoever places landmarks has seen a torso: what would refuse a fit makes it unusable, what would make it unusable is
+    to be checked, nothing less is a reason, and what is far from the breasts is a note.
     """
     placed, agreed = given.on_their_own, of_agreed(given)
     converged = status is Status.CONVERGED
@@ -164,7 +164,7 @@ def verdict(
     refused = impossible >= limits.unusable_at and in_all >= limits.refused_at and not given.placed
     if nothing or refused:
         return Verdict("unusable", sentences((*((NO_SKIN,) if nothing else ()), *found)), False)
-    if unknown or impossible >= limits.unusable_at:
+    if unknown or impossible >= (limits.refused_at if placed else limits.unusable_at):
         nowhere = (Reason(UNKNOWN_LINES, (given.advice,)),) if unknown else ()
         return Verdict("unusable", sentences((*nowhere, *agreed, *found, *broken, *asked, *notes)))
     lines = _of_lines(line_error or 0.0, limits.lines, given, placed)
