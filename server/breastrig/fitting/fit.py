@@ -112,7 +112,7 @@ class _Stillness:
         self._stop, self._previous, self._earlier, self._quiet = stop, np.inf, np.inf, 0
 
     def new_stage(self) -> None:
-        self._quiet, self._earlier = 0, np.inf
+        self._quiet, self._previous, self._earlier = 0, np.inf, np.inf
 
     def reached(self, mean: float, progress: float) -> bool:
         """Whether the fit may end at this mean distance (m); only a stage that has tightened can be still."""

@@ -107,8 +107,9 @@ def test_two_stances_of_breasts_that_hang_begin_again_together(rig: Rig, couplin
     recipe = load_recipe("default")
     once, flattened = off(recipe.model_copy(update={"hanging": None}))
     twice, found = off(recipe)
-    assert flattened.min() > 0.05
+    assert flattened.min() > (0.05 if coupling is ALIKE else 0.01)  # one body's other stance holds its breasts up
     assert found.max() < 0.02
+    assert found.mean() < flattened.mean()
     assert {twice[-1].first.hanging, twice[-1].second.hanging} == {("ptosis_L", "ptosis_R")}
     assert [each.iteration for each in twice] == list(range(len(twice)))
     assert [each.status is Status.RUNNING for each in twice] == [True] * (len(twice) - 1) + [False]
