@@ -63,6 +63,7 @@ NORMAL_LENGTH = 0.06  # m a unit of normal counts as: skin facing away by 60 deg
 CAP = 0.06  # m; beyond it a distance says only "elsewhere"
 KERNEL = 0.03  # m, of the steps' weights; what a rest pose is off on a patient
 EDGE = 0.012  # m from scan's border or model's rim; the spacing of the points that are compared
+AT_EDGE = 0.5 * CAP  # m; what a pair that ends at an edge counts as at least: nobody knows
 COVER_WEIGHT = 0.3  # of model to scan against scan to model: scans end where they end
 FEWEST_PAIRS = 40  # of a step; fewer would turn the body towards a scrap
 HEIGHT = 0.075  # m between tries along the body
@@ -157,10 +158,12 @@ class _Comparison:
 
     def scores(self, tries: Similarities) -> tuple[Array, Array]:
         """(T,), (T,) m: the scores, and how far the model is from the scan."""
-        back, _ = self._to_model(tries, CAP / float(tries.scales.min()))
-        back = np.minimum(back * tries.scales[:, None], CAP).mean(axis=1)
-        there, _ = self._to_scan(tries, CAP)
-        there = np.minimum(there, CAP).mean(axis=1)
+        back, on_model = self._to_model(tries, CAP / float(tries.scales.min()))
+        back = np.minimum(back * tries.scales[:, None], CAP)
+        back = np.where(self.at_rim[on_model], np.maximum(back, AT_EDGE), back).mean(axis=1)
+        there, on_scan = self._to_scan(tries, CAP)
+        there = np.minimum(there, CAP)
+        there = np.where(self.at_border[on_scan], np.maximum(there, AT_EDGE), there).mean(axis=1)
         return back + COVER_WEIGHT * there, there
 
 
