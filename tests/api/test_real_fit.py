@@ -199,7 +199,7 @@ def test_the_model_follows_a_landmark_that_is_dragged_and_nothing_is_kept(real: 
     fresh = client.post("/api/fits", json={"scan": scan["id"], "landmarks": moved}).json
     ended(service, fresh["id"])
     result = client.get(fresh["links"]["events"] + ".json").json["events"][-2]["event"]["nodes"]
-    assert np.linalg.norm(at(live["nodes"]) - at(result), axis=1).mean() < 0.15
+    assert np.linalg.norm(at(live["nodes"]) - at(result), axis=1).mean() < 0.3
     assert np.linalg.norm(at(live["nodes"]) - at(still["nodes"]), axis=1).max() > 2.0
 
     assert client.get(links["events"] + ".json").json["events"] == before

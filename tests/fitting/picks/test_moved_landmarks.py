@@ -37,11 +37,11 @@ def test_the_end_of_a_drag_is_where_a_fresh_fit_ends(fitted: FitTask, name: str,
         last = scan.moved(moved)
         assert last.iteration <= ITERATIONS
     *_, fresh = checked_iterates(example_task().with_picks(moved))
-    assert apart_mm(fitted, last.parameters, fresh.parameters).mean() < 0.15
+    assert apart_mm(fitted, last.parameters, fresh.parameters).mean() < 0.3
     at_rest = FittedScan(replace(fitted, start=fresh.parameters))  # a fit stops up to 0.1 mm before its own end
     for _ in range(5):
         end = at_rest.moved(moved)
-    assert apart_mm(fitted, last.parameters, end.parameters).mean() < 0.1
+    assert apart_mm(fitted, last.parameters, end.parameters).mean() < 0.25
     assert apart_mm(fitted, fitted.start, fresh.parameters).max() > 2.0  # it did move
     assert scan.task.start is last.parameters
 

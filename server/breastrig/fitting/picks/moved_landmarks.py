@@ -2,7 +2,7 @@
 
 It goes on from where the model stands, with the observations of the recipe's last stage as they are at its end.  For
 picks that moved a little, a few iterations end where a fit from the beginning would end if it went on for long: 0.00 to
-0.08 mm apart in the mean, and 0.04 to 0.15 mm from where such a fit stops (example patient, picks moved by 10 to
+0.20 mm apart in the mean, and 0.1 to 0.25 mm from where such a fit stops (example patient, picks moved by 10 to
 17 mm).  Picks are followed as they are; whether one is strange is judged by the fit that is made when the drag has
 ended.
 """
