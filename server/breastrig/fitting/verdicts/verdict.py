@@ -8,7 +8,7 @@ them.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Annotated, Literal
 
@@ -74,8 +74,7 @@ class LineLimits(SettingsPart):
     """m, of how far off nine of ten places of a line on the breasts may be."""
 
     check: float  # farther off landmarks would help
-    placed: float  # likewise where they have placed the fit and more could be placed
-    all_placed: float  # likewise where the scan shows no other
+    placed: float  # likewise where they have placed the fit
     unknown: float  # and beyond no place is known
 
 
@@ -167,20 +166,11 @@ def verdict(
     if unknown or impossible >= (limits.refused_at if placed else limits.unusable_at):
         nowhere = (Reason(UNKNOWN_LINES, (given.advice,)),) if unknown else ()
         return Verdict("unusable", sentences((*nowhere, *agreed, *found, *broken, *asked, *notes)))
-    lines = _of_lines(line_error or 0.0, limits.lines, given, placed)
+    far = line_error is not None and line_error > (limits.lines.placed if placed else limits.lines.check)
+    lines = (Reason(FAR_LINES.format(1e3 * (line_error or 0.0)), (given.advice, WITH_MARGIN)),) if far else ()
     unlike = () if stance in limits.stances else (Reason(OTHER_STANCE.format(stance), (LOOK_CLOSELY,)),)
     reasons = (*lines, *agreed, *found, *stopped, *asked, *unlike, *notes)
     return Verdict("good" if all(each.note for each in reasons) else "check", sentences(reasons))
-
-
-def _of_lines(error: float, limits: LineLimits, given: GivenLandmarks, placed: bool) -> tuple[Reason, ...]:
-    """How far off (m) lines may be, where that is more than a plan allows for; a note where no landmark would help."""
-    far = Reason(FAR_LINES.format(1e3 * error), (given.advice, WITH_MARGIN))
-    if not placed:
-        return (far,) if error > limits.check else ()
-    if error <= limits.placed:
-        return ()
-    return (replace(far, note=not given.left and error <= limits.all_placed),)
 
 
 def unusual_size(
