@@ -1,7 +1,7 @@
 // The rigged model that the fit was made with: loaded once, then posed by whatever the service says, live or replayed.
 // Over the scan it is translucent clay, see viewer/overlaid.ts.  A first pass fills the depth only, so that it never shows
 // its own inside.
-import { DoubleSide, FrontSide, type Material, Mesh, MeshStandardMaterial, type Object3D, SkinnedMesh, Vector3 } from "three";
+import { DoubleSide, FrontSide, type Material, type Mesh, MeshStandardMaterial, type Object3D, SkinnedMesh, Vector3 } from "three";
 import type { Model, ModelSide, NodePose } from "../api/types";
 import type { ScanSlice } from "../scan/state";
 import { disposeTree, readGltf } from "../viewer/gltf";
@@ -10,7 +10,7 @@ import { bringNearer, depthMaterial, GLASS, MODEL_SHARE, ORDER } from "../viewer
 import { isBeside, type ViewSlice } from "../viewer/state";
 import type { VertexAt } from "../viewer/lines/surfacePoints";
 import type { Part, Viewer } from "../viewer/Viewer";
-import { DualQuaternionSkin } from "./dualQuaternions";
+import type { DualQuaternionSkin } from "./dualQuaternions";
 import { modelOf, type Shown, shownPoses, showsFittedSurface } from "./state";
 
 type State = Shown & Pick<ViewSlice & ScanSlice, "overlay" | "scan">;
@@ -81,13 +81,14 @@ export class TorsoModel implements Part<State> {
   get vertexAt(): VertexAt | null {
     const mesh = this.mesh;
     if (!mesh || !this.applied) return null;
-    const places = this.skin?.geometry.attributes.position;
-    return (vertex, target) => (places ? target.fromBufferAttribute(places, vertex) : mesh.getVertexPosition(vertex, target)).applyMatrix4(mesh.matrix);
+    const posed = this.skin ?? mesh;
+    return (vertex, target) => posed.getVertexPosition(vertex, target).applyMatrix4(mesh.matrix);
   }
 
   private async load(model: Model): Promise<void> {
     try {
       const { scene } = await readGltf(model.glb);
+      const blended = model.side.skinning === "dual_quaternion" ? (await import("./dualQuaternions")).DualQuaternionSkin : null;
       if (model !== this.wanted) return;
       let mesh: SkinnedMesh | null = null;
       this.nodes.clear();
@@ -95,7 +96,7 @@ export class TorsoModel implements Part<State> {
         this.nodes.set(node.name, node);
         if (node instanceof SkinnedMesh) mesh = node;
       });
-      this.adopt(scene, mesh, model.side);
+      this.adopt(scene, mesh, blended);
       this.model = model;
       this.applied = null;
       this.onReady(null);
@@ -104,15 +105,15 @@ export class TorsoModel implements Part<State> {
     }
   }
 
-  private adopt(scene: Object3D, mesh: SkinnedMesh | null, side: ModelSide): void {
+  private adopt(scene: Object3D, mesh: SkinnedMesh | null, blended: typeof DualQuaternionSkin | null): void {
     if (!mesh) throw new Error("no skinned mesh");
     if (this.root) disposeTree(this.root);
     const { skeleton, bindMatrix, morphTargetInfluences } = mesh;
-    this.skin = side.skinning === "dual_quaternion" ? new DualQuaternionSkin(mesh) : null;
-    const geometry = this.skin?.geometry ?? mesh.geometry;
+    this.skin = blended && new blended(mesh);
+    const { geometry } = this.skin ?? mesh;
     this.lids = withLids(geometry);
     const pass = (material: Material | Material[]): Mesh => {
-      if (this.skin) return new Mesh(geometry, material);
+      if (this.skin) return this.skin.shown(material);
       const made = new SkinnedMesh(geometry, material);
       made.bind(skeleton, bindMatrix);
       made.morphTargetInfluences = morphTargetInfluences!;

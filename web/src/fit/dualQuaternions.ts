@@ -1,6 +1,6 @@
 // The surface of a rig whose bones are blended by dual quaternions, posed here as the service poses it
 // (server/breastrig/rig/skinning.py): graphics cards skin linearly.  A body is stretched first, at rest, and then moved.
-import { BufferAttribute, BufferGeometry, Matrix4, Quaternion, type SkinnedMesh, type TypedArray, Vector3 } from "three";
+import { BufferAttribute, BufferGeometry, type Material, Matrix4, Mesh, Quaternion, type SkinnedMesh, type TypedArray, Vector3 } from "three";
 
 const MOTION = 8; // numbers of a dual quaternion, x y z w each: turn, then half of move times turn
 const AFFINE = 12; // of an affine map, row by row
@@ -23,6 +23,16 @@ export class DualQuaternionSkin {
     }
     this.motions = new Float64Array(MOTION * mesh.skeleton.bones.length);
     this.stretches = new Float64Array(AFFINE * mesh.skeleton.bones.length);
+  }
+
+  /** What shows the posed surface. */
+  shown(material: Material | Material[]): Mesh {
+    return new Mesh(this.geometry, material);
+  }
+
+  /** As SkinnedMesh has it. */
+  getVertexPosition(vertex: number, target: Vector3): Vector3 {
+    return target.fromBufferAttribute(this.geometry.attributes.position!, vertex);
   }
 
   /** By the world matrices, scales and weights of shapes as they are now. */

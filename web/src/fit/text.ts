@@ -20,7 +20,7 @@ export const fit = {
   gone: "This fit is no longer there: its scan was deleted, in another tab or by somebody else.",
   cancelled: "Cancelled. The iterations so far can still be looked at.",
   prior: (stances: readonly { stance: string; women: number; gain: number }[]) =>
-    `Bodies are expected as those of patients fitted here: ${stances.map(({ stance, women, gain }) => `${women} ${stance} (${gain > 0 ? `log likelihood of each +${gain.toFixed(0)}` : "not believed yet"})`).join(", ")}.`,
+    `Learned prior: ${stances.map(({ stance, women, gain }) => `${women} ${stance} (+${gain.toFixed(0)} nats)`).join(", ")}.`,
   noLandmarks: "Without landmarks the fit has to find its start alone: that works best upright and facing front.",
   fewLandmarks: (count: number) => `With only ${plural(count, "landmark", "landmarks")} the start is found from the scan alone.`,
   with: (count: number) => `Fit with ${plural(count, "landmark", "landmarks")}`,
