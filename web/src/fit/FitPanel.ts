@@ -30,8 +30,7 @@ export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<
   const warnings = el("p", { class: "look-here", hidden: true });
   const notes = el("div", { class: "reasons" });
   const wrong = problem(dismiss);
-  const prior = el("p", { class: "muted", hidden: true });
-  const element = el("div", { class: "panel" }, wrong.element, stance.element, preset.element, refining, prior, hint, running, cancelled, warnings, notes);
+  const element = el("div", { class: "panel" }, wrong.element, stance.element, preset.element, refining, hint, running, cancelled, warnings, notes);
   return {
     element,
     select: only("meta", "problems", "scan", "picks", "certain", "stance", "preset", "refine", "fit", "isStarting"),
@@ -44,9 +43,6 @@ export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<
       for (const each of [stance, preset]) each.enable(!busy);
       refine.checked = state.refine;
       refine.disabled = busy;
-      const cohort = meta?.prior.stances ?? [];
-      show(prior, cohort.length > 0);
-      setText(prior, text.fit.prior(cohort));
       const count = pickCount(state);
       show(hint, !busy && count < ENOUGH);
       setText(hint, count === 0 ? text.fit.noLandmarks : text.fit.fewLandmarks(count));
@@ -62,7 +58,7 @@ export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<
       const toSay = [...unfollowed, ...(fit?.result?.drawing_missing ?? [])];
       show(warnings, toSay.length > 0);
       setText(warnings, toSay.join(" "));
-      const sentences = [...new Set([fit?.started?.stance_reason ?? "", ...(fit?.started?.notes ?? [])])].filter((each) => each !== "");
+      const sentences = [...new Set([...text.fit.prior(meta?.prior.stances ?? []), fit?.started?.stance_reason ?? "", ...(fit?.started?.notes ?? [])])].filter((each) => each !== "");
       setText(notes, sentences.join(" "));
       wrong.set(state.problems.fit);
     },

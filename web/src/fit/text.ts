@@ -20,7 +20,7 @@ export const fit = {
   gone: "This fit is no longer there: its scan was deleted, in another tab or by somebody else.",
   cancelled: "Cancelled. The iterations so far can still be looked at.",
   prior: (stances: readonly { stance: string; women: number; gain: number }[]) =>
-    `Learned prior: ${stances.map(({ stance, women, gain }) => `${women} ${stance} (+${gain.toFixed(0)} nats)`).join(", ")}.`,
+    stances.map(({ stance, women, gain }) => `Learned from ${women} ${stance} fits (+${gain.toFixed(0)} nats each).`),
   noLandmarks: "Without landmarks the fit has to find its start alone: that works best upright and facing front.",
   fewLandmarks: (count: number) => `With only ${plural(count, "landmark", "landmarks")} the start is found from the scan alone.`,
   with: (count: number) => `Fit with ${plural(count, "landmark", "landmarks")}`,
