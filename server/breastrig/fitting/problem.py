@@ -27,7 +27,7 @@ from breastrig.energies.scale_prior import ScalePrior
 from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
 from breastrig.energies.table_contact import TableContact
-from breastrig.fitting.body.expected_body import cohort_belief, expected_shapes
+from breastrig.fitting.body.expected_body import built_in_body, cohort_belief, expected_shapes
 from breastrig.fitting.body.mirrored_landmarks import mirrored_landmarks
 from breastrig.fitting.body.relief import observe_relief
 from breastrig.fitting.observation_weights import observation_weights
@@ -37,7 +37,7 @@ from breastrig.least_squares.newton import Status, System, Value, assemble, valu
 from breastrig.least_squares.problem import Constraint, ResidualTerm, inlier_chance, mixture_cost, outlier_cost
 from breastrig.least_squares.quadratic_program import Bounds
 from breastrig.rig.blocks import block
-from breastrig.rig.body_statistics import body_statistics
+from breastrig.rig.cohort_belief import Gaussian
 from breastrig.rig.joints import Joints
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import BONE_DOFS, RigParameters
@@ -269,9 +269,9 @@ def expected_joints(task: FitTask) -> Joints:
 def prior_terms(task: FitTask, joints: Joints) -> list[ResidualTerm[BodyState]]:
     """The terms that no scan changes."""
     rig, recipe = task.rig, task.recipe
-    either = either_body(task) is not None  # the scan says which; see ScanProblem.terms
-    own = () if either else body_terms(rig, recipe.shapes, recipe.scales, recipe.body, task.stance, _hanging_of(task))
-    terms = [*own]
+    terms = list[ResidualTerm[BodyState]]()
+    if either_body(task) is None:  # otherwise the scan says which; see ScanProblem.terms
+        terms += body_terms(rig, recipe.shapes, recipe.scales, recipe.body, task.stance, _hanging_of(task))
     if recipe.joints.limit_sigma is not None:
         terms.append(JointLimits(joints, recipe.joints.limit_sigma))
     if recipe.shapes.symmetry_sigma or recipe.scales.symmetry_sigma:
@@ -292,13 +292,19 @@ def either_body(task: FitTask) -> EitherBody | None:
     belief = None if recipe.body is None else cohort_belief(rig, recipe.shapes, recipe.body, task.stance)
     if belief is None:
         return None
-    (own,) = body_terms(rig, recipe.shapes, recipe.scales, recipe.body, task.stance, _hanging_of(task))
-    assert isinstance(own, BodyPrior)
-    mean, more = belief.expected.mean.copy(), np.zeros(len(own.mean))
-    if recipe.hanging is not None:
-        places = [3 * len(rig.bones) + rig.shape_names.index(name) for name in task.hanging]
-        mean[places], more[places] = recipe.hanging.weight, recipe.hanging.sigma**2
-    return EitherBody(BodyPrior(rig, mean, belief.expected.covariance + np.diag(more)), own)
+    (built_in,) = body_terms(rig, recipe.shapes, recipe.scales, recipe.body, task.stance, _hanging_of(task))
+    assert isinstance(built_in, BodyPrior), "a belief is centred on it"
+    return EitherBody(_expecting(rig, belief.expected, _hanging_of(task)), built_in)
+
+
+def _expecting(rig: Rig, body: Gaussian, hanging: tuple[Hanging, tuple[str, ...]] | None) -> BodyPrior:
+    """The body, and breasts that were seen to hang, of which its statistics tell little: few such women are in them."""
+    mean, more = body.mean.copy(), np.zeros(len(body.mean))
+    if hanging is not None:
+        settings, names = hanging
+        places = [3 * len(rig.bones) + rig.shape_names.index(name) for name in names]
+        mean[places], more[places] = settings.weight, settings.sigma**2
+    return BodyPrior(rig, mean, body.covariance + np.diag(more))
 
 
 @lru_cache(maxsize=16)
@@ -312,22 +318,16 @@ def body_terms(
 ) -> tuple[ResidualTerm[BodyState], ...]:
     """What is expected of scales and shapes: by the statistics of bodies where the recipe and the rig have them.
 
-    `hanging` names the shapes of breasts that were seen to hang: of the few such women the statistics tell nothing.
+    `hanging` names the shapes of breasts that were seen to hang.
     """
+    built_in = None if body is None else built_in_body(rig, shapes, body, stance)
+    if built_in is not None:
+        return (_expecting(rig, built_in, hanging),)
     sigma, mean = expected_shapes(rig, shapes, stance)
-    hangs = np.zeros(len(rig.shapes))  # standard deviations beyond those of the statistics
     if hanging is not None:
-        settings, names = hanging
-        chosen = [rig.shape_names.index(name) for name in names]
-        hangs[chosen], mean[chosen] = settings.sigma, settings.weight
-    known = body_statistics(rig) if body is not None else None
-    if body is None or known is None:
-        prior = ShapePrior(np.hypot(sigma, hangs), mean)
-        return ScalePrior(rig, scales.sigma, scales.neighbour_sigma or np.inf), prior
-    of_shapes = np.hypot(body.shape_factor * sigma, hangs)
-    alone = np.concatenate([np.full(3 * len(rig.bones), body.scale_sigma), of_shapes])
-    covariance = body.share * known.covariance + np.diag(alone**2)
-    return (BodyPrior(rig, np.concatenate([known.mean_scales, mean]), covariance),)
+        chosen = [rig.shape_names.index(name) for name in hanging[1]]
+        sigma[chosen], mean[chosen] = np.hypot(sigma[chosen], hanging[0].sigma), hanging[0].weight
+    return ScalePrior(rig, scales.sigma, scales.neighbour_sigma or np.inf), ShapePrior(sigma, mean)
 
 
 def table_contact(task: FitTask) -> TableContact | None:

@@ -20,10 +20,11 @@ from typing import Any
 
 import numpy as np
 
-from breastrig.core.arrays import Array, Integers
+from breastrig.core.arrays import Array
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.body_statistics import SCHEMA, BodyStatistics, body_statistics
+from breastrig.rig.cohort_belief import mirrored_places
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig_studies.cohort import read_cohort
@@ -32,14 +33,6 @@ from breastrig_studies.studies.reference_fit import reference_fit
 
 FILE = default_rig_path().with_suffix(".known") / "bodies.json"
 KEPT = 0.98  # of the variance
-
-
-def mirrored(rig: Rig) -> Integers:
-    """(N,) where the scales and weights of the other side stand; the scales' axes are alike on both sides."""
-    bones = [rig.bone_names.index(bone.mirror) for bone in rig.bones]
-    shapes = [rig.shape_names.index(shape.mirror) for shape in rig.shapes]
-    scales = (3 * np.array(bones)[:, None] + np.arange(3)).ravel()
-    return np.concatenate([scales, 3 * len(bones) + np.array(shapes, dtype=np.int64)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +50,7 @@ def statistics(rig: Rig, bodies: Sequence[KnownBody]) -> BodyStatistics:
     times = Counter((each.woman, each.stance) for each in bodies)
     counts = np.array([1.0 / times[each.woman, each.stance] for each in bodies] * 2)
     stances = np.array([each.stance for each in bodies] * 2)
-    rows = np.concatenate([rows, rows[:, mirrored(rig)]])
+    rows = np.concatenate([rows, rows[:, mirrored_places(rig)]])
     deviations = rows.copy()
     for stance in np.unique(stances):
         its = stances == stance

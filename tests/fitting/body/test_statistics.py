@@ -7,9 +7,10 @@ import pytest
 
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.body_statistics import body_statistics
+from breastrig.rig.cohort_belief import mirrored_places
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
-from breastrig_studies.bodies.body_statistics import KnownBody, document, mirrored, mixed, statistics
+from breastrig_studies.bodies.body_statistics import KnownBody, document, mixed, statistics
 from breastrig_studies.studies.sensitivity import with_shapes
 
 
@@ -21,7 +22,7 @@ def torso() -> Rig:
 def test_the_torsos_statistics_prefer_no_side(torso: Rig) -> None:
     known = body_statistics(torso)
     assert known is not None
-    other = mirrored(torso)
+    other = mirrored_places(torso)
     assert sorted(other.tolist()) == list(range(len(other)))
     np.testing.assert_allclose(known.mean_scales, known.mean_scales[other[: len(known.mean_scales)]], atol=1e-3)
     size = np.abs(known.covariance).max()
