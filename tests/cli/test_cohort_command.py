@@ -122,7 +122,6 @@ def prior_of(count: int) -> CohortPrior:
 
 
 def test_what_is_shared_has_means_with_the_noise_that_epsilon_asks_for() -> None:
-    pytest.importorskip("opendp")
     own, prior = built_in(RIG, "standing"), prior_of(40)
     assert own is not None
     root = np.linalg.cholesky(own.covariance)
@@ -142,7 +141,6 @@ def test_what_is_shared_has_means_with_the_noise_that_epsilon_asks_for() -> None
 
 
 def test_few_women_and_what_was_shared_already_are_not_shared() -> None:
-    pytest.importorskip("opendp")
     with pytest.raises(BadInput, match="30 women or more"):
         shared(prior_of(29), RIG, 1.0)
     again = shared(prior_of(30), RIG, 1.0)
