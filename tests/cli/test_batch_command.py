@@ -7,12 +7,14 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
 from helpers import fake_batch
 from helpers.dask_cluster import ENVIRONMENT
+from helpers.fake_women import prior_of
 from helpers.real_server import alive, children
 from helpers.waiting import PATIENCE_S, until
 
@@ -32,10 +34,12 @@ def fake(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_batch_leaves_what_fit_leaves_and_the_numbers_of_all(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    (tmp_path / "prior.json").write_bytes(prior_of(12).content())
+    prior = ["--prior", str(tmp_path / "prior.json")]
     (tmp_path / "bad.ply").write_bytes(b"Dear surgeon, please find attached the scan.\n")
     manifest, out = tmp_path / "manifest.csv", tmp_path / "out"
     manifest.write_text(f"scan,landmarks,name\n{EXAMPLE}/scan.ply,{EXAMPLE}/landmarks.json,standing\nbad.ply,,bad\n")
-    assert main(["batch", str(manifest), "-o", str(out), "--jobs", "2"]) == 1
+    assert main(["batch", str(manifest), "-o", str(out), "--jobs", "2", *prior]) == 1
 
     said = capsys.readouterr()
     told = {line["name"]: line for line in map(json.loads, said.out.splitlines())}
@@ -51,6 +55,7 @@ def test_a_batch_leaves_what_fit_leaves_and_the_numbers_of_all(
     result = json.loads((out / "standing" / "result.json").read_text())
     assert float(rows["standing"]["mean_mm"]) == result["surface_distance_mm"]["mean"]
     assert float(rows["standing"]["landmark_mean_mm"]) == result["landmark_distance_mm"]["mean"]
+    assert any("prior of 12 " in note for note in result["notes"])
     assert rows["standing"]["stance"] == result["stance"] == "standing"
     with (out / "standing" / "measures.csv").open(newline="") as file:
         measured = {(row["measure"], row["kind"]): row for row in csv.DictReader(file)}
@@ -64,10 +69,28 @@ def test_a_batch_leaves_what_fit_leaves_and_the_numbers_of_all(
         assert rows["bad"][column] == ""
     assert batch_table.is_table(out / "batch.csv")
 
-    alone = ["fit", f"{EXAMPLE}/scan.ply", "--landmarks", f"{EXAMPLE}/landmarks.json"]
+    alone = ["fit", f"{EXAMPLE}/scan.ply", "--landmarks", f"{EXAMPLE}/landmarks.json", *prior]
     assert main([*alone, "-o", str(tmp_path / "alone")]) == 0
     for file in ("fitted.ply", "drawing.json", "distances.bin", "scan.ply"):
         assert (out / "standing" / file).read_bytes() == (tmp_path / "alone" / file).read_bytes(), file
+
+
+def test_a_prior_that_is_not_for_the_batch_runs_nothing(
+    tmp_path: Path, fake: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    manifest, prior = fake_batch.write_manifest(tmp_path, {"a": "fine"}), tmp_path / "prior.json"
+    other_preset = "name,scan,preset\na,a.ply,\nb,a.ply,paper\n"
+    for written, table, why in (
+        (prior_of(2), other_preset, "manifest.csv, line 3: The preset paper expects nothing of bodies"),
+        (replace(prior_of(2), rig_sha256="0" * 64), manifest.read_text(), "This prior is of another rig"),
+    ):
+        prior.write_bytes(written.content())
+        manifest.write_text(table)
+        assert main(["batch", str(manifest), "--prior", str(prior), "-o", str(tmp_path / "out")]) == 2
+        said = capsys.readouterr().err
+        assert said.startswith(f"breastrig: {why}")
+        assert said.count("\n") == 1
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_name_that_spreadsheets_would_run_is_a_text_in_the_table(tmp_path: Path, fake: None) -> None:

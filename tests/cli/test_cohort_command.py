@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.fake_women import prior_of
 from helpers.results import result_document
 
 from breastrig.cli.main import main
@@ -12,7 +13,7 @@ from breastrig.core.errors import BadInput
 from breastrig.files.result import BODY, RESULT, ResultFile
 from breastrig.fitting.uncertainty.contribution import built_in
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.rig.cohort_prior import CohortPrior, read_prior
+from breastrig.rig.cohort_prior import read_prior
 from breastrig.workflow.folder.cohort import cohort_of_folders, shared
 
 RIG = read_rig(default_rig_path())
@@ -103,22 +104,6 @@ def test_what_says_nothing_is_refused_in_one_sentence(
 
 
 MODEL = {"vertices": 1, "bones": 1, "blendshapes": 1}
-
-
-def prior_of(count: int) -> CohortPrior:
-    """Of so many women who are all alike."""
-    from dataclasses import replace
-
-    from breastrig.rig.cohort_prior import Sums, no_cohort
-
-    own = built_in(RIG, "standing")
-    assert own is not None
-    mean = own.mean + np.linalg.cholesky(own.covariance)[:, 2]
-    one = Sums.of_woman(mean, 0.1 * own.covariance)
-    prior = no_cohort(RIG)
-    for _ in range(count):
-        prior = prior.plus(replace(prior, stances={"standing": one}))
-    return prior
 
 
 def test_what_is_shared_has_means_with_the_noise_that_epsilon_asks_for() -> None:

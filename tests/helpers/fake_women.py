@@ -2,11 +2,13 @@
 
 import hashlib
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from breastrig.fitting.uncertainty.contribution import built_in
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.cohort_prior import CohortPrior, Sums, no_cohort
 from breastrig.workflow.events import Done, Event, Started
 from breastrig.workflow.jobs import FitJob
 from helpers import fake_fit
@@ -22,6 +24,18 @@ def body(scan: bytes) -> bytes:
     mean = own.mean + 0.9 * np.linalg.cholesky(own.covariance) @ rng.standard_normal(len(own.mean))
     upper = (0.1 * own.covariance)[np.triu_indices(len(mean))]
     return np.concatenate([mean, upper]).astype("<f4").tobytes()
+
+
+def prior_of(count: int) -> CohortPrior:
+    """Of so many women who are all alike."""
+    rig = read_rig(default_rig_path())
+    own = built_in(rig, "standing")
+    assert own is not None
+    mean = own.mean + np.linalg.cholesky(own.covariance)[:, 2]
+    prior = no_cohort(rig)
+    for _ in range(count):
+        prior = prior.plus(replace(prior, stances={"standing": Sums.of_woman(mean, 0.1 * own.covariance)}))
+    return prior
 
 
 def fitted(job: FitJob) -> Iterator[Event]:

@@ -22,7 +22,7 @@ from breastrig.fitting.recipe import load_recipe
 from breastrig.rig.model import Rig
 from breastrig.scan.landmarks.landmark_files import certain_landmarks, landmark_confidences, read_landmarks
 from breastrig.workflow.jobs import FIRST
-from breastrig.workflow.scan_fit import checked_landmarks, named_drawing
+from breastrig.workflow.scan_fit import check_prior, checked_landmarks, named_drawing
 
 COLUMNS = ("scan", "landmarks", "name", "units", "stance", "preset", "drawing", "tumour", "refine")
 YES_NO = {"": True, "no": False, "false": False, "0": False, "yes": True, "true": True, "1": True}
@@ -57,14 +57,21 @@ class BatchRow:
     refine: bool
 
 
-def read_manifest(file: Path, rig: Rig, out: Path, force: bool = False) -> tuple[BatchRow, ...]:
+def read_manifest(
+    file: Path, rig: Rig, out: Path, force: bool = False, prior: Path | None = None
+) -> tuple[BatchRow, ...]:
     """The rows of a table in UTF-8, split by commas, semicolons or tabs; paths are relative to the table.
 
-    `out` is where the results will be; `force` lets them go beside what no batch has made.  Raises BadManifest.
+    `out` is where the results will be; `force` lets them go beside what no batch has made; `prior` is that of all
+    rows.  Raises BadManifest.
     """
     rows, faults = [], []
     lines: dict[str, int] = {}  # name -> line
-    check_preset = cache(load_recipe)  # the same few words in thousands of rows
+
+    @cache  # the same few words in thousands of rows
+    def check_preset(preset: str) -> None:
+        check_prior(load_recipe(preset), prior)
+
     for number, (line, cells) in enumerate(_cells(file), start=1):
         try:
             row = _row(cells, number, file.parent, rig, check_preset)

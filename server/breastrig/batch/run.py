@@ -55,6 +55,7 @@ class Batch:
     folder: Path
     model_sha256: str
     model: str | None = None  # as FitOfBytes has it
+    prior: bytes | None = None  # likewise
     again: bool = False  # do also what is done
     runner: Runner = measured_fit
     wall_s: float = FitLimits().wall_s
@@ -143,7 +144,7 @@ _Ready = tuple[BatchRow, dict[str, Any], FitOfBytes]
 def _looked_at(batch: Batch, row: BatchRow) -> _Ready | Outcome:
     """The row with what its result depends on and its task; or its outcome, where there is nothing to be done."""
     try:
-        task = _fit_of(row, batch.model)
+        task = _fit_of(batch, row)
     except OSError as error:
         return Outcome(row.name, f"The files of this row cannot be read any more ({error.strerror}).")
     inputs = _inputs(batch, task)
@@ -157,7 +158,7 @@ def _looked_at(batch: Batch, row: BatchRow) -> _Ready | Outcome:
     return row, inputs, task
 
 
-def _fit_of(row: BatchRow, model: str | None) -> FitOfBytes:
+def _fit_of(batch: Batch, row: BatchRow) -> FitOfBytes:
     return FitOfBytes(
         scan=read_ordinary(row.scan, FILE_BYTES),
         ending=row.scan.suffix,
@@ -169,7 +170,8 @@ def _fit_of(row: BatchRow, model: str | None) -> FitOfBytes:
         preset_file=read_ordinary(Path(row.preset), LIMIT_BYTES) if row.preset.endswith(".toml") else None,
         drawing=row.drawing,
         refine=row.refine,
-        model=model,
+        model=batch.model,
+        prior=batch.prior,
     )
 
 
@@ -186,6 +188,7 @@ def _inputs(batch: Batch, task: FitOfBytes) -> dict[str, Any]:
         "drawing": task.drawing,
         "refine": task.refine,
         "model_sha256": batch.model_sha256,
+        "prior_sha256": _sha256(task.prior),
         "breastrig": __version__,
     }
 

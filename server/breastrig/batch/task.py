@@ -34,6 +34,7 @@ class FitOfBytes:
     drawing: str | None
     refine: bool
     model: str | None = None  # a packaged one's name or a path on this machine; None: the torso
+    prior: bytes | None = None  # a file of `breastrig cohort`
 
     def picks(self) -> Picks:
         """Those without a unit of their own have the scan's."""
@@ -73,6 +74,7 @@ def fit_of_bytes(task: FitOfBytes, runner: Runner) -> dict[str, bytes]:
             drawing=task.drawing,
             refine=task.refine,
             model=None if task.model is None else model_path(task.model),
+            prior=task.prior,
         )
         for _ in runner(job):
             pass  # the files say it all

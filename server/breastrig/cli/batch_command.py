@@ -34,6 +34,7 @@ from breastrig.execution.pool import Pool
 from breastrig.execution.worker import preload
 from breastrig.files.result import FIT_FILES
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.cohort_prior import read_prior, with_prior
 
 EXAMPLE = """example of a manifest:
   scan,landmarks,name,stance,tumour
@@ -54,6 +55,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     where.add_argument("--jobs", type=int, metavar="N", help="fits at a time (default: one a core, at most 8)")
     where.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler, as in tcp://host:8786")
     parser.add_argument("--model", metavar="MODEL", help="another rig for all rows: male, or the .glb of your own")
+    parser.add_argument(
+        "--prior", type=Path, metavar="FILE", help="for all rows what a cohort's fits say of bodies: `breastrig cohort`"
+    )
     parser.add_argument("--again", action="store_true", help="do also the rows that are done")
     parser.add_argument("--no-progress", action="store_true", help="no progress bar, no line for each row")
 
@@ -69,8 +73,11 @@ def run(options: argparse.Namespace) -> int:
     if options.scheduler is not None and glb not in (None, *packaged_models().values()):
         raise BadSettings("Other machines do not have a rig of your own; run its batch here, without --scheduler.")
     rig = read_rig(glb or default_rig_path())
+    prior = None if options.prior is None else read_prior(options.prior)
+    if prior is not None:
+        with_prior(rig, prior)
     try:
-        rows = read_manifest(options.manifest, rig, options.output, options.force)
+        rows = read_manifest(options.manifest, rig, options.output, options.force, options.prior)
     except BadManifest as error:
         return _report_faults(error.faults)
     _check_places(options, rows, glb)
@@ -80,8 +87,9 @@ def run(options: argparse.Namespace) -> int:
         options.output,
         rig.sha256,
         options.model,
-        options.again,
-        measured_fit,
+        again=options.again,
+        prior=None if prior is None else prior.content(),
+        runner=measured_fit,
         force=options.force,
         ahead=ahead,
     )
@@ -116,6 +124,7 @@ def _check_places(options: argparse.Namespace, rows: Sequence[BatchRow], model: 
     read = [
         options.manifest,
         *files_of_model(model),
+        *([] if options.prior is None else [options.prior]),
         *presets,
         *(file for row in rows for file in (row.scan, row.landmarks) if file),
     ]

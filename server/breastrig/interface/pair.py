@@ -16,11 +16,11 @@ from breastrig.interface.fit_result import Fit, fit_of_outcome
 from breastrig.interface.landmarks import Landmarks
 from breastrig.interface.model import Model, files_of, loaded, with_cohort
 from breastrig.interface.one_thread import one_thread
-from breastrig.interface.run import FitRun, GivenScan, Iterate, Preset, Settings, check_prior, iterate_of
+from breastrig.interface.run import FitRun, GivenScan, Iterate, Preset, Settings, iterate_of
 from breastrig.interface.scan import ScanLike, ScanSource
 from breastrig.workflow.jobs import FIRST
 from breastrig.workflow.run_pair import PAIR_SCHEMA, PairOutcome, pair_document, pair_steps, prepare_pair
-from breastrig.workflow.scan_fit import Clock
+from breastrig.workflow.scan_fit import Clock, check_prior
 
 PAIR = "pair.json"
 FOLDERS = ("first", "second")
@@ -95,7 +95,7 @@ def pair_iterates(
     with one_thread():
         rig = with_cohort(model, prior)
         plans = given[0].plan(settings[0], rig), given[1].plan(settings[1], rig)
-        check_prior(plans[0], prior)
+        check_prior(plans[0].recipe, prior)
         ready = prepare_pair(plans, [each.scan.read() for each in given])
     inputs = (
         *given[0].files,

@@ -26,7 +26,7 @@ from breastrig.rig.skinning import pose
 from breastrig.workflow.fit_recorder import FitOutcome, RecordedIterate
 from breastrig.workflow.jobs import FIRST, EarlierFit, FitSettings
 from breastrig.workflow.run_fit import fit_steps
-from breastrig.workflow.scan_fit import Clock, FitPlan, ReadyScan, fit_plan, prepare_fit
+from breastrig.workflow.scan_fit import Clock, FitPlan, ReadyScan, check_prior, fit_plan, prepare_fit
 
 Step = TypeVar("Step")
 Result = TypeVar("Result")
@@ -129,7 +129,7 @@ def iterates(
     given = GivenScan(ScanSource(scan, units), landmarks, certain)
     with one_thread():
         plan = given.plan(settings, with_cohort(model, prior))
-        check_prior(plan, prior)
+        check_prior(plan.recipe, prior)
         ready = prepare_fit(plan, *given.scan.read())
     inputs = (*given.files, *settings.files, *files_of(model, prior))
 
@@ -237,12 +237,6 @@ class Settings:
         """Drawing and tumours as one; BadDrawing names what is no tumour."""
         parts = [] if self.drawing is None else [self.drawing]
         return "+".join([*parts, *(tumour_text(short) for short in self.tumours)]) or None
-
-
-def check_prior(plan: FitPlan, prior: str | Path | None) -> None:
-    """Raises BadSettings for a prior that this preset would not look at."""
-    if prior is not None and plan.recipe.body is None:
-        raise BadSettings(f"The preset {plan.recipe.name} expects nothing of bodies together; leave the prior out.")
 
 
 class GivenScan:

@@ -158,6 +158,12 @@ def read_model(job: FitJob) -> Rig:
     return rig if job.prior is None else with_prior(rig, parsed_prior(job.prior, "The prior"))
 
 
+def check_prior(recipe: Recipe, prior: object | None) -> None:
+    """Raises BadSettings for a prior that this preset would not look at."""
+    if prior is not None and recipe.body is None:
+        raise BadSettings(f"The preset {recipe.name} expects nothing of bodies together; leave the prior out.")
+
+
 def named_drawing(rig: Rig, text: str | None) -> str | None:
     """The request with the rig's own name in the place of `first`; None where nothing is left of it."""
     parts = [] if text is None else text.split("+")
