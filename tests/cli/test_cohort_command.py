@@ -20,11 +20,11 @@ RIG = read_rig(default_rig_path())
 
 
 def write_fit(folder: Path, seed: int, code: str = "", seen: float = 0.9, **changes: object) -> Path:
-    """What a cohort reads of a fit; all women are alike in one direction."""
+    """What a cohort reads of a fit; all women are alike in ten directions."""
     own = built_in(RIG, "standing")
     assert own is not None
     rng = np.random.default_rng(seed)
-    away = rng.standard_normal(len(own.mean)) + 3.0 * (np.arange(len(own.mean)) == 2)
+    away = rng.standard_normal(len(own.mean)) + 3.0 * (np.arange(len(own.mean)) < 10)
     mean = own.mean + seen * np.linalg.cholesky(own.covariance) @ away
     upper = ((1.0 - seen) * own.covariance)[np.triu_indices(len(own.mean))]
     folder.mkdir(parents=True)
@@ -59,8 +59,14 @@ def test_learn_merge_remove_and_info_agree(results: Path, tmp_path: Path, capsys
     assert read_prior(second).women == 7
     assert cohort("remove", second, some[0], "-o", left, "--force") == 2
     assert "not in the prior" in capsys.readouterr().err
-    assert cohort("info", whole) == 0
-    assert "standing: 12 women" in capsys.readouterr().out
+    assert cohort("learn", some[0], "-o", first, "--force") == 0
+    for prior, told in (
+        (whole, "12 standing patients: one like them is foretold "),
+        (second, "7 standing patients: not used, fewer than 10"),
+        (first, "1 standing patient: not used, fewer than 10"),
+    ):
+        assert cohort("info", prior) == 0
+        assert f"\n{told}" in capsys.readouterr().out
 
 
 def test_a_file_of_sums_names_nobody(results: Path, tmp_path: Path) -> None:
@@ -126,7 +132,7 @@ def test_what_is_shared_has_means_with_the_noise_that_epsilon_asks_for() -> None
 
 
 def test_few_women_and_what_was_shared_already_are_not_shared() -> None:
-    with pytest.raises(BadInput, match="30 women or more"):
+    with pytest.raises(BadInput, match="30 patients or more"):
         shared(prior_of(29), RIG, 1.0)
     again = shared(prior_of(30), RIG, 1.0)
     for wrong in (

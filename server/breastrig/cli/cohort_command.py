@@ -5,7 +5,8 @@
     breastrig cohort remove prior.json RESULT -o left.json
     breastrig cohort share prior.json -o for_others.json --epsilon 5
 
-A prior holds sums over women and no woman's numbers; of few women it is still not for others: share says how it may be.
+A prior holds sums over patients, no patient's own numbers.  Sums over few still tell of them: give others what `share`
+writes.
 """
 
 import argparse
@@ -21,7 +22,7 @@ from breastrig.core.private_files import write_private
 from breastrig.fitting.body.expected_body import cohort_belief
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.rig.cohort_belief import TOO_MANY
+from breastrig.rig.cohort_belief import FEWEST
 from breastrig.rig.cohort_prior import CohortPrior, read_prior, with_prior
 from breastrig.rig.model import Rig
 from breastrig.workflow.folder.cohort import DELTA, cohort_of_folders, shared
@@ -32,12 +33,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
     learning = actions.add_parser("learn", help="the prior of the fits in folders")
     learning.add_argument("results", type=Path, nargs="+", metavar="RESULTS", help="folders of fits, searched whole")
-    merging = actions.add_parser("merge", help="one prior of several")
-    merging.add_argument("priors", type=Path, nargs="+", metavar="PRIOR", help="of women who are in none of the others")
+    merging = actions.add_parser("merge", help="one prior of several of different patients")
+    merging.add_argument("priors", type=Path, nargs="+", metavar="PRIOR", help="a file of `breastrig cohort`")
     removing = actions.add_parser("remove", help="the prior without the fits in folders")
     removing.add_argument("prior", type=Path, metavar="PRIOR", help="a file that this command wrote")
     removing.add_argument("results", type=Path, nargs="+", metavar="RESULT", help="folders of the patient's fits")
-    info = actions.add_parser("info", help="of how many women a prior is, and how far it is believed")
+    info = actions.add_parser("info", help="of how many patients it is, and how much it tells")
     info.add_argument("prior", type=Path, metavar="PRIOR", help="a file that this command wrote")
     sharing = actions.add_parser("share", help="the means with noise, which others may have")
     sharing.add_argument("prior", type=Path, metavar="PRIOR", help="a file that this command wrote")
@@ -63,7 +64,7 @@ def run(options: argparse.Namespace) -> int:
         prior = _made(options, folders, priors)
         write_private(out / options.output.name, prior.content())
     if sys.stdout.isatty():
-        print(f"{options.output} is of {_women(prior)}.")
+        print(f"{options.output} is of {_patients(prior)}.")
     return 0
 
 
@@ -93,27 +94,30 @@ def _rig(options: argparse.Namespace) -> Rig:
     return read_rig(options.model or default_rig_path())
 
 
-def _women(prior: CohortPrior) -> str:
-    return ", ".join(f"{each.women} {stance}" for stance, each in prior.stances.items()) or "nobody"
+def _patients(prior: CohortPrior) -> str:
+    return ", ".join(counted(each.women, stance) for stance, each in prior.stances.items()) or "nobody"
+
+
+def counted(women: int, stance: str) -> str:
+    """As in 1 standing patient."""
+    return f"{women} {stance} patient{'' if women == 1 else 's'}"
 
 
 def described(rig: Rig, prior: CohortPrior) -> list[str]:
     """Lines for people."""
     rig, recipe = with_prior(rig, prior), load_recipe("default")
-    lines = [f"prior of {_women(prior)}, for {prior.rig_name} ({prior.rig_sha256[:12]})"]
+    lines = [f"for {prior.rig_name} ({prior.rig_sha256[:12]})"]
     if prior.shared is not None:
         lines.append(f"shared: means alone, epsilon {prior.shared.epsilon:g}, delta {prior.shared.delta:g}")
     for stance, sums in prior.stances.items():
         belief = None if recipe.body is None else cohort_belief(rig, recipe.shapes, recipe.body, stance)
-        if belief is None:
-            lines.append(f"{stance}: {sums.women} women, not believed: they are as the built-in prior has them")
-            continue
-        own = [
-            f"{sums.women} to {worth:.3g}" if worth < TOO_MANY else "not at all"
-            for worth in (belief.mean_worth, belief.spread_worth)
-        ]
-        lines.append(
-            f"{stance}: {sums.women} women, believed against the built-in prior {own[0]} in the mean, {own[1]} in the "
-            f"spread; foretells a woman better by {belief.gain:.1f} nats"
-        )
+        if belief is not None:
+            mean, spread = (sums.women / (sums.women + w) for w in (belief.mean_worth, belief.spread_worth))
+            told = f"one like them is foretold {belief.closer:.0%} closer; "
+            told += f"the mean is {mean:.0%} theirs, the spread {spread:.0%}, the rest the built-in prior's"
+        elif sums.women < FEWEST:
+            told = f"not used, fewer than {FEWEST}"
+        else:
+            told = "not used, the built-in prior foretells them as well"
+        lines.append(f"{counted(sums.women, stance)}: {told}")
     return lines

@@ -41,6 +41,11 @@ class Belief:
     directions: int  # K, that were learned of
     gain: float  # mean log predictive density of a woman's directions over the built-in prior's, nats
 
+    @property
+    def closer(self) -> float:
+        """The gain as if each direction were expected within an interval narrower by this share."""
+        return float(-np.expm1(-self.gain / self.directions))
+
 
 def mirrored_places(rig: Rig) -> Integers:
     """(N,) where the scales and weights of the other side stand; the scales' axes are alike on both sides."""

@@ -5,9 +5,9 @@ of the posterior covariances.  Each woman's numbers are rounded to GRID, so that
 merged in any order, and a woman who is removed leaves nothing.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, reduce
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -104,7 +104,9 @@ class CohortPrior:
     def without(self, other: "CohortPrior") -> "CohortPrior":
         """With these women taken out; BadInput where they cannot have been in it."""
         if self.shared is not None:
-            raise BadInput("Nobody can be taken out of a prior that was shared; remove her from the one at home.")
+            raise BadInput(
+                "Nobody can be taken out of a prior that was shared; remove from the one at home and share it anew."
+            )
         if other.rig_sha256 != self.rig_sha256:
             raise BadInput("This fit is of another rig than the prior; it was never in it.")
         left = self._changed(other.stances, -1)
@@ -145,6 +147,17 @@ class CohortPrior:
 def no_cohort(rig: Rig) -> CohortPrior:
     """Of nobody."""
     return CohortPrior(rig.name, rig.sha256, rig.bone_names, rig.shape_names, {})
+
+
+def cohort_of_scans(rig: Rig, scans: Iterable[tuple[str, str, Sums]]) -> CohortPrior:
+    """Of (patient, stance, sums); a patient counts once in a stance, by the scan that leaves least open."""
+    best: dict[tuple[str, str], Sums] = {}
+    for patient, stance, sums in scans:
+        known = best.get((patient, stance))
+        if known is None or np.trace(sums.covariances) < np.trace(known.covariances):
+            best[patient, stance] = sums
+    nobody = no_cohort(rig)
+    return reduce(CohortPrior.plus, (replace(nobody, stances={s: sums}) for (_, s), sums in best.items()), nobody)
 
 
 Number = Annotated[FiniteFloat, Field(ge=-LARGEST, le=LARGEST)]
@@ -203,7 +216,7 @@ def parsed_prior(text: str | bytes, name: str) -> CohortPrior:
             else None
         )
         if sums is None or (shared is None and not sums.possible):
-            raise BadInput(f"{name} does not hold together ({stance}): no women have such sums; make it again.")
+            raise BadInput(f"{name} does not hold together ({stance}): no bodies have such sums; make it again.")
         stances[str(stance)] = sums
     return CohortPrior(found.rig.name, found.rig.sha256, tuple(found.bones), tuple(found.shapes), stances, shared)
 

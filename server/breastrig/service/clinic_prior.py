@@ -87,7 +87,7 @@ class ClinicPrior:
         return None if self._learned_at is None else iso_utc(self._learned_at)
 
     def stances(self, model_sha256: str) -> list[dict[str, Any]]:
-        """Of how many women each stance's prior is, and how much better it foretells one (nats); none: nobody."""
+        """Of how many patients each stance's prior is, and how much closer it foretells one; none: nobody."""
         return self._found.get(model_sha256, [])
 
     def _is_night(self) -> bool:
@@ -114,4 +114,4 @@ class ClinicPrior:
                 self._storage.files.write(MODELS, PRIORS, json.dumps(texts).encode() if texts else b"")
                 self._found = {sha256: stances for sha256, (_, stances) in found.items()}
                 self._learned_at, self._learned_changes = wall_clock.now(), changes
-        log.info("the prior is of %d scans now", sum(each["women"] for s in self._found.values() for each in s))
+        log.info("the prior is of %d scans now", sum(each["patients"] for s in self._found.values() for each in s))

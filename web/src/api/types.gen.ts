@@ -1001,10 +1001,10 @@ export type Prior = {
 
 export type PriorStance = {
   stance: string;
-  /** each with her scan that shows most */
-  women: number;
-  /** how much better it foretells one of them than the built-in prior does, nats */
-  gain: number;
+  /** each with the scan that shows most */
+  patients: number;
+  /** share by which it foretells one of them closer than the built-in prior does; 0: it is not used */
+  closer: number;
 };
 
 /** RFC 9457 problem details. */

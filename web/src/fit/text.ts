@@ -19,8 +19,8 @@ export const fit = {
   retrying: "The connection to the service broke; trying again. The fit goes on meanwhile.",
   gone: "This fit is no longer there: its scan was deleted, in another tab or by somebody else.",
   cancelled: "Cancelled. The iterations so far can still be looked at.",
-  prior: (stances: readonly { stance: string; women: number; gain: number }[]) =>
-    stances.map(({ stance, women, gain }) => `Learned from ${women} ${stance} fits (+${gain.toFixed(0)} nats each).`),
+  prior: (stances: readonly { stance: string; patients: number; closer: number }[]) =>
+    stances.map(({ stance, patients, closer }) => `Learned from ${plural(patients, `${stance} patient`, `${stance} patients`)}: ${closer > 0 ? `one like them is foretold ${(100 * closer).toFixed(0)} % closer` : "not used yet"}.`),
   noLandmarks: "Without landmarks the fit has to find its start alone: that works best upright and facing front.",
   fewLandmarks: (count: number) => `With only ${plural(count, "landmark", "landmarks")} the start is found from the scan alone.`,
   with: (count: number) => `Fit with ${plural(count, "landmark", "landmarks")}`,

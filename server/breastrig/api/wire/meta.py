@@ -48,8 +48,10 @@ class MetaQuery(Wire):
 
 class PriorStance(Wire):
     stance: str
-    women: int = Field(description="each with her scan that shows most")
-    gain: float = Field(description="how much better it foretells one of them than the built-in prior does, nats")
+    patients: int = Field(description="each with the scan that shows most")
+    closer: float = Field(
+        description="share by which it foretells one of them closer than the built-in prior does; 0: it is not used"
+    )
 
 
 class Prior(Wire):

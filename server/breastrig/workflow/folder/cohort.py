@@ -10,7 +10,7 @@ from breastrig.core.errors import BadInput
 from breastrig.core.private_files import read_ordinary
 from breastrig.files.result import BODY, RESULT, ResultFile, folder_name, parsed_result, result_text
 from breastrig.fitting.uncertainty.contribution import FARTHEST, built_in, parsed_contribution
-from breastrig.rig.cohort_prior import CohortPrior, Shared, Sums, no_cohort
+from breastrig.rig.cohort_prior import CohortPrior, Shared, Sums, cohort_of_scans
 from breastrig.rig.model import Rig
 
 BODY_BYTES = 10_000_000  # the torso's has 14 thousand
@@ -23,8 +23,7 @@ class Cohort:
     """What folders of fits say of bodies."""
 
     prior: CohortPrior
-    fits: int  # that count
-    others: tuple[str, ...]  # a sentence for each kind of fits that do not
+    others: tuple[str, ...]  # a sentence for each kind of fits that do not count
 
 
 def cohort_in(folders: Sequence[Path], rig: Rig) -> Cohort:
@@ -32,8 +31,8 @@ def cohort_in(folders: Sequence[Path], rig: Rig) -> Cohort:
 
     Raises BadInput for a folder without any, and for fits of another rig.
     """
-    best: dict[tuple[str, str], Sums] = {}
-    silent = again = unusable = 0
+    scans: list[tuple[str, str, Sums]] = []
+    silent = unusable = 0
     for place in _fits(folders):
         result = parsed_result(result_text(place), folder_name(place))
         if result.model.sha256 != rig.sha256:
@@ -46,26 +45,21 @@ def cohort_in(folders: Sequence[Path], rig: Rig) -> Cohort:
         sums = _sums(place, rig, result)
         if sums is None:
             silent += 1
-            continue
-        key = (_patient(place, result), result.stance)
-        again += key in best
-        if key not in best or np.trace(sums.covariances) < np.trace(best[key].covariances):
-            best[key] = sums
-    prior = no_cohort(rig)
-    for (_, stance), sums in best.items():
-        prior = prior.plus(replace(prior, stances={stance: sums}))
+        else:
+            scans.append((_patient(place, result), result.stance, sums))
+    prior = cohort_of_scans(rig, scans)
     said = (
-        (again, "are of patients with another scan in that stance, which shows more"),
-        (unusable, "are not usable, or predicted"),
-        (silent, f"say nothing of bodies: no {BODY} of this version, or a rig without statistics of bodies"),
+        (len(scans) - prior.women, "another scan of the same patient in the same stance shows more"),
+        (unusable, "not usable, or predicted"),
+        (silent, f"no {BODY} of this version, or a rig without statistics of bodies"),
     )
-    return Cohort(prior, len(best), tuple(f"{count} of the fits {what}." for count, what in said if count))
+    return Cohort(prior, tuple(f"{count} left out: {why}." for count, why in said if count))
 
 
 def cohort_of_folders(folders: Sequence[Path], rig: Rig) -> Cohort:
     """The same; BadInput where none of them counts."""
     found = cohort_in(folders, rig)
-    if not found.fits:
+    if not found.prior.women:
         raise BadInput(" ".join(("None of these fits says anything of bodies.", *found.others)))
     return found
 
@@ -110,7 +104,7 @@ def shared(prior: CohortPrior, rig: Rig, epsilon: float, delta: float = DELTA) -
         raise BadInput("This prior was shared already; noise on noise tells less and hides no more.")
     if not stances:
         most = max((sums.women for sums in prior.stances.values()), default=0)
-        raise BadInput(f"Only priors of {FEWEST} women or more of a stance may be shared, and this one has {most}.")
+        raise BadInput(f"Only priors of {FEWEST} patients or more of a stance may be shared, and this one has {most}.")
     if not (0.0 < epsilon <= 100.0 and 0.0 < delta < 1e-3):
         raise BadInput("epsilon must be above 0 and at most 100, delta above 0 and below 0.001.")
     own = {stance: built_in(rig, stance) for stance in stances}
