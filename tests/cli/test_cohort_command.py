@@ -60,13 +60,13 @@ def test_learn_merge_remove_and_info_agree(results: Path, tmp_path: Path, capsys
     assert cohort("remove", second, some[0], "-o", left, "--force") == 2
     assert "not in the prior" in capsys.readouterr().err
     assert cohort("learn", some[0], "-o", first, "--force") == 0
-    for prior, told in (
+    for prior, said in (
         (whole, "12 standing patients: one like them is foretold "),
         (second, "7 standing patients: not used, fewer than 10"),
         (first, "1 standing patient: not used, fewer than 10"),
     ):
         assert cohort("info", prior) == 0
-        assert f"\n{told}" in capsys.readouterr().out
+        assert f"\n{said}" in capsys.readouterr().out
 
 
 def test_a_file_of_sums_names_nobody(results: Path, tmp_path: Path) -> None:

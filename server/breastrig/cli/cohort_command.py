@@ -113,11 +113,11 @@ def described(rig: Rig, prior: CohortPrior) -> list[str]:
         belief = None if recipe.body is None else cohort_belief(rig, recipe.shapes, recipe.body, stance)
         if belief is not None:
             mean, spread = (sums.women / (sums.women + w) for w in (belief.mean_worth, belief.spread_worth))
-            told = f"one like them is foretold {belief.closer:.0%} closer; "
-            told += f"the mean is {mean:.0%} theirs, the spread {spread:.0%}, the rest the built-in prior's"
+            said = f"one like them is foretold {belief.closer:.0%} closer; "
+            said += f"the mean is {mean:.0%} theirs, the spread {spread:.0%}, the rest the built-in prior's"
         elif sums.women < FEWEST:
-            told = f"not used, fewer than {FEWEST}"
+            said = f"not used, fewer than {FEWEST}"
         else:
-            told = "not used, the built-in prior foretells them as well"
-        lines.append(f"{counted(sums.women, stance)}: {told}")
+            said = "not used, the built-in prior foretells them as well"
+        lines.append(f"{counted(sums.women, stance)}: {said}")
     return lines
