@@ -8,97 +8,73 @@ same patient (two_stances.py) go through the same loop.
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
 from breastrig.core.arrays import Array, Booleans
 from breastrig.correspondence.match import Correspondences
 from breastrig.fitting.problem import ScanProblem, Terms, mean_distance
-from breastrig.fitting.recipe import Recipe, Stage, Stop
+from breastrig.fitting.recipe import Stage, Stop
 from breastrig.fitting.task import FitIterate, FitTask
-from breastrig.least_squares.newton import Point, Status, System, Value, damped_step
-from breastrig.least_squares.quadratic_program import Bounds
+from breastrig.least_squares.newton import Status, System, Value, assemble, damped_step, joined_systems, value
+from breastrig.least_squares.problem import Constraint
+from breastrig.least_squares.quadratic_program import Bounds, joined_bounds
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.state import BodyState
 
 __all__ = ["FitIterate", "FitTask", "fit_iterates"]
 
-P = TypeVar("P", bound=Point)
-
-
-class Problem(Protocol[P]):
-    """The scans that are fitted together, and how their unknowns make one point of N unknowns."""
-
-    @property
-    def scans(self) -> tuple[ScanProblem, ...]: ...
-
-    @property
-    def recipe(self) -> Recipe: ...
-
-    @property
-    def scaling(self) -> Array:
-        """(N,) see damped_step."""
-
-    def start(self) -> P: ...
-
-    def at(self, parameters: Sequence[RigParameters], /) -> P:
-        """The point at which each scan's model is posed so."""
-
-    def states(self, point: P, /) -> tuple[BodyState, ...]:
-        """Of the model on each scan."""
-
-    def free(self, stage: Stage, /) -> Booleans:
-        """(N,) what the stage lets move."""
-
-    def bounds(self, point: P, /) -> Bounds:
-        """Where a step may go."""
-
-    def system(self, terms: Sequence[Terms], point: P, /) -> System:
-        """The quadratic model, with each scan's terms."""
-
-    def value(self, terms: Sequence[Terms], point: P, /) -> Value:
-        """What is to become small."""
-
 
 @dataclass(frozen=True, eq=False)
-class OneScan:
-    """The problem of a single scan."""
+class Bodies:
+    """The model on each of the scans that are fitted together: a point whose unknowns follow one another."""
 
-    scan: ScanProblem
-
-    @property
-    def scans(self) -> tuple[ScanProblem, ...]:
-        return (self.scan,)
+    states: tuple[BodyState, ...]
 
     @property
-    def recipe(self) -> Recipe:
-        return self.scan.task.recipe
+    def dof(self) -> int:
+        return sum(state.dof for state in self.states)
 
-    @property
-    def scaling(self) -> Array:
-        return self.scan.scaling
+    def retract(self, step: Array) -> "Bodies":
+        """The point reached along the (N,) tangent `step`."""
+        steps = np.split(step, np.cumsum([state.dof for state in self.states])[:-1])
+        return Bodies(tuple(state.retract(own) for state, own in zip(self.states, steps, strict=True)))
 
-    def start(self) -> BodyState:
-        return self.scan.start()
 
-    def at(self, parameters: Sequence[RigParameters]) -> BodyState:
-        return BodyState(self.scan.task.rig, parameters[0])
+class Problem:
+    """Scans of one patient that are fitted together, each with unknowns of its own; `coupling` holds them alike."""
 
-    def states(self, point: BodyState) -> tuple[BodyState, ...]:
-        return (point,)
+    def __init__(self, tasks: Sequence[FitTask], coupling: Sequence[Constraint[Bodies]] = ()) -> None:
+        self.recipe = tasks[0].recipe
+        self.scans = tuple(ScanProblem(task) for task in tasks)
+        self.scaling = np.concatenate([scan.scaling for scan in self.scans])  # (N,), see damped_step
+        self._coupling = coupling
+
+    def start(self) -> Bodies:
+        return Bodies(tuple(scan.start() for scan in self.scans))
+
+    def at(self, parameters: Sequence[RigParameters]) -> Bodies:
+        """The point at which each scan's model is posed so."""
+        return Bodies(tuple(BodyState(scan.task.rig, x) for scan, x in zip(self.scans, parameters, strict=True)))
 
     def free(self, stage: Stage) -> Booleans:
-        return self.scan.free(stage)
+        """(N,) what the stage lets move."""
+        return np.concatenate([scan.free(stage) for scan in self.scans])
 
-    def bounds(self, point: BodyState) -> Bounds:
-        return self.scan.bounds(point)
+    def bounds(self, point: Bodies) -> Bounds:
+        """Where a step may go."""
+        return joined_bounds([scan.bounds(state) for scan, state in zip(self.scans, point.states, strict=True)])
 
-    def system(self, terms: Sequence[Terms], point: BodyState) -> System:
-        return self.scan.system(terms[0], point)
+    def system(self, terms: Sequence[Terms], point: Bodies) -> System:
+        """The quadratic model, with each scan's terms."""
+        parts = zip(self.scans, terms, point.states, strict=True)
+        own = [scan.system(of_scan, state) for scan, of_scan, state in parts]
+        return joined_systems(own, assemble([], self._coupling, point))
 
-    def value(self, terms: Sequence[Terms], point: BodyState) -> Value:
-        return self.scan.value(terms[0], point)
+    def value(self, terms: Sequence[Terms], point: Bodies) -> Value:
+        """What is to become small."""
+        parts = zip(self.scans, terms, point.states, strict=True)
+        return sum((scan.value(of_scan, state) for scan, of_scan, state in parts), value([], self._coupling, point))
 
 
 class _Stillness:
@@ -128,21 +104,20 @@ def stage_progress(stage: Stage, step: int) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class _Iteration(Generic[P]):
+class _Iteration:
     """The state of an iteration: where the model is, and what it meets there."""
 
     number: int
     stage: Stage
     progress: float
-    point: P
+    point: Bodies
     energy: float
     scans: tuple[ScanProblem, ...]
-    states: tuple[BodyState, ...]  # of the model on each scan
     matches: tuple[Correspondences, ...]
 
     def terms(self) -> list[Terms]:
         """Of each scan."""
-        parts = zip(self.scans, self.states, self.matches, strict=True)
+        parts = zip(self.scans, self.point.states, self.matches, strict=True)
         return [scan.terms(self.stage, self.progress, state, found) for scan, state, found in parts]
 
     def lost(self) -> bool:
@@ -151,29 +126,29 @@ class _Iteration(Generic[P]):
 
     def reported(self, status: Status) -> tuple[FitIterate, ...]:
         """An iterate for each scan."""
-        parts = zip(self.scans, self.states, self.matches, strict=True)
+        parts = zip(self.scans, self.point.states, self.matches, strict=True)
         return tuple(
             scan.iterate(self.number, self.stage, state, self.energy, found, status) for scan, state, found in parts
         )
 
 
 @dataclass(frozen=True, eq=False)
-class InitialPoint(Generic[P]):
+class InitialPoint:
     """Where stages begin: at the start, or where earlier ones ended."""
 
-    point: P
+    point: Bodies
     energy: float = np.nan
     number: int = 0
 
 
-def _matched(problem: Problem[P], number: int, stage: Stage, progress: float, point: P, energy: float) -> _Iteration[P]:
-    scans, states = problem.scans, problem.states(point)
-    matches = tuple(scan.matches(stage, progress, state) for scan, state in zip(scans, states, strict=True))
-    return _Iteration(number, stage, progress, point, energy, scans, states, matches)
+def _matched(problem: Problem, number: int, stage: Stage, progress: float, point: Bodies, energy: float) -> _Iteration:
+    pairs = zip(problem.scans, point.states, strict=True)
+    matches = tuple(scan.matches(stage, progress, state) for scan, state in pairs)
+    return _Iteration(number, stage, progress, point, energy, problem.scans, matches)
 
 
 def iterates(
-    problem: Problem[P], stages: Sequence[Stage] | None = None, initial: InitialPoint[P] | None = None
+    problem: Problem, stages: Sequence[Stage] | None = None, initial: InitialPoint | None = None
 ) -> Iterator[tuple[FitIterate, ...]]:
     """One iterate for each scan: first the start as iteration 0, then one a step; the last status says why it stopped.
 
@@ -227,5 +202,5 @@ def iterates(
 
 def fit_iterates(task: FitTask) -> Iterator[FitIterate]:
     """Yields the start as iteration 0, then one iterate a step; the last one's status says why it stopped."""
-    for (iterate,) in iterates(OneScan(ScanProblem(task))):
+    for (iterate,) in iterates(Problem([task])):
         yield iterate

@@ -17,6 +17,7 @@ from typing import Generic, Protocol, Self, TypeVar
 
 import numpy as np
 from numpy.linalg import LinAlgError
+from scipy.linalg import block_diag
 
 from breastrig.core.arrays import Array, Booleans
 from breastrig.least_squares.problem import HARD, Constraint, ResidualTerm, StructuredTerm
@@ -131,6 +132,20 @@ def assemble(terms: Sequence[ResidualTerm[P]], constraints: Sequence[Constraint[
     return System(hessian, gradient, rows, violations, compliance, energy)
 
 
+def joined_systems(parts: Sequence[System], coupling: System) -> System:
+    """Of unknowns that follow one another, and what holds them together."""
+    fields = ("gradient", "constraint", "compliance")
+    gradient, constraint, compliance = (np.concatenate([getattr(part, each) for part in parts]) for each in fields)
+    return System(
+        block_diag(*(part.hessian for part in parts)) + coupling.hessian,
+        gradient + coupling.gradient,
+        np.concatenate([block_diag(*(part.constraint_jacobian for part in parts)), coupling.constraint_jacobian]),
+        np.concatenate([constraint, coupling.constraint]),
+        np.concatenate([compliance, coupling.compliance]),
+        sum(part.energy for part in parts) + coupling.energy,
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class _Model:
     """The quadratic model in the unknowns that may move, its elastic constraints added to the energy."""
@@ -150,7 +165,8 @@ class _Model:
         rows = system.constraint_jacobian[hard]
         if not free.all():
             hessian, gradient, rows = hessian[free][:, free], gradient[free], rows[:, free]
-        return _Model(hessian, gradient, rows, system.constraint[hard])
+        moved = rows.any(axis=1)  # the others hold what may not move
+        return _Model(hessian, gradient, rows[moved], system.constraint[hard][moved])
 
     def step(self, damping: Array, bounds: Bounds) -> tuple[Array, Array]:
         """((N,) the damped step within the bounds, (E,) multipliers of the hard constraints); damping: (N,) μ D."""

@@ -11,7 +11,7 @@ from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.files.result import ResultFile
 from breastrig.fitting.picks.checked_fit import agreeing_picks
-from breastrig.fitting.two_stances import ALIKE, Coupling, SharedBody, fit_pair_iterates
+from breastrig.fitting.two_stances import ALIKE, ONE_BODY, Coupling, body_shapes, fit_pair_iterates
 from breastrig.rig.model import Rig
 from breastrig.scan.scan import Scan
 from breastrig.workflow.events import Done, Event
@@ -92,7 +92,7 @@ def run_pair(first: FitJob, second: FitJob, coupling: Coupling = ALIKE) -> Gener
 
 def shared_body(rig: Rig, result: ResultFile) -> dict[str, Any]:
     """What both stances have in common, as result.json has it: the bones' scales and the body's shapes."""
-    shared = SharedBody(rig).body_shapes
+    shared = body_shapes(rig)
     shapes = zip(rig.shape_names, shared, strict=True)
     return {
         "bone_scales": {bone.name: bone.scale for bone in result.parameters.bones},
@@ -108,8 +108,8 @@ def pair_document(rig: Rig, results: Sequence[ResultFile], places: Sequence[str]
         "notice": LIMITS_OF_USE,
         "results": dict(zip(("first", "second"), places, strict=True)),
         "stances": [first.stance, second.stance],
-        "bodies": "one" if coupling.exact else "alike",
-        "shared": shared_body(rig, first) if coupling.exact else None,
+        "bodies": "one" if coupling == ONE_BODY else "alike",
+        "shared": shared_body(rig, first) if coupling == ONE_BODY else None,
         "converged": first.converged,
         "stop_reason": first.stop_reason,
         "iterations": first.iterations,

@@ -10,13 +10,11 @@ import numpy as np
 
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.body.hanging_start import opening_of
-from breastrig.fitting.fit import InitialPoint, OneScan, iterates
-from breastrig.fitting.problem import ScanProblem
+from breastrig.fitting.fit import InitialPoint, Problem, iterates
 from breastrig.fitting.recipe import Recipe, Stage, load_recipe
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import Similarity, similar_parameters
-from breastrig.rig.state import BodyState
 
 GOING_ON = 2  # hypotheses, after the first stage
 
@@ -25,14 +23,14 @@ GOING_ON = 2  # hypotheses, after the first stage
 class Opening:
     """The stages that open a task's fit, as far as they were gone through."""
 
-    problem: OneScan
+    problem: Problem
     iterates: tuple[FitIterate, ...] = ()
     price: float = 1.0  # by which its energy counts
     place: Similarity | None = None  # of the rest pose, where it began
 
     @property
     def task(self) -> FitTask:
-        return self.problem.scan.task
+        return self.problem.scans[0].task
 
     @property
     def energy(self) -> float:
@@ -46,7 +44,7 @@ class Opening:
         *before, last = self.iterates
         if not last.is_finite:
             return self
-        at = InitialPoint(BodyState(self.task.rig, last.parameters), last.energy, last.iteration)
+        at = InitialPoint(self.problem.at([last.parameters]), last.energy, last.iteration)
         return replace(self, iterates=(*before, *(each for (each,) in iterates(self.problem, [stage], at))))
 
 
@@ -57,7 +55,7 @@ def judge() -> Recipe:
 
 def opened(task: FitTask) -> Opening:
     """The whole opening of one task."""
-    found = Opening(OneScan(ScanProblem(task)))
+    found = Opening(Problem([task]))
     for stage in opening_of(task.recipe):
         found = found.after(stage)
     return found
@@ -70,7 +68,7 @@ def ranked(
     stages = opening_of(judge())
     tasks = [FitTask(rig, target, similar_parameters(rig, place), judge(), {}, stance) for place in places]
     parts = zip(tasks, prices, places, strict=True)
-    left = [Opening(OneScan(ScanProblem(task)), price=price, place=place) for task, price, place in parts]
+    left = [Opening(Problem([task]), price=price, place=place) for task, price, place in parts]
     behind: list[Opening] = []
     for stage in stages:
         left = sorted((each.after(stage) for each in left), key=lambda each: each.price * each.energy)

@@ -5,22 +5,21 @@ Of two stances that are fitted together both begin again where one of them asks 
 hanging: one that does not would pull the other flat.  What decides is what is left on both.
 """
 
-from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import TypeVar
 
 from breastrig.core.stances import SIDES
 from breastrig.fitting.body.hanging_start import hanging_shapes, hanging_start, opening_of, unexplained_overhang
-from breastrig.fitting.fit import InitialPoint, OneScan, Problem, iterates
-from breastrig.fitting.problem import ScanProblem
+from breastrig.fitting.fit import Bodies, InitialPoint, Problem, iterates
 from breastrig.fitting.recipe import Stage
 from breastrig.fitting.starts.hypotheses import Opening
 from breastrig.fitting.task import FitIterate, FitTask
-from breastrig.least_squares.newton import Point, Status
+from breastrig.least_squares.newton import Status
+from breastrig.least_squares.problem import Constraint
 
-P = TypeVar("P", bound=Point)
 Iterates = tuple[FitIterate, ...]  # of each scan
 Tasks = tuple[FitTask, ...]
+Coupling = Sequence[Constraint[Bodies]]  # see fit.Problem
 
 
 def iterates_with_second_start(task: FitTask, known_opening: Opening | None = None) -> Iterator[FitIterate]:
@@ -29,20 +28,18 @@ def iterates_with_second_start(task: FitTask, known_opening: Opening | None = No
     `known_opening` is the whole opening of this very task, where it is known.
     """
     known = None if known_opening is None else (known_opening.problem, [(each,) for each in known_opening.iterates])
-    for (iterate,) in joint_iterates_with_second_start((task,), lambda tasks: OneScan(ScanProblem(tasks[0])), known):
+    for (iterate,) in joint_iterates_with_second_start((task,), (), known):
         yield iterate
 
 
 def joint_iterates_with_second_start(
-    tasks: Tasks,
-    problem_of: Callable[[Tasks], Problem[P]],
-    known_opening: tuple[Problem[P], Sequence[Iterates]] | None = None,
+    tasks: Tasks, coupling: Coupling = (), known_opening: tuple[Problem, Sequence[Iterates]] | None = None
 ) -> Iterator[Iterates]:
-    """The same of scans that are fitted together; `problem_of` makes one problem of their tasks."""
+    """The same of scans that are fitted together."""
     recipe = tasks[0].recipe
     opening = opening_of(recipe)
     if known_opening is None:
-        problem = problem_of(tasks)
+        problem = Problem(tasks, coupling)
         first = yield from _opened(iterates(problem, opening or recipe.stages))
     else:
         problem = known_opening[0]
@@ -50,14 +47,14 @@ def joint_iterates_with_second_start(
     if not opening or first[0].status is Status.NOT_FINITE:
         yield first
         return
-    first = yield from _hanging(tasks, problem_of, opening, first)
+    first = yield from _hanging(tasks, coupling, opening, first)
     rest = recipe.stages[len(opening) :]
     if not rest:
         yield first
         return
     before = 0.0
     if any(each.hanging != task.hanging for each, task in zip(first, tasks, strict=True)):
-        problem = problem_of(_expecting(tasks, [each.hanging for each in first]))  # whose clock begins now
+        problem = Problem(_expecting(tasks, [each.hanging for each in first]), coupling)  # whose clock begins now
         before = first[0].elapsed_s
     at = InitialPoint(problem.at([each.parameters for each in first]), first[0].energy, first[0].iteration)
     for iterate in iterates(problem, rest, at):
@@ -73,7 +70,7 @@ def _opened(opening: Iterable[Iterates]) -> Generator[Iterates, None, Iterates]:
 
 
 def _hanging(
-    tasks: Tasks, problem_of: Callable[[Tasks], Problem[P]], opening: Sequence[Stage], first: Iterates
+    tasks: Tasks, coupling: Coupling, opening: Sequence[Stage], first: Iterates
 ) -> Generator[Iterates, None, Iterates]:
     """Returns where to go on: what has `first`, or another opening, whose iterates it yields, if that shows more."""
     settings = tasks[0].recipe.hanging
@@ -85,7 +82,7 @@ def _hanging(
         return first
     again = _expecting(tasks, [hanging_shapes(t.rig, x, t.recipe) for t, x in zip(tasks, starts, strict=True)])
     again = tuple(replace(task, start=start) for task, start in zip(again, starts, strict=True))
-    for iterate in iterates(problem_of(again), opening):
+    for iterate in iterates(Problem(again, coupling), opening):
         last = _later(iterate, first[0].iteration, first[0].elapsed_s)
         if last[0].status is Status.RUNNING:
             yield last
