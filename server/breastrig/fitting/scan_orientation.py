@@ -4,12 +4,12 @@ In the scan's own frame and as plain numbers, so that it is kept with the scan. 
 belongs to one model; another one has to look anew.
 """
 
-from dataclasses import dataclass, replace
-from typing import Any
+import json
+from dataclasses import asdict, dataclass, replace
+from typing import Any, cast
 
 import numpy as np
 
-from breastrig.core.arrays import Array
 from breastrig.core.stances import PRONE
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import Recipe
@@ -49,62 +49,24 @@ class ScanOrientation:
 
     def facts(self) -> dict[str, Any]:
         """Plain values, ready for JSON."""
-        frame, table = self.frame, self.frame.table
-        return {
-            "model_sha256": self.model_sha256,
-            "seen": {
-                "up": frame.up.tolist(),
-                "front": frame.front.tolist(),
-                "confidence": frame.confidence,
-                "reason": frame.reason,
-                "stance": frame.stance,
-                "stance_reason": frame.stance_reason,
-                "fronts": frame.fronts.tolist(),
-                "table": None if table is None else {"normal": table[0].tolist(), "height_m": table[1]},
-                **({"background": [_plane_facts(plane) for plane in frame.background]} if frame.background else {}),
-            },
-            "start": {
-                "scale": self.start.scale,
-                "rotation": self.start.rotation.tolist(),
-                "translation_m": self.start.translation.tolist(),
-            },
-            "margin": self.margin,
-            "stance": self.stance,
-            "stance_reason": self.stance_reason,
-            **({} if self.fitted is None else {"fitted": self.fitted.numbers()}),
-            **({"hanging": [*self.hanging]} if self.hanging else {}),
-        }
-
-
-def _plane_facts(plane: tuple[Array, float]) -> dict[str, Any]:
-    return {"normal": plane[0].tolist(), "height_m": plane[1]}
+        return cast(dict[str, Any], json.loads(json.dumps(asdict(self), default=np.ndarray.tolist)))
 
 
 def orientation_from(facts: dict[str, Any] | None, rig: Rig) -> ScanOrientation | None:
-    """What `facts` has stored; None where nothing is stored, or it was found with another model."""
-    if facts is None or facts["model_sha256"] != rig.sha256:
+    """What `facts` has stored; None where nothing is stored, in another form, or it was found with another model."""
+    if facts is None or facts["model_sha256"] != rig.sha256 or "frame" not in facts:
         return None
-    seen, start = facts["seen"], facts["start"]
-    table, fitted = seen["table"], facts.get("fitted")
+    seen, start, fitted = facts["frame"], facts["start"], facts.get("fitted")
+    arrays = {name: np.array(seen[name]) for name in ("up", "front", "fronts")}
+    planes = [None if each is None else (np.array(each[0]), each[1]) for each in (seen["table"], *seen["background"])]
     return ScanOrientation(
-        model_sha256=facts["model_sha256"],
-        frame=Frame(
-            up=np.array(seen["up"]),
-            front=np.array(seen["front"]),
-            confidence=seen["confidence"],
-            reason=seen["reason"],
-            stance=seen["stance"],
-            stance_reason=seen["stance_reason"],
-            fronts=np.array(seen["fronts"]),
-            table=None if table is None else (np.array(table["normal"]), table["height_m"]),
-            background=tuple((np.array(each["normal"]), each["height_m"]) for each in seen.get("background", ())),
-        ),
-        start=Similarity(start["scale"], np.array(start["rotation"]), np.array(start["translation_m"])),
-        margin=facts["margin"],
-        stance=facts["stance"],
-        stance_reason=facts["stance_reason"],
-        fitted=None if fitted is None else RigParameters.of_numbers(fitted),
-        hanging=tuple(facts.get("hanging", ())),
+        **facts
+        | {
+            "frame": Frame(**seen | arrays | {"table": planes[0], "background": tuple(planes[1:])}),
+            "start": Similarity(start["scale"], np.array(start["rotation"]), np.array(start["translation"])),
+            "fitted": None if fitted is None else RigParameters.of_numbers(fitted),
+            "hanging": tuple(facts["hanging"]),
+        }
     )
 
 

@@ -54,6 +54,14 @@ def test_arms_do_not_make_a_standing_body_lie() -> None:
         assert likely_stance(lying | {"arms": arms}).supine
 
 
+def test_a_breast_that_gravity_can_hardly_move_says_as_much_less() -> None:
+    standing = {"nipples_in_front": 0.16, "nipples_over_folds": 0.17, "flattened": 0.3}
+    usual = stance_signs().log_odds(standing)
+    assert stance_signs().log_odds(standing | {"length": 0.4 * stance_signs().length}) == pytest.approx(0.4 * usual)
+    assert likely_stance(standing).sure
+    assert not likely_stance(standing | {"length": 0.4 * stance_signs().length}).sure
+
+
 def test_what_says_nothing_is_unsure_and_what_all_signs_say_is_sure() -> None:
     assert not likely_stance(in_between()).sure
     assert not likely_stance({}).sure

@@ -2,8 +2,9 @@
 
 Arms say little: standing ones may be anywhere.  Breasts say most, by the one that is more in front, as the other may be
 gone: where nipple is to breastbone and fold, in units of the breastbone's length, and the shapes by which breasts
-flatten and lie aside.  Skin that faces backwards is seen of a standing body only.  Weights: stance_signs.toml, by
-breastrig_studies/stance_signs.py; docs/decisions/0022.
+flatten and lie aside.  Skin that faces backwards is seen of a standing body only.  All counts in proportion to the
+breast's length, for small ones lie as they stand.  Weights: stance_signs.toml, by breastrig_studies/stance_signs.py;
+docs/decisions/0022.
 """
 
 from collections.abc import Mapping
@@ -44,11 +45,13 @@ class Sign(SettingsPart):
 class StanceSigns(SettingsPart):
     unsure: float  # log odds, either way, up to which the answer is doubted
     constant: float  # log odds where no sign says anything
+    length: float  # of a usual breast, from fold to nipple, in lengths of the breastbone
     signs: dict[str, Sign]
 
     def log_odds(self, seen: Mapping[str, float]) -> float:
         """That she lies; what was not seen says nothing."""
-        return self.constant + sum(self._counted(name, seen[name]) for name in self.signs if name in seen)
+        all_signs = self.constant + sum(self._counted(name, seen[name]) for name in self.signs if name in seen)
+        return all_signs * seen.get("length", self.length) / self.length
 
     def _counted(self, name: str, value: float) -> float:
         sign = self.signs[name]
@@ -94,6 +97,7 @@ def breast_signs(rig: Rig, x: RigParameters, vertices: Array, target: ScanTarget
     return {
         "nipples_in_front": float(nipple[2] - end[2]) / bone,
         "nipples_over_folds": float(nipple[1] - fold[1]) / bone,
+        "length": float(np.linalg.norm(nipple - fold)) / bone,
         **_facing_back((target.vertices @ axes - end) / bone, target),
         **{sign: weights[f"{shape}_{side}"] for sign, shape in SHAPES.items() if f"{shape}_{side}" in weights},
     }
