@@ -101,7 +101,7 @@ def write_forearm(folder: Path) -> tuple[Path, Path, Path]:
     rig = forearm_rig()
     write_rig(rig, folder)
     skin, _ = posed_forearm(rig)
-    return folder / "forearm.glb", *_write_scan(folder, rig, skin, skin)
+    return folder / "forearm.glb", *write_scan(folder, rig, skin, skin)
 
 
 def write_bodies(folder: Path, count: int) -> None:
@@ -115,12 +115,13 @@ def write_bodies(folder: Path, count: int) -> None:
         true = skin + bulge[:, None] * trimesh.Trimesh(skin, rig.faces, process=False).vertex_normals
         place = folder / f"forearm_{number:02d}" / "standing"
         place.mkdir(parents=True, exist_ok=True)
-        _write_scan(place, rig, true, true + rng.normal(0.0, 0.0004, true.shape))
+        write_scan(place, rig, true, true + rng.normal(0.0, 0.0004, true.shape))
         trimesh.Trimesh(1e3 * true, rig.faces, process=False).export(place / "truth.ply")
         (place / "case.json").write_text(json.dumps({"unit": "mm", "stance": "standing"}))
 
 
-def _write_scan(folder: Path, rig: Rig, skin: np.ndarray, seen: np.ndarray) -> tuple[Path, Path]:
+def write_scan(folder: Path, rig: Rig, skin: np.ndarray, seen: np.ndarray) -> tuple[Path, Path]:
+    """The `seen` vertices (V, 3) m as a scan, landmarks on `skin`: scan.ply and landmarks.json, mm."""
     scan, places = folder / "scan.ply", folder / "landmarks.json"
     trimesh.Trimesh(*trimesh.remesh.subdivide(1e3 * seen, rig.faces), process=False).export(scan)
     points = 1e3 * rig.landmark_points().positions(skin, rig.faces)

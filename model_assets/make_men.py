@@ -53,7 +53,7 @@ def write_man(place: Path, source: Source, net: Net, number: int) -> None:
     body = Body(source, stature / np.ptp(skin[np.unique(source.quads), 1]) * skin, *net.fine)
     marks = landmarks(body, net, BELOW)
     for k, (name, turns) in enumerate((("standing", standing_turns(him)), ("supine", lying_turns(him)))):
-        moved = posed(body, net, marks, name == "standing", turns)
+        moved = posed(body, net, marks, him, name == "standing", turns)
         scan = scan_skin(moved, net.faces, net.scanned, random, Circumstances(every=2))
         write_case(place / name, moved, net.faces, scan, UNITS[k % 2], random, {})
     half = GROUPS[number % 3]
