@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -25,7 +26,17 @@ from breastrig.workflow.jobs import FitJob
 from helpers import fake_fit
 from helpers.waiting import ended
 
-FACTS = {"unit": "mm", "bounds_m": {"min": [0, 0, 0], "max": [1, 1, 1]}}
+FACTS: dict[str, Any] = {
+    "unit": "mm",
+    "unit_reason": "A test said so.",
+    "vertices": 3,
+    "triangles": 1,
+    "bounds_m": {"min": [0, 0, 0], "max": [1, 1, 1]},
+    "colours": "none",
+    "notes": [],
+    "frame": {"up": [0, 1, 0], "front": [0, 0, 1], "confidence": 1, "reason": "A test said so."},
+    "stance": {"proposed": "standing", "reason": "A test said so."},
+}
 PRIOR = "prior.json"  # beside the fit's files: what the job was given
 
 
