@@ -1,18 +1,22 @@
 """What a prior that a cohort's fits make is worth, to women like them and to others (docs/decisions/0027).
 
-    python -m breastrig_studies.cohort_prior LEARN OUT FAMILY=FOLDER ...
+    python -m breastrig_studies.cohort_prior [--stance supine] LEARN OUT FAMILY=FOLDER ...
 
-Each scan of LEARN is fitted with all landmarks; priors are of the first 10, 30, 100, 300.  Each standing scan of every
-FAMILY is fitted with half of its landmarks and with none, and its left half with the landmarks on it.  Errors, mm on
-the mean: landmarks that were not given, of the first two; skin in front that the half does not show, to the true one.
-How many of the landmarks are within their radii is shown as well.  Fits are kept in OUT.
+Each scan of LEARN is fitted with all landmarks; priors are of the first 10, 30, 100, 300.  Each scan in that stance of
+every FAMILY is fitted with half of its landmarks and with none, and its left half with the landmarks on it.  Errors,
+mm on the mean: landmarks that were not given, of the first two; skin in front that the half does not show, to the true
+one.  How many of the landmarks are within their radii is shown as well.  Fits are kept in OUT.
 """
 
+import argparse
 import json
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
+from functools import reduce
 from itertools import islice
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -28,7 +32,7 @@ from breastrig.fitting.uncertainty.radii import radii
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.cohort_prior import CohortPrior, no_cohort, with_prior
 from breastrig.rig.model import Rig
-from breastrig_studies.cohort import read_cohort
+from breastrig_studies.cohort import Case, read_cohort
 from breastrig_studies.studies.case import Fitted, Scene, read_scene
 from breastrig_studies.studies.reference_fit import reference_fit
 from breastrig_studies.studies.unseen import cut_fit
@@ -44,13 +48,16 @@ def number_of(patient: str) -> int:
     return int("".join(filter(str.isdigit, patient)) or 0)
 
 
-def contributions(folder: Path, kept: Path, rig: Rig, recipe: Recipe) -> Iterator[bytes]:
+def cases(folder: Path, stance: str) -> list[Case]:
+    """All in that stance that are not sealed."""
+    return [case for case in read_cohort(folder) if case.stance == stance and not (case.sealed or case.coloured)]
+
+
+def contributions(folder: Path, stance: str, kept: Path, rig: Rig, recipe: Recipe) -> Iterator[bytes]:
     """Of each scan, fitted with all landmarks."""
     kept.mkdir(parents=True, exist_ok=True)
-    for case in sorted(read_cohort(folder), key=lambda case: (number_of(case.patient), case.name)):
+    for case in sorted(cases(folder, stance), key=lambda case: (number_of(case.patient), case.name)):
         file = kept / f"{case.patient}_{case.name}.bin"
-        if case.stance != STANDING:
-            continue
         if not file.is_file():
             scene = read_scene(case)
             task = FitTask(rig, scene.target, scene.start(rig, scene.landmarks), recipe, {}, case.stance)
@@ -61,15 +68,13 @@ def contributions(folder: Path, kept: Path, rig: Rig, recipe: Recipe) -> Iterato
         yield file.read_bytes()
 
 
-def priors(folder: Path, kept: Path, rig: Rig, recipe: Recipe) -> Iterator[tuple[int, CohortPrior]]:
+def priors(folder: Path, stance: str, kept: Path, rig: Rig, recipe: Recipe) -> Iterator[tuple[int, CohortPrior]]:
     """By how many women they are of; as far as there are women."""
-    women = contributions(folder, kept, rig, recipe)
+    read = (parsed_contribution(each, rig, stance) for each in contributions(folder, stance, kept, rig, recipe))
+    women = (replace(no_cohort(rig), stances={stance: sums}) for sums in read if sums is not None)
     prior = no_cohort(rig)
     for size in SIZES:
-        for content in islice(women, size - prior.women):
-            sums = parsed_contribution(content, rig, STANDING)
-            if sums is not None:
-                prior = prior.plus(CohortPrior(rig.name, rig.sha256, rig.bone_names, rig.shape_names, {STANDING: sums}))
+        prior = reduce(CohortPrior.plus, islice(women, size - prior.women), prior)
         yield prior.women, prior
 
 
@@ -108,11 +113,11 @@ def errors(scene: Scene, rigs: dict[int, Rig], recipe: Recipe) -> Iterator[dict[
         yield {"women": size, **{name: float(np.mean(values)) for name, values in row.items() if values}}
 
 
-def rows(family: str, folder: Path, rigs: dict[int, Rig], recipe: Recipe, out: Path) -> Iterator[dict[str, object]]:
-    """Of all standing scans that are not sealed."""
-    for case in read_cohort(folder):
-        if case.stance != STANDING or case.sealed or case.coloured:
-            continue
+def rows(
+    family: str, tested: list[Case], rigs: dict[int, Rig], recipe: Recipe, out: Path
+) -> Iterator[dict[str, object]]:
+    """Of each scan and prior."""
+    for case in tested:
         file = out / f"{family}_{case.patient}_{case.name}.json"
         if not file.is_file():
             try:
@@ -123,7 +128,7 @@ def rows(family: str, folder: Path, rigs: dict[int, Rig], recipe: Recipe, out: P
         yield from ({"family": family, "scan": file.stem} | row for row in json.loads(file.read_text("utf-8")))
 
 
-def table(found: list[dict[str, object]]) -> Iterator[str]:
+def table(found: list[dict[str, Any]]) -> Iterator[str]:
     """A line for each family and size."""
     for family in sorted({str(row["family"]) for row in found}):
         for size in sorted({int(str(row["women"])) for row in found}):
@@ -132,14 +137,23 @@ def table(found: list[dict[str, object]]) -> Iterator[str]:
             yield f"{family:12s} {size:4d} {len(chosen):3d} " + " ".join(f"{mean:6.2f}" for mean in means)
 
 
-def main(learn: Path, out: Path, families: dict[str, Path]) -> None:
+def main() -> None:
     """Prints the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--stance", default=STANDING)
+    parser.add_argument("learn", type=Path)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("families", nargs="+", metavar="FAMILY=FOLDER")
+    options = parser.parse_args()
+    stance, out = options.stance, options.out
     rig, recipe = read_rig(default_rig_path()), load_recipe("default")
     out.mkdir(parents=True, exist_ok=True)
-    rigs = {size: with_prior(rig, prior) for size, prior in priors(learn, out / "learn", rig, recipe)}
-    found = [row for name, folder in families.items() for row in rows(name, folder, rigs, recipe, out)]
+    known = priors(options.learn, stance, out / "learn", rig, recipe)
+    rigs = {size: with_prior(rig, prior) for size, prior in known}
+    folders = {name: Path(folder) for name, folder in (each.split("=") for each in options.families)}
+    found = [row for name, place in folders.items() for row in rows(name, cases(place, stance), rigs, recipe, out)]
     sys.stdout.write(f"family      women scans  {'  '.join(QUESTIONS)}\n" + "\n".join(table(found)) + "\n")
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), Path(sys.argv[2]), {n: Path(p) for n, p in (each.split("=") for each in sys.argv[3:])})
+    main()
