@@ -4,13 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.example_fit import example_task
+from helpers.example_fit import EXAMPLE, example_task
+from scipy.stats import multivariate_normal
 
 from breastrig.correspondence.target import ScanTarget
+from breastrig.energies.body_prior import BodyPrior
+from breastrig.fitting.body.expected_body import cohort_belief, expected_body
 from breastrig.fitting.fit import FitIterate, fit_iterates
 from breastrig.fitting.picks.checked_fit import ended
 from breastrig.fitting.posterior import Posterior
-from breastrig.fitting.problem import either_body
+from breastrig.fitting.problem import expected_joints, prior_terms
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.uncertainty.contribution import (
@@ -20,7 +23,7 @@ from breastrig.fitting.uncertainty.contribution import (
     parsed_contribution,
 )
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.rig.cohort_prior import CohortPrior, Sums, no_cohort, with_prior
+from breastrig.rig.cohort_prior import CohortPrior, Sums, cohort_of_scans, no_cohort, with_prior
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.skinning import pose
@@ -117,8 +120,7 @@ def test_a_woman_of_the_family_is_found_nearer_where_nothing_shows_her(rig: Rig,
     assert known < 0.7 * without, f"{1e3 * without:.1f} mm without, {1e3 * known:.1f} with"
 
 
-def test_another_woman_is_fitted_as_without_them(rig: Rig, family: CohortPrior) -> None:
-    """Her scan says that she is none of the family, so the built-in body counts."""
+def test_another_woman_is_found_as_near_as_without_them(rig: Rig, family: CohortPrior) -> None:
     rng, size = np.random.default_rng(7), 3 * len(rig.bones)
     body = np.concatenate([np.ones(size), rng.standard_normal(len(rig.shapes))])
     body[1:size:3] = 0.9
@@ -126,7 +128,45 @@ def test_another_woman_is_fitted_as_without_them(rig: Rig, family: CohortPrior) 
     body[size:] = np.clip(body[size:], *limits.T)
     task, truth, shown = left_half(rig, body)
     known = replace(task, rig=with_prior(rig, family))
-    either, last = either_body(known), last_of(known)
-    assert either is not None
-    assert Posterior(ended(known, last), last.parameters).expected == [either.second]
     assert off_where_hidden(known, truth, shown) < off_where_hidden(task, truth, shown) + 1e-4
+
+
+def test_the_geometric_mean_of_both_is_expected(rig: Rig, family: CohortPrior) -> None:
+    """Its log density is the mean of theirs, up to a constant."""
+    recipe, own, rng = load_recipe("default"), built_in(rig, "standing"), np.random.default_rng(3)
+    assert recipe.body is not None
+    assert own is not None
+    known = with_prior(rig, family)
+    belief = cohort_belief(known, recipe.shapes, recipe.body, "standing")
+    expected = expected_body(known, recipe.shapes, recipe.body, "standing")
+    assert belief is not None
+    assert expected is not None
+    bodies = own.mean + rng.standard_normal((5, len(own.mean))) @ np.linalg.cholesky(own.covariance).T
+    found, theirs, built = (
+        multivariate_normal(each.mean, each.covariance).logpdf(bodies) for each in (expected, belief.expected, own)
+    )
+    np.testing.assert_allclose(np.diff(found), np.diff(0.5 * (theirs + built)), rtol=1e-6)
+
+
+def test_a_lying_fit_is_learned_of_and_expected_among_those_who_lie(rig: Rig) -> None:
+    task = example_task(EXAMPLE.with_name("supine") / "scan.ply", stance="supine")
+    last = last_of(task)
+    found = contribution(Posterior(ended(task, last), last.parameters))
+    sums = parsed_contribution(contribution_bytes(found), rig, "supine")
+    assert found is not None
+    assert sums is not None
+    known = with_prior(rig, cohort_of_scans(rig, ((str(number), "supine", sums) for number in range(12))))
+    off = {}
+    for stance in ("supine", "standing"):
+        own, recipe = built_in(rig, stance), load_recipe("default")
+        assert own is not None
+        assert recipe.body is not None
+        expected = expected_body(known, recipe.shapes, recipe.body, stance)
+        assert expected is not None
+        away = np.array([expected.mean, own.mean]) - found.mean
+        off[stance] = np.linalg.norm(np.linalg.solve(np.linalg.cholesky(own.covariance), away.T), axis=0)
+        again = prior_terms(replace(task, rig=known, stance=stance), expected_joints(task))[0]
+        assert isinstance(again, BodyPrior)
+        np.testing.assert_array_equal(again.mean, expected.mean)
+    assert off["supine"][0] < 0.8 * off["supine"][1]
+    assert off["standing"][0] == off["standing"][1]

@@ -43,7 +43,7 @@ test("what was learned stands beside the fit, and goes with who is deleted", asy
   await untilFitted(page);
   await page.keyboard.press("3");
   await expect(learned).toBeVisible();
-  await expect(learned).toContainText("Fitted with what 12 patients in this stance have in common, where the scan is like theirs.");
+  await expect(learned).toContainText("Fitted with what 12 patients in this stance have in common.");
 
   await ask(`/api/scans/${woman!.id}`, "DELETE");
   await page.reload();

@@ -16,7 +16,7 @@ from breastrig.core.arrays import Array, Booleans
 from breastrig.core.stances import PRONE
 from breastrig.correspondence.match import Correspondences, MatchRules, match
 from breastrig.correspondence.target import ScanTarget
-from breastrig.energies.body_prior import BodyPrior, EitherBody
+from breastrig.energies.body_prior import BodyPrior
 from breastrig.energies.folding import Folding
 from breastrig.energies.joint_limits import JointLimits
 from breastrig.energies.joint_rest import JointRest
@@ -27,7 +27,7 @@ from breastrig.energies.scale_prior import ScalePrior
 from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
 from breastrig.energies.table_contact import TableContact
-from breastrig.fitting.body.expected_body import built_in_body, cohort_belief, expected_shapes
+from breastrig.fitting.body.expected_body import expected_body, expected_shapes
 from breastrig.fitting.body.mirrored_landmarks import mirrored_landmarks
 from breastrig.fitting.body.relief import observe_relief
 from breastrig.fitting.observation_weights import observation_weights
@@ -69,7 +69,6 @@ class ScanProblem:
         """`partners`: whether a pick tells where its partner is; what judges picks lets none vouch for itself."""
         self.task = task
         self._joints = expected_joints(task)
-        self.either = either_body(task)
         self.priors = prior_terms(task, self._joints)
         self.held: list[Constraint[BodyState]] = [JointRest(self._joints)]
         self.scaling = step_scaling(task)
@@ -107,19 +106,13 @@ class ScanProblem:
         data, beyond = data_term(self.task, stage, temperature, state, matches)
         picks = None if self._picks is None else self._counted(stage, temperature, state, self._picks)
         followed = [data] if picks is None else [data, picks]
-        priors = [*self.priors, *self._either(state, followed)]
+        priors = self.priors
         if stage.looks_at_form or self.task.stance == PRONE:  # a prone body is found by its breasts
             form, partners = self._seen(state, [*priors, data], picks)
             rig = self.task.rig
             followed += [Landmarks(rig, form, times=temperature * observed.form, name="form")] if form else []
             followed += [Landmarks(rig, partners, times=temperature, name="partners")] if partners else []
         return Terms([*priors, *followed], picks, beyond)
-
-    def _either(self, state: BodyState, followed: Sequence[ResidualTerm[BodyState]]) -> Sequence[BodyPrior]:
-        """Of two bodies what counts, by all that tells of them."""
-        if self.either is None:
-            return ()
-        return (self.either.weighted(state, assemble([*self.priors, *followed], self.held, state)),)
 
     def _counted(self, stage: Stage, temperature: float, state: BodyState, picks: Landmarks) -> Landmarks:
         """The picks at this temperature; far ones less where another place may have been meant."""
@@ -269,9 +262,7 @@ def expected_joints(task: FitTask) -> Joints:
 def prior_terms(task: FitTask, joints: Joints) -> list[ResidualTerm[BodyState]]:
     """The terms that no scan changes."""
     rig, recipe = task.rig, task.recipe
-    terms = list[ResidualTerm[BodyState]]()
-    if either_body(task) is None:  # otherwise the scan says which; see ScanProblem.terms
-        terms += body_terms(rig, recipe.shapes, recipe.scales, recipe.body, task.stance, _hanging_of(task))
+    terms = [*body_terms(rig, recipe.shapes, recipe.scales, recipe.body, task.stance, _hanging_of(task))]
     if recipe.joints.limit_sigma is not None:
         terms.append(JointLimits(joints, recipe.joints.limit_sigma))
     if recipe.shapes.symmetry_sigma or recipe.scales.symmetry_sigma:
@@ -284,17 +275,6 @@ def prior_terms(task: FitTask, joints: Joints) -> list[ResidualTerm[BodyState]]:
 
 def _hanging_of(task: FitTask) -> tuple[Hanging, tuple[str, ...]] | None:
     return (task.recipe.hanging, task.hanging) if task.recipe.hanging is not None and task.hanging else None
-
-
-def either_body(task: FitTask) -> EitherBody | None:
-    """A cohort's body or the built-in one; None where no cohort is believed."""
-    recipe, rig = task.recipe, task.rig
-    belief = None if recipe.body is None else cohort_belief(rig, recipe.shapes, recipe.body, task.stance)
-    if belief is None:
-        return None
-    (built_in,) = body_terms(rig, recipe.shapes, recipe.scales, recipe.body, task.stance, _hanging_of(task))
-    assert isinstance(built_in, BodyPrior), "a belief is centred on it"
-    return EitherBody(_expecting(rig, belief.expected, _hanging_of(task)), built_in)
 
 
 def _expecting(rig: Rig, body: Gaussian, hanging: tuple[Hanging, tuple[str, ...]] | None) -> BodyPrior:
@@ -320,9 +300,9 @@ def body_terms(
 
     `hanging` names the shapes of breasts that were seen to hang.
     """
-    built_in = None if body is None else built_in_body(rig, shapes, body, stance)
-    if built_in is not None:
-        return (_expecting(rig, built_in, hanging),)
+    known = None if body is None else expected_body(rig, shapes, body, stance)
+    if known is not None:
+        return (_expecting(rig, known, hanging),)
     sigma, mean = expected_shapes(rig, shapes, stance)
     if hanging is not None:
         chosen = [rig.shape_names.index(name) for name in hanging[1]]

@@ -320,7 +320,7 @@ def _of_cohort(task: FitTask) -> tuple[str, ...]:
     belief = None if recipe.body is None else cohort_belief(task.rig, recipe.shapes, recipe.body, task.stance)
     if belief is None:
         return ()
-    return (f"Fitted with what {belief.women} patients in this stance have in common, where the scan is like theirs.",)
+    return (f"Fitted with what {belief.women} patients in this stance have in common.",)
 
 
 def _words(shown: Mapping[str, Observation] | None) -> tuple[str, ...]:

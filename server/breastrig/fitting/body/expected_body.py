@@ -41,3 +41,14 @@ def cohort_belief(rig: Rig, shapes: Shapes, body: Body, stance: str) -> Belief |
     if cohort is None or sums is None or built_in is None:
         return None
     return believed(rig, sums, built_in, None if cohort.shared is None else cohort.shared.noise)
+
+
+def expected_body(rig: Rig, shapes: Shapes, body: Body, stance: str) -> Gaussian | None:
+    """The built-in body; with a cohort the geometric mean of both, for nobody knows whether she is like them."""
+    built_in, belief = built_in_body(rig, shapes, body, stance), cohort_belief(rig, shapes, body, stance)
+    if built_in is None or belief is None:
+        return built_in
+    own, theirs = (np.linalg.inv(each.covariance) for each in (built_in, belief.expected))
+    covariance = 2.0 * np.linalg.inv(own + theirs)
+    mean = 0.5 * covariance @ (own @ built_in.mean + theirs @ belief.expected.mean)
+    return Gaussian(mean, 0.5 * (covariance + covariance.T))
