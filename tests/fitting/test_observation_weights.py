@@ -9,6 +9,8 @@ from helpers.finer_rig import finer
 from helpers.rig_patient import patient
 
 from breastrig.core.arrays import Array
+from breastrig.correspondence.distances import ACCEPTED
+from breastrig.correspondence.match import match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import FitTask, fit_iterates
 from breastrig.fitting.observation_weights import observation_weights
@@ -18,9 +20,9 @@ from breastrig.geometry.normals import face_areas
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
+from breastrig.rig.state import BodyState
 
 SAME = 0.1e-3  # m
-LYING = 0.15e-3  # m; of the example's lying scan, which shows half of the skin that the other shows: 0.13
 SLID = 0.25e-3  # m, single landmarks along smooth skin, where little holds them
 
 
@@ -47,16 +49,15 @@ def places(rig: Rig, target: ScanTarget, landmarks: dict[str, Array], recipe: Re
     return vertices, rig.landmark_points().positions(vertices, rig.faces)
 
 
-def assert_same_surface(first: Array, second: Array, rig: Rig, same: float = SAME) -> None:
-    """The vertices that both rigs have lie on one surface; (V, 3) m of each."""
-    off = ScanTarget(first, rig.faces).search.query(second[: len(rig.template)]).distances
-    assert off.mean() < same, f"{1e3 * off.mean():.3f} mm"
+def apart(first: Array, second: Array, rig: Rig) -> Array:
+    """(V,) m from the vertices that both rigs have, as the second is fitted, to the first's surface."""
+    return ScanTarget(first, rig.faces).search.query(second[: len(rig.template)]).distances
 
 
 def assert_same_body(first: tuple[Array, Array], second: tuple[Array, Array], rig: Rig) -> None:
     """Likewise, nearly everywhere, and the landmarks are at the same places."""
-    assert_same_surface(first[0], second[0], rig)
-    off = ScanTarget(first[0], rig.faces).search.query(second[0][: len(rig.template)]).distances
+    off = apart(first[0], second[0], rig)
+    assert off.mean() < SAME, f"{1e3 * off.mean():.3f} mm"
     assert np.percentile(off, 95) < 2.0 * SAME
     moved = np.linalg.norm(first[1] - second[1], axis=1)
     assert moved.mean() < SAME, f"{1e3 * moved.mean():.3f} mm"
@@ -75,11 +76,15 @@ def test_a_rig_subdivided_all_over_or_on_one_side_fits_as_the_original(seed: int
 
 @pytest.mark.parametrize("stance", ["standing", "supine"])
 def test_on_the_example_scans_a_subdivided_rig_fits_as_the_original(stance: str) -> None:
-    """Noise is sampled at other places; fits to two halves of the finer rig's vertices differ by 0.16 mm."""
+    """Where they show skin: noise is sampled at other places, and what is hidden follows it (0.2 and 0.4 mm)."""
     task = example_task(EXAMPLE.with_name(stance) / "scan.ply", stance=stance)
-    other = replace(task, rig=finer(task.rig))
-    first, second = (pose(each.rig, list(fit_iterates(each))[-1].parameters) for each in (task, other))
-    assert_same_surface(first, second, task.rig, SAME if stance == "standing" else LYING)
+    first, second = (
+        BodyState(rig, list(fit_iterates(replace(task, rig=rig)))[-1].parameters) for rig in (task.rig, finer(task.rig))
+    )
+    off = apart(first.vertices, second.vertices, task.rig)
+    seen = match(task.target, first.vertices, first.normals, ACCEPTED).vertices
+    assert off[seen].mean() < SAME, f"{1e3 * off[seen].mean():.3f} mm"
+    assert np.percentile(off[seen], 95) < 2.0 * SAME
 
 
 @pytest.mark.parametrize("seed", range(2))
