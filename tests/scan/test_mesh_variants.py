@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
 
+import meshopt
 import numpy as np
 import pytest
 from helpers.mesh_variants import (
@@ -468,7 +469,6 @@ def test_a_gltf_picture_that_cannot_be_read_is_said() -> None:
 
 
 def test_a_gltf_that_meshopt_compressed_is_read_as_the_plain_one() -> None:
-    meshopt = pytest.importorskip("meshopt")
     document, binary = gltf({"TEXCOORD_0": UV_FLIPPED}, material=BASE, image=(JPEG, "image/jpeg"))
     views, packed = document["bufferViews"], b""
     assert isinstance(views, list)
