@@ -17,10 +17,9 @@ from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.scan_orientation import scan_orientation
 from breastrig.fitting.stance import HANGS, MAY_HANG, STANDS, FoundStance, found_stance
-from breastrig.fitting.starts import supine_or_standing
+from breastrig.fitting.starts import stance_signs as signs_module
 from breastrig.fitting.starts.orientation import best_start
-from breastrig.fitting.starts.prone import hanging_views
-from breastrig.fitting.starts.supine_or_standing import stance_signs
+from breastrig.fitting.starts.stance_signs import LikelyStance, stance_signs
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.parameters import rest_parameters
@@ -69,7 +68,7 @@ def test_the_body_tells_when_there_is_no_table(stance: str) -> None:
 
 def test_where_the_signs_say_little_it_is_said_and_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     never_sure = stance_signs().model_copy(update={"unsure": 100.0})
-    monkeypatch.setattr(supine_or_standing, "stance_signs", lambda: never_sure)
+    monkeypatch.setattr(signs_module, "stance_signs", lambda: never_sure)
     for stance, asked in (("supine", "stands"), ("standing", "lies")):
         answer, _ = found(scan_without_table(EXAMPLE / stance))
         assert answer.stance == stance
@@ -131,7 +130,7 @@ def test_signs_are_measured_in_the_bodys_own_axes(turn: Array) -> None:
     marks = dict(zip(rig.landmark_names, rig.landmark_points().positions(rig.template, rig.faces), strict=True))
     bone = np.linalg.norm(marks["suprasternal_notch"] - marks["xiphoid"])
     forward = 0.5 * (marks["nipple_L"] + marks["nipple_R"])
-    found = supine_or_standing.breast_signs(rig, x, vertices, ScanTarget(vertices, rig.faces))
+    found = signs_module.breast_signs(rig, x, vertices, ScanTarget(vertices, rig.faces))
     assert found["nipples_in_front"] == pytest.approx((forward - marks["xiphoid"])[2] / bone, abs=0.01)
     assert all(found[name] > 0.05 for name in ("nipples_in_front", "nipples_over_folds", "facing_back"))
 
@@ -139,7 +138,7 @@ def test_signs_are_measured_in_the_bodys_own_axes(turn: Array) -> None:
 def test_an_arm_is_as_far_from_hanging_as_it_is_raised_on_its_own_side() -> None:
     rig = read_rig(default_rig_path())
     x = rest_parameters(rig).moved(exp_so3(np.array([0.3, -1.1, 0.7])), np.zeros(3))
-    rest = supine_or_standing.arm_angles(rig, x)
+    rest = signs_module.arm_angles(rig, x)
     arms = [name for name in rig.bone_names if name.startswith("upper_arm")]
     for number, name in enumerate(arms):
         bone = rig.bone_names.index(name)
@@ -147,7 +146,7 @@ def test_an_arm_is_as_far_from_hanging_as_it_is_raised_on_its_own_side() -> None
         rotations = x.rotations.copy()
         sideways = np.cross(chest[:, 1], x.rotations[bone][:, 1])
         rotations[bone] = exp_so3(0.4 * sideways / np.linalg.norm(sideways)) @ rotations[bone]
-        raised = supine_or_standing.arm_angles(rig, replace(x, rotations=rotations))
+        raised = signs_module.arm_angles(rig, replace(x, rotations=rotations))
         assert raised - rest == pytest.approx(0.4 * (np.arange(len(arms)) == number), abs=1e-6)
 
 
@@ -160,23 +159,21 @@ def test_a_small_front_of_a_standing_body_is_not_prone_though_its_breasts_stand_
     away = surface.vertices[surface.faces].mean(axis=1) - 0.5 * (at["nipple_L"] + at["nipple_R"])
     kept = (away @ up > -0.14) & (away @ up < 0.2) & (np.abs(away @ left) < 0.2)
     ready = prepared(Surface(*compact(surface.vertices, surface.faces[kept]), ()), "auto")
-    assert hanging_views(ready.target, ready.frame.front)
     orientation = scan_orientation(read_rig(default_rig_path()), ready, load_recipe("default"))[0]
     assert (orientation.stance, orientation.stance_reason) == ("standing", STANDS)
     assert orientation.start.rotation[:, 1] @ up > 0.9
 
 
-@pytest.mark.parametrize(("better", "reason"), [(80.0, HANGS), (-17.0, MAY_HANG)])
-def test_prone_is_doubted_where_standing_explains_the_front_about_as_well(
-    monkeypatch: pytest.MonkeyPatch, better: float, reason: str
-) -> None:
+@pytest.mark.parametrize(("sure", "reason"), [(True, HANGS), (False, MAY_HANG)])
+def test_prone_is_found_by_signs_and_placed_as_such(monkeypatch: pytest.MonkeyPatch, sure: bool, reason: str) -> None:
+    """Picks keep the fit from being known: their start is another."""
     rig = read_rig(default_rig_path())
     target = ScanTarget(rig.template, rig.faces)
     task = FitTask(rig, target, rest_parameters(rig), load_recipe("default"), {}).with_picks({"xiphoid": np.zeros(3)})
-    prone, standing = (SimpleNamespace(energy=energy, task=task) for energy in (100.0 - better, 100.0))
-    view = SimpleNamespace(parameters=task.start, opening=prone)
-    monkeypatch.setattr(stance_module, "hanging_views", lambda *_: ["a view"])
-    monkeypatch.setattr(stance_module, "prone_start", lambda *_: view)
-    monkeypatch.setattr(stance_module, "opened", lambda _: standing)
-    answer = found_stance(task, replace(propose_frame(target.vertices, target.faces), fronts=np.eye(3)[:1]))
-    assert (answer.stance, answer.reason) == ("prone", reason)
+    monkeypatch.setattr(stance_module, "checked_iterates", lambda *_: ["the fit as standing"])
+    monkeypatch.setattr(stance_module, "measured_signs", lambda *_: {})
+    monkeypatch.setattr(stance_module, "likely_stance", lambda _: LikelyStance("prone", sure))
+    start = SimpleNamespace(parameters=task.start, opening=None)
+    monkeypatch.setattr(stance_module, "prone_start", lambda *_: start)
+    answer = found_stance(task, propose_frame(target.vertices, target.faces))
+    assert (answer.stance, answer.reason, answer.iterates, answer.start) == ("prone", reason, (), start)

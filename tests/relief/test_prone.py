@@ -1,15 +1,20 @@
 """What hanging breasts show in the depth of a front."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from breastrig.core.arrays import Array, Integers
+from breastrig.correspondence.target import ScanTarget
+from breastrig.fitting.starts.orientation import prone_start
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.relief.prone import prone_views, seen_from
+from breastrig.relief.prone import seen_from
 from breastrig.rig.stance_priors import mean_weights
 from breastrig.scan.clean import compact
+from breastrig.scan.orient import LABEL_MAP_FRAME, Frame
 
 TURN = exp_so3(np.array([0.9, -0.4, 1.7]))
 
@@ -26,15 +31,24 @@ def front() -> tuple[Array, Integers, dict[str, Array]]:
     return vertices @ TURN.T, faces, {name: TURN @ place for name, place in places.items()}
 
 
-def test_the_axes_and_nipples_are_found_on_a_turned_front(front: tuple[Array, Integers, dict[str, Array]]) -> None:
+def frame(up: Array, confidence: float) -> Frame:
+    return replace(LABEL_MAP_FRAME, up=up, front=TURN[:, 2], fronts=TURN[:, 2:].T, confidence=confidence)
+
+
+def test_a_turned_front_is_placed_and_its_nipples_are_seen(front: tuple[Array, Integers, dict[str, Array]]) -> None:
     vertices, faces, places = front
-    views = list(prone_views(vertices, faces, TURN[:, 2]))
-    assert len(views) == 2
-    assert views[0].axes[:, 1] @ views[1].axes[:, 1] < -0.8  # the head on either side
-    view = max(views, key=lambda each: float(each.axes[:, 1] @ TURN[:, 1]))
-    assert np.trace(view.axes.T @ TURN) > 2.8
+    start = prone_start(read_rig(default_rig_path()), ScanTarget(vertices, faces), frame(-TURN[:, 1], 0.5))
+    assert np.trace(start.similarity.rotation.T @ TURN) > 2.8
+    view = seen_from(vertices, faces, start.similarity.rotation)
+    assert view is not None
     for name in ("nipple_L", "nipple_R", "xiphoid"):
         assert np.linalg.norm(view.places[name] - places[name]) < 0.012, name
+
+
+def test_a_head_that_is_known_to_be_down_stays_down(front: tuple[Array, Integers, dict[str, Array]]) -> None:
+    vertices, faces, _ = front
+    start = prone_start(read_rig(default_rig_path()), ScanTarget(vertices, faces), frame(-TURN[:, 1], 1.0))
+    assert start.similarity.rotation[:, 1] @ TURN[:, 1] < 0.0
 
 
 def test_a_plate_has_no_breasts() -> None:

@@ -5,7 +5,7 @@ from typing import Literal, get_args
 Stance = Literal["standing", "supine", "prone"]  # prone: of a breast MRI, on the front, breasts hanging, arms overhead
 
 AUTO = "auto"  # it is to be found
-STANDING, PRONE = "standing", "prone"
+STANDING, SUPINE, PRONE = "standing", "supine", "prone"
 STANCES = (AUTO, *get_args(Stance))
 
 SIDES = {"L": "left", "R": "right"}

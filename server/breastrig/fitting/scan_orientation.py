@@ -14,8 +14,7 @@ from breastrig.core.stances import PRONE
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.stance import found_stance
-from breastrig.fitting.starts.orientation import start_from_scan
-from breastrig.fitting.starts.prone import prone_start
+from breastrig.fitting.starts.orientation import prone_start, start_from_scan
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
@@ -78,7 +77,7 @@ def scan_orientation(
     task = FitTask(rig, scan.target, start.parameters, recipe, {})
     found = found_stance(task, scan.frame, start.opening)
     if found.stance == PRONE:
-        start = found.start or prone_start(rig, scan.target, scan.frame) or start
+        start = found.start or prone_start(rig, scan.target, scan.frame)
         task = replace(task, start=start.parameters)
     last = found.iterates[-1] if found.iterates and found.iterates[-1].is_finite else None
     orientation = ScanOrientation(

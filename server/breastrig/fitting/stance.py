@@ -1,22 +1,20 @@
 """Whether the patient is standing, supine or prone.
 
-A table decides (scan/orient.py), unless plane and body are both upright in the scanner's axes.  Without one a small
-front whose breasts hang forwards is prone (starts/prone.py); of others a fit as standing shows the stance
-(starts/supine_or_standing.py); an unclear answer asks the user, and is a reason in the verdict.
+A table decides (scan/orient.py), unless plane and body are both upright in the scanner's axes.  Without one a fit as
+standing shows the stance (starts/stance_signs.py); an unclear answer asks the user, and is a reason in the verdict.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from breastrig.core.stances import PRONE
+from breastrig.core.stances import PRONE, STANDING, SUPINE
+from breastrig.fitting.body.hanging import body_axes
 from breastrig.fitting.picks.checked_fit import checked_iterates
-from breastrig.fitting.starts.hypotheses import Opening, judge, opened
-from breastrig.fitting.starts.orientation import Start
-from breastrig.fitting.starts.prone import hanging_views, prone_start
-from breastrig.fitting.starts.supine_or_standing import SCANNERS_UP, UPRIGHT, likely_stance, measured_signs
+from breastrig.fitting.starts.hypotheses import Opening
+from breastrig.fitting.starts.orientation import Start, prone_start
+from breastrig.fitting.starts.stance_signs import SCANNERS_UP, UPRIGHT, likely_stance, measured_signs
 from breastrig.fitting.task import FitIterate, FitTask
-from breastrig.rig.similarity import umeyama
 from breastrig.rig.skinning import pose
 from breastrig.scan.orient import Frame
 
@@ -28,12 +26,8 @@ def may_be_wall(task: FitTask, frame: Frame) -> bool:
     """Whether the plane behind the body is upright in the scanner's own axes, and the body at its start as well."""
     if frame.table is None:
         return False
-    points = task.rig.landmark_points()
-    at_rest, placed = (
-        points.positions(each, task.rig.faces) for each in (task.rig.template, pose(task.rig, task.start))
-    )
-    body = umeyama(at_rest, placed).rotation[:, 1]
-    return bool(np.linalg.norm(np.cross(frame.table[0], SCANNERS_UP)) > UPRIGHT and body @ SCANNERS_UP > UPRIGHT)
+    up = body_axes(task.rig, pose(task.rig, task.start))[:, 1]
+    return bool(np.linalg.norm(np.cross(frame.table[0], SCANNERS_UP)) > UPRIGHT and up @ SCANNERS_UP > UPRIGHT)
 
 
 LIES = "There is no table in the scan, but she looks like a lying patient."
@@ -41,12 +35,9 @@ STANDS = "There is no table in the scan, and she looks like a standing patient."
 MAY_LIE = "Without a table it is not clear: she seems to lie. If she stands, say that she stands."
 MAY_STAND = "Without a table it is not clear: she seems to stand. If she lies, say that she lies."
 MAY_HANG = "Only a chest's front is seen, and its breasts may hang to the front: prone. If not, say how she is scanned."
-UNCLEAR = (MAY_LIE, MAY_STAND, MAY_HANG)
-
-WORSE = (
-    60.0  # log likelihood that prone may lack, and has more where clear: prone -22 on, others -114, implants -17 to 1
-)
 HANGS = "Only the front of a chest is seen, and its breasts hang to the front: prone. If not, say how she is scanned."
+UNCLEAR = (MAY_LIE, MAY_STAND, MAY_HANG)
+REASONS = {STANDING: (MAY_STAND, STANDS), SUPINE: (MAY_LIE, LIES), PRONE: (MAY_HANG, HANGS)}  # unsure, sure
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,30 +56,27 @@ def found_stance(task: FitTask, frame: Frame, known_opening: Opening | None = No
     Whoever fits the task next goes on from the iterates, so that nothing is fitted twice.
     """
     wall = may_be_wall(task, frame)
-    is_said = frame.stance == PRONE or (frame.stance == "supine" and not wall)
+    is_said = frame.stance == PRONE or (frame.stance == SUPINE and not wall)
     if is_said or not any(shape.kind == "gravity" for shape in task.rig.shapes):
         return FoundStance(frame.stance, frame.stance_reason)
-    task = replace(task, stance="standing")
-    known = (
-        known_opening is not None
-        and known_opening.task.stance == task.stance
-        and known_opening.task.recipe is task.recipe
-    )
-    known_opening = known_opening if known and not task.landmarks else None
-    views = hanging_views(task.target, frame.front) if not wall and len(frame.fronts) == 1 else []
-    prone = prone_start(task.rig, task.target, frame, views) if views else None
-    if prone is not None and prone.opening is not None:
-        of_scan = known_opening or opened(replace(task.with_picks({}), recipe=judge()))
-        if prone.opening.energy < of_scan.energy + WORSE:
-            lies = replace(task, stance=PRONE, start=prone.parameters)
-            same = not task.landmarks and task.recipe is prone.opening.task.recipe
-            why = HANGS if prone.opening.energy + WORSE < of_scan.energy else MAY_HANG
-            return FoundStance(PRONE, why, tuple(checked_iterates(lies, prone.opening)) if same else (), prone)
-    standing = tuple(checked_iterates(task, known_opening))
+    task = replace(task, stance=STANDING)
+    standing = tuple(checked_iterates(task, _same(known_opening, task)))
     likely = likely_stance(measured_signs(task, standing[-1]))
     if wall:
-        return FoundStance("supine", TABLE) if likely.supine else FoundStance("standing", WALL, standing)
-    if not likely.supine:
-        return FoundStance("standing", STANDS if likely.sure else MAY_STAND, standing)
-    supine = tuple(checked_iterates(replace(task, stance="supine")))
-    return FoundStance("supine", LIES if likely.sure else MAY_LIE, supine)
+        return FoundStance(STANDING, WALL, standing) if likely.stance == STANDING else FoundStance(SUPINE, TABLE)
+    reason = REASONS[likely.stance][likely.sure]
+    if likely.stance == STANDING:
+        return FoundStance(STANDING, reason, standing)
+    task = replace(task, stance=likely.stance)
+    if likely.stance == SUPINE:
+        return FoundStance(SUPINE, reason, tuple(checked_iterates(task)))
+    start = prone_start(task.rig, task.target, frame)
+    task = replace(task, start=start.parameters)
+    return FoundStance(PRONE, reason, () if task.landmarks else tuple(checked_iterates(task)), start)
+
+
+def _same(opening: Opening | None, task: FitTask) -> Opening | None:
+    """The opening, if it is this task's."""
+    if opening is None or task.landmarks:
+        return None
+    return opening if opening.task.stance == task.stance and opening.task.recipe is task.recipe else None

@@ -5,7 +5,6 @@ that stands out most from the skin around.  A fold is where the skin below is mo
 lies between the folds.  Errors are those on made bodies (breastrig_studies/virtual/warped/prone.py).
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,12 +12,9 @@ from scipy.ndimage import gaussian_filter
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.stances import OUTWARDS, split_side
-from breastrig.geometry.normals import face_areas
 from breastrig.geometry.rays import RayCaster
-from breastrig.geometry.rotations import exp_so3
 
 STEP = 0.003  # m, of the depth's grid
-TILT = 0.22  # rad, by which the mean normal of a front is turned to the head: 0.09 to 0.36
 SMOOTH, FINE, COARSE = 0.006, 0.003, 0.010  # m, Gaussians: of the skin, and of what a nipple stands out from
 BESIDE = 0.02  # m from the middle, where a breast's apex lies at least
 NEAR_APEX, STEEP = 0.022, 0.8  # m, where a nipple is looked for, and the slope on which none is
@@ -37,7 +33,6 @@ ERRORS = {  # m outwards, up, front, of these places
     NOTCH: (0.020, 0.010, 0.005),  # breasts of two sizes turn the axes
 }
 REASON = "form of the hanging breasts"
-ROUNDS = 2  # in which the axes follow the nipples
 LEAST = 400  # places of the grid with skin; fewer are no front
 
 
@@ -45,33 +40,8 @@ LEAST = 400  # places of the grid with skin; fewer are no front
 class ProneView:
     """What a skin shows from its front."""
 
-    axes: Array  # (3, 3) columns: the body's left, up and front in the scan's frame
     places: dict[str, Array]  # (3,) m, in the scan's frame
     errors: dict[str, tuple[float, float, float]]  # m outwards, up, front, of these
-
-
-def prone_views(vertices: Array, faces: Integers, front: Array) -> Iterator[ProneView]:
-    """For (V, 3) m of a front that faces along the unit `front`: the head on the one side, then on the other."""
-    areas, centres = face_areas(vertices, faces), vertices[faces].mean(axis=1)
-    flat = centres - np.average(centres, axis=0, weights=areas)
-    flat -= np.outer(flat @ front, front)
-    across = np.linalg.eigh((flat * areas[:, None]).T @ flat)[1][
-        :, 2
-    ]  # a chest is wider than its field of view is high
-    for left in (across, -across):
-        left = left - (left @ front) * front
-        left /= np.linalg.norm(left)
-        axes = np.column_stack([left, np.cross(front, left), front]) @ exp_so3(np.array([TILT, 0.0, 0.0]))
-        view = seen_from(vertices, faces, axes)
-        for _ in range(ROUNDS if view is not None else 0):
-            assert view is not None
-            apart = (view.places["nipple_L"] - view.places["nipple_R"]) @ axes
-            axes = axes @ exp_so3(np.array([0.0, 0.0, np.arctan2(apart[1], apart[0])]))
-            view = seen_from(vertices, faces, axes)
-            if view is None:
-                break
-        if view is not None:
-            yield view
 
 
 def seen_from(vertices: Array, faces: Integers, axes: Array) -> ProneView | None:
@@ -119,7 +89,7 @@ def seen_from(vertices: Array, faces: Integers, axes: Array) -> ProneView | None
         between = smooth[np.abs(y - half[1]).argmin(), np.abs(x - half[0]).argmin()]
         if np.isfinite(between):
             places[MIDDLE], errors[MIDDLE] = np.array([half[0], half[1], between]), MIDDLE_ERRORS
-    return ProneView(axes, {name: axes @ place for name, place in places.items()}, errors)
+    return ProneView({name: axes @ place for name, place in places.items()}, errors)
 
 
 def _notch(

@@ -13,8 +13,7 @@ from breastrig.fitting.body.hanging_start import hanging_shapes
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.scan_orientation import ScanOrientation
 from breastrig.fitting.stance import FoundStance, found_stance
-from breastrig.fitting.starts.orientation import MIN_LANDMARKS, agree, best_start, start_from_scan
-from breastrig.fitting.starts.prone import prone_start
+from breastrig.fitting.starts.orientation import MIN_LANDMARKS, agree, best_start, prone_start, start_from_scan
 from breastrig.fitting.task import FitTask
 from breastrig.gltf.pose_nodes import posed_by_nodes
 from breastrig.workflow.jobs import EarlierFit

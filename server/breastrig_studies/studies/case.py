@@ -24,8 +24,7 @@ from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.stance import found_stance
-from breastrig.fitting.starts.orientation import MIN_LANDMARKS, Start, best_start, start_from_scan
-from breastrig.fitting.starts.prone import prone_start
+from breastrig.fitting.starts.orientation import MIN_LANDMARKS, Start, best_start, prone_start, start_from_scan
 from breastrig.fitting.task import Doubt, FitTask
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
@@ -81,8 +80,9 @@ class Scene:
 
     def place(self, rig: Rig) -> Start:
         """Where the program finds the body in the known stance, without landmarks."""
-        prone = prone_start(rig, self.target, self.frame) if self.case.stance == PRONE else None
-        return prone or start_from_scan(rig, self.target, self.frame.fronts)
+        if self.case.stance == PRONE:
+            return prone_start(rig, self.target, self.frame)
+        return start_from_scan(rig, self.target, self.frame.fronts)
 
     def start(self, rig: Rig, given: dict[str, Array]) -> RigParameters:
         """The start that the program chooses for these landmarks ((3,) m by name)."""

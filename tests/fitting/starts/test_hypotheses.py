@@ -53,7 +53,7 @@ def test_a_whole_body_starts_where_the_search_around_it_ends() -> None:
     bodies, body = _body("patient_5", "standing")
     target = ScanTarget(*compact(body.vertices, bodies.faces[_front(bodies, body)[1]]))
     rig = read_rig(default_rig_path())
-    start, place = start_from_scan(rig, target, FRONT), rest_place(rig, target, turns_to(FRONT))
+    start, place = start_from_scan(rig, target, FRONT), rest_place(rig.template, rig.faces, target, turns_to(FRONT))
     assert not place.shows_a_part
     np.testing.assert_array_equal(start.similarity.translation, place.similarity.translation)
     np.testing.assert_array_equal(start.similarity.rotation, place.similarity.rotation)

@@ -25,7 +25,6 @@ class Opening:
 
     problem: Problem
     iterates: tuple[FitIterate, ...] = ()
-    price: float = 1.0  # by which its energy counts
     place: Similarity | None = None  # of the rest pose, where it began
 
     @property
@@ -53,24 +52,13 @@ def judge() -> Recipe:
     return load_recipe("default")
 
 
-def opened(task: FitTask) -> Opening:
-    """The whole opening of one task."""
-    found = Opening(Problem([task]))
-    for stage in opening_of(task.recipe):
-        found = found.after(stage)
-    return found
-
-
-def ranked(
-    rig: Rig, target: ScanTarget, places: Sequence[Similarity], stance: str, prices: Sequence[float]
-) -> list[Opening]:
+def ranked(rig: Rig, target: ScanTarget, places: Sequence[Similarity], stance: str) -> list[Opening]:
     """Openings from the rest pose at these places, the best first; those behind have not gone to the end."""
     stages = opening_of(judge())
     tasks = [FitTask(rig, target, similar_parameters(rig, place), judge(), {}, stance) for place in places]
-    parts = zip(tasks, prices, places, strict=True)
-    left = [Opening(Problem([task]), price=price, place=place) for task, price, place in parts]
+    left = [Opening(Problem([task]), place=place) for task, place in zip(tasks, places, strict=True)]
     behind: list[Opening] = []
     for stage in stages:
-        left = sorted((each.after(stage) for each in left), key=lambda each: each.price * each.energy)
+        left = sorted((each.after(stage) for each in left), key=lambda each: each.energy)
         left, behind = left[:GOING_ON], [*left[GOING_ON:], *behind]
     return [*left, *behind]

@@ -13,14 +13,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.core.stances import PRONE
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.starts.hypotheses import Opening, ranked
 from breastrig.fitting.starts.rigid_search import rest_place, turns_about, turns_to
+from breastrig.geometry.rotations import exp_so3
+from breastrig.relief.prone import seen_from
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.similarity import Similarity, similar_parameters, umeyama
 from breastrig.rig.skinning import pose
+from breastrig.rig.stance_priors import mean_weights
 from breastrig.scan.clean import MIN_TRIANGLES, compact
+from breastrig.scan.orient import Frame
 
 TRUST = 0.04  # m; patients' landmarks lie within about 3 cm of a similarity of the model's
 ADULT_SCALE = (0.75, 1.3)  # of the model
@@ -30,6 +35,8 @@ PERSON = 1.3  # m; scans of trunks with head and arms reach 1 m, so this is a pe
 STATURE = 1.55  # m, of a woman for whom the model's trunk needs no scale
 TRUNK = (0.47, 0.9)  # shares of the stature: from the crotch to the chin
 HEIGHTS = (0.0, 0.03, -0.03)  # m along a part of a body; half of the basin
+TILT = 0.22  # rad, by which the mean normal of a prone front is turned to the head: 0.09 to 0.36
+PRONE_SCALE = 1.05  # of the trunk; hanging breasts say nothing of it
 AGREED = 0.08  # m, mean distance of the landmarks to a start that they agree with; the dev scans' are under 5 cm
 
 
@@ -86,14 +93,37 @@ def trunks(target: ScanTarget, fronts: Array) -> Iterator[tuple[ScanTarget, Arra
 
 def start_from_scan(rig: Rig, target: ScanTarget, fronts: Array) -> Start:
     """The best rest pose for a scan whose front is about one of (N, 3) unit directions."""
-    place = min((rest_place(rig, *part) for part in trunks(target, fronts)), key=lambda each: each.uncovered)
+    place = min(
+        (rest_place(rig.template, rig.faces, *part) for part in trunks(target, fronts)), key=lambda each: each.uncovered
+    )
     if not place.shows_a_part:
         return Start(rig, place.similarity, place.margin)
     stance = "standing" if target.table is None else "supine"
     up = place.similarity.rotation[:, 1]
     moved = [replace(place.similarity, translation=place.similarity.translation + each * up) for each in HEIGHTS]
-    best, *_ = ranked(rig, target, moved, stance, [1.0] * len(moved))
+    best, *_ = ranked(rig, target, moved, stance)
     return Start(rig, best.place or place.similarity, place.margin, best)
+
+
+def prone_start(rig: Rig, target: ScanTarget, frame: Frame) -> Start:
+    """The prone rest pose on what the hanging breasts of a scan show, whose way up counts where it is certain."""
+    body = rig.template + np.tensordot(mean_weights(rig, PRONE), rig.blendshapes, axes=1)
+    turns = turns_to(frame.fronts)
+    if frame.confidence == 1.0:
+        turns = turns[turns[:, :, 1] @ frame.up > 0.0]
+    found = rest_place(body, rig.faces, target, turns)
+    side, _, towards = found.similarity.rotation.T
+    front = frame.fronts[(frame.fronts @ towards).argmax()]
+    left = side - (side @ front) * front
+    left /= np.linalg.norm(left)
+    axes = np.column_stack([left, np.cross(front, left), front]) @ exp_so3(np.array([TILT, 0.0, 0.0]))
+    view = seen_from(target.vertices, target.faces, axes)
+    names = tuple(name for name in (view.places if view else ()) if name in rig.landmark_names)
+    if view is None or not names:
+        return Start(rig, found.similarity, found.margin)
+    model = rig.landmark_points(names).positions(body, rig.faces).mean(axis=0)
+    seen = np.mean([view.places[name] for name in names], axis=0)
+    return Start(rig, Similarity(PRONE_SCALE, axes, seen - PRONE_SCALE * axes @ model), found.margin)
 
 
 def best_start(

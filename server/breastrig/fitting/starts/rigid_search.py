@@ -18,7 +18,6 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.boundary import boundary_vertices
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.rotations import exp_so3
-from breastrig.rig.model import Rig
 from breastrig.rig.similarity import Similarities, Similarity, nearest_similarities
 
 LEAF = 64  # points, of a tree that is asked some thousand times: half the time of 16
@@ -77,13 +76,13 @@ class Place:
 class _Comparison:
     """A rest pose and a scan, thinned: pairs, steps and scores of many tries at once."""
 
-    def __init__(self, rig: Rig, target: ScanTarget, level: Level) -> None:
+    def __init__(self, body: Array, faces: Integers, target: ScanTarget, level: Level) -> None:
         model, scan = level.model, level.scan
-        normals = vertex_normals(rig.template, rig.faces)
-        rim = rig.template[boundary_vertices(rig.faces, len(rig.template))]
-        self.asking, self.asking_normals = (each[_thinned(len(each), model[0])] for each in (rig.template, normals))
+        normals = vertex_normals(body, faces)
+        rim = body[boundary_vertices(faces, len(body))]
+        self.asking, self.asking_normals = (each[_thinned(len(each), model[0])] for each in (body, normals))
         asked = _thinned(len(normals), model[1])
-        self.model, self.at_rim = rig.template[asked], _near(rim, rig.template[asked])
+        self.model, self.at_rim = body[asked], _near(rim, body[asked])
         self._model_points = _tree(self.model, normals[asked])
         seen = _thinned(len(target.vertices), scan[0])
         self.seen, self.seen_normals = target.vertices[seen], target.normals[seen]
@@ -153,14 +152,17 @@ def _nearest(points: cKDTree, places: Array, reach: float) -> tuple[Array, Integ
     return np.minimum(gaps, 2.0 * reach), np.where(np.isfinite(gaps), nearest, 0)
 
 
-def rest_place(rig: Rig, target: ScanTarget, turns: Array, scale: float = 1.0) -> Place:
-    """The best place for a scan of a body whose axes are about one of (T, 3, 3), about `scale` times the model."""
+def rest_place(body: Array, faces: Integers, target: ScanTarget, turns: Array, scale: float = 1.0) -> Place:
+    """The best place of a rest pose (V, 3) m for a scan of a body whose axes are about one of (T, 3, 3).
+
+    She is about `scale` times as large.
+    """
     thinned = target.vertices[:: max(1, len(target.vertices) // 2000)]
-    tries = Similarities.of(_starts(rig, thinned, turns, scale))
+    tries = Similarities.of(_starts(body, thinned, turns, scale))
     share = max(len(turns) / (TURNS * len(YAWS)), 1.0)  # of those of a single front
     scales = SCALE[0] * scale, SCALE[1] * scale
     for level in LEVELS:
-        comparison = _Comparison(rig, target, level)
+        comparison = _Comparison(body, faces, target, level)
         for _ in range(level.steps):
             tries = comparison.moved(tries, level.reach, scales)
         scores, uncovered = comparison.scores(tries)
@@ -192,7 +194,7 @@ def _turns(front: Array) -> list[Array]:
     return [np.column_stack([np.cross(up, front), up, front]) for up in ups]
 
 
-def _starts(rig: Rig, scan: Array, rotations: Array, scale: float) -> list[Similarity]:
+def _starts(body: Array, scan: Array, rotations: Array, scale: float) -> list[Similarity]:
     """The rest pose in each of (T, 3, 3) axes, from the lower to the upper end of a (V, 3) scan, at its front."""
     local = np.ascontiguousarray((scan @ rotations).transpose(2, 0, 1))  # (3, T, V)
     low, high = np.percentile(local[1], [1, 99], axis=1)  # (T) each, of heights
@@ -200,7 +202,7 @@ def _starts(rig: Rig, scan: Array, rotations: Array, scale: float) -> list[Simil
     near = np.abs(local[0] - middles[:, None]) < MIDDLE  # not the hands before her
     depths = np.sort(np.where(near, local[2], -np.inf), axis=1)
     fronts = depths[np.arange(len(depths)), len(scan) - 1 - near.sum(axis=1) // 100]
-    body_low, body_high = scale * rig.template.min(axis=0), scale * rig.template.max(axis=0)
+    body_low, body_high = scale * body.min(axis=0), scale * body.max(axis=0)
     ends = np.sort([high - body_high[1] - 0.2, low - body_low[1] + 0.1], axis=0).T
     heights = [np.linspace(first, last, max(2, 1 + round((last - first) / HEIGHT))) for first, last in ends]
     parts = zip(rotations, middles, heights, fronts - body_high[2], strict=True)

@@ -1,6 +1,7 @@
-"""Probability that a body without a visible table is supine, from the signs of a fit that assumes it stands.
+"""Which stance a body without a visible table has, from the signs of a fit that assumes it stands.
 
-Arms say little: standing ones may be anywhere.  Breasts say most, by the one that is more in front, as the other may be
+Breasts that hang far before the chest on a skin no higher than an MRI's field of view are prone.  Of the others
+arms say little: standing ones may be anywhere.  Breasts say most, by the one that is more in front, as the other may be
 gone: where nipple is to breastbone and fold, in units of the breastbone's length, and the shapes by which breasts
 flatten and lie aside.  Skin that faces backwards is seen of a standing body only.  All counts in proportion to the
 breast's length, for small ones lie as they stand.  Weights: stance_signs.toml, by breastrig_studies/stance_signs.py;
@@ -15,7 +16,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.settings_file import SettingsPart, packaged
-from breastrig.core.stances import SIDES
+from breastrig.core.stances import PRONE, SIDES, STANDING, SUPINE
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.body.hanging import body_axes
 from breastrig.fitting.task import FitIterate, FitTask
@@ -31,44 +32,61 @@ TRUNK = (
     (-0.5, 0.75),
     0.8,
 )  # lengths of the breastbone: heights over the xiphoid, and to the sides, between which no arm is
+CLEFT = (0.01, 0.03)  # m: half the width and length of the skin between the nipples
 SCANNERS_UP = np.array([0.0, 1.0, 0.0])  # as scan/orient.py has it
 UPRIGHT = np.cos(np.radians(15.0))  # people lean, and apps level to a few degrees
 
 
 class Sign(SettingsPart):
     between: float  # its value that says nothing
-    weight: float  # of the log odds of a supine body, for one unit more
+    weight: float  # of the log odds, for one unit more
     most: float  # farther from `between` it counts no more
     by_hand: bool = False  # not estimated: simulated scans are turned at random
 
+    def counted(self, value: float) -> float:
+        return self.weight * float(np.clip(value - self.between, -self.most, self.most))
 
-class StanceSigns(SettingsPart):
-    unsure: float  # log odds, either way, up to which the answer is doubted
+
+class Against(SettingsPart):
+    """How much speaks for a stance, against standing."""
+
     constant: float  # log odds where no sign says anything
-    length: float  # of a usual breast, from fold to nipple, in lengths of the breastbone
+    length: float | None = None  # of the breast by which signs are measured; what is seen of a shorter one says less
     signs: dict[str, Sign]
 
     def log_odds(self, seen: Mapping[str, float]) -> float:
-        """That she lies; what was not seen says nothing."""
-        all_signs = self.constant + sum(self._counted(name, seen[name]) for name in self.signs if name in seen)
-        return all_signs * seen.get("length", self.length) / self.length
+        """What was not seen says nothing."""
+        counted = self.constant + sum(each.counted(seen[name]) for name, each in self.signs.items() if name in seen)
+        return counted if self.length is None else counted * seen.get("length", self.length) / self.length
 
-    def _counted(self, name: str, value: float) -> float:
-        sign = self.signs[name]
-        return sign.weight * float(np.clip(value - sign.between, -sign.most, sign.most))
+
+class StanceSigns(SettingsPart):
+    """All of stance_signs.toml."""
+
+    unsure: float  # log odds of the likeliest stance against the next up to which the answer is doubted
+    supine: Against
+    prone: Against
 
 
 @dataclass(frozen=True)
 class LikelyStance:
     """Which stance the signs speak for, and whether they do so clearly."""
 
-    supine: bool
+    stance: str
     sure: bool
 
 
 @lru_cache(maxsize=1)
 def stance_signs() -> StanceSigns:
     return packaged(StanceSigns, "breastrig.fitting.starts", "stance_signs.toml")
+
+
+def likely_stance(seen: Mapping[str, float], known: StanceSigns | None = None) -> LikelyStance:
+    """By the package's own numbers, or others."""
+    known = known or stance_signs()
+    odds = {STANDING: 0.0, SUPINE: known.supine.log_odds(seen), PRONE: known.prone.log_odds(seen)}
+    first, second, _ = sorted(odds, key=lambda stance: -odds[stance])
+    return LikelyStance(first, odds[first] - odds[second] > known.unsure)
 
 
 def arm_angles(rig: Rig, x: RigParameters) -> Array:
@@ -91,6 +109,9 @@ def breast_signs(rig: Rig, x: RigParameters, vertices: Array, target: ScanTarget
         return {}
     axes = body_axes(rig, vertices)
     notch, end, *breasts = rig.landmark_points(MEASURED).positions(vertices, rig.faces) @ axes
+    away = target.vertices @ axes - 0.5 * (breasts[0] + breasts[1])
+    narrow = (np.abs(away[:, 0]) < CLEFT[0]) & (np.abs(away[:, 1]) < CLEFT[1])
+    between = away[narrow & (target.normals @ axes[:, 2] > 0.0), 2]
     side, nipple, fold = max(zip(SIDES, breasts[:2], breasts[2:], strict=True), key=lambda each: float(each[1][2]))
     bone = float(np.linalg.norm(notch - end))
     weights = dict(zip(rig.shape_names, x.weights.tolist(), strict=True))
@@ -98,6 +119,7 @@ def breast_signs(rig: Rig, x: RigParameters, vertices: Array, target: ScanTarget
         "nipples_in_front": float(nipple[2] - end[2]) / bone,
         "nipples_over_folds": float(nipple[1] - fold[1]) / bone,
         "length": float(np.linalg.norm(nipple - fold)) / bone,
+        **({"cleft": -float(np.quantile(between, 0.1))} if len(between) else {}),
         **_facing_back((target.vertices @ axes - end) / bone, target),
         **{sign: weights[f"{shape}_{side}"] for sign, shape in SHAPES.items() if f"{shape}_{side}" in weights},
     }
@@ -126,12 +148,9 @@ def measured_signs(task: FitTask, standing: FitIterate) -> dict[str, float]:
     arms = arm_angles(rig, x)
     if len(arms):
         seen["arms"] = float(arms.mean())
-    _, up, front = body_axes(rig, vertices).T @ SCANNERS_UP
+    axes = body_axes(rig, vertices)
+    _, up, front = axes.T @ SCANNERS_UP
     seen["upright"] = float(up > UPRIGHT) - float(front > UPRIGHT)
+    heights = task.target.vertices @ axes[:, 1]
+    seen["height"] = float(np.ptp(np.percentile(heights, [1.0, 99.0]))) if len(heights) else 0.0
     return seen
-
-
-def likely_stance(seen: Mapping[str, float]) -> LikelyStance:
-    signs = stance_signs()
-    odds = signs.log_odds(seen)
-    return LikelyStance(odds > 0.0, abs(odds) > signs.unsure)
