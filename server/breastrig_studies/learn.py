@@ -1,9 +1,8 @@
 """`breastrig model learn MODEL BODIES`: what is known of a rig, from bodies whose whole skin is known.
 
 BODIES is a cohort (cohort.py) with truth.ply of every body.  Written into NAME.known and bound to the rig: bodies.json,
-priors_STANCE.toml (means of shapes), radii.json, uncertainty.toml and verdict.toml.  Bodies of the groups `report` and
-`sealed` are left for whoever measures what came of it (`breastrig evaluate BODIES --model MODEL`).  The rules:
-docs/decisions/0024.
+radii.json, uncertainty.toml and verdict.toml.  Bodies of the groups `report` and `sealed` are left for whoever measures
+what came of it (`breastrig evaluate BODIES --model MODEL`).  The rules: docs/decisions/0024.
 """
 
 import json
@@ -14,9 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from breastrig.core.arrays import Array
 from breastrig.core.errors import BadInput
-from breastrig.core.stances import split_side
 from breastrig.correspondence.distances import Comparison
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.uncertainty.calibration import Calibration
@@ -25,7 +22,7 @@ from breastrig.fitting.verdicts.verdict import VerdictLimits, verdict_limits
 from breastrig.gltf.known_files import bind_known
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
-from breastrig.rig.stance_priors import in_stance, stance_priors
+from breastrig.rig.stance_priors import in_stance
 from breastrig_studies.bodies.body_statistics import KnownBody, document, statistics
 from breastrig_studies.cohort import Case, read_cohort
 from breastrig_studies.radii_factors import Known, Score, factors, fitted, scores_of, trials, write_factors
@@ -82,9 +79,6 @@ def learn(glb: Path, bodies: Path) -> Path:
         raise BadInput(f"{bodies} has scans without truth.ply; what is not known cannot be estimated on.")
     folder.mkdir(exist_ok=True)
     (folder / "bodies.json").write_text(json.dumps(document(rig, statistics(rig, known))) + "\n", "utf-8")
-    for stance in sorted({each.stance for each in known}):
-        priors = _with_means(rig, stance, [each.parameters.weights for each in known if each.stance == stance])
-        (folder / f"priors_{stance}.toml").write_text(_toml(priors, len(known)), "utf-8")
     bind_known(glb, rig.sha256)
     rig = read_rig(glb)  # with these bodies
     found = Found()
@@ -103,21 +97,6 @@ def write(glb: Path, rig: Rig, found: Found, stances: set[str], scans: int) -> P
     (folder / "uncertainty.toml").write_text(_toml(uncertainty, scans), "utf-8")
     (folder / "verdict.toml").write_text(_toml(_verdict(found, stances), scans), "utf-8")
     return bind_known(glb, rig.sha256).parent
-
-
-def _with_means(rig: Rig, stance: str, weights: Sequence[Array]) -> dict[str, Any]:
-    """The document of rig/stance_priors.py with shapes expected as (S,) `weights` are on the mean, both sides alike.
-
-    Those of gravity are left to the recipe.
-    """
-    by_stem: dict[str, list[float]] = {}
-    for shape, mean in zip(rig.shapes, np.mean(weights, axis=0), strict=True):
-        if shape.kind != "gravity":
-            by_stem.setdefault(split_side(shape.name)[0], []).append(float(mean))
-    priors = stance_priors(rig, stance).model_dump(exclude_none=True)
-    for stem, means in by_stem.items():
-        priors["shapes"][stem] = priors["shapes"].get(stem, {}) | {"mean": round(float(np.mean(means)), 2)}
-    return priors
 
 
 def _half(case: Case) -> str:
@@ -194,7 +173,7 @@ def _toml(document: dict[str, Any], bodies: int) -> str:
     lines = [f"# By `breastrig model learn`, estimated on fits to {bodies} scans of bodies whose whole skin is known."]
 
     def write(table: dict[str, Any], place: Sequence[str]) -> None:
-        if place and table:
+        if place:
             lines.extend(("", f"[{'.'.join(place)}]"))
         plain = {key: value for key, value in table.items() if not isinstance(value, dict)}
         lines.extend(f"{key} = {json.dumps(value)}" for key, value in plain.items())
