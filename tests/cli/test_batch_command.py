@@ -34,7 +34,7 @@ def fake(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_batch_leaves_what_fit_leaves_and_the_numbers_of_all(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (tmp_path / "prior.json").write_bytes(prior_of(12).content())
+    (tmp_path / "prior.json").write_bytes(prior_of(30).content())
     prior = ["--prior", str(tmp_path / "prior.json")]
     (tmp_path / "bad.ply").write_bytes(b"Dear surgeon, please find attached the scan.\n")
     manifest, out = tmp_path / "manifest.csv", tmp_path / "out"
@@ -55,7 +55,7 @@ def test_a_batch_leaves_what_fit_leaves_and_the_numbers_of_all(
     result = json.loads((out / "standing" / "result.json").read_text())
     assert float(rows["standing"]["mean_mm"]) == result["surface_distance_mm"]["mean"]
     assert float(rows["standing"]["landmark_mean_mm"]) == result["landmark_distance_mm"]["mean"]
-    assert any("what 12 patients" in note for note in result["notes"])
+    assert any("what 30 patients" in note for note in result["notes"])
     assert rows["standing"]["stance"] == result["stance"] == "standing"
     with (out / "standing" / "measures.csv").open(newline="") as file:
         measured = {(row["measure"], row["kind"]): row for row in csv.DictReader(file)}

@@ -43,7 +43,7 @@ def cohort(*words: object) -> int:
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("cohort") / "results"
-    for seed in range(12):
+    for seed in range(30):
         write_fit(folder / f"woman_{seed}", seed)
     return folder
 
@@ -56,14 +56,14 @@ def test_learn_merge_remove_and_info_agree(results: Path, tmp_path: Path, capsys
     assert cohort("remove", whole, *some, "-o", second) == 0
     assert cohort("merge", second, first, "-o", left) == 0
     assert left.read_bytes() == whole.read_bytes()
-    assert read_prior(second).women == 7
+    assert read_prior(second).women == 25
     assert cohort("remove", second, some[0], "-o", left, "--force") == 2
     assert "not in the prior" in capsys.readouterr().err
     assert cohort("learn", some[0], "-o", first, "--force") == 0
     for prior, said in (
-        (whole, "12 standing patients: one like them is foretold "),
-        (second, "7 standing patients: not used, fewer than 10"),
-        (first, "1 standing patient: not used, fewer than 10"),
+        (whole, "30 standing patients: one like them is foretold "),
+        (second, "25 standing patients: not used, fewer than 30"),
+        (first, "1 standing patient: not used, fewer than 30"),
     ):
         assert cohort("info", prior) == 0
         assert f"\n{said}" in capsys.readouterr().out

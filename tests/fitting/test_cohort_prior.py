@@ -155,7 +155,7 @@ def test_a_lying_fit_is_learned_of_and_expected_among_those_who_lie(rig: Rig) ->
     sums = parsed_contribution(contribution_bytes(found), rig, "supine")
     assert found is not None
     assert sums is not None
-    known = with_prior(rig, cohort_of_scans(rig, ((str(number), "supine", sums) for number in range(12))))
+    known = with_prior(rig, cohort_of_scans(rig, ((str(number), "supine", sums) for number in range(WOMEN))))
     off = {}
     for stance in ("supine", "standing"):
         own, recipe = built_in(rig, stance), load_recipe("default")

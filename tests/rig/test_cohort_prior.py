@@ -131,7 +131,7 @@ def test_no_side_is_preferred(rig: Rig, own: Gaussian) -> None:
     symmetric = Gaussian(
         0.5 * (own.mean + own.mean[other]), 0.5 * (own.covariance + own.covariance[np.ix_(other, other)])
     )
-    belief = believed(rig, women(rig, own, 20, 7, shift=1.0).stances["standing"], symmetric)
+    belief = believed(rig, women(rig, own, 30, 7, shift=1.0).stances["standing"], symmetric)
     assert belief is not None
     np.testing.assert_allclose(belief.expected.mean, belief.expected.mean[other], atol=1e-9)
     np.testing.assert_allclose(belief.expected.covariance, belief.expected.covariance[np.ix_(other, other)], atol=1e-9)

@@ -12,7 +12,7 @@ let service: Running;
 test.use({ base: async ({}, use) => use(service.base) });
 test.beforeAll(async () => {
   const { path, env } = helper("fake_women.py");
-  execFileSync(findPython(), [path, data, "12"], { env });
+  execFileSync(findPython(), [path, data, "30"], { env });
   service = await startService({}, ["--no-token", "--learn-prior"], data);
 });
 test.afterAll(async () => {
@@ -32,7 +32,7 @@ test("what was learned stands beside the fit, and goes with who is deleted", asy
     expect(answer.ok, path).toBe(true);
     return (answer.status === 204 ? {} : await answer.json()) as Answer;
   };
-  const learned = page.getByText(/Learned from 12 standing patients: one like them is foretold [1-9]\d* % closer\./);
+  const learned = page.getByText(/Learned from 30 standing patients: one like them is foretold [1-9]\d* % closer\./);
 
   const [woman] = (await ask("/api/scans", "GET")).scans;
   await ask("/api/prior", "POST");
@@ -43,13 +43,13 @@ test("what was learned stands beside the fit, and goes with who is deleted", asy
   await untilFitted(page);
   await page.keyboard.press("3");
   await expect(learned).toBeVisible();
-  await expect(learned).toContainText("Fitted with what 12 patients in this stance have in common.");
+  await expect(learned).toContainText("Fitted with what 30 patients in this stance have in common.");
 
   await ask(`/api/scans/${woman!.id}`, "DELETE");
   await page.reload();
   await hook.ready(page);
   await page.keyboard.press("3");
-  await expect(page.getByText("Fitted with what 12 patients")).toBeVisible(); // as it was made
+  await expect(page.getByText("Fitted with what 30 patients")).toBeVisible(); // as it was made
   await expect(learned).toBeHidden();
   expect(troubles).toEqual([]);
 });

@@ -16,7 +16,7 @@ from breastrig.least_squares.quadratic_program import cholesky, solve_lower
 from breastrig.rig.cohort_prior import Sums
 from breastrig.rig.model import Rig
 
-FEWEST = 10  # women; fewer are about themselves, and what all fits are off alike would count as theirs
+FEWEST = 30  # women; of ten nothing is gained yet, and the skin of others is farther (decision 0027)
 SHOWN = 0.5  # share of its built-in variance that a direction keeps on the mean, at most, to be learned from scans
 WORTHS = np.geomspace(0.5, 4096.0, 27)  # women that the built-in prior may count as
 TOO_MANY = 1e6  # likewise: it is all that is believed

@@ -10,11 +10,11 @@ from breastrig.core.errors import BadInput
 from breastrig.core.private_files import read_ordinary
 from breastrig.files.result import BODY, RESULT, ResultFile, folder_name, parsed_result, result_text
 from breastrig.fitting.uncertainty.contribution import FARTHEST, built_in, parsed_contribution
+from breastrig.rig.cohort_belief import FEWEST
 from breastrig.rig.cohort_prior import CohortPrior, Shared, Sums, cohort_of_scans
 from breastrig.rig.model import Rig
 
 BODY_BYTES = 10_000_000  # the torso's has 14 thousand
-FEWEST = 30  # women of a stance in a prior that may leave the house
 DELTA = 1e-6
 
 
