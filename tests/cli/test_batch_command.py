@@ -110,7 +110,7 @@ def test_a_wrong_manifest_runs_nothing(tmp_path: Path, capsys: pytest.CaptureFix
     assert said.err.splitlines()[0] == (
         "breastrig: manifest.csv, line 3: There is no scan missing.ply; paths are relative to the manifest."
     )
-    assert said.err.splitlines()[20:] == ["breastrig: There are 10 more wrong rows."]
+    assert said.err.splitlines()[20:] == ["breastrig: Wrong rows that are not shown: 10."]
     assert not (tmp_path / "out").exists()
 
 

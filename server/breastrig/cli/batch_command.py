@@ -110,7 +110,7 @@ def run(options: argparse.Namespace) -> int:
             sweep_scratch()  # of fits that were stopped
     failed = sum(outcome.reason is not None for outcome in outcomes)
     if sys.stdout.isatty():
-        print(f"{len(outcomes) - failed} of {len(outcomes)} fits are done; {options.output / FILE} has the numbers.")
+        print(f"Done: {len(outcomes) - failed} of {len(outcomes)}; {options.output / FILE} has the numbers.")
     return 1 if failed or any(outcome.missing for outcome in outcomes) else 0
 
 
@@ -193,5 +193,5 @@ def _report_faults(faults: list[str]) -> int:
     for fault in faults[:SHOWN_FAULTS]:
         print(f"breastrig: {fault}", file=sys.stderr)
     if len(faults) > SHOWN_FAULTS:
-        print(f"breastrig: There are {len(faults) - SHOWN_FAULTS} more wrong rows.", file=sys.stderr)
+        print(f"breastrig: Wrong rows that are not shown: {len(faults) - SHOWN_FAULTS}.", file=sys.stderr)
     return 2
