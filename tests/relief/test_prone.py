@@ -39,10 +39,10 @@ def test_a_turned_front_is_placed_and_its_nipples_are_seen(front: tuple[Array, I
     vertices, faces, places = front
     start = prone_start(read_rig(default_rig_path()), ScanTarget(vertices, faces), frame(-TURN[:, 1], 0.5))
     assert np.trace(start.similarity.rotation.T @ TURN) > 2.8
-    view = seen_from(vertices, faces, start.similarity.rotation)
-    assert view is not None
+    seen = seen_from(vertices, faces, start.similarity.rotation)
+    assert seen is not None
     for name in ("nipple_L", "nipple_R", "xiphoid"):
-        assert np.linalg.norm(view.places[name] - places[name]) < 0.012, name
+        assert np.linalg.norm(seen[name] - places[name]) < 0.012, name
 
 
 def test_a_head_that_is_known_to_be_down_stays_down(front: tuple[Array, Integers, dict[str, Array]]) -> None:

@@ -5,13 +5,11 @@ that stands out most from the skin around.  A fold is where the skin below is mo
 lies between the folds.  Errors are those on made bodies (breastrig_studies/virtual/warped/prone.py).
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.core.stances import OUTWARDS, split_side
+from breastrig.core.stances import OUTWARDS
 from breastrig.geometry.rays import RayCaster
 
 STEP = 0.003  # m, of the depth's grid
@@ -21,31 +19,17 @@ NEAR_APEX, STEEP = 0.022, 0.8  # m, where a nipple is looked for, and the slope 
 PER_SQUARE = 2.0  # 1/m, by which standing out counts less away from the apex
 BELOW, WIDE = 0.02, 0.024  # m under the nipple, and to its sides: where a fold is looked for
 NIPPLE_DOWN, FOLD_UP, XIPHOID_DOWN = 0.003, 0.004, 0.009  # m from what is seen to where the landmarks are
-NOTCH, MIDDLE = "suprasternal_notch", "mid_sternum"
-MIDDLE_ERRORS = (0.010, 0.012, 0.004)
-STERNUM, MIDLINE, AT_TOP = (0.13, 0.28), 0.012, 0.006  # m above the xiphoid, beside the midline, under the scan's end
-CONCAVE = 12.0  # 1/m; less is no notch
-OF_THE_TOP = (0.020, 0.020, 0.010)  # m outwards, up, front, of a notch at the upper end of an MRI's field of view
 ERRORS = {  # m outwards, up, front, of these places
     "nipple": (0.005, 0.005, 0.003),
     "inframammary_fold": (0.015, 0.005, 0.010),
     "xiphoid": (0.006, 0.008, 0.003),
-    NOTCH: (0.020, 0.010, 0.005),  # breasts of two sizes turn the axes
 }
 REASON = "form of the hanging breasts"
 LEAST = 400  # places of the grid with skin; fewer are no front
 
 
-@dataclass(frozen=True, eq=False)
-class ProneView:
-    """What a skin shows from its front."""
-
-    places: dict[str, Array]  # (3,) m, in the scan's frame
-    errors: dict[str, tuple[float, float, float]]  # m outwards, up, front, of these
-
-
-def seen_from(vertices: Array, faces: Integers, axes: Array) -> ProneView | None:
-    """For (3, 3) axes of the body (columns left, up, front); None where there is no front with two breasts."""
+def seen_from(vertices: Array, faces: Integers, axes: Array) -> dict[str, Array] | None:
+    """(3,) m by landmark, for (3, 3) axes of the body (columns left, up, front); None: no front with two breasts."""
     local = vertices @ axes
     low, high = local.min(axis=0), local.max(axis=0)
     x, y = (np.arange(low[k], high[k], STEP) for k in (0, 1))
@@ -82,36 +66,7 @@ def seen_from(vertices: Array, faces: Integers, axes: Array) -> ProneView | None
         at_z = smooth[np.abs(y - at_y).argmin(), np.abs(x - at_x).argmin()]
         if np.isfinite(at_z):
             places["xiphoid"] = np.array([at_x, at_y, at_z])
-    errors = {name: ERRORS[split_side(name)[0]] for name in places}
-    if "xiphoid" in places and (notch := _notch(places["xiphoid"], x, y, smooth, bent)) is not None:
-        places[NOTCH], errors[NOTCH] = notch
-        half = 0.5 * (places[NOTCH] + places["xiphoid"])
-        between = smooth[np.abs(y - half[1]).argmin(), np.abs(x - half[0]).argmin()]
-        if np.isfinite(between):
-            places[MIDDLE], errors[MIDDLE] = np.array([half[0], half[1], between]), MIDDLE_ERRORS
-    return ProneView({name: axes @ place for name, place in places.items()}, errors)
-
-
-def _notch(
-    xiphoid: Array, x: Array, y: Array, depth: Array, bent: Array
-) -> tuple[Array, tuple[float, float, float]] | None:
-    """(3,) m and its errors: where the midline is most concave, else about the upper end of the field of view."""
-    middle = np.abs(x - xiphoid[0]) < MIDLINE
-    skin = np.isfinite(depth[:, middle]).any(axis=1)
-    rows = np.flatnonzero(skin & (y > xiphoid[1] + STERNUM[0]) & (y < xiphoid[1] + STERNUM[1]))
-    if not len(rows) or not middle.any():
-        return None
-    top = rows[-1]
-    inside = rows[y[rows] < y[top] - AT_TOP]
-    across = bent[inside][:, middle]
-    known = np.isfinite(across).sum(axis=1)
-    concave = np.where(known > 0, np.nansum(across, axis=1) / np.maximum(known, 1), np.nan)
-    at, error, beyond = (
-        (inside[concave.argmax()], ERRORS[NOTCH], 0.0)
-        if len(concave) and concave.max() > CONCAVE
-        else (top, OF_THE_TOP, AT_TOP)
-    )
-    return np.array([xiphoid[0], y[at] + beyond, np.nanmean(depth[at, middle])]), error
+    return {name: axes @ place for name, place in places.items()}
 
 
 def _depth(local: Array, faces: Integers, x: Array, y: Array, high: float) -> Array:

@@ -6,13 +6,13 @@ furrow in the camera's view is up to 50 mm below it (body/hanging.py).
 
 import numpy as np
 
-from breastrig.core.stances import PRONE
+from breastrig.core.stances import PRONE, split_side
 from breastrig.energies.landmarks import LandmarkObservation
 from breastrig.fitting.body.hanging import body_axes, hanging_shifts, outwards
 from breastrig.fitting.task import FitTask
 from breastrig.geometry.normals import unit_vectors
 from breastrig.relief.observe import Expected, relief_observations
-from breastrig.relief.prone import REASON, seen_from
+from breastrig.relief.prone import ERRORS, REASON, seen_from
 from breastrig.rig.similarity import umeyama
 from breastrig.rig.state import BodyState
 
@@ -40,13 +40,11 @@ def observe_relief(task: FitTask, state: BodyState) -> dict[str, LandmarkObserva
 def _prone(task: FitTask, state: BodyState) -> dict[str, LandmarkObservation]:
     """What hanging breasts show."""
     axes = body_axes(task.rig, state.vertices)
-    view = seen_from(task.target.vertices, task.target.faces, axes)
-    if view is None:
-        return {}
+    places = seen_from(task.target.vertices, task.target.faces, axes) or {}
     seen = {}
-    for name, place in view.places.items():
+    for name, place in places.items():
         if name in task.rig.landmark_names and name not in task.landmarks:
             own = axes * outwards(name)
-            covariance = (own * np.array(view.errors[name]) ** 2) @ own.T
+            covariance = (own * np.array(ERRORS[split_side(name)[0]]) ** 2) @ own.T
             seen[name] = LandmarkObservation(name, place, covariance, "form", reason=REASON)
     return seen

@@ -117,12 +117,12 @@ def prone_start(rig: Rig, target: ScanTarget, frame: Frame) -> Start:
     left = side - (side @ front) * front
     left /= np.linalg.norm(left)
     axes = np.column_stack([left, np.cross(front, left), front]) @ exp_so3(np.array([TILT, 0.0, 0.0]))
-    view = seen_from(target.vertices, target.faces, axes)
-    names = tuple(name for name in (view.places if view else ()) if name in rig.landmark_names)
-    if view is None or not names:
+    places = seen_from(target.vertices, target.faces, axes) or {}
+    names = tuple(name for name in places if name in rig.landmark_names)
+    if not names:
         return Start(rig, found.similarity, found.margin)
     model = rig.landmark_points(names).positions(body, rig.faces).mean(axis=0)
-    seen = np.mean([view.places[name] for name in names], axis=0)
+    seen = np.mean([places[name] for name in names], axis=0)
     return Start(rig, Similarity(PRONE_SCALE, axes, seen - PRONE_SCALE * axes @ model), found.margin)
 
 
