@@ -1,8 +1,9 @@
 """`breastrig model learn MODEL BODIES`: what is known of a rig, from bodies whose whole skin is known.
 
-BODIES is a cohort (cohort.py) with truth.ply of every body.  Written into NAME.known and bound to the rig: bodies.json,
-radii.json, uncertainty.toml and verdict.toml.  Bodies of the groups `report` and `sealed` are left for whoever measures
-what came of it (`breastrig evaluate BODIES --model MODEL`).  The rules: docs/decisions/0024.
+BODIES is a cohort (cohort.py) with truth.ply of every body.  Written into NAME.known and bound to the rig:
+bodies.json, landmark_errors.json, radii.json, uncertainty.toml and verdict.toml.  Bodies of the groups `report` and
+`sealed` are left for whoever measures what came of it (`breastrig evaluate BODIES --model MODEL`).  The rules:
+docs/decisions/0024.
 """
 
 import json
@@ -15,6 +16,7 @@ import numpy as np
 
 from breastrig.core.errors import BadInput
 from breastrig.correspondence.distances import Comparison
+from breastrig.fitting.body.landmark_errors import FILE as LANDMARKS
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.uncertainty.calibration import Calibration
 from breastrig.fitting.verdicts.fit_signals import FitSignals, fit_signals
@@ -25,6 +27,8 @@ from breastrig.rig.model import Rig
 from breastrig.rig.stance_priors import in_stance
 from breastrig_studies.bodies.body_statistics import KnownBody, document, statistics
 from breastrig_studies.cohort import Case, read_cohort
+from breastrig_studies.landmark_errors import document as document_of_landmarks
+from breastrig_studies.landmark_errors import residuals_of
 from breastrig_studies.radii_factors import Known, Score, factors, fitted, scores_of, trials, write_factors
 from breastrig_studies.studies.case import Scene, read_scene
 from breastrig_studies.studies.reference_fit import ReferenceFit, reference_fit
@@ -81,6 +85,9 @@ def learn(glb: Path, bodies: Path) -> Path:
     (folder / "bodies.json").write_text(json.dumps(document(rig, statistics(rig, known))) + "\n", "utf-8")
     bind_known(glb, rig.sha256)
     rig = read_rig(glb)  # with these bodies
+    errors = document_of_landmarks(residuals_of(cases, rig, recipe))
+    (folder / LANDMARKS).write_text(json.dumps(errors) + "\n", "utf-8")
+    rig = read_rig(glb)  # with these errors
     found = Found()
     for case, true in truths.items():
         for trial in _trials(read_scene(case), rig, recipe, true):

@@ -25,8 +25,7 @@ EXAMPLE = asset_folder("example") / "standing"
 
 def silent(recipe: Recipe) -> Recipe:
     """The recipe by which no pick tells of its partner on the other side."""
-    landmarks = {name: each.model_copy(update={"mirrored": None}) for name, each in recipe.landmarks.items()}
-    return recipe.model_copy(update={"landmarks": landmarks})
+    return recipe.model_copy(update={"partners": {}})
 
 
 @dataclass(frozen=True, eq=False)

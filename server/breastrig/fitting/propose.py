@@ -14,7 +14,7 @@ import numpy as np
 from breastrig.colour.areolae import ObservedAreola
 from breastrig.core.arrays import Array
 from breastrig.correspondence.match import MatchRules, match
-from breastrig.fitting.body.expected_shifts import expected_shifts
+from breastrig.fitting.body.landmark_errors import MIDDLE, NOTCH, XIPHOID, expected_gaps, middle_step
 from breastrig.fitting.fit import FitTask
 from breastrig.fitting.observed.landmarks import areola_of, colour_observations, with_observations
 from breastrig.fitting.posterior import Posterior
@@ -105,10 +105,14 @@ def propose_landmarks(
 def expected_places(posterior: Posterior, by_colour: Mapping[str, Array]) -> Array:
     """(L, 3) m, where the rig's landmarks are expected: as they are seen, else beside the fitted model's."""
     rig, state = posterior.task.rig, posterior.state
+    places = dict(zip(rig.landmark_names, rig.landmark_points().positions(state.vertices, rig.faces), strict=True))
+    gaps = expected_gaps(state, posterior.task.stance)
+    beside = {name: place + gaps[name].mean for name, place in places.items() if name not in posterior.task.landmarks}
     seen = {name: each.place for name, each in posterior.relief.items() if each.is_place} | dict(by_colour)
-    places = rig.landmark_points().positions(state.vertices, rig.faces)
-    places = places + expected_shifts(places, state, posterior.task, seen)
-    return np.array([seen.get(name, place) for name, place in zip(rig.landmark_names, places, strict=True)])
+    expected = places | beside | seen
+    if expected.keys() >= {NOTCH, XIPHOID, MIDDLE} and MIDDLE not in posterior.task.landmarks:
+        expected[MIDDLE] = expected[MIDDLE] + middle_step(expected)
+    return np.array([*expected.values()])
 
 
 def _is_near(scan: PreparedScan, place: Array) -> bool:

@@ -15,11 +15,10 @@ from pydantic import Field, ValidationError, model_validator
 from breastrig.core.errors import BadSettings, unknown_name
 from breastrig.core.private_files import is_ordinary, shown
 from breastrig.core.settings_file import Positive, SettingsPart
-from breastrig.core.stances import split_side
 from breastrig.fitting.presets.preset_files import changed, preset_names, preset_text
 
 COMMON = "default"  # what a preset is silent about is taken from it:
-COMMON_PARTS = ("outliers", "lying", "landmarks")
+COMMON_PARTS = ("outliers", "lying", "partners")
 
 Range = tuple[Positive, Positive]
 
@@ -132,17 +131,6 @@ class Lying(SettingsPart):
     heights: dict[str, float]  # m, expected mean height of the back above the table, by bone
 
 
-class LandmarkErrors(SettingsPart):
-    """Of one landmark, or of all that are not named."""
-
-    misfit: Positive  # m on each axis, what the model cannot show of real bodies there
-    hanging: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m outwards, up, front; more where breasts hang ...
-    hanging_shift: tuple[float, float, float] = (0.0, 0.0, 0.0)  # ... and from the model's place (body/hanging.py)
-    standing_shift: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m outwards, up, front; see body/expected_shifts.py
-    unusual: Positive | None = None  # see Outliers; absent: that of all
-    mirrored: Positive | None = None  # m on each axis, of one side from the other's pick; absent: not used
-
-
 class Hanging(SettingsPart):
     """When a fit begins again with breasts that hang; see body/hanging_start.py."""
 
@@ -167,16 +155,12 @@ class Recipe(SettingsPart):
     outliers: Outliers
     lying: Lying
     hanging: Hanging | None = None  # absent: it begins once
-    landmarks: dict[str, LandmarkErrors]  # by name without its side; "other" for those that are not named
+    partners: dict[str, Positive]  # m on each axis, of a landmark from the other side's pick, by name without its side
     stages: Annotated[tuple[Stage, ...], Field(min_length=1)]
 
     @property
     def iterations_limit(self) -> int:
         return sum(stage.iterations for stage in self.stages)
-
-    def landmark_errors(self, name: str) -> LandmarkErrors:
-        """What is known of the landmark of this name."""
-        return self.landmarks.get(split_side(name)[0], self.landmarks["other"])
 
     @property
     def continued(self) -> "Recipe":

@@ -5,6 +5,7 @@ that what was measured with one rig is never said of another.
 
     bodies.json          mean and covariance of scales and shapes over bodies       rig/body_statistics.py
     priors_STANCE.toml   shapes and joints where a stance differs from the rig     rig/stance_priors.py
+    landmark_errors.json  where bodies have landmarks beside the model's             fitting/body/landmark_errors.py
     hidden_STANCE.json   how deep skin lies that no scan shows                      fitting/body/hidden_skin.py
     trunk_depth.json     and how much deeper it lies under a high belly             fitting/body/trunk_depth.py
     lying_motion.json    how skin moves between standing and lying                  drawings/skin_maps/lying_motion.py

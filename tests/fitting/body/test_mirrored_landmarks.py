@@ -8,6 +8,7 @@ import trimesh
 from helpers.example_patient import silent
 
 from breastrig.core.arrays import Array
+from breastrig.core.stances import split_side
 from breastrig.correspondence.target import ScanTarget
 from breastrig.energies.landmarks import LandmarkObservation
 from breastrig.fitting.body.mirrored_landmarks import mirrored_landmarks
@@ -112,7 +113,7 @@ def test_the_partner_is_expected_as_far_from_the_model_without_picks_as_the_pick
         picked = next(landmark.mirror for landmark in rig.landmarks if landmark.name == name)
         slide = axes @ (np.array([-1.0, 1.0, 1.0]) * (axes.T @ (true[picked] - without[picked])))
         assert np.linalg.norm(each.place - without[name] - slide) < 0.008  # m; of fits that differ by up to 0.02
-        assert on_axis(each) == pytest.approx(task.recipe.landmark_errors(name).mirrored)
+        assert on_axis(each) == pytest.approx(task.recipe.partners[split_side(name)[0]])
 
 
 def test_partners_are_expected_where_they_were_on_a_turned_scan(task: FitTask) -> None:
@@ -128,9 +129,7 @@ def test_partners_are_expected_where_they_were_on_a_turned_scan(task: FitTask) -
 
 def test_an_unsure_pick_tells_as_little_of_its_partner(task: FitTask) -> None:
     _, found = look(task.with_picks(task.landmarks, {"acromion_L": 0.03}))
-    assert on_axis(found["acromion_R"]) == pytest.approx(
-        np.hypot(0.03, task.recipe.landmark_errors("acromion").mirrored)
-    )
+    assert on_axis(found["acromion_R"]) == pytest.approx(np.hypot(0.03, task.recipe.partners["acromion"]))
 
 
 def test_a_partner_on_skin_that_the_scan_does_not_show_is_less_sure(task: FitTask) -> None:
@@ -141,7 +140,7 @@ def test_a_partner_on_skin_that_the_scan_does_not_show_is_less_sure(task: FitTas
     assert set(found) == {"acromion_R", "inframammary_fold_R"}
     for name, each in found.items():
         assert half.vertex_tree.query(each.place)[0] > 0.015  # m
-        assert on_axis(each) == pytest.approx(np.hypot(0.01, task.recipe.landmark_errors(name).mirrored))
+        assert on_axis(each) == pytest.approx(np.hypot(0.01, task.recipe.partners[split_side(name)[0]]))
 
 
 def test_picked_landmarks_are_left_alone_and_those_without_a_partner_add_nothing(

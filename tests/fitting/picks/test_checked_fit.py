@@ -6,8 +6,7 @@ from helpers.rig_patient import patient
 
 from breastrig.core.arrays import Array
 from breastrig.fitting.fit import FitTask, fit_iterates
-from breastrig.fitting.picks.checked_fit import agreeing_picks, checked_iterates, ended, without
-from breastrig.fitting.picks.leave_one_out import LeaveOneOut
+from breastrig.fitting.picks.checked_fit import agreeing_picks, checked_iterates, without
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import load_recipe
@@ -74,14 +73,11 @@ def test_a_pick_far_off_is_followed_and_named(torso: Rig, name: str, away: list[
     assert elapsed == sorted(elapsed)
 
 
-def test_an_acromion_is_asked_about_sooner_than_others_for_right_ones_are_where_they_are_expected(torso: Rig) -> None:
+def test_an_acromion_that_is_far_off_is_asked_about(torso: Rig) -> None:
     target, true, _ = patient(torso, 5)
     far = true | {"acromion_L": target.search.query((true["acromion_L"] + [0.0, -0.05, 0.0])[None]).points[0]}
     task = task_of(torso, 5, far, true)
-    last = list(checked_iterates(task))[-1]
-    deviation = LeaveOneOut(Posterior(ended(task, last), last.parameters)).deviations()["acromion_L"]
-    assert deviation < load_recipe("default").outliers.unusual
-    assert named(task, last) == [("acromion_L",)]
+    assert named(task, list(checked_iterates(task))[-1]) == [("acromion_L",)]
 
 
 def test_a_pick_that_the_model_expected_elsewhere_is_followed_where_the_body_is_unusual(torso: Rig) -> None:

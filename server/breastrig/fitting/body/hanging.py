@@ -1,11 +1,4 @@
-"""How ptotic fitted breasts are, and what follows for landmarks on and beside them (docs/decisions/0003).
-
-The rig's shape of ptosis moves nipple and fold down as one artist's breasts do; real breasts differ, most of them over
-a fold that stays nearly where it was and is covered.  So the expected place of a landmark moves with its weight,
-and its standard deviation grows with it, most along the body.
-"""
-
-from collections.abc import Sequence
+"""How ptotic fitted breasts are, by the weight of the rig's shape of ptosis (docs/decisions/0003)."""
 
 import numpy as np
 
@@ -16,6 +9,8 @@ from breastrig.fitting.task import FitTask
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
 from breastrig.rig.state import BodyState
+
+FOLD = "inframammary_fold"  # the landmark that a breast covers
 
 
 def outwards(name: str) -> Array:
@@ -40,28 +35,19 @@ def hangs_by(state: BodyState, recipe: Recipe, landmark: str) -> float:
     return weight if recipe.hanging is not None and weight > recipe.hanging.weight - recipe.hanging.sigma else 0.0
 
 
-def hanging_shifts(state: BodyState, task: FitTask, names: Sequence[str]) -> Array:
-    """(L, 3) m from the model's landmarks to where they are expected: nothing for picks, and where no breast hangs.
+def covered_landmarks(state: BodyState, task: FitTask) -> frozenset[str]:
+    """Names of the folds that a hanging breast covers.
 
     Without any picks the weight alone does not tell: of women whose breasts do not hang one side in 25 has as much.
     Only sides that were seen to hang count then (hanging_start.py).
     """
-    moved = np.zeros((len(names), 3))
-    for shift, name in zip(moved, names, strict=True):
-        known = task.landmarks or any(shape.endswith(name[-2:]) for shape in task.hanging)
-        if known and name not in task.landmarks and hangs_by(state, task.recipe, name):
-            shift += hanging_misfit(state, task.recipe, name)[0]
-    return moved
-
-
-def hanging_misfit(state: BodyState, recipe: Recipe, landmark: str) -> tuple[Array, Array]:
-    """(3,) m from the model's landmark to where it is expected, and (3, 3) m², covariance around there, of hanging."""
-    known, weight = recipe.landmark_errors(landmark), hanging_weight(state, recipe, landmark)
-    if not weight:
-        return np.zeros(3), np.zeros((3, 3))
-    axes = body_axes(state.rig, state.vertices)
-    spread = axes * (weight * np.array(known.hanging))
-    return axes @ (weight * outwards(landmark) * np.array(known.hanging_shift)), spread @ spread.T
+    return frozenset(
+        name
+        for name in task.rig.landmark_names
+        if split_side(name)[0] == FOLD
+        and (task.landmarks or any(shape.endswith(name[-2:]) for shape in task.hanging))
+        and hangs_by(state, task.recipe, name)
+    )
 
 
 def body_axes(rig: Rig, vertices: Array) -> Array:

@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.core.stances import split_side
 from breastrig.energies.landmarks import LandmarkObservation, Landmarks
 from breastrig.fitting.task import FitTask
 from breastrig.least_squares.newton import System
@@ -37,7 +38,7 @@ def mirrored_landmarks(
     wanted = {
         partners[name]: (name, alike)
         for name in task.landmarks
-        if partners[name] not in task.landmarks and (alike := task.recipe.landmark_errors(name).mirrored) is not None
+        if partners[name] not in task.landmarks and (alike := task.recipe.partners.get(split_side(name)[0])) is not None
     }
     if not wanted:
         return ()

@@ -8,7 +8,7 @@ import numpy as np
 
 from breastrig.core.stances import PRONE, split_side
 from breastrig.energies.landmarks import LandmarkObservation
-from breastrig.fitting.body.hanging import body_axes, hanging_shifts, outwards
+from breastrig.fitting.body.hanging import body_axes, covered_landmarks, outwards
 from breastrig.fitting.task import FitTask
 from breastrig.geometry.normals import unit_vectors
 from breastrig.relief.observe import Expected, relief_observations
@@ -26,13 +26,13 @@ def observe_relief(task: FitTask, state: BodyState) -> dict[str, LandmarkObserva
         return _prone(task, state)
     if len(places) < 3 or not np.isfinite(places).all():
         return {}
-    covered = np.any(hanging_shifts(state, task, rig.landmark_names) != 0.0, axis=1)
+    covered = covered_landmarks(state, task)
     normals = unit_vectors(points.positions(state.normals, rig.faces))
     axes = umeyama(points.positions(rig.template, rig.faces), places).rotation
     expected = {
         name: Expected(places[k], normals[k])
         for k, name in enumerate(rig.landmark_names)
-        if name not in task.landmarks and not covered[k]
+        if name not in task.landmarks and name not in covered
     }
     return relief_observations(task.target, expected, axes)
 

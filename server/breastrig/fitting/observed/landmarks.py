@@ -2,7 +2,7 @@
 
 The form is fitted first and says where each landmark is expected, and how well it knows.  What colour shows near there
 enters the normal equations as picks do, but with an error of its own: that of the observation, and that of the model,
-whose landmark need not lie where a real body has it (the misfit of the presets).  So an areola moves the model's nipple
+whose landmark need not lie where a real body has it (body/landmark_errors.py).  So an areola moves the model's nipple
 there without bending the rest, and form that says otherwise more clearly keeps its place.
 
 Areolae are also observed for the measures, whether or not they placed the nipples, on scans with a texture: colours of
@@ -19,6 +19,7 @@ from breastrig.colour.features.observation import Expectation, Observation
 from breastrig.core.arrays import Array
 from breastrig.core.stances import SIDES
 from breastrig.energies.landmarks import LandmarkObservation
+from breastrig.fitting.body.landmark_errors import expected_gaps
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
@@ -27,6 +28,7 @@ from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.similarity import umeyama
 from breastrig.rig.skinning import pose
+from breastrig.rig.state import BodyState
 from breastrig.scan.scan import Scan
 
 UNKNOWN = 0.02  # m, error of the form with models of which nobody knows how far bodies are from them
@@ -85,10 +87,10 @@ def with_observations(task: FitTask, seen: Mapping[str, Observation], fitted: Ri
     """The task that goes on from where it `fitted` without landmarks, with what colour shows among its observations."""
     if not seen:
         return task
-    given = {}
+    gaps, given = expected_gaps(BodyState(task.rig, fitted), task.stance), {}
     for name, each in seen.items():
-        on_axes = (each.error / np.sqrt(2.0), task.recipe.landmark_errors(name).misfit, task.recipe.observed.landmark)
-        covariance = float(np.square(on_axes).sum()) * np.eye(3)  # the skin has two axes
+        own = each.error**2 / 2.0 + task.recipe.observed.landmark**2  # the skin has two axes
+        covariance = own * np.eye(3) + gaps[name].covariance
         given[name] = LandmarkObservation(name, each.place, covariance, "colour", reason=each.reason)
     return replace(task, start=fitted, recipe=task.recipe.continued, given=given)
 

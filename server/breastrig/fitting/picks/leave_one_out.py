@@ -4,9 +4,10 @@ With the normal equations H, the rows J_i of pick i (in standard deviations) and
 
     e_i = (I − h_ii)⁻¹ r_i,    (I − h_ii)⁻¹,    h_ii = J_i H⁻¹ J_iᵀ
 
-(the PRESS residual; Allen, The relationship between variable selection and data augmentation, 1974).  The misfit of the
-model (presets, `landmarks`) and the effect of hanging breasts (body/hanging.py) are added to the covariance; the
-deviation of a pick is the length of e_i in its units.
+(the PRESS residual; Allen, The relationship between variable selection and data augmentation, 1974), moved to where
+bodies have the landmark beside the model, whose spread is added to the covariance (body/landmark_errors.py).  The
+deviation of a pick is the length of e_i along the skin in its units: a wrong click lies on the skin, too, and what a
+breast covers lies far behind the skin that is seen.
 """
 
 from collections.abc import Collection
@@ -14,7 +15,7 @@ from collections.abc import Collection
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.fitting.body.hanging import hanging_misfit
+from breastrig.fitting.body.landmark_errors import expected_gaps
 from breastrig.fitting.posterior import Posterior
 
 
@@ -34,11 +35,12 @@ class LeaveOneOut:
         self._unit = np.linalg.inv(picks.whitening)  # (L, 3, 3) m, of these
         self._gaps = picks.gaps(posterior.state.vertices)  # (L, 3) m
         self._own = [each.covariance for each in picks.observations]
-        self._misfit = np.array([task.recipe.landmark_errors(name).misfit for name in self.names])
-        self._hanging = [hanging_misfit(posterior.state, task.recipe, name) for name in self.names]
+        gaps, points = expected_gaps(posterior.state, task.stance), posterior.task.rig.landmark_points(self.names)
+        self._expected = [gaps[name] for name in self.names]
+        self._normals = points.positions(posterior.state.normals, posterior.task.rig.faces)
 
-    def _left_out(self, without: Collection[str]) -> dict[str, tuple[Array, Array]]:
-        """Name -> (3,) m, (3, 3) m²: see `deviations`."""
+    def of_model(self, without: Collection[str] = ()) -> dict[str, tuple[Array, Array]]:
+        """Name -> (3,) m from the pick to where all else has the model, (3, 3) m² of both; `without` as in `gaps`."""
         hat, residual = self._hat, self._residual.ravel()
         gone = np.repeat([name in without for name in self.names], 3)
         if gone.any():  # Woodbury: the rows of the picks that are gone leave the normal equations
@@ -53,10 +55,14 @@ class LeaveOneOut:
             if name not in without:
                 inverse = np.linalg.inv(np.eye(3) - hat[own, own])
                 place, error = inverse - np.eye(3), inverse @ error
-            unit, (shift, spread) = self._unit[i], self._hanging[i]
-            beside = self._own[i] + self._misfit[i] ** 2 * np.eye(3) + spread
-            result[name] = (unit @ error + shift, unit @ place @ unit.T + beside)
+            unit = self._unit[i]
+            result[name] = (unit @ error, unit @ place @ unit.T + self._own[i])
         return result
+
+    def _of_body(self, without: Collection[str]) -> dict[str, tuple[Array, Array]]:
+        """The same to where bodies have the landmark."""
+        parts = zip(self.of_model(without).items(), self._expected, strict=True)
+        return {name: (gap + each.mean, cov + each.covariance) for (name, (gap, cov)), each in parts}
 
     @property
     def distances(self) -> dict[str, float]:
@@ -65,11 +71,16 @@ class LeaveOneOut:
 
     def gaps(self, without: Collection[str] = ()) -> dict[str, float]:
         """Name -> m for every pick, each left out alone, those in `without` left out all the time."""
-        return {name: float(np.linalg.norm(error)) for name, (error, _) in self._left_out(without).items()}
+        return {name: float(np.linalg.norm(error)) for name, (error, _) in self._of_body(without).items()}
 
     def deviations(self, without: Collection[str] = ()) -> dict[str, float]:
         """Name -> the gap in standard deviations of what is expected there; `without` as in `gaps`."""
-        return {
-            name: float(np.sqrt(error @ np.linalg.solve(expected, error)))
-            for name, (error, expected) in self._left_out(without).items()
-        }
+        parts = zip(self._of_body(without).items(), self._normals, strict=True)
+        return {name: along_skin(error, covariance, normal) for (name, (error, covariance)), normal in parts}
+
+
+def along_skin(gap: Array, covariance: Array, normal: Array) -> float:
+    """Length of the (3,) m gap along skin with this (3,) normal, in standard deviations of the (3, 3) m² covariance."""
+    tangents = np.linalg.svd(normal[None])[2][1:]  # (2, 3)
+    flat = tangents @ gap
+    return float(np.sqrt(flat @ np.linalg.solve(tangents @ covariance @ tangents.T, flat)))

@@ -1,8 +1,8 @@
-"""A suspicious pick judged by the fit that goes on for a few iterations without it (docs/decisions/0011).
+"""The fit that goes on for a few iterations without a pick, and what the skin shows to it (docs/decisions/0011).
 
-Leave-one-out residuals (leave_one_out.py) are first order, which is too little where the pick has bent the fit far.  A
-navel's model follows any pick on a smooth belly: there the question is whether the skin under the pick is smooth and
-shows a dent elsewhere.
+Other picks are judged by it: leave-one-out residuals (leave_one_out.py) are first order, which is too little for the
+neighbours of a pick that has bent the fit far.  A navel's model follows any pick on a smooth belly: there the question
+is whether the skin under the pick is smooth and shows a dent elsewhere.
 """
 
 from collections.abc import Collection
@@ -10,10 +10,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from breastrig.core.arrays import Array
 from breastrig.energies.landmarks import LandmarkObservation
-from breastrig.fitting.body.hanging import body_axes, hanging_misfit
+from breastrig.fitting.body.hanging import body_axes
 from breastrig.fitting.fit import fit_iterates
+from breastrig.fitting.picks.leave_one_out import along_skin
 from breastrig.fitting.picks.moved_landmarks import settled
 from breastrig.fitting.posterior import Posterior
 from breastrig.geometry.normals import unit_vectors
@@ -37,23 +37,16 @@ def refit_without(posterior: Posterior, names: Collection[str]) -> Posterior:
     return Posterior(replace(task, relief=last.relief), x, partners=False)
 
 
-def from_expected(without: Posterior, pick: LandmarkObservation) -> tuple[float, float]:
-    """m from where a fit without the pick expects it to the pick, and in standard deviations."""
-    state, recipe = without.state, without.task.recipe
-    shift, hanging = hanging_misfit(state, recipe, pick.name)
-    misfit = recipe.landmark_errors(pick.name).misfit ** 2 * np.eye(3)
-    covariance = without.landmark_covariances((pick.name,))[0] + hanging + misfit + pick.covariance
-    return _measured(pick.place - expected(without, pick.name).place - shift, covariance)
-
-
 def from_observation(without: Posterior, pick: LandmarkObservation) -> tuple[float, float] | None:
-    """As from_expected, from the landmark's concavity that the skin shows to that fit; None where it shows none."""
+    """m from the landmark's concavity that the skin shows to a fit without the pick to it, and in standard deviations.
+
+    None where the skin shows none.
+    """
     seen = without.relief.get(pick.name)
-    return None if seen is None else _measured(pick.place - seen.place, seen.covariance + pick.covariance)
-
-
-def _measured(gap: Array, covariance: Array) -> tuple[float, float]:
-    return float(np.linalg.norm(gap)), float(np.sqrt(gap @ np.linalg.solve(covariance, gap)))
+    if seen is None:
+        return None
+    gap, normal = pick.place - seen.place, expected(without, pick.name).outwards
+    return float(np.linalg.norm(gap)), along_skin(gap, seen.covariance + pick.covariance, normal)
 
 
 def on_smooth_skin(posterior: Posterior) -> tuple[str, ...]:

@@ -24,7 +24,7 @@ class StanceFactors(SettingsPart):
     given: Factors = Field(default={})  # landmarks that were given
     others: Factors = Field(default={})  # those that were not, beside given ones
     alone: Factors = Field(default={})  # all landmarks of a fit without any
-    proposed: Factors = Field(default={})  # the same around where they are expected (body/expected_shifts.py)
+    proposed: Factors = Field(default={})  # the same around where they are expected (body/landmark_errors.py)
     seen: Factors = Field(default={})  # skin that the scan shows, with landmarks given
     hidden: Factors = Field(default={})  # skin that it does not show
     seen_alone: Factors = Field(default={})  # likewise without any landmark

@@ -47,7 +47,7 @@ def radii(posterior: Posterior, margin: float | None = None, *, expected: bool =
     """Of a fit; None for a model of which nobody knows how far real bodies are from it.
 
     `margin` is how clear its start was, where the scan alone has placed it (Start.margin).  Landmarks' radii are around
-    the model's, or around where they are `expected` (body/expected_shifts.py).
+    the model's, or around where they are `expected` (body/landmark_errors.py).
     """
     rig, task = posterior.task.rig, posterior.task
     known = calibration(rig)
@@ -102,7 +102,7 @@ def scatter_of(posterior: Posterior) -> float | None:
     if posterior.picks is None or len(posterior.task.picked) < FEW:
         return None
     deviations = np.array(list(LeaveOneOut(posterior.of_picks_alone).deviations().values()))
-    return float(np.sqrt(np.mean(np.minimum(deviations, OUTLYING) ** 2) / 3.0))
+    return float(np.sqrt(np.mean(np.minimum(deviations, OUTLYING) ** 2) / 2.0))  # the skin has two axes
 
 
 def seen_vertices(posterior: Posterior) -> Booleans:
