@@ -110,7 +110,7 @@ def expected_places(posterior: Posterior, by_colour: Mapping[str, Array]) -> Arr
     beside = {name: place + gaps[name].mean for name, place in places.items() if name not in posterior.task.landmarks}
     seen = {name: each.place for name, each in posterior.relief.items() if each.is_place} | dict(by_colour)
     expected = places | beside | seen
-    if expected.keys() >= {NOTCH, XIPHOID, MIDDLE} and MIDDLE not in posterior.task.landmarks:
+    if expected.keys() >= {NOTCH, XIPHOID, MIDDLE} and MIDDLE not in {*posterior.task.landmarks, *seen}:
         expected[MIDDLE] = expected[MIDDLE] + middle_step(expected)
     return np.array([*expected.values()])
 

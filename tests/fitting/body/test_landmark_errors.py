@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from breastrig.fitting.body.landmark_errors import (
     landmark_errors,
     middle_step,
 )
+from breastrig.fitting.propose import expected_places
 from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -76,6 +78,16 @@ def test_the_middle_of_the_breastbone_goes_along_it_by_its_share_of_what_it_is_o
     rules = relief().mid_sternum
     np.testing.assert_allclose(middle_step(places), rules.share * (rules.at - share) * (xiphoid - notch), atol=1e-15)
     assert not middle_step(places | {XIPHOID: notch}).any()
+
+
+def test_a_middle_of_the_breastbone_that_colour_shows_stays_where_it_is_seen() -> None:
+    state, cross = BodyState(RIG, rest_parameters(RIG)), np.array([0.0, 1.25, 0.2])
+    task = SimpleNamespace(rig=RIG, stance="standing", landmarks={})
+    posterior: Any = SimpleNamespace(task=task, state=state, relief={})
+    middle = RIG.landmark_names.index(MIDDLE)
+    np.testing.assert_array_equal(expected_places(posterior, {MIDDLE: cross})[middle], cross)
+    alone = expected_places(posterior, {})
+    assert not np.allclose(alone[middle], cross)
 
 
 def test_without_picks_only_the_side_that_was_seen_to_hang_is_covered() -> None:

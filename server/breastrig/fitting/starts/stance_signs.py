@@ -28,10 +28,8 @@ from breastrig.rig.skinning import pose
 MEASURED = ("suprasternal_notch", "xiphoid", "nipple_L", "nipple_R", "inframammary_fold_L", "inframammary_fold_R")
 SHAPES = {"flattened": "projection", "aside": "position_lateral"}  # signs that are weights of a shape
 BACKWARDS = -0.3  # cosine to the front; a lying body is seen from above
-TRUNK = (
-    (-0.5, 0.75),
-    0.8,
-)  # lengths of the breastbone: heights over the xiphoid, and to the sides, between which no arm is
+# In lengths of the breastbone: heights over the xiphoid, and how far to the sides, between which no arm is
+TRUNK = ((-0.5, 0.75), 0.8)
 CLEFT = (0.01, 0.03)  # m: half the width and length of the skin between the nipples
 SCANNERS_UP = np.array([0.0, 1.0, 0.0])  # as scan/orient.py has it
 UPRIGHT = np.cos(np.radians(15.0))  # people lean, and apps level to a few degrees
