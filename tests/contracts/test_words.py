@@ -25,7 +25,7 @@ INSTEAD = {  # pattern, between word boundaries: (the word to use, where)
     "further_jobs": ("jobs", ALL),
     "made_ready|make_ready": ("prepare_fit, precompute", ALL),
     "asking_client": ("client_key", ALL),
-    "lies_or_stands": ("supine_or_standing", ALL),
+    "lies_or_stands": ("stance", ALL),
     r"\\w*(Seen|Hollow)": ("an observation, named by its source: ColourObservation, ReliefObservation", SERVER),
     "hollow_terms|seen_hollows|SeenHollow": ("relief_terms, relief_observations, ReliefObservation", ALL),
     "let_go": ("rejected", ALL),
