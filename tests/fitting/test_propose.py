@@ -27,6 +27,8 @@ HOLLOWS = {  # of the standing example
     "suprasternal_notch": "hollow seen",
     "inframammary_fold_L": "fold seen",
     "inframammary_fold_R": "fold seen",
+    "acromion_L": "shoulder's edge seen",
+    "acromion_R": "shoulder's edge seen",
 }
 
 

@@ -116,7 +116,7 @@ def expected_places(posterior: Posterior, by_colour: Mapping[str, Array]) -> Arr
 
 
 def _is_near(scan: PreparedScan, place: Array) -> bool:
-    """Of a place that the form shows, which may be a little beyond the scan's end."""
+    """A shoulder's edge tells where its tip is even where the scan ends before it."""
     return bool(np.isfinite(scan.target.vertex_tree.query(place, distance_upper_bound=ON_SKIN.max_distance)[0]))
 
 

@@ -37,6 +37,22 @@ class Concavity(SettingsPart):
     smooth: Smooth | None = None  # absent: nobody knows
 
 
+class Shoulder(SettingsPart):
+    """Where the tip of a hanging shoulder lies to the form of the arm below it."""
+
+    edge_below: Positive  # m, under the tip
+    edge_beyond: Positive  # m, of the arm's outer edge there, outwards from the tip
+    front_below: Positive  # m, under the tip
+    front_before: Positive  # m, of the arm's front there, from the tip
+    strip: Positive  # m, to either side, whose highest or foremost place is taken
+    reach: Positive  # m, around the form's tip, of the shoulder that is looked at
+    farthest: Positive  # m, from the form's tip
+    shown: Positive  # m, to the nearest vertex of the scan at edge and front
+    errors: tuple[Positive, Positive, Positive]  # m, outwards, up, front
+    where_hanging: Positive  # times these errors where breasts hang
+    reason: str  # a few words
+
+
 class MidSternum(SettingsPart):
     """Where the middle of the breast bone is expected between its ends."""
 
@@ -50,6 +66,7 @@ class Relief(SettingsPart):
     pixel: Positive  # m
     fine: Positive  # m, scale at which the skin's height is read where the landmark is
     reach: Positive  # times the form's error, how far is looked
+    shoulder: Shoulder
     mid_sternum: MidSternum
     concavities: dict[str, Concavity]  # by the landmark's name without its side
 

@@ -30,6 +30,8 @@ from breastrig_studies.virtual.warped.body import breast_region, filled
 
 STANDING = asset_folder("example") / "standing"
 HOLLOWS = {"umbilicus", "suprasternal_notch", "inframammary_fold_L", "inframammary_fold_R"}
+TIPS = {"acromion_L", "acromion_R"}
+SHOULDERS = TIPS | {"midclavicle_L", "midclavicle_R"}
 
 
 @pytest.fixture(scope="module")
@@ -59,12 +61,21 @@ def errors(task: FitTask, last: FitIterate, true: Mapping[str, Array]) -> dict[s
 
 def test_hollows_bring_landmarks_nearer_without_bending_the_surface(task: FitTask, true: dict[str, Array]) -> None:
     with_them, without = end(task), end(replace(task, relief={}))
-    assert set(with_them.relief or {}) == HOLLOWS
+    assert set(with_them.relief or {}) == HOLLOWS | TIPS
     seen, smooth = errors(task, with_them, true), errors(task, without, true)
     assert seen["umbilicus"] < 0.7 * smooth["umbilicus"]
     assert np.mean(list(seen.values())) < np.mean(list(smooth.values()))
     assert with_them.mean_distance < without.mean_distance + 1e-4  # m
     assert with_them.landmark_distance is None  # nobody has picked any
+
+
+def test_tips_of_hanging_shoulders_are_seen(task: FitTask) -> None:
+    last = end(task)
+    assert last.relief is not None
+    assert all(last.relief[name].is_place for name in TIPS)
+    points = task.rig.landmark_points(tuple(TIPS)).positions(pose(task.rig, last.parameters), task.rig.faces)
+    for name, point in zip(TIPS, points, strict=True):  # the fit follows them
+        assert np.linalg.norm(point - last.relief[name].place) < last.relief[name].error
 
 
 def test_before_the_form_is_found_no_hollow_is_looked_for(task: FitTask) -> None:
@@ -76,7 +87,7 @@ def test_before_the_form_is_found_no_hollow_is_looked_for(task: FitTask) -> None
 def test_what_a_person_picked_is_not_looked_for(task: FitTask, true: dict[str, Array]) -> None:
     picked = {name: true[name] for name in ("umbilicus", "nipple_L", "nipple_R", "acromion_L")}
     *_, last = checked_iterates(task.with_picks(picked))
-    assert set(last.relief or {}) == HOLLOWS - {"umbilicus"}
+    assert set(last.relief or {}) == HOLLOWS - {"umbilicus"}  # and no tips of shoulders: picks say more of them
     assert errors(task, last, true)["umbilicus"] < 0.004
     posterior = Posterior(ended(task.with_picks(picked), last), last.parameters)
     assert set(LeaveOneOut(posterior).names) == set(picked)  # nobody is asked about a hollow

@@ -4,17 +4,24 @@ Picks and colour observations of the same landmark replace them.  The fold under
 furrow in the camera's view is up to 50 mm below it (body/hanging.py).
 """
 
+from collections.abc import Mapping
+
 import numpy as np
 
-from breastrig.core.stances import PRONE, split_side
+from breastrig.core.arrays import Array
+from breastrig.core.stances import PRONE, STANDING, split_side
 from breastrig.energies.landmarks import LandmarkObservation
-from breastrig.fitting.body.hanging import body_axes, covered_landmarks, outwards
+from breastrig.fitting.body.hanging import body_axes, covered_landmarks, hangs_by, outwards
 from breastrig.fitting.task import FitTask
 from breastrig.geometry.normals import unit_vectors
+from breastrig.relief.limits import relief as relief_limits
 from breastrig.relief.observe import Expected, relief_observations
 from breastrig.relief.prone import ERRORS, REASON, seen_from
+from breastrig.relief.shoulder import shoulder_tip
 from breastrig.rig.similarity import umeyama
 from breastrig.rig.state import BodyState
+
+TIPS = ("acromion_L", "acromion_R")
 
 
 def observe_relief(task: FitTask, state: BodyState) -> dict[str, LandmarkObservation]:
@@ -34,7 +41,8 @@ def observe_relief(task: FitTask, state: BodyState) -> dict[str, LandmarkObserva
         for k, name in enumerate(rig.landmark_names)
         if name not in task.landmarks and name not in covered
     }
-    return relief_observations(task.target, expected, axes)
+    tips = _tips(task, state, expected, axes) if task.stance == STANDING else {}
+    return relief_observations(task.target, expected, axes) | tips
 
 
 def _prone(task: FitTask, state: BodyState) -> dict[str, LandmarkObservation]:
@@ -48,3 +56,30 @@ def _prone(task: FitTask, state: BodyState) -> dict[str, LandmarkObservation]:
             covariance = (own * np.array(ERRORS[split_side(name)[0]]) ** 2) @ own.T
             seen[name] = LandmarkObservation(name, place, covariance, "form", reason=REASON)
     return seen
+
+
+def _tips(
+    task: FitTask, state: BodyState, expected: Mapping[str, Expected], axes: Array
+) -> dict[str, LandmarkObservation]:
+    """The tips of the shoulders of a standing body; none where a person has picked any landmark."""
+    if task.picked:
+        return {}
+    rules, seen = relief_limits().shoulder, {}
+    for name, each in expected.items():
+        if name not in TIPS:
+            continue
+        own = axes * outwards(name)  # (3, 3) columns: outwards, up, front
+        tip = shoulder_tip(state.vertices @ own, task.rig.faces, each.place @ own, rules)
+        if tip is None:
+            continue
+        places = np.stack([tip.place, tip.edge, tip.front]) @ own.T
+        if _shown(task, places[1:], rules.shown):
+            hangs = hangs_by(state, task.recipe, name) > 0.0
+            errors = np.array(rules.errors) * (rules.where_hanging if hangs else 1.0)
+            seen[name] = LandmarkObservation(name, places[0], (own * errors**2) @ own.T, "form", reason=rules.reason)
+    return seen
+
+
+def _shown(task: FitTask, places: Array, near: float) -> bool:
+    """Whether the scan has a vertex within `near` m of each of the (N, 3) m places."""
+    return bool(np.isfinite(task.target.vertex_tree.query(places, distance_upper_bound=near)[0]).all())
