@@ -32,7 +32,7 @@ test("what was learned stands beside the fit, and goes with who is deleted", asy
     expect(answer.ok, path).toBe(true);
     return (answer.status === 204 ? {} : await answer.json()) as Answer;
   };
-  const learned = page.getByText(/Learned from 30 standing patients: one like them is foretold [1-9]\d* % closer\./);
+  const learned = page.getByText(/Learned from standing patients: 30 \([1-9]\d* % closer\)\./);
 
   const [woman] = (await ask("/api/scans", "GET")).scans;
   await ask("/api/prior", "POST");

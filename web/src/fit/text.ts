@@ -20,8 +20,8 @@ export const fit = {
   gone: "This fit is no longer there: its scan was deleted, in another tab or by somebody else.",
   cancelled: "Cancelled. The iterations so far can still be looked at.",
   prior: (stances: readonly { stance: string; patients: number; closer: number }[]) =>
-    stances.map(({ stance, patients, closer }) => `Learned from ${plural(patients, `${stance} patient`, `${stance} patients`)}: ${closer > 0 ? `one like them is foretold ${(100 * closer).toFixed(0)} % closer` : "not used yet"}.`),
-  noLandmarks: "Without landmarks the fit has to find its start alone: that works best upright and facing front.",
+    stances.map(({ stance, patients, closer }) => `Learned from ${stance} patients: ${patients} (${(100 * closer).toFixed(0)} % closer).`),
+  noLandmarks: "Without landmarks the fit finds its start alone: best facing front.",
   fewLandmarks: (count: number) => `With only ${plural(count, "landmark", "landmarks")} the start is found from the scan alone.`,
   with: (count: number) => `Fit with ${plural(count, "landmark", "landmarks")}`,
   without: "Fit without landmarks",

@@ -120,6 +120,8 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     }
   }
 
+  let chosen = Promise.resolve(); // until the model of what is brought next is known
+
   return {
     upload(file: File, units: UnitChoice = store.get().units): Promise<boolean> {
       if (!READABLE.test(file.name)) {
@@ -135,6 +137,7 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
           if (mine === generation) store.set({ loading: { phase, share, title } });
         };
         progress(0);
+        await chosen;
         return { info: await client.upload(file, units, store.get().meta?.model.name, progress), file, own: null, isNew: true };
       });
     },
@@ -192,13 +195,12 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     cropRefused: (): void => store.set((state) => withProblem(state, "scan", text.crop.nothingLeft)),
 
     /** Of the scans that are brought from now on. */
-    async chooseModel(name: string): Promise<void> {
-      try {
-        const meta = await client.meta(name);
-        store.set({ meta });
-      } catch (error) {
-        store.set((state) => withProblem(state, "scan", messageOf(error)));
-      }
+    chooseModel(name: string): Promise<void> {
+      chosen = client.meta(name).then(
+        (meta) => store.set({ meta }),
+        (error: unknown) => store.set((state) => withProblem(state, "scan", messageOf(error))),
+      );
+      return chosen;
     },
 
     chooseUnits: (units: UnitChoice): void => store.set({ units }),
