@@ -55,6 +55,8 @@ def test_of_a_rig_of_which_nothing_is_known_landmarks_are_expected_where_it_has_
     for gap in expected_gaps(BodyState(rig, rest_parameters(rig)), "standing").values():
         assert not gap.mean.any()
         np.testing.assert_allclose(gap.covariance, (1e-3 * UNKNOWN) ** 2 * np.eye(3), atol=1e-15)
+    one = replace(rig, landmarks=rig.landmarks[:1])  # its axes are not known
+    assert {*expected_gaps(BodyState(one, rest_parameters(one)), "supine")} == {rig.landmark_names[0]}
 
 
 def test_mean_and_deviation_are_those_of_most_whatever_few_are() -> None:
