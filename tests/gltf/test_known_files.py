@@ -52,7 +52,9 @@ def test_one_command_binds_what_is_known_and_a_changed_rig_is_another_again(male
     assert read_rig(male).known == {}
 
 
-def test_a_changed_number_is_read_anew_and_a_damaged_file_is_one_sentence(male: Path) -> None:
+def test_a_changed_number_is_read_anew_and_a_damaged_file_is_one_sentence(
+    male: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     main(["model", "bind", "--model", str(male)])
     verdict = male.with_suffix(".known") / "verdict.toml"
     assert verdict_limits(read_rig(male)) is not None
@@ -64,6 +66,12 @@ def test_a_changed_number_is_read_anew_and_a_damaged_file_is_one_sentence(male: 
     with pytest.raises(BadModel, match=r"torso.known/verdict.toml cannot be used: unusable_at: .*\.$"):
         verdict_limits(read_rig(male))
     assert main(["model", "check", "--model", str(male)]) == 2
+    verdict.write_text(verdict.read_text().replace("unusable_at = 0", "unusable_at = 3"))
+    errors = male.with_suffix(".known") / "landmark_errors.json"
+    errors.write_text('{"schema": "breastrig/landmark-errors@1", "stances": {"prone": {"nipple": {"mean_mm": [1]}}}}')
+    capsys.readouterr()
+    assert main(["model", "check", "--model", str(male)]) == 2
+    assert "torso.known/landmark_errors.json cannot be used: stances.prone.nipple.mean_mm" in capsys.readouterr().err
     (male.with_suffix(".known") / "rig.json").write_text("{}")
     assert read_rig(male).known == {}
     assert main(["model", "bind", "--model", str(male)]) == 0

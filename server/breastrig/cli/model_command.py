@@ -12,6 +12,7 @@ from breastrig.core.stances import STANCES
 from breastrig.drawings.skin_maps.lying_motion import lying_motion
 from breastrig.drawings.skin_maps.settings import skin_map_settings
 from breastrig.fitting.body.hidden_skin import hidden_skin
+from breastrig.fitting.body.landmark_errors import landmark_errors
 from breastrig.fitting.body.trunk_depth import trunk_depth
 from breastrig.fitting.uncertainty.calibration import calibration
 from breastrig.fitting.verdicts.verdict import verdict_limits
@@ -69,6 +70,7 @@ def read_all_known(rig: Rig) -> None:
         known_volume(rig)
     for stance in STANCES:
         hidden_skin(rig, stance)
+        landmark_errors(rig, stance)
 
 
 def bind(options: argparse.Namespace) -> int:

@@ -14,6 +14,7 @@ from breastrig.core.stances import AUTO, STANCES
 from breastrig.drawings.skin_maps.lying_motion import lying_motion
 from breastrig.energies.folding import pressed_edges
 from breastrig.fitting.body.hidden_skin import hidden_skin
+from breastrig.fitting.body.landmark_errors import landmark_errors
 from breastrig.fitting.body.trunk_depth import trunk_depth
 from breastrig.fitting.observation_weights import observation_weights
 from breastrig.fitting.problem import body_terms
@@ -46,6 +47,7 @@ def precompute(rig: Rig) -> None:
     for stance in STANCES:
         if stance != AUTO:
             hidden_skin(rig, stance)
+            landmark_errors(rig, stance)
             body_terms(rig, recipe.shapes, recipe.scales, recipe.body, stance)
     precompute_layers(rig.template, rig.faces)
     skinned_document(rig, {})
