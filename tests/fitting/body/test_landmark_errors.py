@@ -101,8 +101,8 @@ def test_without_picks_only_the_side_that_was_seen_to_hang_is_covered() -> None:
         weights = np.zeros(len(RIG.shape_names))
         weights[[RIG.shape_names.index(shape) for shape in shapes]] = weight
         state = BodyState(RIG, replace(rest_parameters(RIG), weights=weights))
-        task = SimpleNamespace(landmarks=dict.fromkeys(picked), rig=RIG, recipe=recipe, hanging=seen)
-        return {*covered_landmarks(state, task)}  # type: ignore[arg-type]
+        task: Any = SimpleNamespace(landmarks=dict.fromkeys(picked), rig=RIG, recipe=recipe, hanging=seen)
+        return {*covered_landmarks(state, task)}
 
     hangs = recipe.hanging.weight
     assert covered(hangs, ()) == set()

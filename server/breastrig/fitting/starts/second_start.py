@@ -19,7 +19,7 @@ from breastrig.least_squares.problem import Constraint
 
 Iterates = tuple[FitIterate, ...]  # of each scan
 Tasks = tuple[FitTask, ...]
-Coupling = Sequence[Constraint[Bodies]]  # see fit.Problem
+Constraints = Sequence[Constraint[Bodies]]  # that hold bodies alike, see fit.Problem
 
 
 def iterates_with_second_start(task: FitTask, known_opening: Opening | None = None) -> Iterator[FitIterate]:
@@ -33,7 +33,7 @@ def iterates_with_second_start(task: FitTask, known_opening: Opening | None = No
 
 
 def joint_iterates_with_second_start(
-    tasks: Tasks, coupling: Coupling = (), known_opening: tuple[Problem, Sequence[Iterates]] | None = None
+    tasks: Tasks, coupling: Constraints = (), known_opening: tuple[Problem, Sequence[Iterates]] | None = None
 ) -> Iterator[Iterates]:
     """The same of scans that are fitted together."""
     recipe = tasks[0].recipe
@@ -70,7 +70,7 @@ def _opened(opening: Iterable[Iterates]) -> Generator[Iterates, None, Iterates]:
 
 
 def _hanging(
-    tasks: Tasks, coupling: Coupling, opening: Sequence[Stage], first: Iterates
+    tasks: Tasks, coupling: Constraints, opening: Sequence[Stage], first: Iterates
 ) -> Generator[Iterates, None, Iterates]:
     """Returns where to go on: what has `first`, or another opening, whose iterates it yields, if that shows more."""
     settings = tasks[0].recipe.hanging
