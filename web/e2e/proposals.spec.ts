@@ -4,10 +4,34 @@ import type { ProposedLandmarks, Result } from "../src/api/types";
 import { hook, test, untilFitted, untilStill } from "./page";
 
 test("proposals are dashed until they are confirmed, and then picks like any other", async ({ page, base, troubles }) => {
+  let answer = (): void => undefined;
+  const isPressed = new Promise<void>((done) => (answer = done));
+  await page.route(/proposed/, async (route) => {
+    const response = await route.fetch();
+    if (response.status() === 200) await isPressed;
+    await route.fulfill({ response });
+  });
   await page.goto(base);
   await page.getByRole("button", { name: /standing/i }).click();
   await hook.ready(page);
   await page.keyboard.press("2");
+
+  await test.step("what is pressed stays below the pointer when they come", async () => {
+    const listTop = () => page.locator(".landmarks").evaluate((list) => (list as HTMLElement).offsetTop);
+    await expect(page.getByText("Looking for the landmarks")).toBeVisible();
+    const example = page.getByRole("button", { name: "Use the example's landmarks" });
+    await example.hover();
+    const [before, top] = [await example.boundingBox(), await listTop()];
+    await page.mouse.down();
+    answer();
+    await expect(page.locator("[data-proposed]").first()).toBeAttached();
+    expect(await example.boundingBox()).toEqual(before);
+    await page.mouse.up();
+    expect(await hook.pickCount(page)).toBe(12);
+    await page.keyboard.press("z");
+    await expect(page.locator(".landmark.is-proposed")).toHaveCount(12);
+    expect(await listTop(), "the list begins where it began").toBe(top);
+  });
   const check = page.getByRole("button", { name: "Check them one by one" });
   await expect(page.locator("#next")).toHaveText("Confirm the 2 points seen"); // by the example's colours
   const scan = await page.evaluate(() => window.__breastrig!.state().scan!.info);

@@ -27,7 +27,8 @@ import { only, type Store } from "../store/store";
 import { problem } from "../ui/controls";
 import { el, setText, show } from "../ui/dom";
 import { later } from "../ui/later";
-import { follow, type Panel } from "../ui/Panel";
+import type { Panel } from "../ui/Panel";
+import { betweenPresses } from "../ui/press";
 import { notice } from "../ui/text";
 import { createSwipe } from "../viewer/Swipe";
 import { errors, view as viewText } from "../viewer/text";
@@ -159,7 +160,9 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
         overlay.classList.toggle("is-numbered", state.step === "landmarks");
         overlay.classList.toggle("is-narrow", isComparing(state) || (state.fit !== null && state.overlay === "beside"));
       });
-      const on = <Shown extends object>(panel: Panel<Shown, Session>): void => follow(store, panel);
+      const run = betweenPresses();
+      const on = <Shown extends object>(panel: Panel<Shown, Session>): void =>
+        void store.select((state) => panel.select(state), (shown) => run(panel, () => panel.update(shown)));
       on(top);
       on(steps);
       on(scan);

@@ -160,19 +160,21 @@ function makeRow(entry: LandmarkDefinition, number: number, actions: LandmarkAct
 
 /** Above the list: what the service proposes, and the one press that takes what the skin's colours show. */
 function makeProposals(actions: LandmarkActions, search: ProposalSearch) {
-  const words = el("p", {});
+  const words = el("span", {});
+  const room = el("span", { class: "room", "aria-hidden": "true" }); // as much as the longest of them needs: the list does not move when the answer comes
   let seen: readonly string[] = [];
   const take = button("", () => actions.confirm(seen), "quiet outlined");
   const again = button(text.proposals.again, () => void search.look(), "quiet outlined");
-  const element = el("div", { class: "proposals", hidden: true }, words, take, again);
+  const element = el("div", { class: "proposals", hidden: true }, el("p", {}, words, room), take, again);
   return {
     element,
-    update({ proposals, active }: Shown, open: readonly OpenProposal[]): void {
+    update({ meta, proposals, active }: Shown, open: readonly OpenProposal[]): void {
       const isNone = proposals?.state === "none";
       seen = open.filter(isSeen).map(({ name }) => name);
       const rough = open.filter((proposal) => !isLikely(proposal)).length;
       show(element, proposals?.state === "looking" || isNone || open.length > 0);
-      const found = rough > 0 ? `${text.proposals.found(open.length)} ${text.proposals.doubtful(rough)}` : text.proposals.found(open.length);
+      const found = text.proposals.found(open.length, rough);
+      setText(room, text.proposals.found(meta?.landmarks.length ?? 0, 1));
       setText(words, proposals?.state === "none" ? text.proposals.none(proposals.reason) : proposals?.state === "looking" ? text.proposals.looking : found);
       show(take, seen.length > 0 && active !== null); // else the large button offers it
       setText(take.querySelector("span")!, text.proposals.confirmSeen(seen.length));

@@ -84,9 +84,10 @@ export const questions = {
 
 export const proposals = {
   looking: "Looking for the landmarks on this scan …",
-  found: (count: number) => `${plural(count, "proposal", "proposals")}, dashed; ± mm holds 90 of 100 true places. One that you agree to keeps its error until you move it, or confirm it close up.`,
-  doubtful: (count: number) =>
-    count === 1 ? "One is a rough guess: check it by itself." : `${count} are rough guesses: check each.`,
+  found: (count: number, rough: number) => {
+    const doubtful = rough === 0 ? "" : rough === 1 ? " One is a rough guess: check it by itself." : ` ${rough} are rough guesses: check each.`;
+    return `${plural(count, "proposal", "proposals")}, dashed; ± mm holds 90 of 100 true places. One that you agree to keeps its error until you move it, or confirm it close up.${doubtful}`;
+  },
   none: (reason: string) => `No proposals: ${reason}`,
   late: "The service is still busy with it.",
   again: "Ask again",
