@@ -77,7 +77,14 @@ def test_it_brings_what_is_known_of_it(tmp_path: Path, capfd: pytest.CaptureFixt
     assert main(["model", "check", "--model", str(model)]) == 2  # tetrahedra are of one rig
     assert "volume.json does not belong to this rig; mend it or take it away." in capfd.readouterr().err
     (model.with_suffix(".known") / "volume.json").unlink()
-    assert main(["model", "check", "--model", str(model)]) == 0
+    assert main(["model", "check", str(model)]) == 0
+    assert "tip" not in capfd.readouterr().out
+    side = json.loads(model.with_suffix(".json").read_text())
+    side["landmarks"][0]["remark"] = side["skining"] = "linear"
+    model.with_suffix(".json").write_text(json.dumps(side))
+    assert main(["model", "check", str(model)]) == 0  # a newer file, or a misspelled word
+    assert "tip all keys of the side file are read: landmarks.0.remark, skining\n" in capfd.readouterr().out
+    assert main(["model", "bind", str(model)]) == 0
     fit = breastrig.fit(breastrig.read_scan(scan, "mm"), places, model=model)
     assert (fit.verdict.level, fit.result.get("not_calibrated")) == ("good", None)
     assert set(fit.result["landmark_uncertainty_mm"]) == set(fit.model.landmark_names)

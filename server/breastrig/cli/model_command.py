@@ -17,10 +17,11 @@ from breastrig.fitting.body.trunk_depth import trunk_depth
 from breastrig.fitting.uncertainty.calibration import calibration
 from breastrig.fitting.verdicts.verdict import verdict_limits
 from breastrig.gltf.known_files import bind_known, known_words
-from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.gltf.read_rig import default_rig_path, read_rig, unread_keys
 from breastrig.report.calibration import measure_calibration
 from breastrig.rig.body_statistics import body_statistics
 from breastrig.rig.model import Rig
+from breastrig.rig.validation.finding import Finding, named
 from breastrig.rig.validation.rules import check_rig, describe_rig
 from breastrig.volume.known_volume import FILE as VOLUME
 from breastrig.volume.known_volume import known_volume
@@ -34,6 +35,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         ("bind", "says that NAME.known beside the rig, what was estimated for it, is of the rig as it is now"),
     ):
         action = actions.add_parser(name, help=what)
+        action.add_argument("given", type=model_path, nargs="?", metavar="MODEL", help="as --model")
         action.add_argument("--model", type=model_path, metavar="MODEL", help="another rig than the package's torso")
     learning = actions.add_parser("learn", help="what is known of a rig, from bodies whose whole skin is")
     learning.add_argument("model", type=model_path, metavar="MODEL", help="the rig, as for `breastrig fit --model`")
@@ -43,7 +45,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def info(options: argparse.Namespace) -> int:
     """Prints a description."""
-    glb = options.model or default_rig_path()
+    glb = options.given or options.model or default_rig_path()
     rig = read_rig(glb)
     print(describe_rig(rig), known_words(glb, rig.known), sep="\n\n")
     return 0
@@ -51,9 +53,11 @@ def info(options: argparse.Namespace) -> int:
 
 def check(options: argparse.Namespace) -> int:
     """Prints one line a rule; exit code 2 when one is broken that is more than advice."""
-    glb = options.model or default_rig_path()
+    glb = options.given or options.model or default_rig_path()
     rig = read_rig(glb)
-    findings = check_rig(rig, is_torso=glb == default_rig_path())
+    unread = unread_keys(glb)
+    everything = Finding("all keys of the side file are read", not unread, named(unread) or "all of them", "advice")
+    findings = [everything, *check_rig(rig, is_torso=glb == default_rig_path())]
     read_all_known(rig)
     for finding in findings:
         mark = "ok " if finding.ok else {"error": "BAD", "advice": "tip"}[finding.severity]
@@ -75,7 +79,7 @@ def read_all_known(rig: Rig) -> None:
 
 def bind(options: argparse.Namespace) -> int:
     """Binds NAME.known to this rig by its hash."""
-    glb = options.model or default_rig_path()
+    glb = options.given or options.model or default_rig_path()
     print(f"{bind_known(glb, read_rig(glb).sha256).name} names {glb.name} now.")
     return 0
 

@@ -53,6 +53,15 @@ def read_rig(glb: Path) -> Rig:
     return _read(glb, drawings, stamps) if all(stamps) else _read.__wrapped__(glb, drawings, stamps)
 
 
+def unread_keys(glb: Path) -> list[str]:
+    """Keys of the side file that nothing reads: somebody's own remarks, or a word that is misspelled."""
+    try:
+        RigFile.model_validate_json(_bytes(glb.with_suffix(".json")), extra="forbid")
+    except ValidationError as error:
+        return [".".join(map(str, each["loc"])) for each in error.errors(include_url=False, include_input=False)]
+    return []
+
+
 def _stamp(file: Path) -> tuple[int, ...] | None:
     """What changes when the file does; None when it is not there."""
     try:
