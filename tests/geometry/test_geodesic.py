@@ -7,6 +7,7 @@ import trimesh
 from breastrig.core.errors import BadDrawing
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.geodesic import Geodesics
+from breastrig.geometry.half_edges import split_places
 from breastrig.geometry.polyline import length
 from breastrig.geometry.surface_points import SurfacePoints
 
@@ -98,6 +99,21 @@ def test_a_circle_on_a_plane_is_a_circle() -> None:
         assert (np.diff(angles) > 0.0).all()  # counter-clockwise, once around
         assert angles[-1] - angles[0] == pytest.approx(2 * np.pi, abs=0.2)
         assert length(rim, closed=True) == pytest.approx(2 * np.pi * radius, rel=5e-3)  # chords
+
+
+def test_a_circle_far_smaller_than_the_triangles_splits_only_those_around_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    vertices, faces = plane()
+    many: list[int] = []
+
+    def counted(places: np.ndarray) -> np.ndarray:
+        many.append(len(places))
+        return split_places(places)
+
+    monkeypatch.setattr("breastrig.geometry.geodesic.split_places", counted)
+    rim = Geodesics(vertices, faces).circle(100, INSIDE, 1e-4)
+    assert np.abs(np.linalg.norm(rim - INSIDE @ vertices[faces[100]], axis=1) - 1e-4).max() < 1e-9
+    assert len(many) > 8
+    assert max(many) < 300  # 4 ** 9 times as many as at first, when all of them are
 
 
 def test_a_circle_on_a_sphere() -> None:

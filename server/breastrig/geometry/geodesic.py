@@ -135,7 +135,8 @@ class Geodesics:
         vertices, patch, spans = self.vertices, self.faces[owners], mesh.spans[owners]
         places = np.tile(np.eye(3), (len(owners), 1, 1))  # of the triangles' corners, in those of the mesh
         while True:
-            near = _may_cross(measured, patch, reach, spans, radius)
+            least = np.maximum(np.minimum(measured, reach), np.linalg.norm(vertices - source, axis=1))
+            near = _may_cross(least, patch, spans, radius)
             patch, owners, places, spans = patch[near], owners[near], places[near], spans[near]
             if spans.max(initial=0.0) <= radius / RING:
                 break
@@ -169,9 +170,9 @@ def _compact(vertices: Array, faces: Integers) -> tuple[Array, Integers, Integer
     return vertices[used], renumbered.reshape(-1, 3), corner
 
 
-def _may_cross(distances: Array, faces: Integers, reach: float, spans: Array, radius: float) -> Booleans:
-    """(F,) triangles that a circle may cross, for the (V,) m of their corners, which are known up to the reach."""
-    off = np.abs(np.minimum(distances, reach) - radius)
+def _may_cross(least: Array, faces: Integers, spans: Array, radius: float) -> Booleans:
+    """(F,) triangles that a circle may cross, for the least (V,) m of their corners, exact up to the radius."""
+    off = np.abs(least - radius)
     a, b, c = faces.T
     return np.asarray((off[a] <= spans) & (off[b] <= spans) & (off[c] <= spans))
 

@@ -14,7 +14,7 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from scipy.stats import chi2, norm
+from scipy.special import chdtri, ndtri
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
@@ -35,8 +35,8 @@ from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 Kind = Literal["skin", "nipple", "chest_wall", "line"]
 
 COLOR = "#b83280"
-BALL = float(np.sqrt(chi2.ppf(0.9, 3)))  # standard deviations: radius of the ball that holds nine of ten points
-LINE = float(norm.ppf(0.95))  # half of the interval that holds nine of ten numbers
+BALL = float(np.sqrt(chdtri(3, 0.1)))  # standard deviations: radius of the ball that holds nine of ten points
+LINE = float(ndtri(0.95))  # half of the interval that holds nine of ten numbers
 RIM = 48  # points of the outline on the skin
 SEEN = 0.01  # m from the fitted skin to the scan; where there is none nearer, the skin is the model's guess
 PLANES = {  # columns of the body's axes (left, up, front) that are right and up in the picture, with their signs
