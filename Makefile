@@ -71,8 +71,7 @@ pytest: page $(VENV)/.stamp-test
 	BREASTRIG_POSTGRES="$$(sh .ci/postgres.sh)" && export BREASTRIG_POSTGRES && \
 	    BREASTRIG_NGINX="$$(sh .ci/nginx.sh)" && export BREASTRIG_NGINX && \
 	    PYTHONDONTWRITEBYTECODE= OPENBLAS_NUM_THREADS=1 $(IN_VENV) "$(VENV)/bin/python" -m pytest -n "$$((cores + 1))" --dist loadfile --no-loadscope-reorder \
-	    --ignore=tests/faults/test_broken_surroundings.py --ignore=tests/faults/test_data_folder.py \
-	    --ignore=tests/scale/test_served_with_options.py # they are in `make faults` and `make scale`
+	    @tests/soak_tests.txt # they are in `make faults`, `make scale` and `make load`
 
 browser: page web-packages $(VENV)/.stamp-test
 	BREASTRIG_CHROMIUM="$$(sh .ci/chromium.sh)" && export BREASTRIG_CHROMIUM && \
@@ -93,6 +92,7 @@ scale: $(VENV)/.stamp-test
 
 load: $(VENV)/.stamp-test
 	OPENBLAS_NUM_THREADS=1 PYTHONPATH=tests "$(VENV)/bin/python" -m load $${LOAD}
+	OPENBLAS_NUM_THREADS=1 "$(VENV)/bin/python" -m pytest -q tests/load
 
 routes: page web-packages $(VENV)/.stamp-test
 	BREASTRIG_ROUTE_TABLE=1 "$(VENV)/bin/python" -m pytest -q tests/api/test_route_walk.py

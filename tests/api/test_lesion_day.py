@@ -9,6 +9,7 @@ import numpy as np
 import pypdf
 import pytest
 from flask.testing import FlaskClient
+from helpers.blank_pictures import blank_pictures_in_reports
 from helpers.label_maps import front_labels, in_lps, nifti
 from helpers.scan_files import ply_text
 from helpers.waiting import ended
@@ -37,8 +38,11 @@ def places(rig: Rig) -> dict[str, np.ndarray]:
     return dict(zip(rig.landmark_names, rig.landmark_points().positions(rig.template, rig.faces), strict=True))
 
 
-def test_a_lesion_of_an_mri_is_seen_on_all_scans_moved_reported_and_shared(real: tuple[Service, FlaskClient]) -> None:
+def test_a_lesion_of_an_mri_is_seen_on_all_scans_moved_reported_and_shared(
+    real: tuple[Service, FlaskClient], monkeypatch: pytest.MonkeyPatch
+) -> None:
     service, client = real
+    blank_pictures_in_reports(monkeypatch)
     rig = read_rig(default_rig_path())
     marks = places(rig)
     inside = marks["nipple_L"] - [0.012, 0.0, 0.028]

@@ -6,6 +6,7 @@ import tomllib
 from importlib.metadata import version
 from pathlib import Path
 
+import pytest
 from packaging.requirements import Requirement
 
 
@@ -31,11 +32,16 @@ def test_every_program_of_the_parts_is_looked_for_before_they_start(repository: 
     assert needed <= set(re.findall(r"sh (\.ci/\S+\.sh)", _rule(makefile, "programs")[1]))
 
 
-def test_the_slow_tests_that_a_room_leaves_out_are_there(repository: Path) -> None:
-    lines = (repository / "tests" / "slow_tests.txt").read_text("utf-8").splitlines()
+@pytest.mark.parametrize("list_of", ["slow_tests.txt", "soak_tests.txt"])
+def test_the_tests_that_are_left_out_are_there(repository: Path, list_of: str) -> None:
+    lines = (repository / "tests" / list_of).read_text("utf-8").splitlines()
     assert lines == sorted(set(lines))
     for line in lines:
-        file, name = line.removeprefix("--deselect=").split("::")
+        option, place = line.split("=")
+        assert (repository / place.split("::")[0]).exists(), line
+        if option == "--ignore":
+            continue
+        file, name = place.split("::")
         assert re.search(rf"^def {name}\(", (repository / file).read_text("utf-8"), re.MULTILINE), line
 
 

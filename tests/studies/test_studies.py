@@ -16,6 +16,7 @@ from breastrig_studies.cohort import read_cohort
 from breastrig_studies.page.charts import has_numbers
 from breastrig_studies.page.figures import reliability_figure
 from breastrig_studies.page.study_sections import verdicts_section
+from breastrig_studies.studies import case as case_module
 from breastrig_studies.studies.case import read_scene
 from breastrig_studies.studies.measures import measures_study
 from breastrig_studies.studies.orientation import turned, without_table, wrong_way
@@ -47,6 +48,17 @@ def test_the_wrong_way_is_named_by_axis(rig: Rig, turn: tuple[float, float, floa
     true = dict(zip(rig.landmark_names, 1.1 * places + 0.3, strict=True))
     found = wrong_way(rig, rig.template @ exp_so3(np.array(turn)).T, true)
     assert {axis for axis, is_wrong in found.items() if is_wrong} == wrong
+
+
+def test_a_scan_is_searched_once_for_all_fits_to_it(cohort: Path, rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, search, searches = read_scene(read_cohort(cohort)[0]), case_module.start_from_scan, []
+    monkeypatch.setattr(case_module, "start_from_scan", lambda *asked: searches.append(asked) or search(*asked))
+    few = {name: scene.landmarks[name] for name in ("suprasternal_notch", "xiphoid", "umbilicus")}
+    with_few, alone = scene.start(rig, few), scene.start(rig, {})
+    scene.start(rig, scene.landmarks)
+    assert len(searches) == 1
+    np.testing.assert_array_equal(alone.rotations, scene.place(rig).parameters.rotations)
+    np.testing.assert_array_equal(with_few.rotations, alone.rotations)  # nothing but the scan says where her front is
 
 
 def test_a_turned_scene_is_the_same_body_elsewhere(cohort: Path, rig: Rig) -> None:

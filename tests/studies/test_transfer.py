@@ -4,6 +4,7 @@ import json
 import shutil
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -45,15 +46,16 @@ def stiff(tmp_path_factory: pytest.TempPathFactory, rig: Rig) -> Path:
     return folder
 
 
-@pytest.fixture
-def nothing_expected(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Skin is not expected to move when somebody lies down, for this patient's does not."""
-    monkeypatch.setattr(skin_map, "lying_motion", lambda rig: None)
+@pytest.fixture(scope="module")
+def rows(stiff: Path, rig: Rig) -> list[dict[str, Any]]:
+    """Of her study.  Skin is not expected to move when somebody lies down, for this patient's does not."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(skin_map, "lying_motion", lambda rig: None)
+        found: list[dict[str, Any]] = transfer_study(read_cohort(stiff), rig, load_recipe("default"))["rows"]
+    return found
 
 
-@pytest.mark.usefixtures("nothing_expected")
-def test_of_a_patient_who_does_not_change_every_way_with_true_picks_is_right(stiff: Path, rig: Rig) -> None:
-    rows = transfer_study(read_cohort(stiff), rig, load_recipe("default"))["rows"]
+def test_of_a_patient_who_does_not_change_every_way_with_true_picks_is_right(rows: list[dict[str, Any]]) -> None:
     assert {row["picks"] for row in rows} == set(PICKS)
     assert {row["line"] for row in rows} == {ALL, "lumpectomy", "meridians", "strokes"}
     assert {(row["from"], row["to"]) for row in rows} == {("standing", "lying"), ("lying", "standing")}
@@ -73,9 +75,7 @@ def test_of_a_patient_who_does_not_change_every_way_with_true_picks_is_right(sti
             assert row[way]["mean_mm"] == pytest.approx(mean, abs=2e-3)
 
 
-@pytest.mark.usefixtures("nothing_expected")
-def test_a_wrong_pick_hurts_the_spline_more_than_the_skin(stiff: Path, rig: Rig) -> None:
-    rows = transfer_study(read_cohort(stiff), rig, load_recipe("default"))["rows"]
+def test_a_wrong_pick_hurts_the_spline_more_than_the_skin(rows: list[dict[str, Any]]) -> None:
     for row in rows:
         if (row["line"], row["region"], row["picks"]) == (ALL, ALL, PICKS[2]):
             assert row["skin"]["mean_mm"] < 0.8 * row["spline"]["mean_mm"]

@@ -5,7 +5,7 @@ surface.  Scenes of the last cases are kept, because the questions come case by 
 """
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -24,7 +24,14 @@ from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.stance import found_stance
-from breastrig.fitting.starts.orientation import MIN_LANDMARKS, Start, best_start, prone_start, start_from_scan
+from breastrig.fitting.starts.orientation import (
+    MIN_LANDMARKS,
+    SURE_LANDMARKS,
+    Start,
+    best_start,
+    prone_start,
+    start_from_scan,
+)
 from breastrig.fitting.task import Doubt, FitTask
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
@@ -68,6 +75,7 @@ class Scene:
     whole: Surface  # with the table
     landmarks: dict[str, Array]  # true places, (3,) m
     truth: ClosestPointSearch | None
+    _starts: dict[Rig, Start] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
     def frame(self) -> Frame:
@@ -82,13 +90,20 @@ class Scene:
         """Where the program finds the body in the known stance, without landmarks."""
         if self.case.stance == PRONE:
             return prone_start(rig, self.target, self.frame)
-        return start_from_scan(rig, self.target, self.frame.fronts)
+        return self._upright(rig)
+
+    def _upright(self, rig: Rig) -> Start:
+        """By the scan alone, looked for once."""
+        if rig not in self._starts:
+            self._starts[rig] = start_from_scan(rig, self.target, self.frame.fronts)
+        return self._starts[rig]
 
     def start(self, rig: Rig, given: dict[str, Array]) -> RigParameters:
         """The start that the program chooses for these landmarks ((3,) m by name)."""
         if len(given) < MIN_LANDMARKS:
             return self.place(rig).parameters
-        return best_start(rig, self.target, given, lambda: self.frame.fronts)
+        known = self._upright(rig).similarity if len(given) < SURE_LANDMARKS else None
+        return best_start(rig, self.target, given, lambda: self.frame.fronts, known)
 
     def fitted(
         self,
