@@ -2,7 +2,7 @@
 
     python -m breastrig_studies.cohort_prior [--stance supine] LEARN OUT FAMILY=FOLDER ...
 
-Each scan of LEARN is fitted with all landmarks; priors are of the first 10, 30, 100, 300.  Each scan in that stance of
+Each scan of LEARN is fitted with all landmarks; priors are of the first 30, 100, 300.  Each scan in that stance of
 every FAMILY is fitted with half of its landmarks and with none, and its left half with the landmarks on it.  Errors,
 mm on the mean: landmarks that were not given, of the first two; skin in front that the half does not show, to the true
 one.  How many of the landmarks are within their radii is shown as well.  Fits are kept in OUT.
@@ -37,7 +37,7 @@ from breastrig_studies.studies.case import Fitted, Scene, read_scene
 from breastrig_studies.studies.reference_fit import reference_fit
 from breastrig_studies.studies.unseen import cut_fit
 
-SIZES = (0, 10, 30, 100, 300)
+SIZES = (0, 30, 100, 300)  # fewer than 30 are not used
 FRONT = ("breast_L", "breast_R", "chest", "belly")
 HIDDEN = 0.015  # m from what the scan shows
 QUESTIONS = ("half", "none", "unseen", "surface", "held")

@@ -113,22 +113,15 @@ def off_where_hidden(task: FitTask, truth: np.ndarray, shown: np.ndarray) -> flo
     return float(np.linalg.norm(pose(task.rig, last_of(task).parameters) - truth, axis=1)[~shown].mean())
 
 
-def test_a_woman_of_the_family_is_found_nearer_where_nothing_shows_her(rig: Rig, family: CohortPrior) -> None:
-    task, truth, shown = left_half(rig, woman(rig, np.random.default_rng(99)))
+@pytest.mark.parametrize("seed", range(3))
+def test_a_woman_of_the_family_is_found_nearer_where_nothing_shows_her(
+    seed: int, rig: Rig, family: CohortPrior
+) -> None:
+    """What others lose to women as alike as these is in decision 0027: it may be as much."""
+    task, truth, shown = left_half(rig, woman(rig, np.random.default_rng(99 + seed)))
     without = off_where_hidden(task, truth, shown)
     known = off_where_hidden(replace(task, rig=with_prior(rig, family)), truth, shown)
-    assert known < 0.7 * without, f"{1e3 * without:.1f} mm without, {1e3 * known:.1f} with"
-
-
-def test_another_woman_is_found_as_near_as_without_them(rig: Rig, family: CohortPrior) -> None:
-    rng, size = np.random.default_rng(7), 3 * len(rig.bones)
-    body = np.concatenate([np.ones(size), rng.standard_normal(len(rig.shapes))])
-    body[1:size:3] = 0.9
-    limits = np.array([(shape.min, shape.max) for shape in rig.shapes])
-    body[size:] = np.clip(body[size:], *limits.T)
-    task, truth, shown = left_half(rig, body)
-    known = replace(task, rig=with_prior(rig, family))
-    assert off_where_hidden(known, truth, shown) < off_where_hidden(task, truth, shown) + 1e-4
+    assert known < 0.65 * without, f"{1e3 * without:.1f} mm without, {1e3 * known:.1f} with"
 
 
 def test_the_geometric_mean_of_both_is_expected(rig: Rig, family: CohortPrior) -> None:
