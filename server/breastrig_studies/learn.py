@@ -7,12 +7,14 @@ docs/decisions/0024.
 """
 
 import json
+import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from tqdm import tqdm
 
 from breastrig.core.errors import BadInput
 from breastrig.correspondence.distances import Comparison
@@ -75,7 +77,7 @@ def learn(glb: Path, bodies: Path) -> Path:
     if len({case.patient for case in cases}) < FEWEST:
         raise BadInput(f"{bodies} has fewer than {FEWEST} bodies to learn from; more are needed to say what 90 % are.")
     rig, recipe, folder = read_rig(glb), load_recipe("default"), glb.with_suffix(".known")
-    truths = {case: reference_fit(read_scene(case), rig, recipe) for case in cases}
+    truths = {case: reference_fit(read_scene(case), rig, recipe) for case in _counted(cases, "true skins")}
     known = [
         KnownBody(case.patient, case.stance, truth.parameters) for case, truth in truths.items() if truth is not None
     ]
@@ -89,10 +91,15 @@ def learn(glb: Path, bodies: Path) -> Path:
     (folder / LANDMARKS).write_text(json.dumps(errors) + "\n", "utf-8")
     rig = read_rig(glb)  # with these errors
     found = Found()
-    for case, true in truths.items():
-        for trial in _trials(read_scene(case), rig, recipe, true):
+    for case in _counted(cases, "fits"):
+        for trial in _trials(read_scene(case), rig, recipe, truths[case]):
             found.add(rig, trial)
     return write(glb, rig, found, {case.stance for case in cases}, len(known))
+
+
+def _counted(cases: list[Case], what: str) -> Iterator[Case]:
+    """With a bar on a terminal."""
+    yield from tqdm(cases, unit="scan", disable=not sys.stderr.isatty(), leave=False, desc=what)
 
 
 def write(glb: Path, rig: Rig, found: Found, stances: set[str], scans: int) -> Path:
