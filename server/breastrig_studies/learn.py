@@ -27,6 +27,7 @@ from breastrig.gltf.known_files import bind_known
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.stance_priors import in_stance
+from breastrig.rig.validation.finding import named
 from breastrig_studies.bodies.body_statistics import KnownBody, document, statistics
 from breastrig_studies.cohort import Case, read_cohort
 from breastrig_studies.landmark_errors import document as document_of_landmarks
@@ -76,13 +77,14 @@ def learn(glb: Path, bodies: Path) -> Path:
     cases = [case for case in read_cohort(bodies) if _half(case) not in KEPT]
     if len({case.patient for case in cases}) < FEWEST:
         raise BadInput(f"{bodies} has fewer than {FEWEST} bodies to learn from; more are needed to say what 90 % are.")
+    unknown = [f"{case.patient}/{case.name}" for case in cases if not (case.folder / "truth.ply").is_file()]
+    if unknown:
+        raise BadInput(f"{bodies} has scans without truth.ply ({named(unknown)}); nothing can be learned of them.")
     rig, recipe, folder = read_rig(glb), load_recipe("default"), glb.with_suffix(".known")
     truths = {case: reference_fit(read_scene(case), rig, recipe) for case in _counted(cases, "true skins")}
     known = [
         KnownBody(case.patient, case.stance, truth.parameters) for case, truth in truths.items() if truth is not None
     ]
-    if len(known) < len(cases):
-        raise BadInput(f"{bodies} has scans without truth.ply; what is not known cannot be estimated on.")
     folder.mkdir(exist_ok=True)
     (folder / "bodies.json").write_text(json.dumps(document(rig, statistics(rig, known))) + "\n", "utf-8")
     bind_known(glb, rig.sha256)

@@ -50,10 +50,15 @@ def test_radii_hold_nine_of_ten_places_and_limits_are_those_that_people_chose(tm
     assert "stretch" not in limits.signals  # all fits were alike
 
 
-def test_too_few_bodies_are_one_sentence(tmp_path: Path) -> None:
+def test_too_few_bodies_and_unknown_ones_are_one_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     glb, _, _ = write_forearm(tmp_path)
     write_bodies(tmp_path / "bodies", 2)
     with pytest.raises(BadInput, match="bodies has fewer than 6 bodies to learn from; more are needed"):
+        learn.learn(glb, tmp_path / "bodies")
+    monkeypatch.setattr(learn, "FEWEST", 2)
+    monkeypatch.setattr(learn, "reference_fit", None)  # it is said before any fit
+    (tmp_path / "bodies" / "forearm_01" / "standing" / "truth.ply").unlink()
+    with pytest.raises(BadInput, match=r"without truth\.ply \(forearm_01/standing\); nothing can be learned"):
         learn.learn(glb, tmp_path / "bodies")
 
 
