@@ -217,7 +217,7 @@ def test_lines_are_carried_together_as_each_would_be_alone_and_searched_for_once
     vertices, faces = sphere()
     rig = rig_of(toy_rig, vertices, faces)
     a, b = fitted(vertices, faces), fitted(moved(vertices), faces)
-    shapes = lines_on_a_sphere(rng, a.target, 12)
+    shapes = lines_on_a_sphere(rng, a.target, 5)
     asked, made = [0], [0]
     query, init = ClosestPointSearch.query, ClosestPointSearch.__init__
 

@@ -1,5 +1,7 @@
 """A chest with two half balls for breasts, gland and a lesion inside, as the label map of an MRI."""
 
+from functools import cache
+
 import nibabel
 import numpy as np
 from scipy.interpolate import LinearNDInterpolator
@@ -20,6 +22,11 @@ def places() -> np.ndarray:
 
 def body_labels() -> np.ndarray:
     """1 for a chest behind y = 0 with two half balls of 60 mm before it, 2 for a ball inside, 3 for gland."""
+    return _body_labels().copy()
+
+
+@cache
+def _body_labels() -> np.ndarray:
     at = places()
     body = at[..., 1] > CHEST
     for centre in BREASTS:

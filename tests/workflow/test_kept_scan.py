@@ -73,9 +73,8 @@ def test_nothing_is_kept_where_nobody_asked_for_it(scan: Scan) -> None:
     assert kept_scan._kept == kept_scan._Kept()
 
 
-@pytest.mark.parametrize("stance", ["standing", "supine"])
-def test_upload_proposals_and_fits_give_the_same_bytes(stance: str, tmp_path: Path) -> None:
-    source = asset_folder("example") / stance / "scan.ply"
+def test_upload_proposals_and_fits_give_the_same_bytes(tmp_path: Path) -> None:
+    source = asset_folder("example") / "supine" / "scan.ply"  # with a table, which is cut away first
     found = []
     for name, call in (("cold", plain_call), ("kept", keeping)):
         folder = tmp_path / name

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 from scipy.ndimage import median_filter
-from scipy.signal import fftconvolve
 
 from breastrig.colour.features.areola import _median, _Sums
 
 
 def test_means_under_kernels_are_those_of_convolution(rng: np.random.Generator) -> None:
+    from scipy.signal import fftconvolve  # slow to load, and every worker reads this file
+
     picture, known = rng.random((40, 33)), rng.random((40, 33)) < 0.7
     kernels = [rng.random(size) for size in ((7, 7), (8, 8), (5, 8), (1, 1))]
     sums = _Sums(picture, known, kernels)
