@@ -8,7 +8,6 @@ the model's `breast_base`, corrected by measures.toml; the band is that of its e
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import RBFInterpolator
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.geometry.boundary import components
@@ -61,6 +60,8 @@ def volume_above(
 
     `inside` (V,) m is the distance to the outline, above zero within it.  (0, 0) when nothing is inside.
     """
+    from scipy.interpolate import RBFInterpolator  # slow to load, and most fits need no spline
+
     patch, triangles = part_above(vertices, faces, inside, level)
     if not len(triangles):
         return 0.0, 0.0

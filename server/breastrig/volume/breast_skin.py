@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.interpolate import RBFInterpolator
 from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Booleans, Integers
@@ -50,6 +49,8 @@ def breast_skins(rig: Rig) -> tuple[BreastSkin, BreastSkin]:
     around = front & (away < NEAR) & (template[:, 0] > -AROUND)
     around[np.concatenate([breast, rig.mirror_vertices[breast]])] = False
     near = np.flatnonzero(around)
+    from scipy.interpolate import RBFInterpolator  # slow to load, and most fits need no spline
+
     spline = RBFInterpolator(plane[near], np.eye(len(near)), kernel="thin_plate_spline", smoothing=SMOOTH)
     left = BreastSkin("L", skin, np.isin(skin, breast), near, np.asarray(spline(plane[skin])))
     other = rig.mirror_vertices

@@ -7,7 +7,6 @@ inverse mean ratios for a move by the tetrahedra's size.
 """
 
 import numpy as np
-from scipy.optimize import minimize
 from scipy.sparse import csr_array
 
 from breastrig.core.arrays import Array, Booleans, Integers
@@ -48,6 +47,8 @@ def _edges(points: Array, tetrahedra: Integers) -> Array:
 
 def _relaxed(points: Array, tetrahedra: Integers, sizes: Array, bad: Booleans, springs: Array, normals: Array) -> Array:
     """One round."""
+    from scipy.optimize import minimize  # slow to load, and most fits need no tetrahedra
+
     free = _near(bad, tetrahedra, len(points))
     free = free[np.isfinite(springs[free])]
     near = np.isin(tetrahedra, free).any(axis=1)

@@ -9,13 +9,16 @@ Evidence: docs/decisions/0015.
 """
 
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import RBFInterpolator
 
 from breastrig.core.arrays import Array
 from breastrig.drawings.skin_maps.skin_map import FittedScan, SkinMap, within_reach
 from breastrig.rig.model import Rig
+
+if TYPE_CHECKING:
+    from scipy.interpolate import RBFInterpolator
 
 
 class InteriorMap:
@@ -26,7 +29,9 @@ class InteriorMap:
         self._rig, self._a, self._b = rig, a, b
 
     @cached_property
-    def _spline(self) -> RBFInterpolator:
+    def _spline(self) -> "RBFInterpolator":
+        from scipy.interpolate import RBFInterpolator  # slow to load, and most fits need no spline
+
         rig, a, b = self._rig, self._a, self._b
         first, second = (b, a) if a.stance == "supine" and b.stance != "supine" else (a, b)
         followed = within_reach(rig, first.vertices, first.vertices)
