@@ -170,16 +170,23 @@ def test_a_process_that_answers_nothing_is_no_pool(lane: Lane, monkeypatch: pyte
 
 
 def test_a_client_with_one_task_does_not_wait_for_all_of_anothers(lane: Lane, tmp_path: Path) -> None:
-    order = tmp_path / "order"
+    order, end = tmp_path / "order", tmp_path / "end"
+
+    def noted(text: str) -> "Future[Any]":
+        return lane.schedule(in_worker.note_and_wait_for, (str(order), text, str(end)), 30.0)
+
     with asking("busy"):
         running, _ = at_rest(lane, tmp_path / "running")
-        tasks = [lane.schedule(in_worker.note, (str(order), f"busy{number}"), 30.0) for number in range(2)]
+        tasks = [noted(f"busy{number}") for number in range(2)]
     with asking("other"):
         beside, _ = at_rest(lane, tmp_path / "beside")  # the place that is left for others
-        tasks.append(lane.schedule(in_worker.note, (str(order), "other"), 30.0))
+        tasks.append(noted("other"))
     assert not any(task.done() for task in tasks)
     for task in (beside, running):
         task.cancel()
+    until(lambda: order.exists() and len(order.read_text().splitlines()) == 2, "one of each to run")
+    assert set(order.read_text().split()) == {"busy0", "other"}
+    end.touch()
     assert not wait(tasks, timeout=30).not_done
     assert order.read_text().split()[-1] == "busy1"
 

@@ -86,6 +86,11 @@ def note(file: str, text: str) -> None:
         lines.write(f"{text}\n")
 
 
+def note_and_wait_for(file: str, text: str, end: str) -> None:
+    note(file, text)
+    wait_for(end)
+
+
 _seen: list[str] = []
 
 
