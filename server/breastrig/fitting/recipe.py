@@ -112,13 +112,9 @@ class Outliers(SettingsPart):
     """When a picked landmark is asked about, and when it is not followed; see fitting/picks."""
 
     unusual: Positive  # standard deviations from where it is expected, beyond which a pick is asked about
-    impossible: Positive  # likewise; beyond it a pick that a mistake explains is not followed
     most: Annotated[float, Field(ge=0.0, lt=1.0)]  # share of the picks that may be rejected
-    near_partner: Positive  # m; a pick this near the other side's landmark was meant for it ...
-    near_other: Positive  # m; ... or this near to any other landmark's place
-    exchanged_gain: Annotated[float, Field(gt=0.0, lt=1.0)]  # share below which exchanging sides must bring the misfit
-    exchanged_gain_of_all: Annotated[float, Field(gt=0.0, lt=1.0)]  # likewise the root mean square of all misfits
-    exchanged_least: Positive  # m; which is larger than this as they are
+    mistake: Positive  # nats by which another meaning of picks must be likelier for them not to be followed
+    template: Positive  # m on each axis, of bodies' landmarks from those of the template in their place and size
 
 
 class Lying(SettingsPart):

@@ -15,8 +15,11 @@ from collections.abc import Collection
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.energies.landmarks import LandmarkObservation
 from breastrig.fitting.body.landmark_errors import expected_gaps
 from breastrig.fitting.posterior import Posterior
+
+FREEDOM = 4.0  # degrees, of a Student t, as landmarks' errors were estimated with (docs/decisions/0028)
 
 
 class LeaveOneOut:
@@ -78,9 +81,39 @@ class LeaveOneOut:
         parts = zip(self._of_body(without).items(), self._normals, strict=True)
         return {name: along_skin(error, covariance, normal) for (name, (error, covariance)), normal in parts}
 
+    def evidence(self) -> dict[str, float]:
+        """Name -> nats, the log density of the pick there, each left out alone."""
+        parts = zip(self._of_body(()).items(), self._normals, strict=True)
+        return {name: evidence_along_skin(error, covariance, normal) for (name, (error, covariance)), normal in parts}
+
+
+def on_skin(gap: Array, covariance: Array, normal: Array) -> tuple[Array, Array]:
+    """(2,) m and (2, 2) m²: a (3,) m gap and its (3, 3) m² covariance along skin with this (3,) normal."""
+    tangents = np.linalg.svd(normal[None])[2][1:]  # (2, 3)
+    return tangents @ gap, tangents @ covariance @ tangents.T
+
 
 def along_skin(gap: Array, covariance: Array, normal: Array) -> float:
-    """Length of the (3,) m gap along skin with this (3,) normal, in standard deviations of the (3, 3) m² covariance."""
-    tangents = np.linalg.svd(normal[None])[2][1:]  # (2, 3)
-    flat = tangents @ gap
-    return float(np.sqrt(flat @ np.linalg.solve(tangents @ covariance @ tangents.T, flat)))
+    """Length of what `on_skin` has, in standard deviations."""
+    flat, spread = on_skin(gap, covariance, normal)
+    return float(np.sqrt(flat @ np.linalg.solve(spread, flat)))
+
+
+def log_student(deviations: Array | float, axes: int) -> Array:
+    """Nats, of a Student t about its mean over so many axes; up to a constant and the logarithm of the covariance."""
+    return np.asarray(-0.5 * (FREEDOM + axes) * np.log1p(np.square(deviations) / FREEDOM))
+
+
+def evidence_along_skin(gap: Array, covariance: Array, normal: Array) -> float:
+    """Nats, the log density of a gap as `on_skin` has it."""
+    size = np.linalg.slogdet(on_skin(gap, covariance, normal)[1])[1]
+    return float(log_student(along_skin(gap, covariance, normal), 2) - 0.5 * size)
+
+
+def meant_evidence(posterior: Posterior, pick: LandmarkObservation, name: str) -> float:
+    """Nats, of a pick that was meant for the landmark of this name."""
+    rig, state = posterior.task.rig, posterior.state
+    point, body = rig.landmark_points((name,)), expected_gaps(state, posterior.task.stance)[name]
+    covariance = posterior.landmark_covariances((name,))[0] + body.covariance + pick.covariance
+    gap = point.positions(state.vertices, rig.faces)[0] + body.mean - pick.place
+    return evidence_along_skin(gap, covariance, point.positions(state.normals, rig.faces)[0])

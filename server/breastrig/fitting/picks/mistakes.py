@@ -1,17 +1,19 @@
 """Picks that are explained by a mistake with a name: sides exchanged, or another landmark's place.
 
-Only such picks are ever rejected, and only when they are farther from where all else expects them than any right pick
-was found to be.  Whether all sides are exchanged is seen in the picks alone, before anything is fitted; single ones
-show at the fitted model, as long as its stages doubt picks.  Few
-picks nearly in one plane fit the model's back as well as its front; the skin under them tells, but not surely enough
-to let right ones go (breasts hang, scans are turned inside out): it explains only why a fit has failed.
+What was meant is asked by evidence: the density of a Student t, for some bodies are unlike all others, about where the
+landmark is expected that a pick may have been meant for.  A pick is let go only where another meaning is likelier by
+far.  Whether all sides are exchanged is seen in the picks alone, before anything is fitted; single ones show at the
+fitted model, as long as its stages doubt picks.  Few picks nearly in one plane fit the model's back as well as its
+front; the skin under them tells, but not surely enough to let right ones go (breasts hang, scans are turned inside
+out): it explains only why a fit has failed.  Decision 0011.
 """
 
 import numpy as np
+from scipy.spatial.distance import cdist
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.picks.leave_one_out import LeaveOneOut
+from breastrig.fitting.picks.leave_one_out import LeaveOneOut, log_student, meant_evidence
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Outliers
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS, trusted_similarity
@@ -21,7 +23,6 @@ from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
 
-CLOSE = 2.5  # times `near_other`: two places that are hardly further apart than what is near to one
 EXCHANGE = "Left and right of the landmarks look exchanged; exchange them and fit again."
 
 
@@ -33,20 +34,15 @@ def partner(rig: Rig, name: str) -> str:
 def sides_exchanged(rig: Rig, landmarks: dict[str, Array], outliers: Outliers) -> bool:
     """Whether the picks ((3,) m by name) as a whole make sense only with left and right exchanged."""
     names = tuple(landmarks)
-    if sum(partner(rig, name) != name for name in names) < 4:
+    if len(names) < MIN_LANDMARKS:
         return False
     picked = np.array([landmarks[name] for name in names])
-    medians, means = [], []
+    found = []
     for order in (names, tuple(partner(rig, name) for name in names)):
         model = rig.landmark_points(order).positions(rig.template, rig.faces)
-        residuals = trusted_similarity(model, picked)[1]
-        medians.append(float(np.median(residuals)))
-        means.append(float(np.sqrt(np.mean(residuals**2))))  # of few picks the median alone says little
-    return (
-        means[0] > outliers.exchanged_least
-        and medians[1] < outliers.exchanged_gain * medians[0]
-        and means[1] < outliers.exchanged_gain_of_all * means[0]
-    )
+        away = trusted_similarity(model, picked)[1] / outliers.template
+        found.append(float(log_student(away, 3).sum()))
+    return found[1] - found[0] > outliers.mistake
 
 
 def explained(task: FitTask, reasons: tuple[str, ...]) -> tuple[str, ...]:
@@ -72,44 +68,29 @@ def _back_to_front(rig: Rig, landmarks: dict[str, Array], target: ScanTarget) ->
     return max(agree[0]) < 0.0 < min(agree[1])
 
 
-def _near(rig: Rig, name: str, pick: Array, fitted: dict[str, Array], rules: Outliers) -> set[str]:
-    """The landmarks for which a pick of this name could have been meant.
-
-    Where two are close together, as the nipple of a breast that hangs and its fold, a place says of neither that it is
-    the other.
-    """
-    wide = {name, partner(rig, name)}
-    return {
-        each
-        for each, place in fitted.items()
-        if np.linalg.norm(place - pick) < (rules.near_partner if each in wide else rules.near_other)
-        and (each in wide or np.linalg.norm(place - fitted[name]) > CLOSE * rules.near_other)
-    }
-
-
 def mistaken(task: FitTask, x: RigParameters, most: int) -> tuple[Doubt, ...]:
     """The picks that are not to be followed, at most so many; certain ones are not among them."""
-    rig, rules = task.rig, task.recipe.outliers
+    rig = task.rig
     places = rig.landmark_points().positions(pose(rig, x), rig.faces)
-    fitted = dict(zip(rig.landmark_names, places, strict=True))
-    near = {name: _near(rig, name, at, fitted, rules) for name, at in task.landmarks.items()}
-    strays = [name for name in task.landmarks if name not in near[name] and name not in task.certain]
-    if not strays:
+    nearest = {name: rig.landmark_names[int(cdist(at[None], places).argmin())] for name, at in task.landmarks.items()}
+    elsewhere = [name for name, other in nearest.items() if other != name and name not in task.certain]
+    if not elsewhere:
         return ()
-    deviations = LeaveOneOut(Posterior(task, x, partners=False)).deviations()
-    strays = sorted((n for n in strays if deviations[n] > rules.impossible), key=deviations.__getitem__, reverse=True)
+    posterior = Posterior(task, x, partners=False)
+    as_named = LeaveOneOut(posterior).evidence()
+    gains = {name: meant_evidence(posterior, task.given[name], nearest[name]) - as_named[name] for name in elsewhere}
     found: list[Doubt] = []
-    for name in strays:
-        gone = {each for doubt in found for each in doubt.names}
-        other = partner(rig, name)
-        if name in gone or not near[name]:
+    for name in sorted(
+        (n for n in gains if gains[n] > task.recipe.outliers.mistake), key=gains.__getitem__, reverse=True
+    ):
+        gone, other = {each for doubt in found for each in doubt.names}, nearest[name]
+        if name in gone:
             continue
-        if other in strays and other in near[name] and name in near[other]:
+        if gains.get(other, 0.0) > task.recipe.outliers.mistake and nearest[other] == name == partner(rig, other):
             if len(gone) + 2 <= most:
                 left, right = sorted((name, other))
                 reason = f"{left} and {right} look exchanged; they were not followed."
                 found.append(Doubt((left, right), reason, exchanged=True))
         elif len(gone) < most:
-            taken = min(near[name], key=lambda each: float(np.linalg.norm(fitted[each] - task.landmarks[name])))
-            found.append(Doubt((name,), f"{name} lies where {taken} is expected; it was not followed."))
+            found.append(Doubt((name,), f"{name} lies where {other} is expected; it was not followed."))
     return tuple(found)
