@@ -113,7 +113,9 @@ class Outliers(SettingsPart):
 
     unusual: Positive  # standard deviations from where it is expected, beyond which a pick is asked about
     most: Annotated[float, Field(ge=0.0, lt=1.0)]  # share of the picks that may be rejected
-    mistake: Positive  # nats by which another meaning of picks must be likelier for them not to be followed
+    slip: Annotated[float, Field(gt=0.0, lt=0.5)]  # share of picks whose side, landmark or place was not meant, each
+    sure: Annotated[float, Field(gt=0.5, lt=1.0)]  # chance of another meaning beyond which picks are not followed
+    skin: Positive  # m², on which a pick may lie
     template: Positive  # m on each axis, of bodies' landmarks from those of the template in their place and size
 
 

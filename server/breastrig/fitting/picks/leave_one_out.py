@@ -100,14 +100,14 @@ def along_skin(gap: Array, covariance: Array, normal: Array) -> float:
 
 
 def log_student(deviations: Array | float, axes: int) -> Array:
-    """Nats, of a Student t about its mean over so many axes; up to a constant and the logarithm of the covariance."""
+    """Nats, of a Student t over so many axes, beside its density at the mean."""
     return np.asarray(-0.5 * (FREEDOM + axes) * np.log1p(np.square(deviations) / FREEDOM))
 
 
 def evidence_along_skin(gap: Array, covariance: Array, normal: Array) -> float:
-    """Nats, the log density of a gap as `on_skin` has it."""
-    size = np.linalg.slogdet(on_skin(gap, covariance, normal)[1])[1]
-    return float(log_student(along_skin(gap, covariance, normal), 2) - 0.5 * size)
+    """Nats, the log density (1/m²) of a gap as `on_skin` has it, by a Student t."""
+    at_mean = -np.log(2.0 * np.pi) - 0.5 * np.linalg.slogdet(on_skin(gap, covariance, normal)[1])[1]
+    return float(at_mean + log_student(along_skin(gap, covariance, normal), 2))
 
 
 def meant_evidence(posterior: Posterior, pick: LandmarkObservation, name: str) -> float:

@@ -1,15 +1,16 @@
 """Picks that are explained by a mistake with a name: sides exchanged, or another landmark's place.
 
-What was meant is asked by evidence: the density of a Student t, for some bodies are unlike all others, about where the
-landmark is expected that a pick may have been meant for.  A pick is let go only where another meaning is likelier by
-far.  Whether all sides are exchanged is seen in the picks alone, before anything is fitted; single ones show at the
-fitted model, as long as its stages doubt picks.  Few picks nearly in one plane fit the model's back as well as its
-front; the skin under them tells, but not surely enough to let right ones go (breasts hang, scans are turned inside
-out): it explains only why a fit has failed.  Decision 0011.
+What was meant is asked by evidence: where the picks' landmarks are expected as they are named and as they may have been
+meant, or anywhere; the density is a Student t's, for some bodies are unlike all others.  A pick is let go only where
+one other meaning is nearly certain.  Whether all sides are exchanged is seen in the picks alone, before anything is
+fitted; others show at the fitted model, as long as its stages doubt picks.  Few picks nearly in one plane fit the
+model's back as well as its front; the skin under them tells, but not surely enough to let right ones go (breasts hang,
+scans are turned inside out): it explains only why a fit has failed.  Decision 0011.
 """
 
 import numpy as np
 from scipy.spatial.distance import cdist
+from scipy.special import softmax
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
@@ -42,7 +43,7 @@ def sides_exchanged(rig: Rig, landmarks: dict[str, Array], outliers: Outliers) -
         model = rig.landmark_points(order).positions(rig.template, rig.faces)
         away = trusted_similarity(model, picked)[1] / outliers.template
         found.append(float(log_student(away, 3).sum()))
-    return found[1] - found[0] > outliers.mistake
+    return bool(softmax([found[0], np.log(outliers.slip) + found[1]])[1] > outliers.sure)
 
 
 def explained(task: FitTask, reasons: tuple[str, ...]) -> tuple[str, ...]:
@@ -70,27 +71,28 @@ def _back_to_front(rig: Rig, landmarks: dict[str, Array], target: ScanTarget) ->
 
 def mistaken(task: FitTask, x: RigParameters, most: int) -> tuple[Doubt, ...]:
     """The picks that are not to be followed, at most so many; certain ones are not among them."""
-    rig = task.rig
+    rig, rules = task.rig, task.recipe.outliers
     places = rig.landmark_points().positions(pose(rig, x), rig.faces)
     nearest = {name: rig.landmark_names[int(cdist(at[None], places).argmin())] for name, at in task.landmarks.items()}
     elsewhere = [name for name, other in nearest.items() if other != name and name not in task.certain]
     if not elsewhere:
         return ()
     posterior = Posterior(task, x, partners=False)
-    as_named = LeaveOneOut(posterior).evidence()
-    gains = {name: meant_evidence(posterior, task.given[name], nearest[name]) - as_named[name] for name in elsewhere}
+    as_named, chances = LeaveOneOut(posterior).evidence(), dict[tuple[str, ...], float]()
+    for name in elsewhere:
+        other, sided = nearest[name], nearest[name] == partner(rig, name)
+        both = sided and nearest.get(other) == name and other in elsewhere
+        names = tuple(sorted((name, other))) if both else (name,)
+        as_other = sum(meant_evidence(posterior, task.given[each], nearest[each]) for each in names)
+        slip = rules.slip if sided else rules.slip / len(rig.landmark_names)
+        as_meant = sum(as_named[each] for each in names)
+        anywhere = len(names) * np.log(rules.slip / rules.skin)
+        chances[names] = float(softmax([as_meant, np.log(slip) + as_other, anywhere])[1])
     found: list[Doubt] = []
-    for name in sorted(
-        (n for n in gains if gains[n] > task.recipe.outliers.mistake), key=gains.__getitem__, reverse=True
-    ):
-        gone, other = {each for doubt in found for each in doubt.names}, nearest[name]
-        if name in gone:
+    for names in sorted((names for names in chances if chances[names] > rules.sure), key=lambda names: -chances[names]):
+        if sum(len(doubt.names) for doubt in found) + len(names) > most:
             continue
-        if gains.get(other, 0.0) > task.recipe.outliers.mistake and nearest[other] == name == partner(rig, other):
-            if len(gone) + 2 <= most:
-                left, right = sorted((name, other))
-                reason = f"{left} and {right} look exchanged; they were not followed."
-                found.append(Doubt((left, right), reason, exchanged=True))
-        elif len(gone) < most:
-            found.append(Doubt((name,), f"{name} lies where {other} is expected; it was not followed."))
+        exchanged = len(names) == 2
+        what = "look exchanged; they were" if exchanged else f"lies where {nearest[names[0]]} is expected; it was"
+        found.append(Doubt(names, f"{' and '.join(names)} {what} not followed.", exchanged=exchanged))
     return tuple(found)
