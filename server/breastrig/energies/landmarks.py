@@ -29,7 +29,7 @@ class LandmarkObservation:
     place: Array  # (3,) m
     covariance: Array  # (3, 3) m²
     source: Source = "pick"
-    doubtful: bool = False  # it may be another place that was meant
+    outlier: float = 0.0  # 1/m²: odds that another place was meant, spread over the skin
     reason: str = ""  # a few words
 
     @property
@@ -73,6 +73,13 @@ class Landmarks:
     def gaps(self, vertices: Array) -> Array:
         """(L, 3) m from the observations to the landmarks of a model with these (V, 3) m vertices"""
         return self.points.positions(vertices, self.rig.faces) - self.targets
+
+    def outliers_from(self) -> Array:
+        """(L,) deviations along the skin from which on another place is likelier to have been meant; inf: never."""
+        sizes = np.cbrt(np.linalg.det([each.covariance for each in self.observations])) * self.times**2  # m²
+        odds = 2.0 * np.pi * sizes * np.array([each.outlier for each in self.observations])
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.sqrt(np.maximum(-2.0 * np.log(odds), 0.0)))
 
     def deviations(self, vertices: Array) -> Array:
         """(L,) lengths of the residuals at (V, 3) m vertices"""

@@ -119,9 +119,8 @@ class ScanProblem:
         now = replace(picks, times=temperature)
         if not stage.doubts_picks:
             return now
-        chances = inlier_chance(now.deviations(state.vertices), self.task.recipe.observed.landmark_outlier)
-        doubtful = np.array([each.doubtful for each in picks.observations])
-        return replace(now, weights=np.maximum(np.where(doubtful, chances, 1.0), 1e-6))
+        chances = inlier_chance(now.deviations(state.vertices), now.outliers_from())
+        return replace(now, weights=np.maximum(chances, 1e-6))
 
     def _seen(
         self, state: BodyState, others: list[ResidualTerm[BodyState]], picks: Landmarks | None

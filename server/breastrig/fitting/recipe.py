@@ -81,7 +81,6 @@ class Observed(SettingsPart):
     skin_outlier: Positive | None = None  # so many of them off a match is as likely none; absent: all count alike
     farthest: Positive  # m, farther off there is no match
     landmark: Positive  # m on each axis, of a pick
-    landmark_outlier: Positive | None = None  # likewise, where another place may have been meant
     form: Positive = 1.0  # times the errors of landmarks that the skin's form shows
 
 
@@ -115,8 +114,13 @@ class Outliers(SettingsPart):
     most: Annotated[float, Field(ge=0.0, lt=1.0)]  # share of the picks that may be rejected
     slip: Annotated[float, Field(gt=0.0, lt=0.5)]  # share of picks whose side, landmark or place was not meant, each
     sure: Annotated[float, Field(gt=0.5, lt=1.0)]  # chance of another meaning beyond which picks are not followed
-    skin: Positive  # m², on which a pick may lie
+    skin: Positive  # m², on which a pick may lie that was not meant for any landmark
     template: Positive  # m on each axis, of bodies' landmarks from those of the template in their place and size
+
+    @property
+    def anywhere(self) -> float:
+        """1/m², the density of picks that were not meant for any landmark."""
+        return self.slip / self.skin
 
 
 class Lying(SettingsPart):

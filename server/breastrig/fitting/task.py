@@ -74,7 +74,7 @@ class FitTask:
     @property
     def certain(self) -> frozenset[str]:
         """Of what is given that which is followed whatever all else says."""
-        return frozenset(name for name, each in self.given.items() if not each.doubtful)
+        return frozenset(name for name, each in self.given.items() if not each.outlier)
 
     def beyond_click(self, name: str) -> float:
         """m, on each axis, what is given of this name may be off beyond a click's error."""
@@ -88,9 +88,14 @@ class FitTask:
         self, landmarks: Mapping[str, Array], unsure: Mapping[str, float] | None = None, certain: Collection[str] = ()
     ) -> "FitTask":
         """The task with a person's picks, (3,) m by name, given; `unsure`: m, expected error beyond a click's."""
-        errors = {name: np.hypot(self.recipe.observed.landmark, (unsure or {}).get(name, 0.0)) for name in landmarks}
+        click, odds = self.recipe.observed.landmark, self.recipe.outliers.anywhere
         given = {
-            name: LandmarkObservation(name, np.asarray(p), errors[name] ** 2 * np.eye(3), doubtful=name not in certain)
-            for name, p in landmarks.items()
+            name: LandmarkObservation(
+                name,
+                np.asarray(place),
+                (click**2 + (unsure or {}).get(name, 0.0) ** 2) * np.eye(3),
+                outlier=0.0 if name in certain else odds,
+            )
+            for name, place in landmarks.items()
         }
         return replace(self, given=given)

@@ -93,7 +93,7 @@ class Constraint(Protocol[X_contra]):
         """g and its Jacobian."""
 
 
-def inlier_chance(r: Array, even: float | None) -> Array:
+def inlier_chance(r: Array, even: Array | float | None) -> Array:
     """Chance that an observation r standard deviations off belongs to what it is compared with: one half at `even`.
 
     Of a Gaussian and a uniform density beside it; None: there are no others.  This is the weight of iteratively

@@ -86,7 +86,7 @@ def mistaken(task: FitTask, x: RigParameters, most: int) -> tuple[Doubt, ...]:
         as_other = sum(meant_evidence(posterior, task.given[each], nearest[each]) for each in names)
         slip = rules.slip if sided else rules.slip / len(rig.landmark_names)
         as_meant = sum(as_named[each] for each in names)
-        anywhere = len(names) * np.log(rules.slip / rules.skin)
+        anywhere = len(names) * np.log(rules.anywhere)
         chances[names] = float(softmax([as_meant, np.log(slip) + as_other, anywhere])[1])
     found: list[Doubt] = []
     for names in sorted((names for names in chances if chances[names] > rules.sure), key=lambda names: -chances[names]):
