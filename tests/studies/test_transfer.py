@@ -18,13 +18,13 @@ from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig_studies.cohort import read_cohort
 from breastrig_studies.gravity.prediction import prediction_study
-from breastrig_studies.page.transfer_sections import prediction
+from breastrig_studies.page.transfer_sections import lesions, prediction
 from breastrig_studies.studies.case import read_scene
 from breastrig_studies.studies.lesions import lesions_study
 from breastrig_studies.studies.other_patient import other_patient
 from breastrig_studies.studies.result_cache import Unit, answered
 from breastrig_studies.studies.transfer import ALL, PICKS, WAYS, by_landmarks, strokes, transfer_study
-from breastrig_studies.tables.transfer import prediction_table
+from breastrig_studies.tables.transfer import lesions_table, prediction_table
 
 ALL_SIDES = -2.0  # of a normal
 
@@ -130,15 +130,19 @@ def test_a_body_that_does_not_change_is_worse_predicted_than_moved(stiff: Path, 
     assert {(row["to"], row["places"]) for row in rows} == {("lying", kind) for kind in ("lines", "nipples", "breasts")}
     for row in rows:
         assert row["rigid"]["mean_mm"] < 1.0 < row["predicted"]["mean_mm"] < 25.0
-    record = SimpleNamespace(
-        unit=SimpleNamespace(question="prediction", recipe=SimpleNamespace(name="default")),
-        case=SimpleNamespace(family="independent", patient="p"),
+    for family in ("independent", "makehuman"):
+        table = prediction_table([record("prediction", family, rows)])
+        assert [row.cells[1:4] for row in table.rows if row.mean] == [("mean", "lying", row["places"]) for row in rows]
+        assert len(prediction(table).answers) == 3
+
+
+def record(question: str, family: str, rows: list[dict]) -> SimpleNamespace:
+    return SimpleNamespace(
+        unit=SimpleNamespace(question=question, recipe=SimpleNamespace(name="default")),
+        case=SimpleNamespace(family=family, patient="p"),
         failed=None,
         answer={"rows": rows},
     )
-    table = prediction_table([record])
-    assert [row.cells[1:4] for row in table.rows if row.mean] == [("mean", "lying", row["places"]) for row in rows]
-    assert len(prediction(table).answers) == 3
 
 
 def test_a_lesion_of_a_body_that_does_not_change_is_carried_to_its_place(stiff: Path, rig: Rig) -> None:
@@ -155,3 +159,5 @@ def test_a_lesion_of_a_body_that_does_not_change_is_carried_to_its_place(stiff: 
         assert row["volume"]["mean_mm"] < 2.0
         assert row["rigid"]["mean_mm"] < 0.1
         assert row["held"] == 1.0
+    said = lesions(lesions_table([record("lesions", "makehuman", rows)])).answers
+    assert [each.split(",")[0] for each in said] == ["MakeHuman bodies"] * 2

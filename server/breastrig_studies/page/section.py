@@ -26,5 +26,6 @@ def mm(number: float | None, digits: int = 2) -> str:
 
 
 def capital(family: str) -> str:
-    """The family at the start of a sentence."""
-    return HEADINGS[family][0].upper() + HEADINGS[family][1:]
+    """The family, by its key or as tables have it, at the start of a sentence."""
+    heading = HEADINGS[family.lower()]
+    return heading[0].upper() + heading[1:]
