@@ -79,17 +79,16 @@ def mistaken(task: FitTask, x: RigParameters, most: int) -> tuple[Doubt, ...]:
         return ()
     posterior = Posterior(task, x, partners=False)
     as_named, chances = LeaveOneOut(posterior).evidence(), dict[tuple[str, ...], float]()
-    anywhere, kinds = np.log(rules.anywhere), {True: rules.slip, False: rules.slip / len(rig.landmark_names)}
+    slip, anywhere = np.log(rules.slip), np.log(rules.anywhere)
     for name in elsewhere:
         other = nearest[name]
-        sided = other == partner(rig, name)
-        both = sided and nearest.get(other) == name and other in elsewhere
+        both = nearest.get(other) == name == partner(rig, other) and other in elsewhere
         if other in as_named and not both and as_named[other] < anywhere:
             continue  # nobody knows where that one is
         names = tuple(sorted((name, other))) if both else (name,)
         as_other = sum(meant_evidence(posterior, task.given[each], nearest[each]) for each in names)
         as_meant = sum(as_named[each] for each in names)
-        chances[names] = float(softmax([as_meant, np.log(kinds[sided]) + as_other, len(names) * anywhere])[1])
+        chances[names] = float(softmax([as_meant, slip + as_other, len(names) * anywhere])[1])
     found: list[Doubt] = []
     for names in sorted((names for names in chances if chances[names] > rules.sure), key=lambda names: -chances[names]):
         if sum(len(doubt.names) for doubt in found) + len(names) > most:
