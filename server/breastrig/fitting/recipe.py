@@ -115,6 +115,7 @@ class Outliers(SettingsPart):
     slip: Annotated[float, Field(gt=0.0, lt=0.5)]  # share of picks whose side, landmark or place was not meant, each
     sure: Annotated[float, Field(gt=0.5, lt=1.0)]  # chance of another meaning beyond which picks are not followed
     skin: Positive  # m², on which a pick may lie that was not meant for any landmark
+    facing: Positive  # concentration of the skin's normals about the template's (von Mises and Fisher)
     template: Positive  # m on each axis, of bodies' landmarks from those of the template in their place and size
 
     @property

@@ -19,7 +19,6 @@ from breastrig.fitting.body.trunk_depth import skin_behind
 from breastrig.fitting.fit import FitIterate
 from breastrig.fitting.observed.landmarks import followed, observed_areolae
 from breastrig.fitting.picks.checked_fit import ended
-from breastrig.fitting.picks.mistakes import explained
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.refine import refined
@@ -94,7 +93,7 @@ class FitRecorder:
     def record(self, iterate: FitIterate) -> RecordedIterate:
         """Keeps the iterate; FitFailed when the fit broke down."""
         if not iterate.is_finite:
-            raise FitFailed(" ".join(explained(self.ready.task, (_why_failed(iterate, self.ready.given),))))
+            raise FitFailed(_why_failed(iterate, self.ready.given))
         self._recorded.append(RecordedIterate(iterate, _iterated(self.ready.task.rig, iterate)))
         return self._recorded[-1]
 
@@ -131,9 +130,7 @@ class FitRecorder:
         )
         found_verdict, compared, known = judged.verdict, judged.compared, judged.radii
         if not found_verdict.is_torso:
-            raise FitFailed(" ".join(explained(task, (judged.refusal,))))
-        if found_verdict.level == "unusable" and not any(doubt.exchanged for doubt in rejected):
-            found_verdict = replace(found_verdict, reasons=explained(task, found_verdict.reasons))
+            raise FitFailed(judged.refusal)
         timing = ready.timing_s | {"solve": solve_s}
         alone = ModelAlone(vertices, compared.distances)
         if ready.settings.refine:

@@ -230,7 +230,7 @@ def prepare_fit(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
     errors = {name: expected_error(share) for name, share in settings.landmark_confidence.items() if name in landmarks}
     _warm(target)
     timing["prepare"] = clock.lap()
-    exchanged = _exchanged(rig, plan.recipe, landmarks, settings.certain)
+    exchanged = _exchanged(rig, plan.recipe, landmarks, target, settings.certain)
     doubted = {name for doubt in exchanged for name in doubt.names}
     followed = {name: place for name, place in landmarks.items() if name not in doubted}
     task = FitTask(
@@ -331,10 +331,12 @@ def _words(shown: Mapping[str, Observation] | None) -> tuple[str, ...]:
     return (f"Found by colour: {', '.join(shown)} ({', '.join(reasons)}).",)
 
 
-def _exchanged(rig: Rig, recipe: Recipe, landmarks: dict[str, Array], certain: Collection[str]) -> tuple[Doubt, ...]:
+def _exchanged(
+    rig: Rig, recipe: Recipe, landmarks: dict[str, Array], target: ScanTarget, certain: Collection[str]
+) -> tuple[Doubt, ...]:
     """The doubt that all sides are exchanged; none where a person is certain of a side."""
     knows_sides = any(landmark.name in certain and landmark.mirror != landmark.name for landmark in rig.landmarks)
-    if knows_sides or not sides_exchanged(rig, landmarks, recipe.outliers):
+    if knows_sides or not sides_exchanged(rig, landmarks, target, recipe.outliers):
         return ()
     return (Doubt(tuple(name for name in landmarks if name not in certain), ALL_EXCHANGED, exchanged=True),)
 

@@ -68,7 +68,7 @@ def clicks(scene: Scene, rig: Rig, recipe: Recipe) -> dict[str, Any]:
 
 def _judged(scene: Scene, rig: Rig, recipe: Recipe, picked: dict[str, Array], wrong: tuple[str, ...]) -> dict[str, Any]:
     """A fit to partly wrong picks: who was named, who without reason, how far the model is from the true places."""
-    exchanged = sides_exchanged(rig, picked, recipe.outliers)
+    exchanged = sides_exchanged(rig, picked, scene.target, recipe.outliers)
     fit = scene.fitted(rig, recipe, {} if exchanged else picked)
     named = {name for doubt in fit.doubts for name in doubt.names}
     if exchanged:

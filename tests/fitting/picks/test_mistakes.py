@@ -39,7 +39,7 @@ def fitted(seed: int) -> tuple[FitTask, RigParameters, dict[str, Array]]:
 
 
 def test_a_place_between_two_landmarks_says_of_neither_that_it_is_the_other() -> None:
-    """As on a breast that hangs: a pick near the nipple was let go as one of it, although it was the fold's."""
+    """As on a breast that hangs: a pick near the nipple was rejected as one of it, although it was the fold's."""
     task, x, true = fitted(5)
     nipple, fold = true["nipple_L"], true["inframammary_fold_L"]
     found = []

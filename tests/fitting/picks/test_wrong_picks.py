@@ -7,10 +7,12 @@ import pytest
 import trimesh
 
 from breastrig.core.assets import asset_folder
+from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.picks.mistakes import sides_exchanged
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.landmarks.landmark_files import read_landmarks
+from breastrig.scan.read import read_scan
 from breastrig.workflow.events import Done
 from breastrig.workflow.jobs import FitJob
 from breastrig.workflow.run_fit import run_fit
@@ -59,12 +61,14 @@ def test_few_right_picks_are_never_taken_for_exchanged_ones(stance: str, rng: np
     rig, outliers = read_rig(default_rig_path()), load_recipe("default").outliers
     places, _ = read_landmarks(asset_folder("example") / stance / "landmarks.json")
     true = {name: 1e-3 * np.array(place) for name, place in places.items()}
+    scan = read_scan(asset_folder("example") / stance / "scan.ply")
     mirrored = {landmark.name: landmark.mirror for landmark in rig.landmarks}
+    target = ScanTarget(scan.vertices, scan.faces)
     for _ in range(300):
-        names = rng.choice(sorted(true), rng.integers(4, 9), replace=False)
+        names = rng.choice(sorted(true), rng.integers(3, 9), replace=False)
         clicked = {name: true[name] + rng.normal(0.0, 3e-3, 3) for name in names}
-        assert not sides_exchanged(rig, clicked, outliers), sorted(clicked)
-    assert sides_exchanged(rig, {mirrored[name]: place for name, place in true.items()}, outliers)
+        assert not sides_exchanged(rig, clicked, target, outliers), sorted(clicked)
+    assert sides_exchanged(rig, {mirrored[name]: place for name, place in true.items()}, target, outliers)
 
 
 def test_all_sides_exchanged_do_not_turn_the_patient_round(tmp_path: Path) -> None:

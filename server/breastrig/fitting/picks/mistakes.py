@@ -1,11 +1,9 @@
 """Picks that are explained by a mistake with a name: sides exchanged, or another landmark's place.
 
 What was meant is asked by evidence: where the picks' landmarks are expected as they are named and as they may have been
-meant, or anywhere; the density is a Student t's, for some bodies are unlike all others.  A pick is let go only where
+meant, or anywhere; the density is a Student t's, for some bodies are unlike all others.  A pick is rejected only where
 one other meaning is nearly certain.  Whether all sides are exchanged is seen in the picks alone, before anything is
-fitted; others show at the fitted model, as long as its stages doubt picks.  Few picks nearly in one plane fit the
-model's back as well as its front; the skin under them tells, but not surely enough to let right ones go (breasts hang,
-scans are turned inside out): it explains only why a fit has failed.  Decision 0011.
+fitted; others show at the fitted model, as long as its stages doubt picks.  Decision 0011.
 """
 
 import numpy as np
@@ -24,49 +22,29 @@ from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
 
-EXCHANGE = "Left and right of the landmarks look exchanged; exchange them and fit again."
-
 
 def partner(rig: Rig, name: str) -> str:
     """The landmark on the other side."""
     return next(landmark.mirror for landmark in rig.landmarks if landmark.name == name)
 
 
-def sides_exchanged(rig: Rig, landmarks: dict[str, Array], outliers: Outliers) -> bool:
-    """Whether the picks ((3,) m by name) as a whole make sense only with left and right exchanged."""
+def sides_exchanged(rig: Rig, landmarks: dict[str, Array], target: ScanTarget, outliers: Outliers) -> bool:
+    """Whether the picks ((3,) m by name) as a whole make sense only with left and right exchanged.
+
+    Few picks nearly in one plane fit the model's back as well as its front; which way the skin under them faces tells.
+    """
     names = tuple(landmarks)
     if len(names) < MIN_LANDMARKS:
         return False
     picked = np.array([landmarks[name] for name in names])
-    found = []
-    for order in (names, tuple(partner(rig, name) for name in names)):
-        model = rig.landmark_points(order).positions(rig.template, rig.faces)
-        away = trusted_similarity(model, picked)[1] / outliers.template
-        found.append(float(log_student(away, 3).sum()))
-    return bool(softmax([found[0], np.log(outliers.slip) + found[1]])[1] > outliers.sure)
-
-
-def explained(task: FitTask, reasons: tuple[str, ...]) -> tuple[str, ...]:
-    """Why a fit is of no use, with the mistake that explains it before all else, where there is one."""
-    return (EXCHANGE, *reasons) if _back_to_front(task.rig, task.landmarks, task.target) else reasons
-
-
-def _back_to_front(rig: Rig, landmarks: dict[str, Array], target: ScanTarget) -> bool:
-    """Whether the picks ((3,) m by name) turn the model's back to their skin, and its front when exchanged."""
-    names = tuple(landmarks)
-    has_pair = any(partner(rig, name) in landmarks for name in names if partner(rig, name) != name)
-    if len(names) < MIN_LANDMARKS or not has_pair:
-        return False
-    picked = np.array([landmarks[name] for name in names])
-    skin = target.normals[target.vertex_tree.query(picked)[1]]
-    faces = face_normals(rig.template, rig.faces)
-    agree = []
+    skin, normals = target.normals[target.vertex_tree.query(picked)[1]], face_normals(rig.template, rig.faces)
+    nats = []
     for order in (names, tuple(partner(rig, name) for name in names)):
         points = rig.landmark_points(order)
-        found, _ = trusted_similarity(points.positions(rig.template, rig.faces), picked)
-        cosines = np.einsum("mi,mi->m", faces[points.faces] @ found.rotation.T, skin)
-        agree.append((float(np.median(cosines)), float(np.mean(cosines))))  # of few the median alone says little
-    return max(agree[0]) < 0.0 < min(agree[1])
+        found, away = trusted_similarity(points.positions(rig.template, rig.faces), picked)
+        cosines = np.einsum("mi,mi->m", normals[points.faces] @ found.rotation.T, skin)
+        nats.append(float(log_student(away / outliers.template, 3).sum() + outliers.facing * cosines.sum()))
+    return bool(softmax([nats[0], np.log(outliers.slip) + nats[1]])[1] > outliers.sure)
 
 
 def mistaken(task: FitTask, x: RigParameters, most: int) -> tuple[Doubt, ...]:
