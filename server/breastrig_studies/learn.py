@@ -9,7 +9,7 @@ docs/decisions/0024.
 import json
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +37,7 @@ from breastrig_studies.studies.case import Scene, read_scene
 from breastrig_studies.studies.reference_fit import ReferenceFit, reference_fit
 
 KEPT = ("report", "sealed")  # groups of patient.json from which nothing is estimated
+BODIES = "bodies.json"
 FEWEST = 6  # bodies
 SCATTER = (0.5, 3.0)  # least and most, as the torso's
 CHECK, NO_TORSO = 1.5, 4.0  # times the way from the median to the worst right fit; the torso's limits are near these
@@ -80,23 +81,23 @@ def learn(glb: Path, bodies: Path) -> Path:
     unknown = [f"{case.patient}/{case.name}" for case in cases if not (case.folder / "truth.ply").is_file()]
     if unknown:
         raise BadInput(f"{bodies} has scans without truth.ply ({named(unknown)}); nothing can be learned of them.")
-    rig, recipe, folder = read_rig(glb), load_recipe("default"), glb.with_suffix(".known")
+    rig, recipe = read_rig(glb), load_recipe("default")
     truths = {case: reference_fit(read_scene(case), rig, recipe) for case in _counted(cases, "true skins")}
     known = [
         KnownBody(case.patient, case.stance, truth.parameters) for case, truth in truths.items() if truth is not None
     ]
-    folder.mkdir(exist_ok=True)
-    (folder / "bodies.json").write_text(json.dumps(document(rig, statistics(rig, known))) + "\n", "utf-8")
-    bind_known(glb, rig.sha256)
-    rig = read_rig(glb)  # with these bodies
-    errors = document_of_landmarks(residuals_of(cases, rig, recipe))
-    (folder / LANDMARKS).write_text(json.dumps(errors) + "\n", "utf-8")
-    rig = read_rig(glb)  # with these errors
+    rig = _knowing(rig, BODIES, document(rig, statistics(rig, known)))
+    rig = _knowing(rig, LANDMARKS, document_of_landmarks(residuals_of(cases, rig, recipe)))
     found = Found()
     for case in _counted(cases, "fits"):
         for trial in _trials(read_scene(case), rig, recipe, truths[case]):
             found.add(rig, trial)
     return write(glb, rig, found, {case.stance for case in cases}, len(known))
+
+
+def _knowing(rig: Rig, file: str, found: dict[str, Any]) -> Rig:
+    """The rig with this of what is known of it; all is written at the end, so that no folder is of two learnings."""
+    return replace(rig, known={**rig.known, file: json.dumps(found) + "\n"})
 
 
 def _counted(cases: list[Case], what: str) -> Iterator[Case]:
@@ -105,9 +106,11 @@ def _counted(cases: list[Case], what: str) -> Iterator[Case]:
 
 
 def write(glb: Path, rig: Rig, found: Found, stances: set[str], scans: int) -> Path:
-    """Radii and verdict into the rig's folder."""
+    """Radii and verdict into the rig's folder, and what the rig itself knows of bodies and landmarks."""
     folder = glb.with_suffix(".known")
     folder.mkdir(exist_ok=True)
+    for name in rig.known.keys() & {BODIES, LANDMARKS}:
+        (folder / name).write_text(rig.known[name], "utf-8")
     uncertainty = _uncertainty(rig, found)
     write_factors(folder, factors(found.known, Calibration.model_validate(uncertainty).enlarged))
     (folder / "uncertainty.toml").write_text(_toml(uncertainty, scans), "utf-8")

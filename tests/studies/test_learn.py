@@ -62,6 +62,21 @@ def test_too_few_bodies_and_unknown_ones_are_one_sentence(tmp_path: Path, monkey
         learn.learn(glb, tmp_path / "bodies")
 
 
+def test_a_learning_that_is_interrupted_leaves_what_was_known(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """New bodies stood beside old radii, bound as one."""
+    glb, _, _ = write_forearm(tmp_path)
+    write_bodies(tmp_path / "bodies", 2)
+    monkeypatch.setattr(learn, "FEWEST", 2)
+
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(learn, "residuals_of", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        learn.learn(glb, tmp_path / "bodies")
+    assert not glb.with_suffix(".known").exists()
+
+
 def test_what_the_command_learns_of_a_rig_is_what_its_fits_go_by(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
