@@ -19,7 +19,7 @@ from breastrig.geometry.half_edges import HalfEdges, split_flat, split_places
 from breastrig.geometry.normals import face_crosses
 from breastrig.geometry.surface_points import SurfacePoints
 
-RING = 4  # triangles between a circle's centre and its rim, whose chords are half as long or less: off by radius / 512
+RING = 8  # triangles between a circle's centre and its rim, whose chords are as long or shorter: off by radius / 512
 MARGIN = 1.01 + 1.0 / RING  # of the radius: what is measured around a circle, both ends of each edge that it crosses
 DETOURS = (1.1, 1.4, 2.0, np.inf)  # of the straight line: how long a path may be; the first that is enough counts
 TOUCHING = 1e-9  # m, as far as is looked when both ends are at one place

@@ -160,7 +160,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
         overlay.classList.toggle("is-numbered", state.step === "landmarks");
         overlay.classList.toggle("is-narrow", isComparing(state) || (state.fit !== null && state.overlay === "beside"));
       });
-      const run = betweenPresses();
+      const run = betweenPresses(steps.element);
       const on = <Shown extends object>(panel: Panel<Shown, Session>): void =>
         void store.select((state) => panel.select(state), (shown) => run(panel, () => panel.update(shown)));
       on(top);
