@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+import trimesh
 
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadLandmarks
@@ -100,3 +101,12 @@ def test_one_pick_far_off_is_named_at_the_end(picks, tmp_path: Path) -> None:
     result = done.model_dump(mode="json")["result"]
     assert result["landmarks_not_followed"] == []
     assert [doubt["names"] for doubt in result["landmarks_unusual"]] == [["xiphoid"]]
+
+
+def test_few_right_picks_on_a_scan_that_is_inside_out_are_not_called_exchanged(picks, tmp_path: Path) -> None:
+    """Which way skin faces is asked of the scan as it was cleaned."""
+    scan = trimesh.load(EXAMPLE / "scan.ply", process=False)
+    trimesh.Trimesh(scan.vertices, scan.faces[:, ::-1], process=False).export(tmp_path / "scan.ply")
+    few = {name: picks[name] for name in ("nipple_L", "nipple_R", "umbilicus")}
+    job = FitJob(scan=tmp_path / "scan.ply", out=tmp_path, landmarks_mm=few)
+    assert prepare_fit(fit_plan(job, read_model(job), few), *scan_of_job(job)).started.landmarks_not_followed == []
