@@ -81,9 +81,8 @@ def test_wrong_turns_are_counted_one_by_one() -> None:
 
 def test_tables_are_split_by_whether_breasts_hang() -> None:
     def believed(picks: int, unusual: int) -> dict[str, Any]:
-        return {
-            "exact": {"picks": picks, "dropped": 0, "unusual": unusual, "landmarks": {"nipple": [1, 2]}, "skin": {}}
-        }
+        places: dict[str, Any] = {"landmarks": {"nipple": [1, 2]}, "skin": {}, "lines": {}}
+        return {"exact": {"picks": picks, "dropped": 0, "unusual": unusual} | places}
 
     def of(hanging: bool | None, *numbers: int, failed: str | None = None) -> Record:
         return record("makehuman", "standing", believed(*numbers), failed, "certainty", hanging)

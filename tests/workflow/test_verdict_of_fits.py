@@ -70,7 +70,7 @@ def test_agreeing_to_every_proposal_makes_no_fit_surer(stance: str, tmp_path: Pa
     assert sum(errors[name] <= radii[name] for name in errors) >= 0.9 * len(errors)
     assert result["landmarks_agreed"] == list(proposed)
     assert result["verdict"]["level"] == "check"
-    assert result["line_error_mm"] > 10.0
+    assert result["line_error_mm"] > 7.0
     assert result["verdict"]["reasons"] == [
         f"Lines on the breasts may be {result['line_error_mm']:.0f} mm off; place at least three landmarks by hand, or "
         "plan with that margin.",
@@ -87,7 +87,7 @@ def test_a_poor_fit_of_a_torso_with_landmarks_is_never_refused(tmp_path: Path) -
     with pytest.raises(FitFailed, match="This does not look like a torso"):
         verdict(tmp_path / "squeezed.ply", tmp_path / "alone", {}, "m", "paper")
     found = verdict(tmp_path / "squeezed.ply", tmp_path / "picked", picks, "m", "paper")
-    assert found["level"] == "unusable"
+    assert found["level"] == "check"
 
 
 @pytest.mark.parametrize("kind", SOLID)

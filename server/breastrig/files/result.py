@@ -205,7 +205,8 @@ class ResultFile(Document):
     )
     line_error_mm: FiniteFloat | None = Field(
         None,
-        description="radius that holds nine of ten places of lines on the breasts; null where it is not known",
+        description="how far off nine of ten places of lines on the breasts are, measured across the line; "
+        "null where it is not known",
     )
     landmarks_agreed: list[str] = Field([], description="names of those that were proposed and only agreed to")
     landmarks: dict[str, Three] = Field(

@@ -13,7 +13,7 @@ KINDS = {"exact": "exact picks", "clicked": "picks 5 mm off", "half": "half of t
 CARRIED = "carried lines"
 GROUPS = (GIVEN, NOT_GIVEN, SEEN, NOT_SEEN, CARRIED)
 TRANSFER_PICKS = {"exact": "true", "clicked": "5 mm off"}  # kind -> as the transfers call it
-PARTS = {"landmarks": "landmark", "skin": "skin"}
+PARTS = {"landmarks": "landmark", "skin": "skin", "lines": "line"}
 
 
 def covered(records: Sequence[Record], kind: str, part: str, place: str | None = None) -> tuple[int, int]:

@@ -13,7 +13,7 @@ from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.uncertainty import radii as radii_module
 from breastrig.fitting.uncertainty.calibration import Calibration, calibration
-from breastrig.fitting.uncertainty.radii import line_error, radii, seen_vertices, skin_factors
+from breastrig.fitting.uncertainty.radii import ACROSS, line_error, radii, seen_vertices, skin_factors
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
@@ -151,16 +151,16 @@ def test_lines_are_as_far_off_as_seen_skin_of_the_breast_of_which_less_is_known(
         far, seen = np.full(len(torso.template), 0.05), everything.copy()
         far[more], far[less[::2]], far[less[1::2]] = 0.004, 0.006, 0.010
         spread = float(np.sqrt(np.mean(far[less] ** 2)))
-        assert line_error(torso, far, seen) == pytest.approx(spread)
+        assert line_error(torso, far, seen) == pytest.approx(ACROSS * spread)
         seen[less[1::2]] = False
-        assert line_error(torso, far, seen) == pytest.approx(0.006)
+        assert line_error(torso, far, seen) == pytest.approx(ACROSS * 0.006)
         seen[less] = False
-        assert line_error(torso, far, seen) == pytest.approx(0.004)
+        assert line_error(torso, far, seen) == pytest.approx(ACROSS * 0.004)
     one = replace(torso, regions={"breast_L": torso.regions["breast_L"]})
     far[left] = 0.003
-    assert line_error(one, far, everything) == pytest.approx(0.003)
+    assert line_error(one, far, everything) == pytest.approx(ACROSS * 0.003)
     none = replace(torso, regions={})
-    assert line_error(none, far, everything) == pytest.approx(float(np.sqrt(np.mean(far**2))))
+    assert line_error(none, far, everything) == pytest.approx(ACROSS * float(np.sqrt(np.mean(far**2))))
 
 
 def test_careful_picks_say_nothing_of_skin_that_the_scan_does_not_show(

@@ -1102,7 +1102,7 @@ export type ResultFile = {
   median_plane?: MedianPlane | null;
   /** radius that holds the landmark's true place with 90 %, by name; of a fit of this version */
   landmark_uncertainty_mm?: Record<string, number>;
-  /** radius that holds nine of ten places of lines on the breasts; null where it is not known */
+  /** how far off nine of ten places of lines on the breasts are, measured across the line; null where it is not known */
   line_error_mm?: number | null;
   /** names of those that were proposed and only agreed to */
   landmarks_agreed?: string[];

@@ -12,6 +12,7 @@ from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.uncertainty.calibration import StanceFactors, calibration, factor_of
 from breastrig.rig.model import Rig
 
+ACROSS = 0.71  # of a place's radius: across a line through it (docs/decisions/0018)
 HOLDS_90 = 1.5  # radius of 90 % for a variance of one in all: 1.44 where three axes share it, 1.52 two, 1.64 one
 OTHER = "other"  # of factors: what none is for
 BOTH = frozenset({"nipple_L", "nipple_R"})  # seen by colour where the form has them: so the body lies as it was found
@@ -26,21 +27,21 @@ class Radii:
 
     landmarks: dict[str, float]
     vertices: Array  # (V,)
-    lines: float  # of nine of ten places of lines on the breast of which less is known
+    lines: float  # of nine of ten places of lines on the breast of which less is known, across the line
 
 
 PLANNED_ON = "breast"  # beginnings of the names of regions on which lines are planned; of a rig without, all of it
 
 
 def line_error(rig: Rig, vertices: Array, seen: Booleans) -> float:
-    """m: the radius that holds nine of ten places of lines on the breast of which less is known.
+    """m: how far off, measured across them, nine of ten places of lines on the breast are of which less is known.
 
     vertices: (V,) m, radii of the model's vertices, (V,) of which are `seen`: lines lie on skin that the scan shows.
     """
     breasts = [np.array(members) for name, members in rig.regions.items() if name.startswith(PLANNED_ON)]
     shown = [members[seen[members]] for members in breasts or [np.arange(len(vertices))]]
     squares = [float(np.mean(vertices[members] ** 2)) for members in shown if len(members)]
-    return float(np.sqrt(max(squares, default=np.mean(vertices**2))))
+    return ACROSS * float(np.sqrt(max(squares, default=np.mean(vertices**2))))
 
 
 def radii(posterior: Posterior, margin: float | None = None, *, expected: bool = False) -> Radii | None:

@@ -8,7 +8,7 @@ them.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Annotated, Literal
 
@@ -135,8 +135,8 @@ def verdict(
     `near`: the signals of what plans are made on; without these no fit is unusable, and what speaks against it
     elsewhere is said to be far from there.
 
-    Whoever places landmarks has seen a torso: what would refuse a fit makes it unusable, what would make it unusable is
-    to be checked, nothing less is a reason, and what is far from the breasts is a note.
+    Whoever places landmarks has seen a torso: what would refuse a fit is to be checked; less is a note, for it tells
+    wrong lines no better than `line_error` does, and nothing short of its second limit is said.
     """
     placed, agreed = given.on_their_own, of_agreed(given)
     converged = status is Status.CONVERGED
@@ -153,23 +153,20 @@ def verdict(
     strengths = everywhere if near is None else _strengths(near, limits, given)
     impossible, in_all = (sum(strength >= 1.0 for strength in each.values()) for each in (strengths, everywhere))
     far_off = {name: strength for name, strength in everywhere.items() if strengths.get(name, 0.0) <= 0.0}
-    found = _reasons(near or signals, strengths, limits, given)
-    elsewhere = tuple(
-        Reason(FAR + each.fact, () if placed else each.advice, note=placed)
-        for each in _reasons(signals, far_off, limits, given)[:1]
-    )
-    found, notes = (found, elsewhere) if placed else (found + elsewhere, ())
+    elsewhere = [replace(each, fact=FAR + each.fact) for each in _reasons(signals, far_off, limits, given)[:1]]
+    found = (*_reasons(near or signals, strengths, limits, given), *elsewhere)
     unknown = line_error is not None and line_error > limits.lines.unknown
     refused = impossible >= limits.unusable_at and in_all >= limits.refused_at and not given.placed
     if nothing or refused:
         return Verdict("unusable", sentences((*((NO_SKIN,) if nothing else ()), *found)), False)
-    if unknown or impossible >= (limits.refused_at if placed else limits.unusable_at):
+    if unknown or (impossible >= limits.unusable_at and not placed):
         nowhere = (Reason(UNKNOWN_LINES, (given.advice,)),) if unknown else ()
-        return Verdict("unusable", sentences((*nowhere, *agreed, *found, *broken, *asked, *notes)))
+        return Verdict("unusable", sentences((*nowhere, *agreed, *found, *broken, *asked)))
     far = line_error is not None and line_error > (limits.lines.placed if placed else limits.lines.check)
     lines = (Reason(FAR_LINES.format(1e3 * (line_error or 0.0)), (given.advice, WITH_MARGIN)),) if far else ()
     unlike = () if stance in limits.stances else (Reason(OTHER_STANCE.format(stance), (LOOK_CLOSELY,)),)
-    reasons = (*lines, *agreed, *found, *stopped, *asked, *unlike, *notes)
+    notes = tuple(replace(each, note=placed and impossible < limits.refused_at) for each in found)
+    reasons = sorted((*lines, *agreed, *notes, *stopped, *asked, *unlike), key=lambda each: each.note)
     return Verdict("good" if all(each.note for each in reasons) else "check", sentences(reasons))
 
 

@@ -15,7 +15,7 @@ from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.task import FitTask
-from breastrig.fitting.uncertainty.radii import Radii, radii, seen_vertices
+from breastrig.fitting.uncertainty.radii import PLANNED_ON, Radii, radii, seen_vertices
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
 from breastrig_studies.studies.case import Scene
@@ -30,7 +30,7 @@ Counts = dict[str, list[int]]  # kind of place -> [covered, all]
 
 
 def certainty(scene: Scene, rig: Rig, recipe: Recipe) -> dict[str, Any]:
-    """{"exact" | "clicked" | "half": {"landmarks", "skin", "levels": counts, "picks", "dropped", "unusual"}}."""
+    """{"exact" | "clicked" | "half": {"landmarks", "skin", "lines", "levels", "picks", "dropped", "unusual"}}."""
     rng = np.random.default_rng(SEED)
     names, places = list(scene.landmarks), np.array(list(scene.landmarks.values()))
     gaps = np.atleast_1d(scene.target.vertex_tree.query(places)[0])
@@ -59,6 +59,7 @@ def _judged(
         "unusual": sum(len(doubt.names) for doubt in unusual(posterior)),
         "landmarks": {},
         "skin": {},
+        "lines": {},
         "levels": {},
     }
     if known is None:
@@ -74,9 +75,22 @@ def _judged(
         gaps = np.linalg.norm(vertices - true.vertices, axis=1)
         _skin(counts["skin"], rig, posterior, known, gaps)
         seen = seen_vertices(posterior)
+        breasts = np.unique([v for name, its in rig.regions.items() if name.startswith(PLANNED_ON) for v in its])
+        lines = breasts[seen[breasts]]
+        off = across(vertices[lines] - true.vertices[lines], posterior.state.normals[lines])
+        _count(counts["lines"], "breasts, across the line", off, np.full(len(off), known.lines))
         for group, part in ((SEEN, seen), (NOT_SEEN, ~seen)):
             add_up(counts["levels"], group, covered_at_levels(gaps[part], known.vertices[part]))
     return counts
+
+
+def across(gaps: Array, normals: Array) -> Array:
+    """(N,) m: how far off a line is, across it, whose (N, 3) places are (N, 3) m off on skin with these normals.
+
+    Its direction on the skin is drawn at each place.
+    """
+    directions = np.cross(normals, np.random.default_rng(SEED).normal(size=normals.shape))
+    return np.asarray(np.abs(np.einsum("ni,ni->n", gaps, directions)) / np.linalg.norm(directions, axis=1))
 
 
 def _skin(counts: Counts, rig: Rig, posterior: Posterior, known: Radii, errors: Array) -> None:
@@ -95,7 +109,7 @@ def _count(counts: Counts, kind: str, errors: Array, radius: Array) -> None:
 
 def _added(trials: list[dict[str, Any]]) -> dict[str, Any]:
     result: dict[str, Any] = {key: sum(trial[key] for trial in trials) for key in ("picks", "dropped", "unusual")}
-    for part in ("landmarks", "skin", "levels"):
+    for part in ("landmarks", "skin", "lines", "levels"):
         kinds = dict.fromkeys(kind for trial in trials for kind in trial[part])
         result[part] = {
             kind: np.sum([trial[part][kind] for trial in trials if kind in trial[part]], axis=0).tolist()
