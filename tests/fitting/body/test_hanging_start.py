@@ -11,7 +11,6 @@ import pytest
 from breastrig.core.arrays import Array
 from breastrig.correspondence.distances import Comparison
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.body.hanging import covered_landmarks
 from breastrig.fitting.body.hanging_start import hanging_shapes, hanging_start, opening_of, unexplained_overhang
 from breastrig.fitting.fit import FitIterate
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
@@ -21,7 +20,7 @@ from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.problem import body_terms
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.scan_orientation import orientation_from, scan_orientation
-from breastrig.fitting.starts.orientation import start_from_landmarks, start_from_scan
+from breastrig.fitting.starts.orientation import start_from_scan
 from breastrig.fitting.starts.second_start import iterates_with_second_start
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.two_stances import ALIKE, ONE_BODY, Coupling, PairIterate, fit_pair_iterates
@@ -40,9 +39,7 @@ from breastrig_studies.virtual.warped.sources import read_sources
 
 FRONT = np.array([[0.0, 0.0, 1.0]])
 HANGING = replace(Numbers(), nipples_over_folds=(-0.04, -0.04))
-LEVEL = replace(Numbers(), nipples_over_folds=(0.0, 0.0))  # the nipples at the folds' height
 NIPPLES = ("nipple_L", "nipple_R")
-FOLDS = ("inframammary_fold_L", "inframammary_fold_R")
 STANCES = ("standing", "supine")
 
 
@@ -114,20 +111,6 @@ def test_two_stances_of_breasts_that_hang_begin_again_together(rig: Rig, couplin
     assert [each.status is Status.RUNNING for each in twice] == [True] * (len(twice) - 1) + [False]
     assert all(a.first.elapsed_s <= b.first.elapsed_s for a, b in pairwise(twice))
     assert len(twice) > len(once)
-
-
-@pytest.mark.parametrize(("numbers", "seen"), [(Numbers(), {*FOLDS}), (LEVEL, set())])
-def test_the_furrow_below_a_breast_that_hangs_is_not_taken_for_its_fold(
-    rig: Rig, numbers: Numbers, seen: set[str]
-) -> None:
-    """All but the folds is picked; a furrow is there in both scans."""
-    target, places = woman(numbers)
-    given = {name: place for name, place in places.items() if name not in FOLDS}
-    task = FitTask(rig, target, start_from_landmarks(rig, given), load_recipe("default"), {}).with_picks(given)
-    *_, last = iterates_with_second_start(task)
-    assert set(last.relief or {}) == seen
-    posed = BodyState(rig, last.parameters)
-    assert covered_landmarks(posed, task) == {*FOLDS} - seen
 
 
 def test_a_fit_of_other_breasts_is_what_it_is_without_looking(rig: Rig) -> None:

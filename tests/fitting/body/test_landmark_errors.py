@@ -9,7 +9,6 @@ import pytest
 from helpers.toy_rig import toy_rig
 
 from breastrig.core.stances import split_side
-from breastrig.fitting.body.hanging import covered_landmarks
 from breastrig.fitting.body.landmark_errors import (
     MIDDLE,
     NOTCH,
@@ -20,7 +19,6 @@ from breastrig.fitting.body.landmark_errors import (
     middle_step,
 )
 from breastrig.fitting.propose import expected_places
-from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.relief.limits import relief
@@ -30,7 +28,6 @@ from breastrig_studies.landmark_errors import Residual, estimate
 
 TURN = exp_so3(np.array([1.2, -0.4, 0.3]))
 RIG = read_rig(default_rig_path())
-FOLDS = ("inframammary_fold_L", "inframammary_fold_R")
 
 
 @pytest.mark.parametrize("turn", [np.eye(3), TURN])
@@ -90,24 +87,3 @@ def test_a_middle_of_the_breastbone_that_colour_shows_stays_where_it_is_seen() -
     np.testing.assert_array_equal(expected_places(posterior, {MIDDLE: cross})[middle], cross)
     alone = expected_places(posterior, {})
     assert not np.allclose(alone[middle], cross)
-
-
-def test_without_picks_only_the_side_that_was_seen_to_hang_is_covered() -> None:
-    recipe = load_recipe("default")
-    assert recipe.hanging is not None
-    shapes = [f"{recipe.hanging.shape}_{side}" for side in "LR"]
-
-    def covered(weight: float, seen: tuple[str, ...], *picked: str) -> set[str]:
-        weights = np.zeros(len(RIG.shape_names))
-        weights[[RIG.shape_names.index(shape) for shape in shapes]] = weight
-        state = BodyState(RIG, replace(rest_parameters(RIG), weights=weights))
-        task: Any = SimpleNamespace(landmarks=dict.fromkeys(picked), rig=RIG, recipe=recipe, hanging=seen)
-        return {*covered_landmarks(state, task)}
-
-    hangs = recipe.hanging.weight
-    assert covered(hangs, ()) == set()
-    assert covered(hangs, (shapes[0],)) == {FOLDS[0]}
-    assert covered(hangs, (shapes[1],)) == {FOLDS[1]}
-    assert covered(hangs, (), "xiphoid") == {*FOLDS}
-    for weight in (-0.5, 0.0, hangs - recipe.hanging.sigma):
-        assert covered(weight, (), "xiphoid") == set()

@@ -5,12 +5,9 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.stances import OUTWARDS, SIDES, split_side
 from breastrig.fitting.recipe import Recipe
-from breastrig.fitting.task import FitTask
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
 from breastrig.rig.state import BodyState
-
-FOLD = "inframammary_fold"  # the landmark that a breast covers
 
 
 def outwards(name: str) -> Array:
@@ -33,21 +30,6 @@ def hangs_by(state: BodyState, recipe: Recipe, landmark: str) -> float:
     """The weight where it is that of breasts that hang, as hanging_shapes has it; 0 where it is less."""
     weight = hanging_weight(state, recipe, landmark)
     return weight if recipe.hanging is not None and weight > recipe.hanging.weight - recipe.hanging.sigma else 0.0
-
-
-def covered_landmarks(state: BodyState, task: FitTask) -> frozenset[str]:
-    """Names of the folds that a hanging breast covers.
-
-    Without any picks the weight alone does not tell: of women whose breasts do not hang one side in 25 has as much.
-    Only sides that were seen to hang count then (hanging_start.py).
-    """
-    return frozenset(
-        name
-        for name in task.rig.landmark_names
-        if split_side(name)[0] == FOLD
-        and (task.landmarks or any(shape.endswith(name[-2:]) for shape in task.hanging))
-        and hangs_by(state, task.recipe, name)
-    )
 
 
 def body_axes(rig: Rig, vertices: Array) -> Array:

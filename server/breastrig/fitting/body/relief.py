@@ -1,7 +1,6 @@
 """Observations of landmarks from the relief of the skin (relief/observe.py), made once a fit, each with a covariance.
 
-Picks and colour observations of the same landmark replace them.  The fold under a hanging breast is not observed: the
-furrow in the camera's view is up to 50 mm below it (body/hanging.py).
+Picks and colour observations of the same landmark replace them.
 """
 
 from collections.abc import Mapping
@@ -11,7 +10,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.stances import PRONE, STANDING, split_side
 from breastrig.energies.landmarks import LandmarkObservation
-from breastrig.fitting.body.hanging import body_axes, covered_landmarks, hangs_by, outwards
+from breastrig.fitting.body.hanging import body_axes, hangs_by, outwards
 from breastrig.fitting.task import FitTask
 from breastrig.geometry.normals import unit_vectors
 from breastrig.relief.limits import relief as relief_limits
@@ -33,13 +32,10 @@ def observe_relief(task: FitTask, state: BodyState) -> dict[str, LandmarkObserva
         return _prone(task, state)
     if len(places) < 3 or not np.isfinite(places).all():
         return {}
-    covered = covered_landmarks(state, task)
     normals = unit_vectors(points.positions(state.normals, rig.faces))
     axes = umeyama(points.positions(rig.template, rig.faces), places).rotation
     expected = {
-        name: Expected(places[k], normals[k])
-        for k, name in enumerate(rig.landmark_names)
-        if name not in task.landmarks and name not in covered
+        name: Expected(places[k], normals[k]) for k, name in enumerate(rig.landmark_names) if name not in task.landmarks
     }
     tips = _tips(task, state, expected, axes) if task.stance == STANDING else {}
     return relief_observations(task.target, expected, axes) | tips
