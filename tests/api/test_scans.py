@@ -135,10 +135,10 @@ def test_a_file_of_another_kind_is_refused_by_its_name(client: FlaskClient, tors
 
 
 def test_a_form_without_a_file_is_refused(client: FlaskClient) -> None:
-    sentence = problem(client.post("/api/scans", data={"units": "mm"}, content_type="multipart/form-data"), 422)
-    assert "file" in sentence
-    text_in_place_of_the_file = {"file": "just text"}
-    problem(client.post("/api/scans", data=text_in_place_of_the_file, content_type="multipart/form-data"), 422)
+    wanted = "file: No file was sent under this name; send it as this field of multipart/form-data."
+    under_another_name = {"scan": (io.BytesIO(b"ply"), "scan.ply")}
+    for form in ({"units": "mm"}, {"file": "just text"}, under_another_name):
+        assert problem(client.post("/api/scans", data=form, content_type="multipart/form-data"), 422) == wanted
 
 
 def test_an_unknown_unit_is_refused_with_the_known_ones(client: FlaskClient, torso: bytes) -> None:

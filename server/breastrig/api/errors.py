@@ -42,6 +42,8 @@ SENTENCES = {
 NOT_OF_FORM = {  # by regular expression
     PLAIN: "Line breaks and other control characters are not taken; leave them out",
 }
+NO_FILE = "No file was sent under this name; send it as this field of multipart/form-data"
+IN_OTHER_WORDS = {"Value error, Not a valid file.": NO_FILE}  # of the libraries' messages
 OTHER_FORM = "This text is not of the form that is taken here; /api/docs describes it"
 
 
@@ -107,7 +109,8 @@ def _validation_error(error: HTTPError) -> Response:
         for found in error.__cause__.errors(include_url=False, include_input=False):
             name = ".".join(str(part) for part in found["loc"])[:200]
             pattern = found["ctx"]["pattern"] if found["type"] == "string_pattern_mismatch" else None
-            message = found["msg"] if pattern is None else NOT_OF_FORM.get(pattern, OTHER_FORM)
+            said = IN_OTHER_WORDS.get(found["msg"], found["msg"])
+            message = said if pattern is None else NOT_OF_FORM.get(pattern, OTHER_FORM)
             fields.append({"field": name, "message": message[:300]})
     if not fields:
         return problem(error.status_code, SENTENCES.get(error.status_code, f"{error.message}."))
