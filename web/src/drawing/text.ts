@@ -204,7 +204,7 @@ export const drawing = {
 
 export const summary = {
   title: "The plan on this scan",
-  hint: "± holds nine of ten places of a line.  What was drawn on this scan is where it was drawn.",
+  hint: "± holds nine of ten places of a line, in whichever direction they are off.  What was drawn on this scan is where it was drawn.",
   none: "Nothing is drawn yet.",
   own: "as drawn",
   given: "as given",

@@ -45,7 +45,7 @@ export const numbers = {
   unknown: "not known",
   notKnown: (count: number) => `${count} not known`,
   lines: "lines on the breasts",
-  linesHint: "Nine of ten places of a line that the model carries lie within this of where they belong, on the breast of which less is known.",
+  linesHint: "Nine of ten places of a line that the model carries are no farther off than this, measured across the line, on the breast of which less is known.",
   radiusUnknown: "Nothing is known of where this landmark is.",
   outdated: {
     gone: "This fit belongs to landmarks that are gone.",
