@@ -206,8 +206,8 @@ def _cases(options: argparse.Namespace) -> tuple[Case, ...]:
         return cases
     from breastrig_studies.virtual.warped.make import names_of
 
-    warped = names_of(options.warped, options.half or "both")
-    return tuple(case for case in cases if case.patient in warped)
+    made = names_of(options.warped, options.half or "both", "prone" if options.prone else "warped")
+    return tuple(case for case in cases if case.patient in made)
 
 
 def _plan(options: argparse.Namespace) -> Plan:
@@ -285,6 +285,8 @@ def _command(options: argparse.Namespace) -> str:
     words = ["breastrig", "evaluate"]
     words += ["--virtual"] if options.virtual else []
     words += ["--warped", str(options.warped)] if options.warped is not None else []
+    words += ["--prone"] if options.prone else []
+    words += ["--hanging", str(options.hanging)] if options.hanging is not None else []
     words += ["--half", options.half] if options.half is not None else []
     words += [options.cohort.name] if options.cohort is not None else []
     for preset in options.preset or ():

@@ -17,6 +17,7 @@ from helpers.cohort import FEW, write_patient
 from PIL import Image
 
 from breastrig.cli.main import main
+from breastrig.core.errors import BadInput
 from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.normals import vertex_normals
 from breastrig.gltf.read_rig import default_rig_path
@@ -212,6 +213,27 @@ def test_bad_input_is_one_sentence(
     error = capsys.readouterr().err
     assert words in error
     assert error.count("\n") == 1
+
+
+def test_prone_bodies_that_were_made_are_what_is_measured(
+    cohort: Path, rig: Rig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of the half that is asked for, though more may be there; with the command as it was."""
+    seen: list[str] = []
+
+    def make(folder: Path, progress: Callable[[str], None], data: Path, bodies: int, half: str) -> None:
+        for name in ("prone_000_choose", "prone_001_report", "prone_003_report"):
+            write_patient(folder / name, rig, 2, "made", stances=("standing",), names=FEW)
+
+    def measured(plan: plan.Plan, *_: object) -> None:
+        seen.extend(case.patient for case in plan.cases)
+        raise BadInput("It was seen.")
+
+    monkeypatch.setattr("breastrig_studies.virtual.warped.prone.make_prone", make)
+    monkeypatch.setattr(evaluate_command, "measured", measured)
+    asked = ["evaluate", str(cohort), "--warped", "3", "--prone", "--half", "report", "-o", str(tmp_path / "out")]
+    assert main(asked) == 2
+    assert seen == ["prone_001_report"]
 
 
 def test_a_pick_along_the_skin_is_on_the_skin_and_as_far_as_asked(cohort: Path, rng: np.random.Generator) -> None:

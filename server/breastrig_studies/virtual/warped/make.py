@@ -48,10 +48,10 @@ def make_warped(
         _write_body(folder / name, sources, number, (seed, hanging), progress)
 
 
-def names_of(bodies: int, half: Half = "both") -> dict[str, int]:
+def names_of(bodies: int, half: Half = "both", kind: Literal["warped", "prone"] = "warped") -> dict[str, int]:
     """The folders of the first bodies, as far as they are of the half, and their numbers."""
     halves = {number: (CHOOSE, REPORT)[number % 2] for number in range(bodies)}
-    return {f"warped_{number:03d}_{own}": number for number, own in halves.items() if half in ("both", own)}
+    return {f"{kind}_{number:03d}_{own}": number for number, own in halves.items() if half in ("both", own)}
 
 
 def source_of(sources: Sequence[Source], number: int, random: np.random.Generator) -> Source:

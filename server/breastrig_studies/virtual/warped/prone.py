@@ -216,12 +216,12 @@ def make_prone(
     `data`: a folder of cases with prone patients; the bodies of other seeds are others.
     """
     sources, donors, rig = read_sources(data), read_donors(data), read_rig(default_rig_path())
-    for name, number in names_of(bodies, half).items():
+    for name, number in names_of(bodies, half, "prone").items():
         random = np.random.default_rng((seed, number))
         source = source_of(sources, number, random)
         own = [donor for donor in donors.values() if HALF_OF_PATIENT[donor.name] == source.half]
         made_by = {"breastrig": __version__, "prone": VERSION, "seed": [seed, number], "source": source.sha256}
-        place = folder / name.replace("warped", "prone")
+        place = folder / name
         if _made_by(place) == made_by:
             continue
         prone, arms, donor, numbers = draw_prone(source, own, rig, random)
