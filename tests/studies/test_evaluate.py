@@ -218,7 +218,7 @@ def test_bad_input_is_one_sentence(
 def test_prone_bodies_that_were_made_are_what_is_measured(
     cohort: Path, rig: Rig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Of the half that is asked for, though more may be there; with the command as it was."""
+    """Of those that were asked for, though more may be there."""
     seen: list[str] = []
 
     def make(folder: Path, progress: Callable[[str], None], data: Path, bodies: int, half: str) -> None:
