@@ -97,8 +97,9 @@ def test_more_and_more_signals_make_it_unusable_and_then_no_torso() -> None:
 
 
 def test_named_landmarks_are_not_refused_as_no_torso() -> None:
-    found = verdict(beyond_no_torso(*NAMES), Status.CONVERGED, LIMITS, ALL)
-    assert (found.level, found.is_torso) == ("check", True)
+    for given, level in ((ALL, "check"), (GivenLandmarks(picked=3, left=9, followed=3), "unusable")):
+        found = verdict(beyond_no_torso(*NAMES), Status.CONVERGED, LIMITS, given)
+        assert (found.level, found.is_torso) == (level, True)
 
 
 def test_the_strongest_reasons_come_first_and_make_one_sentence() -> None:

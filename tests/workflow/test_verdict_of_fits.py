@@ -1,6 +1,7 @@
 """What a fit to a scan comes to: torsos are good, halves that the model lies across are not, the rest is refused."""
 
 import json
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ from helpers.bodies import scanned
 
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
-from breastrig.core.errors import FitFailed
+from breastrig.core.errors import BreastRigError, FitFailed
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.landmarks.landmark_files import read_landmarks
@@ -88,6 +89,17 @@ def test_a_poor_fit_of_a_torso_with_landmarks_is_never_refused(tmp_path: Path) -
         verdict(tmp_path / "squeezed.ply", tmp_path / "alone", {}, "m", "paper")
     found = verdict(tmp_path / "squeezed.ply", tmp_path / "picked", picks, "m", "paper")
     assert found["level"] == "check"
+
+
+@pytest.mark.parametrize("kind", SOLID)
+@pytest.mark.parametrize("count", [3, 6])
+def test_what_is_no_torso_is_of_no_use_with_landmarks_either(kind: str, count: int, tmp_path: Path) -> None:
+    body = trimesh.Trimesh(*scanned(kind, 11), process=False)
+    body.export(tmp_path / "body.ply")
+    places = np.random.default_rng(1).choice(len(body.vertices), count, replace=False)
+    picks = {n: (1e3 * body.vertices[k]).tolist() for n, k in zip(picks_mm("standing"), places, strict=False)}
+    with suppress(BreastRigError):  # most are refused
+        assert verdict(tmp_path / "body.ply", tmp_path / "out", picks, "m")["level"] == "unusable"
 
 
 @pytest.mark.parametrize("kind", SOLID)

@@ -9,6 +9,7 @@ from breastrig.core.arrays import Array
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS
 from breastrig.fitting.task import Doubt
 
+VOUCHING = 6  # landmarks; 36 random sets of 6 to 12 on what is no torso leave no line known, 1 of 20 of 4 does (0022)
 LOOK_AGAIN = "look at what is asked about {}"
 
 
@@ -31,6 +32,11 @@ class GivenLandmarks:
     def on_their_own(self) -> bool:
         """Whether they have placed it and are more than what the program has proposed."""
         return self.placed and not self.repeated
+
+    @property
+    def vouch(self) -> bool:
+        """Whether so many of them lie as on a torso: on what is none they would scatter, and lines not be known."""
+        return self.on_their_own and self.followed >= VOUCHING
 
     @property
     def advice(self) -> str:

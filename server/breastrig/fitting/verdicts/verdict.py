@@ -135,8 +135,9 @@ def verdict(
     `near`: the signals of what plans are made on; without these no fit is unusable, and what speaks against it
     elsewhere is said to be far from there.
 
-    Whoever places landmarks has seen a torso: what would refuse a fit is to be checked; less is a note, for it tells
-    wrong lines no better than `line_error` does, and nothing short of its second limit is said.
+    Whoever places landmarks has seen a torso: what would refuse a fit makes it unusable, or is to be checked where
+    enough landmarks vouch for it; less is a note, for it tells wrong lines no better than `line_error` does, and nothing
+    short of its second limit is said.
     """
     placed, agreed = given.on_their_own, of_agreed(given)
     converged = status is Status.CONVERGED
@@ -159,7 +160,7 @@ def verdict(
     refused = impossible >= limits.unusable_at and in_all >= limits.refused_at and not given.placed
     if nothing or refused:
         return Verdict("unusable", sentences((*((NO_SKIN,) if nothing else ()), *found)), False)
-    if unknown or (impossible >= limits.unusable_at and not placed):
+    if unknown or (impossible >= (limits.refused_at if placed else limits.unusable_at) and not given.vouch):
         nowhere = (Reason(UNKNOWN_LINES, (given.advice,)),) if unknown else ()
         return Verdict("unusable", sentences((*nowhere, *agreed, *found, *broken, *asked)))
     far = line_error is not None and line_error > (limits.lines.placed if placed else limits.lines.check)
