@@ -136,8 +136,8 @@ def verdict(
     elsewhere is said to be far from there.
 
     Whoever places landmarks has seen a torso: what would refuse a fit makes it unusable, or is to be checked where
-    enough landmarks vouch for it; less is a note, for it tells wrong lines no better than `line_error` does, and nothing
-    short of its second limit is said.
+    enough landmarks vouch for it; less is a note, for it tells wrong lines no better than `line_error` does, and
+    nothing short of its second limit is said.
     """
     placed, agreed = given.on_their_own, of_agreed(given)
     converged = status is Status.CONVERGED
