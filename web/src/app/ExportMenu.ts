@@ -22,8 +22,7 @@ export function createExportMenu(files: ExportActions): Panel<Shown> {
   const picture = el("button", { type: "button", class: "menu-item", onclick: () => chosen(() => void files.save()) }, ...item(words.save, words.saveHint));
   const table = el("button", { type: "button", class: "menu-item", onclick: () => chosen(files.saveDistances) }, ...item(words.distances, words.distancesHint));
   const links = resultText.downloads.map(({ key, name, what }) => ({ key, element: el("a", { class: "menu-item", download: name, onclick: () => menu.hidePopover() }, ...item(name, what)) }));
-  const screen = el("a", { class: "menu-item", id: "second-screen", target: "_blank", rel: "noopener", onclick: () => menu.hidePopover() }, ...item(words.secondScreen, words.secondScreenHint));
-  const menu = el("div", { class: "menu", id: "export-menu", popover: "auto", "aria-label": words.menu, role: "group" }, picture, ...links.map(({ element }) => element), table, screen);
+  const menu = el("div", { class: "menu", id: "export-menu", popover: "auto", "aria-label": words.menu, role: "group" }, picture, ...links.map(({ element }) => element), table);
   const element = el("div", { class: "export" }, open, menu);
   return {
     element,
@@ -35,8 +34,6 @@ export function createExportMenu(files: ExportActions): Panel<Shown> {
         show(link, isDone);
         if (fit && isDone) link.href = fit.links[key];
       }
-      show(screen, isDone);
-      if (isDone) screen.href = `#projector&fit=${encodeURIComponent(fit.id)}`;
       show(table, isDone && fit.distances !== null);
     },
   };

@@ -4,8 +4,6 @@ export const files = {
   scale: "10 cm at the middle of the body",
   menu: "Export",
   save: "Picture of this view",
-  secondScreen: "Show on a second screen …",
-  secondScreenHint: "True scale on a screen, or through a projector; experimental, in a tab of its own",
   saveAs: "view.png",
   saveHint: "PNG, twice the size, with scale and colours",
   distances: "distances.csv",
