@@ -24,7 +24,7 @@ from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig_studies.cohort import Case, read_cohort
-from breastrig_studies.page.pictures import INK, SIZE, fit_row
+from breastrig_studies.output.pictures import INK, SIZE, fit_row
 from breastrig_studies.studies.case import read_scene
 from breastrig_studies.studies.result_cache import Record, Unit, records
 from breastrig_studies.studies.trust.asked import RIGHT

@@ -1,4 +1,4 @@
-"""`breastrig evaluate COHORT -o DIR`: how good is the fit?  Tables, figures and a page from a folder of patients.
+"""`breastrig evaluate COHORT -o DIR`: how good is the fit?  Tables, figures and a summary from a folder of patients.
 
 Finished work is kept in DIR/work: an interrupted run resumes, and a changed input is measured again.
 """
@@ -20,15 +20,15 @@ from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path
 from breastrig_studies.cohort import Case, read_cohort
 from breastrig_studies.evaluate import measured
-from breastrig_studies.page.charts import have_plots
-from breastrig_studies.page.page import Circumstances
-from breastrig_studies.page.publish import (
+from breastrig_studies.output.charts import have_plots
+from breastrig_studies.output.publish import (
     NO_PLOTS,
     RECORD,
     SCHEMA,
     possible_files,
     published,
 )
+from breastrig_studies.output.summary import Circumstances
 from breastrig_studies.sealed import check_unseen, commit, log_line
 from breastrig_studies.studies.plan import Plan
 from breastrig_studies.studies.result_cache import FILES
@@ -227,12 +227,12 @@ def _plan(options: argparse.Namespace) -> Plan:
 
 
 def _output(options: argparse.Namespace, plan: Plan | None) -> Output:
-    """Where the page and its files go, and what is read as far as it is known yet."""
+    """Where the files go, and what is read as far as it is known yet."""
     folder = options.output
-    page = OutputSet(Path(), possible_files(folder), RECORD, SCHEMA, varying=True)
+    files = OutputSet(Path(), possible_files(folder), RECORD, SCHEMA, varying=True)
     read: list[Path] = [] if plan is None else [case.folder / name for case in plan.cases for name in FILES]
     presets = [Path(name) for name in options.preset or () if name.endswith(".toml")]
-    return output_folder(options, [page], [*read, *presets, *files_of_model(options.model)])
+    return output_folder(options, [files], [*read, *presets, *files_of_model(options.model)])
 
 
 def run(options: argparse.Namespace) -> int:
@@ -270,7 +270,7 @@ def run(options: argparse.Namespace) -> int:
         print(f"{failed} fits were not possible; {options.output / 'failures.csv'} says why.")
     if not have_plots():
         print(f"breastrig: {NO_PLOTS}", file=sys.stderr)
-    print(f"Tables, figures and the page: {options.output / 'index.html'}")
+    print(f"Tables, figures and the summary: {options.output / 'evaluation.md'}")
     return 0
 
 
@@ -281,7 +281,7 @@ def _kind(options: argparse.Namespace) -> str:
 
 
 def _command(options: argparse.Namespace) -> str:
-    """The command to do it again, with the folders' own names only: a page that is handed on tells no paths."""
+    """The command to do it again, with the folders' own names only: a summary that is handed on tells no paths."""
     words = ["breastrig", "evaluate"]
     words += ["--virtual"] if options.virtual else []
     words += ["--warped", str(options.warped)] if options.warped is not None else []

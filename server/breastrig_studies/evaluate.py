@@ -1,4 +1,4 @@
-"""The whole evaluation: measure what is not yet measured, then write tables, figures and the page."""
+"""The whole evaluation: measure what is not yet measured, then make the tables."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

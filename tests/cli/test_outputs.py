@@ -19,7 +19,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.files.result import FIT_FILES
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.workflow import report
-from breastrig_studies.page import publish
+from breastrig_studies.output import publish
 
 EXAMPLE = asset_folder("example")
 PICKS = ["--landmarks", str(EXAMPLE / "standing" / "landmarks.json")]

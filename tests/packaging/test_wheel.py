@@ -74,7 +74,7 @@ def test_the_studies_have_a_wheel_of_their_own(repository: Path, tmp_path: Path)
     with zipfile.ZipFile(next(tmp_path.glob("breastrig_studies-*.whl"))) as wheel:
         names = set(wheel.namelist())
     held = {f"breastrig_studies/{file.relative_to(project).as_posix()}" for file in project.rglob("*.py")}
-    assert held | {"breastrig_studies/page/page.html", "breastrig_studies/assets/cohort/bodies.npz"} <= names
+    assert held | {"breastrig_studies/assets/cohort/bodies.npz"} <= names
 
 
 def test_the_wheel_holds_each_file_once(names_in_the_wheel: list[str]) -> None:

@@ -18,7 +18,7 @@ from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.gltf.read_rig import default_rig_path
 from breastrig.scan.read import read_scan
 from breastrig_studies.cohort import Case, read_cohort
-from breastrig_studies.page import ink_section as section
+from breastrig_studies.output import ink_pictures as section
 from breastrig_studies.studies import ink as study
 from breastrig_studies.studies.ink import FACTORS, SAMPLE, TrueLines, ink_study, ink_transfer_study, true_lines
 from breastrig_studies.studies.plan import Plan
@@ -210,26 +210,6 @@ def test_the_table_of_carried_ink_says_how_much_finding_adds() -> None:
     assert table.rows[-1].cells[-1] == pytest.approx(0.2)
     assert "supine_3" in console([_transfer_record(rows)])
     assert ink_transfer_table([_transfer_record([])]).rows == []
-
-
-def test_the_section_says_what_is_found_what_is_falsely_drawn_and_shows_the_worst_scans() -> None:
-    records = [
-        _record("a", "standing", 1.0, 900.0),
-        _record("b", "standing", 1.2, 900.0),
-        _record("c", "standing", 1.0, 900.0),
-        _record("d", "supine", 1.0, 0.0, false_mm=12.4),
-    ]
-    found = section.ink_section(records, ink_table(records))
-    assert found.anchor == "ink"
-    assert found.answers[0].startswith("On scans with ink ")
-    assert found.answers[-1] == "On 1 scans without ink at most 12 mm are falsely drawn (30 mm are allowed)."
-    assert len(found.figures) == section.WORST
-    assert found.figures[0] == "ink_b_standing"  # the factor of the others finds half of it
-    assert found.tables == ("ink",)
-    carried = _transfer_record([{"from": "standing", "to": "supine", "points": 4, "found_mm": 1.0, "true_mm": 1.0}])
-    assert section.ink_section([*records, carried], ink_table(records)).tables == ("ink", "ink_transfer")
-    inked = section.ink_section(records[:1], ink_table(records[:1]))
-    assert len(inked.answers) == 1  # nothing is said about scans that were not there
 
 
 def test_pictures_show_found_ink_missed_ink_and_what_is_no_ink(cohort: Path, monkeypatch: pytest.MonkeyPatch) -> None:

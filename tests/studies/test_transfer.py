@@ -18,7 +18,6 @@ from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig_studies.cohort import read_cohort
 from breastrig_studies.gravity.prediction import prediction_study
-from breastrig_studies.page.transfer_sections import lesions, prediction
 from breastrig_studies.studies.case import read_scene
 from breastrig_studies.studies.lesions import lesions_study
 from breastrig_studies.studies.other_patient import other_patient
@@ -133,7 +132,6 @@ def test_a_body_that_does_not_change_is_worse_predicted_than_moved(stiff: Path, 
     for family in ("independent", "makehuman"):
         table = prediction_table([record("prediction", family, rows)])
         assert [row.cells[1:4] for row in table.rows if row.mean] == [("mean", "lying", row["places"]) for row in rows]
-        assert len(prediction(table).answers) == 3
 
 
 def record(question: str, family: str, rows: list[dict]) -> SimpleNamespace:
@@ -159,5 +157,4 @@ def test_a_lesion_of_a_body_that_does_not_change_is_carried_to_its_place(stiff: 
         assert row["volume"]["mean_mm"] < 2.0
         assert row["rigid"]["mean_mm"] < 0.1
         assert row["held"] == 1.0
-    said = lesions(lesions_table([record("lesions", "makehuman", rows)])).answers
-    assert [each.split(",")[0] for each in said] == ["MakeHuman bodies"] * 2
+    assert {row.cells[0] for row in lesions_table([record("lesions", "makehuman", rows)]).rows} == {"MakeHuman"}

@@ -1,4 +1,4 @@
-"""A table as data, from which the CSV file and the page are both made, so that their numbers are the same."""
+"""A table as data, from which the CSV file and the summary are both made, so that their numbers are the same."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ class Column:
     """One column; numbers are shown with so many digits after the point."""
 
     name: str  # in the CSV file
-    heading: str = ""  # on the page
+    heading: str = ""  # in the summary
     digits: int = 2
     key: bool = False  # words, not numbers
 

@@ -1,4 +1,4 @@
-"""The cut scans on the page: the answer in words, and pictures of the median fit of each family."""
+"""Pictures of the cut scans: the median fit of each family."""
 
 import io
 from collections.abc import Sequence
@@ -8,45 +8,13 @@ from PIL import Image
 from breastrig.rendering.picture import Layer, camera, render
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
-from breastrig_studies.page.pictures import PAPER, SCAN_GREY, chosen
-from breastrig_studies.page.section import Section, capital, mm
+from breastrig_studies.output.pictures import PAPER, SCAN_GREY, chosen
 from breastrig_studies.studies.case import read_scene
 from breastrig_studies.studies.result_cache import Record
 from breastrig_studies.studies.unseen import CUTS, cut_fit, whole_fit
-from breastrig_studies.tables.accuracy import FAMILIES, of
-from breastrig_studies.tables.table import mean
-from breastrig_studies.tables.unseen import WORDS
+from breastrig_studies.tables.accuracy import FAMILIES
 
 SIZE = (250, 300)  # pixels a picture
-
-
-def unseen_section(records: Sequence[Record]) -> Section:
-    answers = []
-    for family in FAMILIES:
-        for cut, words in WORDS.items():
-            parts = [
-                record.answer[cut]
-                for record in of(records, "unseen")
-                if record.case.family == family and cut in record.answer
-            ]
-            if not parts:
-                continue
-            scales = min(p["smallest_scale"] for p in parts), max(p["largest_scale"] for p in parts)
-            volumes = min(p["volume"] for p in parts), max(p["volume"] for p in parts)
-            answers.append(
-                f"{capital(family)}, {words}: bones keep {scales[0]:.2f} to {scales[1]:.2f} of the whole scan's scales "
-                f"and the body {volumes[0]:.2f} to {volumes[1]:.2f} of its volume; the skin lies "
-                f"{mm(mean(p['moved_mm'] for p in parts), 1)} from the whole scan's fit on average."
-            )
-    return Section(
-        "unseen",
-        "Does what the scan does not show stay human?",
-        "Each scan cut at the navel, at the nipples and along the midline, fitted with the landmarks that are left. "
-        "Pictures: what is left of the scan, its fit, and below the fit of the whole scan.",
-        tuple(answers),
-        ("unseen_independent", "unseen_makehuman"),
-        ("unseen",),
-    )
 
 
 def unseen_pictures(records: Sequence[Record], rig: Rig, preset: str) -> dict[str, bytes]:

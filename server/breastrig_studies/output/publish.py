@@ -1,4 +1,4 @@
-"""What an evaluation leaves behind: CSV tables, figures as PNG, one page that shows both, and a record."""
+"""Writes an evaluation: CSV tables, figures as PNG, a Markdown summary that shows both, and a record."""
 
 import json
 from collections.abc import Callable
@@ -8,15 +8,14 @@ from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.version import __version__
 from breastrig.gltf.read_rig import read_rig
 from breastrig_studies.evaluate import Results, all_tables
-from breastrig_studies.page.charts import DARK, LIGHT, as_png, have_plots
-from breastrig_studies.page.figures import all_figures
-from breastrig_studies.page.ink_section import ink_pictures
-from breastrig_studies.page.page import Circumstances, page
-from breastrig_studies.page.pictures import fit_pictures
-from breastrig_studies.page.study_sections import all_sections
-from breastrig_studies.page.unseen_sections import unseen_pictures
+from breastrig_studies.output.charts import as_png, have_plots
+from breastrig_studies.output.figures import all_figures, spaced
+from breastrig_studies.output.ink_pictures import ink_pictures
+from breastrig_studies.output.pictures import fit_pictures
+from breastrig_studies.output.summary import Circumstances, summary
+from breastrig_studies.output.unseen_pictures import unseen_pictures
 
-NO_PLOTS = "The figures need matplotlib: pip install breastrig[plots]; tables and page are written without them."
+NO_PLOTS = "The figures need matplotlib: pip install breastrig[plots]; tables and summary are written without them."
 TABLES = (
     "table1",
     "refined",
@@ -49,13 +48,13 @@ TABLES = (
     "ink_transfer",
     "failures",
 )
-PAGE, RECORD, SCHEMA = "index.html", "evaluation.json", "breastrig/evaluation@1"
+SUMMARY, RECORD, SCHEMA = "evaluation.md", "evaluation.json", "breastrig/evaluation@1"
 
 
 def possible_files(folder: Path) -> tuple[str, ...]:
     """What `published` may write into the folder, as far as it can be known before: figures that are there count."""
     figures = sorted(f"figures/{file.name}" for file in (folder / "figures").glob("*.png"))
-    return (*(f"{name}.csv" for name in TABLES), *figures, PAGE, RECORD)
+    return (*(f"{name}.csv" for name in TABLES), *figures, SUMMARY, RECORD)
 
 
 def published(results: Results, about: Circumstances, folder: Path, progress: Callable[[str], None]) -> list[Path]:
@@ -72,26 +71,21 @@ def published(results: Results, about: Circumstances, folder: Path, progress: Ca
 
     for table in tables.values():
         write(f"{table.name}.csv", table.csv())
-    figures = {}
     for name, chart in all_figures(results, tables).items() if have_plots() else ():
         progress(f"figure {name}")
-        figures[name] = (as_png(chart, LIGHT), as_png(chart, DARK))
-        write(f"figures/{name}.png", figures[name][0])
+        write(f"figures/{name}.png", as_png(chart))
     if "unseen" in tables:
         progress("pictures of cut scans")
         for name, png in unseen_pictures(results.records, rig, results.plan.recipes[0].name).items():
-            figures[name] = (png, png)
             write(f"figures/{name}.png", png)
     if "ink" in tables:
         progress("pictures of ink")
         for name, png in ink_pictures(results.records).items():
-            figures[name] = (png, png)
             write(f"figures/{name}.png", png)
-    pictures = fit_pictures(results.records, rig, results.plan.recipes[0].name, progress)
-    for picture in pictures:
+    for picture in fit_pictures(results.records, rig, results.plan.recipes[0].name, progress):
         write(f"figures/fit_{picture.family}_{picture.place}.png", picture.png)
-    html = page(results, rig, about, all_sections(results, tables), tables, figures, pictures)
-    write(PAGE, html.encode())
+    figures = [(spaced(file.stem), f"figures/{file.name}") for file in files if file.suffix == ".png"]
+    write(SUMMARY, summary(results, rig, about, list(tables.values()), figures).encode())
     record = {"schema": SCHEMA, "notice": LIMITS_OF_USE, "breastrig": __version__, "command": about.command}
     write(RECORD, (json.dumps(record, indent=1) + "\n").encode())
     return files

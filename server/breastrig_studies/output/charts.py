@@ -1,4 +1,4 @@
-"""Two kinds of charts that all figures are made of, in a light and a dark look (matplotlib, an optional extra).
+"""Two kinds of charts that all figures are made of (matplotlib, an optional extra).
 
 Colours are Okabe and Ito's, which people who do not tell red from green can tell apart; every series has a marker
 or a dash of its own as well, so that the charts also read in grey.
@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")  # Okabe and Ito
-ON_DARK = ("#56B4E9", "#F0803C", "#2CC295", "#E093C0", "#F0B93A", "#9AD4F5")  # the same hues, lighter
 MARKERS = ("o", "D", "s", "^", "v", "P")
 DASHES = ("-", (0, (4, 1.6)), (0, (1.2, 1.2)), (0, (5, 1.4, 1.2, 1.4)), (0, (8, 2)))
 DPI = 150
@@ -23,17 +22,7 @@ LEGEND_LETTERS = 110  # that fit below a chart, with six for each line
 ROW_HEIGHT = 0.24  # inches a row
 
 
-@dataclass(frozen=True)
-class Look:
-    ink: str
-    soft: str  # labels
-    grid: str
-    paper: str
-    colours: tuple[str, ...]
-
-
-LIGHT = Look("#20242a", "#5a626d", "#e3e6ea", "#ffffff", COLOURS)
-DARK = Look("#e8eaed", "#a3abb6", "#343a43", "#1b1f25", ON_DARK)
+INK, SOFT, GRID, PAPER = "#20242a", "#5a626d", "#e3e6ea", "#ffffff"  # text, labels, lines, ground
 
 
 @dataclass(frozen=True)
@@ -106,22 +95,22 @@ def have_plots() -> bool:
     return find_spec("matplotlib") is not None
 
 
-def as_png(chart: Chart, look: Look) -> bytes:
+def as_png(chart: Chart) -> bytes:
     """The chart as a PNG file."""
     from matplotlib import rc_context
 
     settings: dict[Any, Any] = {
         "font.size": 9,
         "font.family": "DejaVu Sans",
-        "text.color": look.ink,
-        "axes.labelcolor": look.soft,
-        "axes.edgecolor": look.grid,
-        "axes.facecolor": look.paper,
-        "figure.facecolor": look.paper,
-        "xtick.color": look.soft,
-        "ytick.color": look.ink,
+        "text.color": INK,
+        "axes.labelcolor": SOFT,
+        "axes.edgecolor": GRID,
+        "axes.facecolor": PAPER,
+        "figure.facecolor": PAPER,
+        "xtick.color": SOFT,
+        "ytick.color": INK,
         "axes.grid": True,
-        "grid.color": look.grid,
+        "grid.color": GRID,
         "grid.linewidth": 0.7,
         "axes.axisbelow": True,
         "axes.spines.top": False,
@@ -130,10 +119,10 @@ def as_png(chart: Chart, look: Look) -> bytes:
         "axes.titleweight": "bold",
         "axes.titlelocation": "left",
         "legend.frameon": False,
-        "legend.labelcolor": look.ink,
+        "legend.labelcolor": INK,
     }
     with rc_context(settings):
-        figure = _rows(chart, look) if isinstance(chart, RowChart) else _curves(chart, look)
+        figure = _rows(chart) if isinstance(chart, RowChart) else _curves(chart)
         stream = io.BytesIO()
         figure.savefig(stream, format="png", dpi=DPI, metadata={"Software": None})
     return stream.getvalue()
@@ -162,11 +151,11 @@ def _places(rows: Sequence[tuple[str, str]]) -> tuple[list[float], list[tuple[st
     return heights, headings, at
 
 
-def _rows(chart: RowChart, look: Look) -> "Figure":
+def _rows(chart: RowChart) -> "Figure":
     heights, headings, total = _places(chart.rows)
     figure, grid = _new(9.0, ROW_HEIGHT * total + 1.0, 1, len(chart.panels), sharey=True)
     for panel, axes in zip(chart.panels, grid[0], strict=True):
-        _row_panel(axes, panel, heights, look, chart.from_zero)
+        _row_panel(axes, panel, heights, chart.from_zero)
     first = grid[0][0]
     words = [(height, label, False) for height, (_, label) in zip(heights, chart.rows, strict=True)]
     words += [(height, heading, True) for heading, height in headings]
@@ -183,14 +172,14 @@ def _rows(chart: RowChart, look: Look) -> "Figure":
     return figure
 
 
-def _row_panel(axes: "Axes", panel: Panel, heights: Sequence[float], look: Look, from_zero: bool) -> None:
+def _row_panel(axes: "Axes", panel: Panel, heights: Sequence[float], from_zero: bool) -> None:
     for height, *values in zip(heights, *(series.values for series in panel.series), strict=True):
         flat = [number for some in values for number in some]
         if panel.joined and len(flat) > 1:
-            axes.plot([min(flat), max(flat)], [height, height], color=look.grid, linewidth=2.2, zorder=1)
+            axes.plot([min(flat), max(flat)], [height, height], color=GRID, linewidth=2.2, zorder=1)
     for index, series in enumerate(panel.series):
         points = [(x, y) for y, some in zip(heights, series.values, strict=True) for x in some]
-        colour = look.ink if series.wrong else look.colours[index % len(look.colours)]
+        colour = INK if series.wrong else COLOURS[index % len(COLOURS)]
         if not points:
             continue
         many = max((len(some) for some in series.values), default=0) > 1
@@ -218,7 +207,7 @@ def _row_panel(axes: "Axes", panel: Panel, heights: Sequence[float], look: Look,
         axes.set_xlim(left=0.0)
 
 
-def _curves(chart: CurveChart, look: Look) -> "Figure":
+def _curves(chart: CurveChart) -> "Figure":
     rows, columns = len(chart.rows), len(chart.rows[0])
     width = min(9.0, chart.sizes[0] * columns + 0.4)
     figure, grid = _new(width, chart.sizes[1] * rows + 0.7, rows, columns, sharey="row")
@@ -230,7 +219,7 @@ def _curves(chart: CurveChart, look: Look) -> "Figure":
                 (line,) = axes.plot(
                     [x for x, _ in known],
                     [y for _, y in known],
-                    color=look.colours[curve.colour % len(look.colours)],
+                    color=COLOURS[curve.colour % len(COLOURS)],
                     linestyle=DASHES[curve.dash % len(DASHES)],
                     marker=MARKERS[curve.colour % len(MARKERS)],
                     markersize=3.6,
@@ -238,7 +227,7 @@ def _curves(chart: CurveChart, look: Look) -> "Figure":
                 )
                 handles.setdefault(curve.label, line)
             if panel.mark_x is not None:
-                axes.axvline(panel.mark_x, color=look.soft, linewidth=0.8, zorder=1)
+                axes.axvline(panel.mark_x, color=SOFT, linewidth=0.8, zorder=1)
             if panel.log_x:
                 axes.set_xscale("log")
                 axes.xaxis.set_major_formatter("×{x:g}")

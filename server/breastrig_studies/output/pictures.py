@@ -30,7 +30,7 @@ DRAWING = "lumpectomy"  # where the rig has it, else its first one
 LIMIT_MM = 5.0  # ends of the colours
 SIZE = (380, 460)  # pixels a picture
 SCAN_GREY = (0.74, 0.75, 0.77)
-PAPER = (0.955, 0.96, 0.965)  # the same in both looks of the page
+PAPER = (0.955, 0.96, 0.965)
 INK = (40, 44, 52)
 BAR_HEIGHT = 56  # pixels
 VIEWS = (("front", True), ("front", False), ("three_quarter", False))  # (view, the scan instead of the model)
@@ -42,11 +42,7 @@ class FitPicture:
 
     family: str
     place: str  # best | median | worst
-    record: Record
-    truth_mm: float | None
-    surface_mm: float
     png: bytes
-    jpeg: bytes
 
 
 def chosen(records: Sequence[Record], preset: str, family: str) -> list[tuple[str, Record]]:
@@ -127,11 +123,8 @@ def fit_pictures(records: Sequence[Record], rig: Rig, preset: str, progress: Cal
             progress(f"picture of {record.case.patient}, {record.case.name}")
             scene = read_scene(record.case)
             fit = scene.fitted(rig, record.unit.recipe, scene.landmarks)
-            stream, small = io.BytesIO(), io.BytesIO()
+            stream = io.BytesIO()
             picture = with_colour_bar(fit_row(scene, rig, fit.vertices))
             picture.save(stream, "PNG", optimize=True)
-            picture.save(small, "JPEG", quality=88)  # a fifth of the size, for the page
-            truth = value(record.answer, "truth_mm.mean")
-            surface = float(value(record.answer, "surface_mm.mean") or 0.0)
-            pictures.append(FitPicture(family, place, record, truth, surface, stream.getvalue(), small.getvalue()))
+            pictures.append(FitPicture(family, place, stream.getvalue()))
     return pictures

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from breastrig_studies.evaluate import Results
-from breastrig_studies.page.charts import Chart, Curve, CurveChart, CurvePanel, Panel, RowChart, Series, has_numbers
+from breastrig_studies.output.charts import Chart, Curve, CurveChart, CurvePanel, Panel, RowChart, Series, has_numbers
 from breastrig_studies.studies.plan import FACTORS, ORDERS
 from breastrig_studies.studies.result_cache import Record
 from breastrig_studies.studies.sensitivity import TERMS

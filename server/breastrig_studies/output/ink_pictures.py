@@ -1,4 +1,4 @@
-"""Ink on the page: the answer in words, and pictures of the worst scans with true and found lines."""
+"""Pictures of the scans whose ink is found worst, with true and found lines."""
 
 import io
 from collections.abc import Sequence
@@ -13,50 +13,18 @@ from breastrig.geometry.polyline import resampled
 from breastrig.rendering.picture import Layer, Line, camera
 from breastrig.rendering.picture import Scene as Meshes
 from breastrig.scan.read import read_scan
-from breastrig_studies.page.pictures import PAPER, SCAN_GREY
-from breastrig_studies.page.section import Section, mm
+from breastrig_studies.output.pictures import PAPER, SCAN_GREY
 from breastrig_studies.studies.case import Scene, read_scene
 from breastrig_studies.studies.ink import REACH, true_lines
 from breastrig_studies.studies.result_cache import Record
 from breastrig_studies.tables.accuracy import of
-from breastrig_studies.tables.ink import FALSE_LIMIT_MM, chosen_factor
-from breastrig_studies.tables.table import Table
+from breastrig_studies.tables.ink import chosen_factor
 
 SIZE = (380, 460)  # pixels a picture
 WORST = 2  # scans that are shown
 VIEWS = ("front", "left", "right")
 FOUND, MISSED, WRONG = (0.12, 0.29, 0.65), (0.93, 0.55, 0.05), (0.8, 0.05, 0.1)
 DOTS = 1e-3  # m between the dots that lines are drawn of
-
-
-def ink_section(records: Sequence[Record], table: Table) -> Section:
-    answers = []
-    means = [row for row in table.rows if row.mean]
-    for row in means:
-        number = dict(zip((column.name for column in table.columns), row.cells, strict=True))
-        answers.append(
-            f"On scans with ink {100 * float(number['recall'] or 0):.0f} % of the drawn length is found, and "
-            f"{100 * float(number['precision'] or 0):.0f} % of what is found is ink, "
-            f"{mm(float(number['off_mm'] or 0))} from its middle, in {float(number['time_s'] or 0):.1f} s of one core."
-        )
-    bare = [record for record in of(records, "ink") if not record.failed and record.answer["1"]["true_mm"] == 0.0]
-    if bare:
-        most = max(record.answer["1"]["false_mm"] for record in bare)
-        answers.append(
-            f"On {len(bare)} scans without ink at most {most:.0f} mm are falsely drawn ({FALSE_LIMIT_MM:.0f} mm are "
-            "allowed)."
-        )
-    return Section(
-        "ink",
-        "Are the surgeon's lines found on the skin?",
-        "Lines of a marker, read from the scan's colours. The common factor of all thresholds is chosen on the other "
-        "patients; the thresholds themselves were chosen by looking at such scans, so photographs of real skin may "
-        "give other numbers. Pictures: the worst scans; found lines are blue, ink that was missed is orange, what is "
-        "no ink is red.",
-        tuple(answers),
-        tuple(_name(record) for record in _worst(records)),
-        tuple(name for name in ("ink", "ink_transfer") if name == "ink" or of(records, "ink_transfer")),
-    )
 
 
 def ink_pictures(records: Sequence[Record]) -> dict[str, bytes]:

@@ -1,0 +1,1 @@
+"""Files that an evaluation writes: tables, figures, pictures and the summary."""

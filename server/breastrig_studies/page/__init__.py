@@ -1,1 +1,0 @@
-"""How the studies are shown."""
