@@ -5,7 +5,6 @@
 Each scan is fitted as it is, with all landmarks and with none; the fit and its scan are then scaled together.
 """
 
-import json
 import sys
 from pathlib import Path
 
@@ -27,8 +26,7 @@ def main(folder: Path, group: str | None) -> None:
     rig, recipe = read_rig(default_rig_path()), load_recipe("default")
     asked: dict[str, list[list[bool]]] = {"all landmarks": [], "none": []}
     for case in read_cohort(folder):
-        about = json.loads((folder / case.patient / "patient.json").read_text("utf-8"))
-        if case.sealed or group not in (None, about.get("half")):
+        if case.sealed or group not in (None, case.group):
             continue
         scene = read_scene(case)
         for given, picks in zip(asked, (dict(scene.landmarks), {}), strict=True):

@@ -8,7 +8,6 @@ the worst fits from four sides.  Answers are kept in DIR/work.  docs/decisions/0
 """
 
 import argparse
-import json
 import sys
 from collections.abc import Callable, Sequence
 from itertools import groupby
@@ -52,11 +51,7 @@ def is_right(each: dict[str, Any]) -> bool:
 def chosen(folders: Sequence[Path], group: str) -> list[Case]:
     """All cases of a group; never a sealed one."""
     cases = [case for folder in folders for case in read_cohort(folder) if not case.sealed]
-    return [case for case in cases if _half(case) == group]
-
-
-def _half(case: Case) -> str:
-    return str(json.loads((case.folder.parent / "patient.json").read_text("utf-8")).get("half"))
+    return [case for case in cases if case.group == group]
 
 
 def units(cases: Sequence[Case], each: int, conditions: Sequence[str], recipe: Recipe) -> list[Unit]:

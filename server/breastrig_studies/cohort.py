@@ -26,7 +26,17 @@ class Case:
     unit: str
     folder: Path
     hanging: bool | None = None  # whether its breasts were made to hang; None: nobody says
-    sealed: bool = False  # looked at by evaluate --sealed alone
+    group: str = ""  # choose | report | sealed; empty: nobody has divided the cohort
+
+    @property
+    def sealed(self) -> bool:
+        """Whether `evaluate --sealed` alone looks at it."""
+        return self.group == SEALED
+
+    @property
+    def teaches(self) -> bool:
+        """Whether numbers are estimated from it: the other groups say what came of that."""
+        return self.group not in (REPORT, SEALED)
 
     @property
     def coloured(self) -> bool:
@@ -40,6 +50,7 @@ class Case:
 
 
 PLAIN, COLOURED = "scan.ply", "scan.zip"
+CHOOSE, REPORT, SEALED = GROUPS = ("choose", "report", "sealed")
 
 
 def _document(path: Path) -> dict[str, object]:
@@ -50,6 +61,12 @@ def _document(path: Path) -> dict[str, object]:
     if not isinstance(document, dict):
         raise BadInput(f"{path} must hold a JSON object.")
     return document
+
+
+def _group(patient: dict[str, object], name: str) -> str:
+    """As patient.json says, else as the name of the folder ends."""
+    ending = name.rpartition("_")[2]
+    return str(patient.get("half", ending if ending in GROUPS else ""))
 
 
 def _hanging(patient: dict[str, object]) -> bool | None:
@@ -78,7 +95,7 @@ def read_cohort(folder: Path) -> tuple[Case, ...]:
                 unit=str(about.get("unit", "auto")),
                 folder=place,
                 hanging=_hanging(patient),
-                sealed=patient.get("half") == "sealed",
+                group=_group(patient, place.parent.name),
             )
         )
     if not cases:

@@ -103,8 +103,7 @@ def residuals_of(cases: Iterable[Case], rig: Rig, recipe: Recipe) -> Residuals:
 
 def main(folders: Sequence[Path], write: bool) -> None:
     """Prints or writes the file of the torso."""
-    cases = [case for folder in folders for case in read_cohort(folder)]
-    chosen = (case for case in cases if not case.patient.endswith(("_report", "_sealed")))
+    chosen = [case for folder in folders for case in read_cohort(folder) if case.teaches]
     found = residuals_of(chosen, read_rig(default_rig_path()), load_recipe("default"))
     text = json.dumps(document(found), indent=1) + "\n"
     if write:

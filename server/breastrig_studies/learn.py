@@ -36,7 +36,6 @@ from breastrig_studies.radii_factors import Known, Score, factors, fitted, score
 from breastrig_studies.studies.case import Scene, read_scene
 from breastrig_studies.studies.reference_fit import ReferenceFit, reference_fit
 
-KEPT = ("report", "sealed")  # groups of patient.json from which nothing is estimated
 BODIES = "bodies.json"
 FEWEST = 6  # bodies
 SCATTER = (0.5, 3.0)  # least and most, as the torso's
@@ -75,7 +74,7 @@ class Found:
 
 def learn(glb: Path, bodies: Path) -> Path:
     """Writes what is known of the rig; the folder.  Raises BadInput without bodies to learn from."""
-    cases = [case for case in read_cohort(bodies) if _half(case) not in KEPT]
+    cases = [case for case in read_cohort(bodies) if case.teaches]
     if len({case.patient for case in cases}) < FEWEST:
         raise BadInput(f"{bodies} has fewer than {FEWEST} bodies to learn from; more are needed to say what 90 % are.")
     unknown = [f"{case.patient}/{case.name}" for case in cases if not (case.folder / "truth.ply").is_file()]
@@ -116,11 +115,6 @@ def write(glb: Path, rig: Rig, found: Found, stances: set[str], scans: int) -> P
     (folder / "uncertainty.toml").write_text(_toml(uncertainty, scans), "utf-8")
     (folder / "verdict.toml").write_text(_toml(_verdict(found, stances), scans), "utf-8")
     return bind_known(glb, rig.sha256).parent
-
-
-def _half(case: Case) -> str:
-    file = case.folder.parent / "patient.json"
-    return str(json.loads(file.read_text("utf-8")).get("half", "")) if file.is_file() else ""
 
 
 def _trials(scene: Scene, rig: Rig, recipe: Recipe, true: ReferenceFit | None) -> Iterator[Trial]:

@@ -32,7 +32,7 @@ from breastrig.geometry.normals import face_normals, vertex_normals
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
-from breastrig_studies.cohort import Case, read_cohort
+from breastrig_studies.cohort import CHOOSE, Case, read_cohort
 from breastrig_studies.studies.case import Scene, read_scene
 from breastrig_studies.studies.transfer import fitted, places
 
@@ -77,7 +77,7 @@ def _stances(folder: Path) -> Iterator[tuple[dict[str, str], tuple[Case, Case]]]
         by_patient.setdefault(case.patient, []).append(case)
     for patient, cases in by_patient.items():
         record = json.loads((folder / patient / "patient.json").read_text("utf-8"))
-        if record["half"] == "choose" and record.get("capture", "ordinary") == "ordinary":
+        if cases[0].group == CHOOSE and record.get("capture", "ordinary") == "ordinary":
             standing, lying = ([case for case in cases if case.stance == name] for name in ("standing", "supine"))
             yield from ((record | {"name": patient}, pair) for pair in product(standing, lying))
 

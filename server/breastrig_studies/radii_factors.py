@@ -31,7 +31,7 @@ from breastrig.fitting.uncertainty.radii import OTHER, scatter_of, seen_vertices
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
-from breastrig_studies.cohort import Case, read_cohort
+from breastrig_studies.cohort import CHOOSE, REPORT, Case, read_cohort
 from breastrig_studies.studies.case import Scene, read_scene
 from breastrig_studies.studies.landmarks import CLICK_ERROR
 from breastrig_studies.studies.reference_fit import ReferenceFit, reference_fit
@@ -173,11 +173,10 @@ def read_scores(folder: Path, rig: Rig, recipe: Recipe) -> Iterator[tuple[Case, 
     kept, times = folder.parent / f"radii_{folder.name}", defaultdict[tuple[str, str], int](int)
     kept.mkdir(exist_ok=True)
     for case in read_cohort(folder):
-        patient = json.loads((folder / case.patient / "patient.json").read_text("utf-8"))
         number = int("".join(filter(str.isdigit, case.patient)) or 0)
-        half = patient.get("half", ("choose", "report")[number % 2])
+        half = case.group or (CHOOSE, REPORT)[number % 2]
         times[case.patient, case.stance] += 1
-        if half == "sealed" or times[case.patient, case.stance] > MOST:
+        if case.sealed or times[case.patient, case.stance] > MOST:
             continue
         file = kept / f"{case.patient}_{case.name}.json"
         if not file.is_file():
@@ -214,12 +213,12 @@ def main(folders: Sequence[str], write: bool) -> None:
     rig, recipe = read_rig(default_rig_path()), load_recipe("default")
     known = calibration(rig)
     assert known is not None
-    halves: dict[str, Known] = {"choose": [], "report": []}
+    halves: dict[str, Known] = {CHOOSE: [], REPORT: []}
     for folder in map(Path, folders):
         for case, half, scores in read_scores(folder, rig, recipe):
             halves[half] += [(f"{folder.name} {case.patient}", case.stance, each) for each in scores]
     if write:
-        estimates = factors(halves["choose"], known.enlarged)
+        estimates = factors(halves[CHOOSE], known.enlarged)
         write_factors(default_rig_path().with_suffix(".known"), estimates)
         known = Calibration.model_validate(known.model_dump() | {"stances": estimates})
     for half, found in halves.items():

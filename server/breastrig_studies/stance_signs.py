@@ -37,7 +37,7 @@ from breastrig.fitting.task import FitTask
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
-from breastrig_studies.cohort import Case, read_cohort
+from breastrig_studies.cohort import CHOOSE, REPORT, Case, read_cohort
 from breastrig_studies.studies.case import read_scene
 from breastrig_studies.studies.trust.captured import captured_scene
 
@@ -45,7 +45,7 @@ ASTRAY = 0.04  # m, mean distance of the landmarks
 MOST = 1.5  # standard deviations, of any sign: a woman with next to no breasts shows little, not much
 RIDGE = {SUPINE: 3.0, PRONE: 0.1}  # of the weights, in units of scans, of which each woman has many, or one
 ALONE = "none"  # of the landmarks are given
-GROUPS = ("choose", "report")
+GROUPS = (CHOOSE, REPORT)
 WHOLE, PARTS = "as_it_is", ("breasts_only", "above_nipples", "below_nipples", "one_side")  # of virtual/as_captured.py
 
 
@@ -70,7 +70,7 @@ def signs_of_scans(folder: Path, rig: Rig) -> Iterator[ScanSigns]:
             continue
         if not file.is_file():
             patient = json.loads((folder / case.patient / "patient.json").read_text("utf-8"))
-            half, source = patient.get("half", GROUPS[number % 2]), patient.get("source", case.patient)
+            half, source = case.group or GROUPS[number % 2], patient.get("source", case.patient)
             found = [
                 ScanSigns(f"{folder.name} {case.name} {kind}", half, source, case.stance, signs)
                 for kind, signs in signs_of(case, rig, PARTS[number % len(PARTS)])
@@ -160,7 +160,7 @@ def main(folders: Sequence[Path]) -> None:
     """Measures what is not measured yet, and prints."""
     rig, kept = read_rig(default_rig_path()), stance_signs()
     scans = [each for folder in folders for each in signs_of_scans(folder, rig)]
-    choosing = [s for s in scans if s.half == "choose"]
+    choosing = [s for s in scans if s.half == CHOOSE]
     alone = [s for s in choosing if s.kind.endswith(ALONE)]
     for stance, against in ((SUPINE, all_estimated(alone, kept).supine), (PRONE, all_estimated(alone, kept).prone)):
         say([f"{stance}: constant {against.constant:.3g}"])

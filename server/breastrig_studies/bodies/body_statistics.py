@@ -92,7 +92,7 @@ def _strongest(covariance: Array) -> Array:
 def known_bodies(folder: Path, rig: Rig, recipe: Recipe) -> Iterator[KnownBody]:
     """Fits to every case of the folder."""
     for case in read_cohort(folder):
-        if case.patient.endswith(("_report", "_sealed")):
+        if not case.teaches:
             continue
         found = reference_fit(read_scene(case), rig, recipe)
         if found is not None:

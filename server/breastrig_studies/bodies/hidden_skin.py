@@ -26,7 +26,7 @@ from breastrig.geometry.boundary import boundary_vertices
 from breastrig.geometry.normals import vertex_normals
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
-from breastrig_studies.cohort import read_cohort
+from breastrig_studies.cohort import CHOOSE, read_cohort
 from breastrig_studies.lying_motion import OURS, agreed, spaced
 from breastrig_studies.studies.case import Scene, read_scene
 
@@ -103,7 +103,7 @@ def main(folder: Path, into: Path = FOLDER) -> None:
     bodies: dict[str, dict[str, list[tuple[Booleans, Array]]]] = {"standing": {}, "supine": {}}
     for case in read_cohort(folder):
         patient = json.loads((folder / case.patient / "patient.json").read_text("utf-8"))
-        if patient["half"] == "choose" and patient["capture"] == "ordinary":
+        if case.group == CHOOSE and patient["capture"] == "ordinary":
             scene = read_scene(case)
             found = hidden_heights(scene, rig, scene.fitted(rig, recipe, {}).vertices)
             bodies[case.stance].setdefault("ours" if patient["source"].startswith(OURS) else "given", []).append(found)

@@ -79,7 +79,7 @@ def main(folder: Path, into: Path = FOLDER) -> None:
     women = dict[str, list[Body]]()
     for case in read_cohort(folder):
         patient = json.loads((folder / case.patient / "patient.json").read_text("utf-8"))
-        if (patient["capture"], case.stance) != ("ordinary", "supine"):
+        if case.sealed or (patient["capture"], case.stance) != ("ordinary", "supine"):
             continue
         scene = read_scene(case)
         if scene.target.table is None:
