@@ -8,9 +8,10 @@ from flask.testing import FlaskClient
 from helpers.label_maps import LESION, RADIUS, body_labels, nifti
 
 
-def test_a_lesion_of_a_label_map_is_an_item_of_the_plan(client: FlaskClient) -> None:
+@pytest.mark.parametrize("name", ["Jane Doe.nii.gz", "IM000001", "1.3.6.1.4.1.9590.100.1.2"])
+def test_a_lesion_of_a_label_map_is_an_item_of_the_plan(client: FlaskClient, name: str) -> None:
     data = gzip.compress(nifti(body_labels()))
-    answer = client.post("/api/scans", data={"file": (io.BytesIO(data), "Jane Doe.nii.gz")})
+    answer = client.post("/api/scans", data={"file": (io.BytesIO(data), name)})
     assert answer.status_code == 201, answer.json
     assert answer.json is not None
     scan = answer.json

@@ -27,6 +27,7 @@ def test_meta_names_version_limits_and_model(client: FlaskClient, config: Config
         "triangles": config.uploads.triangles,
         "keep_days": 30,
     }
+    assert {".ply", ".nii", ".nii.gz", ".dcm"} <= set(meta["scan_files"]["endings"])
     assert meta["units"] == ["auto", "m", "dm", "cm", "mm", "in", "ft"]
     assert (meta["model"]["name"], meta["model"]["bones"], meta["model"]["blendshapes"]) == ("toy", 4, 4)
     assert [landmark["name"] for landmark in meta["landmarks"]] == list(toy_rig().landmark_names)

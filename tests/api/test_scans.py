@@ -129,9 +129,15 @@ def test_too_many_triangles_are_refused(client: FlaskClient, service: Service, m
     assert "3,072 triangles" in problem(upload(client, torso_ply()), 413)
 
 
-@pytest.mark.parametrize("name", ["scan.exe", "scan", "scan.ply.doc", ".ply", "../../etc/passwd"])
-def test_a_file_of_another_kind_is_refused_by_its_name(client: FlaskClient, torso: bytes, name: str) -> None:
-    assert "PLY, OBJ, STL, GLB" in problem(upload(client, torso, name), 415)
+NAMES = ["IM000001", "1.2.840.113619.2.5.1762583153", "scan", "scan.ply.doc", ".ply", "scan.stored", "../../etc/passwd"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_bytes_decide_and_no_name(client: FlaskClient, torso: bytes, name: str) -> None:
+    assert upload(client, torso, name).status_code == 201
+    sentence = "This file is no 3D scan that can be read; give PLY, OBJ, STL, GLB, glTF, USDZ, PCD, a table of points, "
+    sentence += "a label map (NIfTI, DICOM SEG), or a zip of one of them."
+    assert problem(upload(client, b"\x89PNG\r\n\x1a\n" + bytes(500), name), 422) == sentence
 
 
 def test_a_form_without_a_file_is_refused(client: FlaskClient) -> None:

@@ -70,7 +70,7 @@ def test_a_text_file_with_the_ending_of_a_scan(named: str) -> None:
 
 
 def test_a_file_of_an_unknown_kind() -> None:
-    assert "not a PLY, OBJ, STL, GLB, PCD or zip" in refused(b"\x89HDF\r\n\x1a\n" + bytes(100))
+    assert "This file is no 3D scan that can be read" in refused(b"\x89HDF\r\n\x1a\n" + bytes(100))
 
 
 def test_a_missing_file(tmp_path: Path) -> None:

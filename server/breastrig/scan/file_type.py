@@ -6,23 +6,12 @@ from breastrig.core.errors import BadScan
 from breastrig.scan.point_clouds.point_table import is_point_table
 
 FILE_TYPES = ("ply", "obj", "stl", "glb", "gltf", "zip", "pcd", "xyz", "usd", "nifti", "dicom")
-POINT_TABLES = ("xyz", "asc", "pts", "txt", "csv", "xyzn", "xyzrgb")
-LABEL_MAPS = ("nii", "gz", "dcm")
-ENDINGS = (
-    "ply",
-    "obj",
-    "stl",
-    "glb",
-    "gltf",
-    "zip",
-    "pcd",
-    "usdz",
-    "usd",
-    "usda",
-    "usdc",
-    *LABEL_MAPS,
-    *POINT_TABLES,
-)  # of names
+ENDINGS = (  # of names; the only list of them, which the service tells its page
+    *(".ply", ".obj", ".stl", ".glb", ".gltf", ".zip", ".usdz", ".usd", ".usda", ".usdc"),
+    *(".nii", ".nii.gz", ".gz", ".dcm"),  # label maps
+    *(".pcd", ".xyz", ".asc", ".pts", ".txt", ".csv", ".xyzn", ".xyzrgb"),  # points
+)
+UNKNOWN = "unknown"  # the type of a file whose name says nothing
 USD_LAYERS = (".usd", ".usda", ".usdc")
 USD_STARTS = (b"PXR-USDC", b"#usda")
 BINARY_STL_HEADER = 84  # bytes: a title and the number of triangles
@@ -70,7 +59,10 @@ def file_type_of(data: bytes, named: str | None = None) -> str:
         return "stl"
     if named in FILE_TYPES:
         raise BadScan(f"This file is named .{named} but holds no {named.upper()} data; {EXPORT}.")
-    raise BadScan(f"This is not a PLY, OBJ, STL, GLB, PCD or zip file; {EXPORT}.")
+    raise BadScan(
+        "This file is no 3D scan that can be read; give PLY, OBJ, STL, GLB, glTF, USDZ, PCD, a table of points, "
+        "a label map (NIfTI, DICOM SEG), or a zip of one of them."
+    )
 
 
 def plain_text(data: bytes) -> bytes:

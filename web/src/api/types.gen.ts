@@ -582,6 +582,7 @@ export type Meta = {
   version: string;
   notice: string;
   limits: Limits;
+  scan_files: ScanFiles;
   units: string[];
   model: ModelSummary;
   /** names of those that a scan can be uploaded for */
@@ -1199,6 +1200,11 @@ export type Scan = {
   /** name of the model that it is fitted with */
   model: string;
   links: ScanLinks;
+};
+
+export type ScanFiles = {
+  /** of names, with their dots; a file without an ending, as on a PACS's media, is read too */
+  endings: string[];
 };
 
 export type ScanLinks = {

@@ -14,7 +14,6 @@ import { createLandmarkPanel } from "../landmarks/LandmarkPanel";
 import { needsConfirming } from "../landmarks/state";
 import { createPatientList } from "../patients/PatientList";
 import { createPlanNotice } from "../plan/PlanNotice";
-import { READABLE } from "../scan/actions";
 import { createEmptyState } from "../scan/EmptyState";
 import { createScanPanel } from "../scan/ScanPanel";
 import { empty as emptyText } from "../scan/text";
@@ -231,7 +230,6 @@ function acceptDrops(host: HTMLElement, veil: HTMLElement, actions: Actions): vo
   veil.addEventListener("dragleave", () => show(veil, false));
   host.addEventListener("drop", (event) => {
     const files = [...(event.dataTransfer?.files ?? [])];
-    const file = files.find((each) => READABLE.test(each.name)) ?? files[0];
-    if (file) void actions.scan.upload(file);
+    if (files.length > 0) void actions.scan.drop(files);
   });
 }

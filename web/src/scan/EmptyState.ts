@@ -2,19 +2,19 @@
 import type { UnitChoice } from "../api/types";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
-import { button, fileButton, problem, select } from "../ui/controls";
+import { ANY_FILE, button, fileButton, problem, select } from "../ui/controls";
 import { el, fill, icon, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import { formatMegabytes } from "../ui/units";
 import type { ScanActions } from "./actions";
-import { SCAN_FILES, unitOptions } from "./ScanPanel";
+import { unitOptions } from "./ScanPanel";
 import type { ScanSlice } from "./state";
 import * as text from "./text";
 
 type Shown = Pick<ScanSlice & PageSlice, "scan" | "loading" | "units" | "meta" | "examples" | "problems">;
 
 export function createEmptyState(actions: ScanActions, dismiss: (place: "scan" | "service") => void): Panel<Shown> {
-  const choose = fileButton(text.empty.choose, SCAN_FILES, "primary", (file) => void actions.upload(file));
+  const choose = fileButton(text.empty.choose, ANY_FILE, "primary", (file) => void actions.upload(file));
   choose.querySelector("input")!.id = "scan-file";
   const units = select<UnitChoice>(text.empty.units, actions.chooseUnits, "field inline");
   const models = select<string>(text.empty.model, (name) => void actions.chooseModel(name), "field inline");

@@ -1,7 +1,7 @@
 // Step 1, when a scan is there: what the service read, in which unit and why, and which way the body faces.
 import type { UnitChoice } from "../api/types";
 import type { PageSlice } from "../store/page";
-import { button, fileButton, type Option, problem, row, select } from "../ui/controls";
+import { ANY_FILE, button, fileButton, type Option, problem, row, select } from "../ui/controls";
 import { el, fill, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import { formatCm, formatCount } from "../ui/units";
@@ -11,7 +11,6 @@ import { createCropRow } from "./CropRow";
 import type { ScanSlice } from "./state";
 import * as text from "./text";
 
-export const SCAN_FILES = ".ply,.obj,.stl,.glb,.gltf,.zip,.pcd,.usdz,.usd,.usda,.usdc,.nii,.gz,.dcm,.xyz,.asc,.pts,.txt,.csv,.xyzn,.xyzrgb";
 const TURNS: Turn[] = ["around", "sideways", "forwards"];
 
 export const unitOptions = (): Option<UnitChoice>[] =>
@@ -36,7 +35,7 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
   const doubt = el("p", { class: "look-here", role: "status", hidden: true });
   const unitNote = el("p", { class: "muted small", hidden: true }, text.scan.unitNote);
   const wrong = problem(dismiss);
-  const other = fileButton(text.scan.other, SCAN_FILES, "quiet wide", (file) => void actions.upload(file));
+  const other = fileButton(text.scan.other, ANY_FILE, "quiet wide", (file) => void actions.upload(file));
   const element = el(
     "div",
     { class: "panel" },

@@ -11,9 +11,6 @@ import { type Crop, type Crops, cropsFrom, cropsOf, cutsOf, mergedCrops, MOST, N
 import type { ScanSlice, ScanState } from "./state";
 import * as text from "./text";
 
-/** The endings of names that the service takes. */
-export const READABLE = /\.(ply|obj|stl|glb|gltf|zip|pcd|usdz|usd|usda|usdc|xyz|asc|pts|txt|csv|xyzn|xyzrgb)$/i;
-
 type State = PageSlice & ViewSlice & ScanSlice;
 
 /** What the other features keep with a scan, and do when another one is opened. */
@@ -28,6 +25,15 @@ export interface ScanContents {
   stop(): void;
   /** What was found on it does not hold any more, because something was cut away. */
   cut(): object;
+}
+
+/** A folder, or a file that was moved meanwhile, would break off the sending as a service does that does not answer. */
+async function checkReadable(file: File): Promise<void> {
+  try {
+    await file.slice(0, 1).arrayBuffer();
+  } catch {
+    throw new ApiError(text.errors.unreadable, 0);
+  }
 }
 
 export function scanActions(store: Store<State>, client: Client, contents: ScanContents, onLandmarks: () => void) {
@@ -122,24 +128,37 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
 
   let chosen = Promise.resolve(); // until the model of what is brought next is known
 
+  function upload(file: File, units: UnitChoice = store.get().units): Promise<boolean> {
+    const title = text.uploaded;
+    store.set({ units });
+    return bring(title, async () => {
+      const mine = generation;
+      const progress = (share: number): void => {
+        const phase = share < 1 ? "sending" : "preparing";
+        if (mine === generation) store.set({ loading: { phase, share, title } });
+      };
+      progress(0);
+      await chosen;
+      await checkReadable(file);
+      return { info: await client.upload(file, units, store.get().meta?.model.name, progress), file, own: null, isNew: true };
+    });
+  }
+
   return {
-    upload(file: File, units: UnitChoice = store.get().units): Promise<boolean> {
-      if (!READABLE.test(file.name)) {
-        store.set((state) => ({ ...contents.interrupted(), step: "scan", ...withProblem(state, "scan", text.errors.notAScan(file.name)) }));
-        return Promise.resolve(false);
+    upload,
+
+    /** Files let go over the page: one is read, whatever its name; of several the one whose ending is a scan's. */
+    async drop(files: readonly File[]): Promise<boolean> {
+      const { meta } = store.get();
+      const known = files.filter(({ name }) => meta?.scan_files.endings.some((ending) => name.toLowerCase().endsWith(ending)));
+      const file = files.length === 1 ? files[0] : known.length === 1 ? known[0] : undefined;
+      if (file === undefined) {
+        store.set((state) => ({ ...contents.interrupted(), step: "scan", ...withProblem(state, "scan", text.errors.several(files.length)) }));
+        return false;
       }
-      const title = text.uploaded;
-      store.set({ units });
-      return bring(title, async () => {
-        const mine = generation;
-        const progress = (share: number): void => {
-          const phase = share < 1 ? "sending" : "preparing";
-          if (mine === generation) store.set({ loading: { phase, share, title } });
-        };
-        progress(0);
-        await chosen;
-        return { info: await client.upload(file, units, store.get().meta?.model.name, progress), file, own: null, isNew: true };
-      });
+      const isThere = await upload(file);
+      if (isThere && files.length > 1) store.set((state) => withProblem(state, "scan", text.errors.oneOf(files.length)));
+      return isThere;
     },
 
     takeExample(name: string): Promise<boolean> {

@@ -2,7 +2,7 @@
 
 export const empty = {
   title: "Drop a 3D scan of the torso here",
-  formats: "PLY, OBJ, STL, GLB, USDZ, points (PCD, XYZ, PLY), or a zip as scanner apps make it.",
+  formats: "PLY, OBJ, STL, GLB, USDZ, points (PCD, XYZ, PLY), an MRI's label map (NIfTI, DICOM SEG), or a zip as scanner apps make it.",
   limit: (megabytes: string) => `Up to ${megabytes} MB.`,
   choose: "Choose a scan file",
   units: "Unit of the file",
@@ -89,7 +89,9 @@ export const scan = {
 };
 
 export const errors = {
-  notAScan: (name: string) => `“${name}” is not a 3D scan that can be read here: choose a PLY, OBJ, STL, GLB, glTF, USDZ, PCD or XYZ file, a table of points, a label map (NIfTI, DICOM SEG), or a zip.`,
+  several: (count: number) => `Of these ${count} files none was loaded: load one at a time, and those that belong together as one zip.`,
+  oneOf: (count: number) => `One of these ${count} files was loaded. If they belong together, as an OBJ and its pictures do, load them as one zip.`,
+  unreadable: "The browser cannot read this. If it is a folder, pack it into a zip; if it is a file that was moved or changed, choose it again.",
   noScan: "This scan is no longer kept by the service. Load it again.",
   mesh: "The scan cannot be drawn: the service sent a mesh that is not valid glTF.",
 };

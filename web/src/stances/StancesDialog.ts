@@ -1,10 +1,9 @@
 // Where the second scan comes from: a file, the patient's other scans, or those filed under a code that is typed.
-import { SCAN_FILES } from "../scan/ScanPanel";
 import type { FitSlice } from "../fit/state";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
-import { button, fileButton, iconButton, problem } from "../ui/controls";
+import { ANY_FILE, button, fileButton, iconButton, problem } from "../ui/controls";
 import { el, fill, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import { close as closeText } from "../ui/text";
@@ -20,7 +19,7 @@ type Shown = Pick<PageSlice & ScanSlice & FitSlice & StancesSlice, "examples" | 
 
 export function createStancesDialog(stances: StancesActions, dismiss: () => void): Panel<Shown> {
   const close = (): void => stances.dialog(false);
-  const file = fileButton(words.upload, SCAN_FILES, "outlined wide", (chosen) => void stances.upload(chosen));
+  const file = fileButton(words.upload, ANY_FILE, "outlined wide", (chosen) => void stances.upload(chosen));
   file.querySelector("input")!.id = "second-scan-file";
   const examples = el("div", { class: "choices" });
   const exampleLabel = el("p", { class: "label" }, words.examples);

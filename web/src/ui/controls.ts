@@ -47,8 +47,11 @@ export function segmented<Value extends string>(label: string, options: readonly
   };
 }
 
+/** For file buttons whose files may have no ending, as on a PACS's media: the chooser hides what is not listed. */
+export const ANY_FILE = null;
+
 /** A file button: the label is the button, so that it needs no script to open the chooser. */
-export function fileButton(label: string, accept: string, look: string, chosen: (file: File) => void, image: IconName = "upload") {
+export function fileButton(label: string, accept: string | null, look: string, chosen: (file: File) => void, image: IconName = "upload") {
   const input = el("input", {
     type: "file",
     accept,

@@ -1,5 +1,6 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { page, scanInfo, withScan } from "../fakes";
+import * as text from "../../src/scan/text";
 import { ApiError } from "../../src/api/client";
 import type { Meta, Scan } from "../../src/api/types";
 
@@ -58,12 +59,34 @@ test("a refused upload says why and leaves the scan before it, with its landmark
   expect(store.get().picks.present).toEqual({ nipple_L: [1, 2, 3] });
 });
 
-test("a file of another kind is not even sent", async () => {
+test("files of any name are sent: the service decides from their bytes", async () => {
+  const sent: string[] = [];
+  const { actions } = page({ upload: async ({ name }) => (sent.push(name), scanInfo("s2")) });
+  const names = ["mri.nii.gz", "mri.nii", "seg.dcm", "IM000001", "1.2.840.113619.2.5", "scan.ply"];
+  for (const name of names) await actions.scan.upload(file(name));
+  for (const name of names) await actions.scan.drop([file(name)]);
+  expect(sent).toEqual([...names, ...names]);
+});
+
+test("of several files let go the only scan is read, and it is said; where none or more might be it, none is", async () => {
+  const sent: string[] = [];
+  const { store, actions } = page({ upload: async ({ name }) => (sent.push(name), scanInfo("s2")) });
+  await actions.scan.drop([file("skin.jpg"), file("body.OBJ"), file("body.mtl")]);
+  expect(sent).toEqual(["body.OBJ"]);
+  expect(store.get().problems.scan).toBe(text.errors.oneOf(3));
+  await actions.scan.drop([file("a.nii.gz"), file("b.nii.gz")]);
+  await actions.scan.drop([file("IM000001"), file("IM000002")]);
+  expect(sent).toEqual(["body.OBJ"]);
+  expect(store.get().problems.scan).toBe(text.errors.several(2));
+});
+
+test("a folder let go is no silent service", async () => {
   const upload = vi.fn();
   const { store, actions } = page({ upload });
-  await actions.scan.upload(file("holiday.jpg"));
+  const folder = { name: "DICOM", slice: () => ({ arrayBuffer: () => Promise.reject(new Error("NotFoundError")) }) } as unknown as File;
+  await actions.scan.drop([folder]);
   expect(upload).not.toHaveBeenCalled();
-  expect(store.get().problems.scan).toContain("holiday.jpg");
+  expect(store.get().problems.scan).toBe(text.errors.unreadable);
 });
 
 test("the scan asked for last wins over a slower, earlier one", async () => {

@@ -12,6 +12,7 @@ from breastrig.drawings.pattern_parameters import pattern_forms
 from breastrig.drawings.patterns import offered_patterns
 from breastrig.files.result import ModelSummary
 from breastrig.fitting.presets.preset_files import preset_names
+from breastrig.scan.file_type import ENDINGS
 
 meta = APIBlueprint("meta", __name__, tag={"name": "meta", "description": "Version, limits, examples."})
 
@@ -33,6 +34,7 @@ def about(query_data: wire_meta.MetaQuery) -> wire_meta.Meta:
         limits=wire_meta.Limits(
             upload_bytes=uploads.file_bytes, triangles=uploads.triangles, keep_days=context.config.keep_days
         ),
+        scan_files=wire_meta.ScanFiles(endings=list(ENDINGS)),
         units=list(wire.UNITS),
         model=ModelSummary(
             name=rig.name,

@@ -14,7 +14,7 @@ from breastrig.api.place_checks import check_landmarks, picks_of_file
 from breastrig.api.wire import common as wire
 from breastrig.core.errors import NotFound
 from breastrig.core.picks import Picks
-from breastrig.scan.file_type import ENDINGS
+from breastrig.scan.file_type import ENDINGS, UNKNOWN
 from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES
 from breastrig.storage.files import MESH, THUMBNAIL, scan_place
 from breastrig.storage.rows.patients import PatientRow, patients_of_scans
@@ -48,21 +48,17 @@ Landmarks = tuple[wire.LandmarkFile, int, dict[str, str]]
 @scans.output(wire.Scan, status_code=201, description="The scan was read and stored")
 @scans.doc(
     operation_id="uploadScan",
-    responses={413: "Too large", 415: "Not a scan file", 422: "Cannot be read", 429: "Too many"},
+    responses={413: "Too large", 415: "No form with a file", 422: "Cannot be read", 429: "Too many"},
 )
 def upload_scan(files_data: wire.ScanUpload) -> tuple[wire.Scan, int, dict[str, str]]:
     """Upload a scan
 
-    The file's name serves only to find its type and is not kept.
+    The bytes decide what the file is. Its name is not kept: the ending serves to word errors, and may be missing.
     """
-    suffix = PurePosixPath(files_data.file.filename or "").suffix.lower().lstrip(".")
-    if suffix not in ENDINGS:
-        raise refuse(
-            415,
-            "This is not a scan file; send PLY, OBJ, STL, GLB, glTF, USDZ, PCD, points, a label map or a zip.",
-        )
+    ending = PurePosixPath(files_data.file.filename or "").suffix.lower()
+    file_type = ending.lstrip(".") if ending in ENDINGS else UNKNOWN
     row = app_context().service.add_scan(
-        files_data.file.stream, suffix, files_data.units, files_data.patient or None, files_data.model or None
+        files_data.file.stream, file_type, files_data.units, files_data.patient or None, files_data.model or None
     )
     answer = scan_answer(row)
     return answer, 201, {"Location": answer.links.self}

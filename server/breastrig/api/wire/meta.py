@@ -28,6 +28,12 @@ class Limits(Wire):
     keep_days: float | None = Field(description="scans are deleted so many days after their upload; null: never")
 
 
+class ScanFiles(Wire):
+    endings: list[str] = Field(
+        description="of names, with their dots; a file without an ending, as on a PACS's media, is read too"
+    )
+
+
 class LandmarkInfo(Wire):
     name: str
     label: str
@@ -65,6 +71,7 @@ class Meta(Wire):
     version: str
     notice: str
     limits: Limits
+    scan_files: ScanFiles
     units: list[str]
     model: ModelSummary
     models: list[str] = Field(description="names of those that a scan can be uploaded for")
