@@ -7,7 +7,16 @@ from breastrig.core.errors import BadInput
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.volume.breast_skin import breast_skins
-from breastrig.volume.predicted import STANCES, GravityPrior, gravity_prior, posture, predicted, stood_up
+from breastrig.volume.predicted import (
+    LEAST,
+    STANCES,
+    GravityPrior,
+    gravity_prior,
+    posture,
+    predicted,
+    stood_up,
+    with_breasts,
+)
 
 
 @pytest.fixture(scope="module")
@@ -20,7 +29,7 @@ def test_what_is_seen_in_one_stance_says_the_others_as_bayes_has_it() -> None:
     rng = np.random.default_rng(5)
     factors = {name: rng.normal(size=(2, 6)) for name in STANCES}
     mean = {name: rng.normal(size=6) for name in STANCES}
-    prior = GravityPrior(mean, factors, observation=0.5, band=1.0, posture=0.0)
+    prior = GravityPrior(mean, factors, observation=0.5, band=1.7, posture=0.0)
     seen = rng.normal(size=6)
     move, radii = prior.moved(seen.reshape(2, 3), "standing", "prone")
     stands, moves = factors["standing"], factors["prone"] - factors["standing"]
@@ -28,7 +37,65 @@ def test_what_is_seen_in_one_stance_says_the_others_as_bayes_has_it() -> None:
     wanted = mean["prone"] - mean["standing"] + gain @ (seen - mean["standing"])
     left = moves.T @ moves - gain @ stands.T @ moves
     assert move.ravel() == pytest.approx(wanted)
-    assert radii == pytest.approx(np.sqrt(np.diag(left).reshape(2, 3).sum(axis=1)))
+    assert radii == pytest.approx(1.7 * np.sqrt(np.diag(left).reshape(2, 3).sum(axis=1)))
+
+
+def test_nine_of_ten_places_are_held_of_women_as_the_gaussian_has_them() -> None:
+    """Drawn with her heights, which are seen with an error; a place whose deviation is shared by three axes."""
+    rng = np.random.default_rng(6)
+    factors = {name: rng.normal(0.0, 0.01, (40, 30)) for name in STANCES}
+    mean = {name: rng.normal(0.0, 0.01, 30) for name in STANCES}
+    prior = GravityPrior(mean, factors, observation=0.01, band=1.45, posture=0.0)
+    held = []
+    for _ in range(300):
+        z = rng.normal(size=40)
+        seen, true = (mean[name] + z @ factors[name] for name in ("standing", "supine"))
+        move, radii = prior.moved((seen + 0.01 * rng.normal(size=30)).reshape(-1, 3), "standing", "supine")
+        held.append(np.linalg.norm(move - (true - seen).reshape(-1, 3), axis=1) <= radii)
+    assert np.mean(held) == pytest.approx(0.9, abs=0.02)
+
+
+def test_no_place_is_known_exactly() -> None:
+    alike = {name: np.ones((1, 3)) for name in STANCES}
+    prior = GravityPrior({name: np.zeros(3) for name in STANCES}, alike, observation=0.06, band=2.0, posture=0.0)
+    assert prior.moved(np.zeros((1, 3)), "standing", "prone")[1] == pytest.approx([2.0 * LEAST])
+
+
+@pytest.mark.parametrize("goal", ["supine", "prone"])
+def test_posture_and_breast_are_off_independently_and_each_side_by_its_own(goal: str, rig: Rig) -> None:
+    prior = gravity_prior(rig)
+    assert prior is not None
+    assert 0.001 < prior.posture < 0.05  # m
+    skins = breast_skins(rig)
+    within = [np.linspace(0.001, 0.03, len(skins[0].skin)), np.full(len(skins[1].skin), 0.2)]
+    still = [np.zeros((len(each.skin), 3)) for each in skins]
+    found = with_breasts(rig, rig.template, "standing", goal, list(zip(still, within, strict=True)))
+    only = {side.side: np.setdiff1d(side.skin, other.skin) for side, other in (skins, skins[::-1])}
+    for side, off in zip(skins, within, strict=True):
+        here = np.isin(side.skin, only[side.side])
+        assert found.radii[side.skin[here]] == pytest.approx(np.sqrt(prior.posture**2 + off[here] ** 2))
+    others = np.setdiff1d(np.arange(len(rig.template)), np.union1d(skins[0].skin, skins[1].skin))
+    assert found.radii[others] == pytest.approx(prior.posture)
+
+
+def test_a_mirrored_woman_has_mirrored_radii(rig: Rig) -> None:
+    left, _ = breast_skins(rig)
+    larger = rig.template.copy()
+    larger[left.skin[left.breast]] += 0.5 * left.heights(larger)[left.breast]
+    mirrored = larger[rig.mirror_vertices] * [-1.0, 1.0, 1.0]
+    for goal in ("supine", "prone"):
+        here, there = (predicted(rig, each, "standing", goal) for each in (larger, mirrored))
+        assert there.radii == pytest.approx(here.radii[rig.mirror_vertices])
+        assert there.vertices == pytest.approx(here.vertices[rig.mirror_vertices] * [-1.0, 1.0, 1.0], abs=1e-9)
+
+
+def test_a_breast_that_moves_is_less_sure_than_the_chest_that_does_not(rig: Rig) -> None:
+    """In the scan's metres: a few millimetres to a few centimetres, whatever the file's unit."""
+    for goal in ("supine", "prone"):
+        radii = predicted(rig, rig.template, "standing", goal).radii
+        breast, notch = radii[rig.regions["areola_L"]], radii[rig.faces[rig.landmark_points(("xiphoid",)).faces]]
+        assert 0.003 < notch.min() < breast.min()
+        assert breast.max() < 0.06
 
 
 def test_a_symmetric_body_stays_symmetric_and_its_trunk_stays(rig: Rig) -> None:

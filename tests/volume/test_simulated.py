@@ -12,8 +12,9 @@ from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.volume.breast_skin import BreastSkin, breast_skins
 from breastrig.volume.gravity.simulated import Patient, simulated
+from breastrig.volume.gravity.soft_breast import published
 from breastrig.volume.gravity.statics import NoEquilibrium
-from breastrig.volume.predicted import posture
+from breastrig.volume.predicted import gravity_prior, posture
 from breastrig.volume.tetrahedra import volume_mesh
 
 
@@ -66,3 +67,27 @@ def test_the_stiffness_is_the_one_that_a_second_scan_shows(rig: Rig) -> None:
     assert shares == sorted(shares)
     assert shares[0] == 0.0
     assert shares[-1] < 1.0
+
+
+class Soft(Patient):
+    """Its breasts move all the farther the softer they are."""
+
+    def moved(self, side: BreastSkin, goal: str, factor: float) -> Array:
+        return np.where(side.breast, 0.01 / factor, 0.0)[:, None] * [0.0, 0.0, 1.0]
+
+
+def test_nine_of_ten_stiffnesses_keep_a_breast_within_its_radius(rig: Rig) -> None:
+    """Drawn as it is published; a place moves as far as the softest of those lets it."""
+    patient = Soft(rig, None, rig.template, "standing")  # type: ignore[arg-type]
+    _, found = ended(simulated(patient, "prone"))
+    prior = gravity_prior(rig)
+    assert prior is not None
+    nipple = rig.regions["areola_L"]
+    within = np.sqrt(found.radii[nipple] ** 2 - prior.posture**2)
+    spread = published()["fat"]["log_sd"]
+    factors = np.exp(spread * np.random.default_rng(1).normal(size=100_000))
+    off = np.abs(0.01 / factors - 0.01)
+    assert within == pytest.approx(0.01 * (np.exp(1.645 * spread) - 1.0), rel=1e-3)
+    assert 0.9 <= (off <= within.min()).mean() < 0.96  # stiffer ones are nearer than the softest
+    rest = np.setdiff1d(np.arange(len(rig.template)), np.concatenate([side.skin for side in breast_skins(rig)]))
+    assert found.radii[rest] == pytest.approx(prior.posture)
