@@ -39,9 +39,9 @@ check: web-packages $(VENV)/.stamp-test
 	$(IN_VENV) npm --prefix web run --silent typecheck
 	$(IN_VENV) npm --prefix web run --silent lint
 
-# The inner loop: one room of server/breastrig, with its tests apart from the slow ones, which are listed in a file (a line
-# a test: what --durations=0 shows of those that make whole fits), or with those that are named (a file, a folder, several).
-TESTS = @tests/slow_tests.txt tests/$(ROOM)
+# The inner loop: one room of server/breastrig, with its tests apart from those marked slow (what --durations=0 shows of
+# those that make whole fits), or with those that are named (a file, a folder, several).
+TESTS = -m "not slow and not soak" tests/$(ROOM)
 room: $(VENV)/.stamp-test
 	@{ [ -n "$(ROOM)" ] && [ -f "server/breastrig/$(ROOM)/__init__.py" ] && [ -d "tests/$(ROOM)" ]; } || \
 	    { echo "error: say which room: make room ROOM=fitting; there are" $$(cd server/breastrig && for room in */; do \
@@ -71,7 +71,7 @@ pytest: page $(VENV)/.stamp-test
 	BREASTRIG_POSTGRES="$$(sh .ci/postgres.sh)" && export BREASTRIG_POSTGRES && \
 	    BREASTRIG_NGINX="$$(sh .ci/nginx.sh)" && export BREASTRIG_NGINX && \
 	    PYTHONDONTWRITEBYTECODE= OPENBLAS_NUM_THREADS=1 $(IN_VENV) "$(VENV)/bin/python" -m pytest -n "$$((cores + 1))" --dist loadfile --no-loadscope-reorder \
-	    @tests/soak_tests.txt # they are in `make faults`, `make scale` and `make load`
+	    -m "not soak" # they are in `make faults`, `make scale` and `make load`
 
 browser: page web-packages $(VENV)/.stamp-test
 	BREASTRIG_CHROMIUM="$$(sh .ci/chromium.sh)" && export BREASTRIG_CHROMIUM && \

@@ -27,79 +27,10 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 
-# What takes longest begins first, so that no worker is left with it at the end: by seconds, most of them first; where
-# work waits for servers its seconds count too.
-LONGEST = (
-    "workflow/test_verdict_of_fits.py",
-    "api/test_reports.py",
-    "studies/test_evaluate.py",
-    "scale/test_both_installations.py",
-    "api/test_real_server.py",
-    "examples/test_examples.py",
-    "api/test_fuzz_http.py",
-    "service/test_queue.py",
-    "api/test_web_server.py",
-    "workflow/test_fuzz_bodies.py",
-    "workflow/test_scan_orientation.py",
-    "colour/test_ink_on_painted_skin.py",
-    "cli/test_serve_command.py",
-    "interface/test_fit_interface.py",
-    "cli/test_without_unix_and_server.py",
-    "execution/test_dask_pool.py",
-    "api/test_real_fit.py",
-    "studies/test_studies.py",
-    "faults/test_killed_server.py",
-    "studies/virtual/test_make_virtual_cohort.py",
-    "cli/test_report_command.py",
-    "fitting/test_robustness.py",
-    "cli/test_fit_command.py",
-    "studies/virtual/test_make_warped.py",
-    "studies/test_transfer.py",
-    "load/test_load.py",
-    "service/test_warm_scans.py",
-    "colour/features/test_nipple.py",
-    "drawings/test_live_pattern.py",
-    "cli/test_outputs.py",
-    "interface/test_pair_and_transfer.py",
-    "cli/test_transfer_command.py",
-    "scan/test_fuzz.py",
-    "load/test_share_readers.py",
-    "fitting/test_observation_weights.py",
-    "scan/test_table.py",
-    "api/test_transfers.py",
-    "packaging/test_wheel.py",
-    "fitting/test_recover_truth.py",
-    "contracts/test_readme.py",
-    "api/test_shares.py",
-    "storage/test_deletion.py",
-    "fitting/picks/test_wrong_picks.py",
-    "service/test_pairs.py",
-    "scan/test_points.py",
-    "api/test_scans.py",
-    "storage/test_data_folder.py",
-    "cli/test_interruption.py",
-    "execution/test_pool.py",
-    "colour/test_find_ink.py",
-    "fitting/test_propose.py",
-    "studies/virtual/test_warped_bodies.py",
-    "colour/test_areolae.py",
-    "api/test_drawing_limits.py",
-    "service/test_proposals.py",
-    "scan/test_fuzz_inside.py",
-    "api/test_fits.py",
-    "report/test_measures.py",
-    "fitting/test_orientation.py",
-    "workflow/test_kept_scan.py",
-    "studies/test_colour_landmarks.py",
-    "fitting/body/test_relief.py",
-)
-
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Files of LONGEST first, the others as they were found."""
-    rank = {REPOSITORY / "tests" / name: place for place, name in enumerate(LONGEST)}
-    assert all(path.is_file() for path in rank), "LONGEST names a file that is not there any more"
-    items.sort(key=lambda item: rank.get(item.path, len(rank)))
+    """Files marked `long` first, so that no worker is left with one at the end; the others as they were found."""
+    items.sort(key=lambda item: item.get_closest_marker("long") is None)
 
 
 def pytest_collection_finish() -> None:

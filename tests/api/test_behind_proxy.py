@@ -68,6 +68,7 @@ class _ByName(httpx.HTTPTransport):
         return super().handle_request(request)
 
 
+@pytest.mark.slow
 def test_a_browser_signs_in_over_tls_and_its_cookie_is_for_tls_only(behind: Behind) -> None:
     browser = behind.client(Origin=f"https://{NAME}")
     assert browser.get("/").headers["Location"] == "/sign-in"
@@ -89,6 +90,7 @@ def test_only_the_public_name_is_answered_to_outsiders(behind: Behind) -> None:
         assert behind.client(host=host, **BEARER).get("/api/meta").status_code == 421
 
 
+@pytest.mark.slow
 def test_metrics_stay_closed_to_outsiders_whatever_they_say_of_themselves(behind: Behind) -> None:
     outsider = behind.client("127.0.0.30")
     for headers in ({}, {"X-Forwarded-For": "127.0.0.1"}, {"X-Forwarded-For": "127.0.0.1, 127.0.0.1"}):
@@ -100,6 +102,7 @@ def test_metrics_stay_closed_to_outsiders_whatever_they_say_of_themselves(behind
             assert answer(direct).status == status
 
 
+@pytest.mark.slow
 def test_guesses_are_counted_for_each_real_client_and_the_right_token_passes(behind: Behind) -> None:
     guesser, colleague = behind.client("127.0.0.40"), behind.client("127.0.0.41")
     most = rate_limits.PER_MINUTE["bearer"].amount
@@ -115,6 +118,7 @@ def test_guesses_are_counted_for_each_real_client_and_the_right_token_passes(beh
     assert colleague.post("/sign-in", data={"token": "wrong"}).status_code == 401
 
 
+@pytest.mark.slow
 def test_events_come_through_as_they_happen(behind: Behind, torso: bytes) -> None:
     client = behind.client(**BEARER)
     made = client.post("/api/scans", files={"file": ("torso.ply", torso)})
@@ -145,6 +149,7 @@ def test_uploads_are_refused_with_our_own_sentences_before_they_are_sent(behind:
     assert b"larger than 419 MB" in too_large.body
 
 
+@pytest.mark.slow
 def test_nobody_else_is_believed(behind: Behind) -> None:
     forged = {"X_Forwarded_For": "8.8.8.8", "X_Forwarded_Proto": "https", "X_Forwarded_Host": NAME}
 

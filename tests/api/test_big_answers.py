@@ -100,6 +100,7 @@ def test_nothing_of_the_file_is_in_memory_before_it_is_read(visitor: tuple[Flask
     assert sum(pieces) == len(CONTENT)
 
 
+@pytest.mark.slow
 def test_a_file_that_is_deleted_before_it_is_opened_is_not_there(
     visitor: tuple[FlaskClient, str, BigAnswers], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -129,6 +130,7 @@ def test_places_are_bounded_for_a_share_for_an_address_and_in_all() -> None:
     assert answers.take("A", "10.0.7.7") is not None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("end", ["revoked", "closed", "scan deleted", "patient deleted"])
 def test_a_download_under_way_ends_with_the_link(
     visitor: tuple[FlaskClient, str, BigAnswers],

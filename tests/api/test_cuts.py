@@ -73,6 +73,7 @@ def test_what_is_no_cut_is_refused_and_nothing_is_lost(client: FlaskClient, scan
     assert client.get(place).json == kept
 
 
+@pytest.mark.slow
 def test_a_fit_says_with_which_cuts_it_was_made(
     client: FlaskClient, service: Service, scan_id: str, tmp_path: Path
 ) -> None:

@@ -97,6 +97,7 @@ def test_files_that_could_not_be_removed_are_tried_again_from_time_to_time(
         assert client.delete(f"/api/scans/{scan}").status_code == 204
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damage", ["garbage", "first page", "emptied", "gone"])
 def test_a_database_that_is_damaged_under_a_running_service_makes_it_unready(
     damage: str, client: FlaskClient, service: Service, torso: bytes

@@ -17,6 +17,8 @@ from breastrig.drawings.drawing_schema import BLACK, POINTS, SHAPES
 from breastrig.rig.model import Rig
 from breastrig.workflow.report import drawn_lines
 
+pytestmark = pytest.mark.long
+
 PLACE = [70.0, 350.0, 120.0]
 LINE: dict[str, Any] = {"name": "incision", "points": [PLACE, [60.5, 340.25, 121.0]]}
 
@@ -102,6 +104,7 @@ def carried(client: FlaskClient, drawing: Any) -> Any:
     return client.post("/api/transfers", json={"from_fit": "nothing", "to_fit": "nothing", "drawing": drawing})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TAKEN)
 def test_what_is_taken_anywhere_is_taken_everywhere(
     name: str, client: FlaskClient, own: str, toy_rig: Rig, tmp_path: Path

@@ -99,6 +99,7 @@ def test_a_node_names_only_what_it_changes(client: FlaskClient, fit_id: str) -> 
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("header", ["-1", "abc", "1.5", "٣", "9" * 40])
 def test_a_last_event_id_that_is_no_number_is_refused(client: FlaskClient, fit_id: str, header: str) -> None:
     answer = client.get(f"/api/fits/{fit_id}/events", headers={"Last-Event-ID": header.encode().decode("latin-1")})

@@ -21,6 +21,8 @@ from breastrig.service.service import Service
 from breastrig.storage.rows.fits import NewFit, Once, fit_ids, get_fit
 from breastrig.storage.storage import Storage
 
+pytestmark = pytest.mark.long
+
 PERSONAL = "no-store"
 
 
@@ -143,6 +145,7 @@ def test_a_fit_that_cannot_be_meant_is_refused(client: FlaskClient, scan_id: str
     assert word in problem(client.post("/api/fits", json={"scan": scan_id, "drawing": None, **body}), 422)
 
 
+@pytest.mark.slow
 def test_a_fit_goes_on_only_from_one_of_its_own_scan_that_is_done(
     client: FlaskClient, service: Service, torso: bytes, scan_id: str, fit_id: str
 ) -> None:
@@ -166,6 +169,7 @@ def test_a_fit_goes_on_only_from_one_of_its_own_scan_that_is_done(
     assert ended(service, went_on.json["id"]).start_from == fit_id
 
 
+@pytest.mark.slow
 def test_the_fits_of_a_scan_are_listed_page_by_page(client: FlaskClient, service: Service, scan_id: str) -> None:
     body = {"scan": scan_id, "drawing": None}
     ids = [client.post("/api/fits", json=body).json["id"] for _ in range(5)]
@@ -186,6 +190,7 @@ def test_the_fits_of_a_scan_are_listed_page_by_page(client: FlaskClient, service
     problem(client.get("/api/scans/nobody/fits"), 404)
 
 
+@pytest.mark.slow
 def test_a_request_that_is_sent_again_with_its_key_starts_no_second_fit(
     client: FlaskClient, service: Service, scan_id: str
 ) -> None:
@@ -207,6 +212,7 @@ def test_a_request_that_is_sent_again_with_its_key_starts_no_second_fit(
     assert b"a-key" not in bytes_below(service.storage.root)
 
 
+@pytest.mark.slow
 def test_a_key_is_forgotten_with_its_fit(client: FlaskClient, service: Service, torso: bytes) -> None:
     ids = []
     for _ in range(2):
@@ -218,6 +224,7 @@ def test_a_key_is_forgotten_with_its_fit(client: FlaskClient, service: Service, 
     assert ids[0] != ids[1]
 
 
+@pytest.mark.slow
 def test_many_threads_with_one_key_get_one_fit(client: FlaskClient, service: Service, scan_id: str) -> None:
     new_fit, once = NewFit(scan=scan_id, landmarks_mm={}), Once.of("key", "request")
     with ThreadPoolExecutor(8) as threads:
@@ -226,6 +233,7 @@ def test_many_threads_with_one_key_get_one_fit(client: FlaskClient, service: Ser
     ended(service, made.pop())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", ["", " ", "a b", "x" * 256, "é"])
 def test_a_key_that_is_none_is_refused(client: FlaskClient, scan_id: str, key: str) -> None:
     answer = client.post("/api/fits", json={"scan": scan_id, "drawing": None}, headers={"Idempotency-Key": key})
@@ -237,6 +245,7 @@ def test_a_fit_of_no_scan_is_refused(client: FlaskClient) -> None:
     assert "scan: Field required" in problem(client.post("/api/fits", json={}), 422)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "media_type"),
     [
@@ -264,6 +273,7 @@ def test_results_are_files_with_an_etag_that_the_browser_may_keep(
     assert (again.status_code, again.data) == (304, b"")
 
 
+@pytest.mark.slow
 def test_what_a_browser_has_kept_is_worth_nothing_after_delete(client: FlaskClient, scan_id: str, fit_id: str) -> None:
     fit = f"/api/fits/{fit_id}"
     places = [f"{fit}/{name}" for name in ("result.json", "fitted.glb", "fitted.ply", "drawing.json", "distances.bin")]
@@ -344,6 +354,7 @@ def test_unknown_fits_are_not_found(client: FlaskClient) -> None:
     problem(client.post("/api/fits/nobody/cancel"), 404)
 
 
+@pytest.mark.slow
 def test_a_waiting_fit_says_its_place_and_too_many_are_refused_for_a_while(
     config: Config, model: Path, tmp_path: Path, torso: bytes
 ) -> None:

@@ -32,6 +32,8 @@ from breastrig.core.glb import pack_glb, split_glb
 from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.service.service import Service
 
+pytestmark = pytest.mark.long
+
 EXAMPLES = 16
 CHECKS = [not_a_server_error, content_type_conformance]
 OWN_SHAPE = ("followFit", "getResult")  # a stream is described as a string; the stand-in's result is a short one

@@ -92,6 +92,7 @@ def test_every_file_is_declared_as_bytes_or_as_json() -> None:
             assert declared["schema"] == expected, path
 
 
+@pytest.mark.slow
 def test_a_generated_client_uploads_fits_lists_and_gets_every_file(generated: str, served: tuple[Service, str]) -> None:
     service, address = served
     package, models = importlib.import_module(generated), importlib.import_module(f"{generated}.models")

@@ -23,6 +23,7 @@ def inked(client: FlaskClient) -> str:
     return answer.json["id"]
 
 
+@pytest.mark.slow
 def test_ink_is_found_once_and_deleted_with_the_scan(
     client: FlaskClient, service: Service, inked: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -8,6 +8,7 @@ from flask.testing import FlaskClient
 from helpers.label_maps import LESION, RADIUS, body_labels, nifti
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["Jane Doe.nii.gz", "IM000001", "1.3.6.1.4.1.9590.100.1.2"])
 def test_a_lesion_of_a_label_map_is_an_item_of_the_plan(client: FlaskClient, name: str) -> None:
     data = gzip.compress(nifti(body_labels()))

@@ -59,6 +59,7 @@ def upload(client: FlaskClient, torso: bytes) -> Iterator[Callable[[], str]]:
         client.delete(f"/api/scans/{scan}")
 
 
+@pytest.mark.slow
 def test_all_scans_are_listed_page_by_page_the_newest_first(
     client: FlaskClient, service: Service, upload: Callable[[], str]
 ) -> None:
@@ -92,6 +93,7 @@ def test_a_place_that_no_list_has_named_is_refused(client: FlaskClient, wrong: s
     assert wrong.partition("=")[0] in problem(client.get(f"/api/scans?{wrong}"), 422)
 
 
+@pytest.mark.slow
 def test_all_fits_are_listed_page_by_page_the_newest_first(
     client: FlaskClient, service: Service, upload: Callable[[], str]
 ) -> None:
@@ -106,6 +108,7 @@ def test_all_fits_are_listed_page_by_page_the_newest_first(
     problem(client.get("/api/fits?limit=0"), 422)
 
 
+@pytest.mark.slow
 def test_a_long_page_costs_no_more_queries_than_a_short_one(
     config: Config, service: Service, scan_id: str, tmp_path: Path
 ) -> None:

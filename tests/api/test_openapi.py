@@ -1,6 +1,7 @@
 import json
 import re
 
+import pytest
 from apiflask import APIFlask
 from flask.testing import FlaskClient
 
@@ -34,6 +35,7 @@ def test_every_route_of_the_api_is_described_once(app: APIFlask) -> None:
     assert len(names) == len(set(names))
 
 
+@pytest.mark.slow
 def test_every_reference_of_the_document_leads_somewhere() -> None:
     text = json.dumps(openapi_document())
     names = set(re.findall(r'"#/components/schemas/([^"]+)"', text))

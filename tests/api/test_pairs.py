@@ -20,6 +20,7 @@ def lying(client: FlaskClient, torso: bytes) -> Iterator[str]:
     client.delete(f"/api/scans/{scan_id}")
 
 
+@pytest.mark.slow
 def test_two_stances_are_accepted_and_each_has_its_own_fit(
     client: FlaskClient, service: Service, scan_id: str, lying: str
 ) -> None:
@@ -51,6 +52,7 @@ def test_a_fit_of_one_scan_has_no_partner(client: FlaskClient, service: Service,
     ended(service, answer["id"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("which", ["first", "partner"])
 def test_cancelling_either_cancels_both(
     client: FlaskClient, service: Service, scan_id: str, lying: str, which: str
@@ -88,6 +90,7 @@ def test_a_pair_that_is_asked_for_again_with_its_key_is_the_same_pair(
     assert len(list((service.storage.root / "fits").iterdir())) == len(fit_ids(service.storage))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("other", "status", "word"),
     [

@@ -96,6 +96,7 @@ def test_a_plan_is_kept_whole_with_its_ids_and_versions(client: FlaskClient, add
     problem(client.get(f"{plan_of(scan)}/versions/7"), 404)
 
 
+@pytest.mark.slow
 def test_the_longest_plan_that_the_schema_allows_is_kept(client: FlaskClient, add: Any) -> None:
     """With every digit that a page sends, and notes in letters of three bytes each."""
     scan = add()
@@ -245,6 +246,7 @@ def test_the_list_is_paged_the_newest_first_and_searched_by_code(client: FlaskCl
     problem(client.patch("/api/patients/nobody", json={"code": "x"}), 404)
 
 
+@pytest.mark.slow
 def test_the_list_is_sorted_by_the_service_over_all_its_pages(client: FlaskClient, add: Any) -> None:
     scans = [add() for _ in range(5)]
     codes = ["zz 10", "ZZ 9", "zz 9 b", "zz 010", "zz"]

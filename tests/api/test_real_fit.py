@@ -26,6 +26,8 @@ from breastrig.service.service import Service
 from breastrig.storage.rows.fits import get_fit
 from breastrig.storage.storage import Storage
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Service, FlaskClient]]:
@@ -74,6 +76,7 @@ def nothing_left(service: Service) -> bool:
     return not [file for file in root.glob("*/*") if file.parent != root / "models"]
 
 
+@pytest.mark.slow
 def test_the_model_itself_as_a_scan_in_millimetres_is_fitted(real: tuple[Service, FlaskClient]) -> None:
     service, client = real
     rig = read_rig(default_rig_path())
@@ -95,6 +98,7 @@ def test_the_packaged_examples_are_both_there(real: tuple[Service, FlaskClient])
     assert names == ["standing", "supine"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["standing", "supine"])
 def test_the_packaged_example_is_fitted(real: tuple[Service, FlaskClient], name: str) -> None:
     service, client = real
@@ -125,6 +129,7 @@ def test_the_packaged_example_is_fitted(real: tuple[Service, FlaskClient], name:
     client.delete(scan["links"]["self"])
 
 
+@pytest.mark.slow
 def test_what_was_only_agreed_to_keeps_its_error_and_is_counted_through_every_door(
     real: tuple[Service, FlaskClient], tmp_path: Path
 ) -> None:
@@ -152,6 +157,7 @@ def test_what_was_only_agreed_to_keeps_its_error_and_is_counted_through_every_do
         assert min(result["landmark_uncertainty_mm"].values()) > 4.0
 
 
+@pytest.mark.slow
 def test_a_fit_goes_on_from_an_earlier_one_of_its_scan(real: tuple[Service, FlaskClient]) -> None:
     service, client = real
     scan = client.post("/api/examples/supine").json
@@ -179,6 +185,7 @@ def test_a_fit_goes_on_from_an_earlier_one_of_its_scan(real: tuple[Service, Flas
     client.delete(scan["links"]["self"])
 
 
+@pytest.mark.slow
 def test_the_model_follows_a_landmark_that_is_dragged_and_nothing_is_kept(real: tuple[Service, FlaskClient]) -> None:
     service, client = real
     scan = client.post("/api/examples/standing").json
@@ -217,6 +224,7 @@ def test_the_model_follows_a_landmark_that_is_dragged_and_nothing_is_kept(real: 
     problem(client.post(links["moved"], json={"landmarks": picked}), 404)
 
 
+@pytest.mark.slow
 def test_two_stances_are_fitted_together_with_bodies_alike(real: tuple[Service, FlaskClient]) -> None:
     service, client = real
     scans = {name: client.post(f"/api/examples/{name}").json for name in ("standing", "supine")}
@@ -247,6 +255,7 @@ def test_two_stances_are_fitted_together_with_bodies_alike(real: tuple[Service, 
     assert nothing_left(service)
 
 
+@pytest.mark.slow
 def test_a_pattern_follows_a_hand_and_its_parameters_give_the_same_lines_in_the_plan(
     real: tuple[Service, FlaskClient],
 ) -> None:

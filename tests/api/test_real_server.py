@@ -19,7 +19,10 @@ from breastrig.api.access.security import HEADERS
 from breastrig.api.config import STREAMS
 from breastrig.cli.main import main
 
+pytestmark = pytest.mark.long
 
+
+@pytest.mark.slow
 def test_a_scan_goes_in_and_the_fit_comes_out(tmp_path: Path, model: Path, torso: bytes) -> None:
     data, log = tmp_path / "data", tmp_path / "log"
     with server(data, model, log) as (process, address), httpx.Client(base_url=address, timeout=PATIENCE_S) as client:
@@ -50,6 +53,7 @@ def test_a_scan_goes_in_and_the_fit_comes_out(tmp_path: Path, model: Path, torso
     assert "Traceback" not in log.read_text()
 
 
+@pytest.mark.slow
 def test_a_server_that_is_killed_forgets_no_fit_and_leaves_no_process(
     tmp_path: Path, model: Path, torso: bytes
 ) -> None:
@@ -86,6 +90,7 @@ def address(model: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[s
         yield address
 
 
+@pytest.mark.slow
 def test_an_event_is_sent_when_it_happens(address: str, torso: bytes) -> None:
     """While the fit that it belongs to still runs, for seconds."""
     with httpx.Client(base_url=address, timeout=PATIENCE_S) as client:
@@ -97,6 +102,7 @@ def test_an_event_is_sent_when_it_happens(address: str, torso: bytes) -> None:
         client.post(fit["cancel"])
 
 
+@pytest.mark.slow
 def test_streams_up_to_the_cap_leave_room_for_other_calls_and_give_their_places_back(
     address: str, torso: bytes
 ) -> None:
@@ -176,6 +182,7 @@ def test_a_server_that_cannot_start_says_why_in_one_line(
     assert said.out == ""
 
 
+@pytest.mark.slow
 def test_the_process_of_a_server_that_cannot_start_ends_with_that_line(tmp_path: Path, model: Path) -> None:
     """As the last one above: what it had started by then says nothing and is gone."""
     command = [sys.executable, "-m", "breastrig.cli.main", *refused(tmp_path, model, "--model", "nothing.glb")]
@@ -185,6 +192,7 @@ def test_the_process_of_a_server_that_cannot_start_ends_with_that_line(tmp_path:
     assert len(answer.stderr.splitlines()) == 1
 
 
+@pytest.mark.slow
 def test_the_token_may_come_from_a_file_and_the_log_is_json_without_names(
     tmp_path: Path, model: Path, torso: bytes
 ) -> None:

@@ -26,6 +26,8 @@ from breastrig.storage.storage import Storage, utc_now
 from breastrig.workflow.jobs import ReportJob
 from breastrig.workflow.report import report_files, reported
 
+pytestmark = pytest.mark.long
+
 Real = tuple[Service, FlaskClient, dict[str, str], dict[str, str]]
 
 
@@ -73,6 +75,7 @@ def jobs_of(service: Service, monkeypatch: pytest.MonkeyPatch) -> list[ReportJob
     return jobs
 
 
+@pytest.mark.slow
 def test_the_report_of_a_fit_is_made_once_and_not_kept_on_the_disk(real: Real, monkeypatch: pytest.MonkeyPatch) -> None:
     service, client, _, fits = real
     folder = service.storage.folders.fit(fits["standing"])
@@ -94,6 +97,7 @@ def code_of(client: FlaskClient, scan: str) -> str:
     return str(client.get(link).json["code"])
 
 
+@pytest.mark.slow
 def test_the_report_names_the_patient_by_her_code_and_so_does_its_file(real: Real) -> None:
     service, client, scans, fits = real
     address = f"/api/fits/{fits['standing']}/report.pdf"
@@ -122,6 +126,7 @@ def test_the_report_names_the_patient_by_her_code_and_so_does_its_file(real: Rea
             assert answer.headers["Content-Disposition"] == f"attachment; filename=K7M-4QX_standing_{day}_{name}"
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("blank")
 @pytest.mark.parametrize("name", ["report.pdf", "measures.json"])
 def test_what_is_cut_away_after_the_fit_is_not_in_its_report(
@@ -145,6 +150,7 @@ def test_what_is_cut_away_after_the_fit_is_not_in_its_report(
     assert len(jobs) == 1, "the one without the cut is remembered still"
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("blank")
 def test_two_stances_in_one_report_which_is_not_kept(real: Real) -> None:
     service, client, _, fits = real
@@ -154,6 +160,7 @@ def test_two_stances_in_one_report_which_is_not_kept(real: Real) -> None:
     assert not (service.storage.folders.fit(fits["supine"]) / "report.pdf").exists()
 
 
+@pytest.mark.slow
 def test_the_measures_are_those_of_the_command(real: Real, monkeypatch: pytest.MonkeyPatch) -> None:
     service, client, _, fits = real
     place = client.get(f"/api/fits/{fits['standing']}").json["links"]["measures"]
@@ -199,6 +206,7 @@ def test_a_length_and_the_median_plane_are_the_same_for_page_and_report(real: Re
     assert client.post("/api/fits/nobody/lengths", json={"places": off}).status_code == 404
 
 
+@pytest.mark.slow
 def test_the_measures_of_two_stances_hold_their_changes_and_are_not_kept(real: Real) -> None:
     service, client, _, fits = real
     answer = client.get(f"/api/fits/{fits['supine']}/measures.json?with={fits['standing']}")
@@ -208,6 +216,7 @@ def test_the_measures_of_two_stances_hold_their_changes_and_are_not_kept(real: R
     assert not (service.storage.folders.fit(fits["supine"]) / "measures.json").exists()
 
 
+@pytest.mark.slow
 def test_a_report_of_scans_that_are_filed_as_two_patients_says_so(real: Real) -> None:
     _, client, scans, fits = real
     asked = f"/api/fits/{fits['standing']}/measures.json?with={fits['supine']}"
@@ -252,6 +261,7 @@ def test_a_fit_that_is_not_done_has_no_report(client: FlaskClient, scan_id: str)
     client.post(f"/api/fits/{fit}/cancel")
 
 
+@pytest.mark.slow
 def test_a_fit_without_the_files_of_one_is_a_sentence_without_folders(client: FlaskClient, fit_id: str) -> None:
     """The fit of this service is a fake, whose files hold nothing."""
     answer = client.get(f"/api/fits/{fit_id}/report.pdf")
@@ -259,6 +269,7 @@ def test_a_fit_without_the_files_of_one_is_a_sentence_without_folders(client: Fl
     assert "/" not in answer.json["detail"].replace("/result.json", "")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("blank")
 def test_a_report_with_a_plan_is_remembered_and_not_kept_on_the_disk(real: Real) -> None:
     """It may hold what was carried from another scan, and must not outlive that scan's deletion."""
@@ -284,6 +295,7 @@ def test_a_report_with_a_plan_is_remembered_and_not_kept_on_the_disk(real: Real)
     assert "wants it smaller" not in text_of(client.get(address).data)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("blank")
 def test_a_links_report_has_no_code_and_notes_only_where_the_owner_says_so(real: Real) -> None:
     _, client, scans, fits = real
@@ -309,6 +321,7 @@ def test_a_links_report_has_no_code_and_notes_only_where_the_owner_says_so(real:
         assert "Secret" not in text
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("blank")
 def test_no_length_that_a_plan_can_reach_ends_the_patient(real: Real) -> None:
     """A megabyte, with as many items and points as the schema takes: nudged, fitted again, drawn, reported, shared."""
@@ -370,6 +383,7 @@ def test_no_length_that_a_plan_can_reach_ends_the_patient(real: Real) -> None:
     client.put(plan, json={"items": []}, headers={"If-Match": stored.headers["ETag"]})
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("blank")
 def test_deleting_the_scan_deletes_the_report(real: Real) -> None:
     service, client, scans, fits = real

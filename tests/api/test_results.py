@@ -26,6 +26,7 @@ def unzipped(content: bytes) -> dict[str, bytes]:
         return {name: packed.read(name) for name in packed.namelist()}
 
 
+@pytest.mark.slow
 def test_the_zip_has_every_file_as_its_own_address_answers_it(
     client: FlaskClient, service: Service, fit_id: str, model: Path, tmp_path: Path
 ) -> None:
@@ -50,6 +51,7 @@ def test_the_zip_has_every_file_as_its_own_address_answers_it(
     assert read_fit_folder(tmp_path, model).rig.sha256 == read_rig(model).sha256
 
 
+@pytest.mark.slow
 def test_a_fit_without_results_has_no_zip(client: FlaskClient, scan_id: str) -> None:
     links = client.post("/api/fits", json={"scan": scan_id, "preset": "paper"}).json["links"]
     assert "its results come when it is done" in problem(client.get(links["result_zip"]), 409)
@@ -59,6 +61,7 @@ def test_a_fit_without_results_has_no_zip(client: FlaskClient, scan_id: str) -> 
     problem(client.get("/api/fits/nobody/result.zip"), 404)
 
 
+@pytest.mark.slow
 def test_a_zip_of_a_fit_that_is_deleted_meanwhile_is_not_there(
     client: FlaskClient, fit_id: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -71,6 +74,7 @@ def test_a_zip_of_a_fit_that_is_deleted_meanwhile_is_not_there(
     assert "deleted" in problem(answer, 404)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", ["fits/{fit}/fitted.ply", "fits/{fit}/result.zip", "scans/{scan}/mesh.glb"])
 @pytest.mark.parametrize("deleted", ["scan", "patient"])
 def test_the_owners_download_under_way_ends_when_the_scan_is_deleted(

@@ -37,6 +37,7 @@ def served(
         yield service, create_app(Config(model=arm[0]), service).test_client()
 
 
+@pytest.mark.slow
 def test_by_command_line(arm: tuple[Path, Path, Path], tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     model, scan, places = map(str, arm)
     out, rep = str(tmp_path / "out"), tmp_path / "report"
@@ -69,6 +70,7 @@ def test_by_command_line(arm: tuple[Path, Path, Path], tmp_path: Path, capfd: py
     assert json.loads((rep / "report.json").read_text())["measures"][0]["label"] == "Length of the radius"
 
 
+@pytest.mark.slow
 def test_it_brings_what_is_known_of_it(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     model, scan, places = write_forearm(tmp_path / "arm")
     shutil.copytree(default_rig_path().with_suffix(".known"), model.with_suffix(".known"))
@@ -94,6 +96,7 @@ def test_it_brings_what_is_known_of_it(tmp_path: Path, capfd: pytest.CaptureFixt
     assert straight.value.low is not None
 
 
+@pytest.mark.slow
 def test_by_http(served: tuple[Service, FlaskClient], arm: tuple[Path, Path, Path]) -> None:
     service, client = served
     data, landmarks = arm[1].read_bytes(), json.loads(arm[2].read_text())["landmarks"]

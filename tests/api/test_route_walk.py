@@ -159,6 +159,7 @@ def walk(visitor: FlaskClient, calls: list[Call], patient: Patient, headers: dic
     return found
 
 
+@pytest.mark.slow
 def test_every_route_with_every_credential(
     app: APIFlask,
     client: FlaskClient,

@@ -19,11 +19,14 @@ from breastrig.api.config import Config
 from breastrig.service.service import Service
 from breastrig.storage.rows.scans import get_scan
 
+pytestmark = pytest.mark.long
+
 
 def upload(client: FlaskClient, content: bytes, name: str = "scan.ply", **fields: str):
     return client.post("/api/scans", data={"file": (io.BytesIO(content), name), **fields})
 
 
+@pytest.mark.slow
 def test_an_upload_says_what_was_read(client: FlaskClient, torso: bytes) -> None:
     answer = upload(client, torso, "Jane Doe.ply")
     assert answer.status_code == 201
@@ -59,6 +62,7 @@ def test_no_file_name_is_kept_anywhere(client: FlaskClient, service: Service, to
     assert b"Mustermann" not in bytes_below(service.storage.root)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", NAMED)
 def test_no_word_of_an_upload_is_kept_anywhere(client: FlaskClient, service: Service, kind: str) -> None:
     data = NAMED[kind]()

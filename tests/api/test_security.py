@@ -29,6 +29,7 @@ def every_call(app: APIFlask) -> list[tuple[str, str]]:
     ]
 
 
+@pytest.mark.slow
 def test_every_route_answers_with_the_security_headers(app: APIFlask, client: FlaskClient) -> None:
     calls = every_call(app)
     assert len(calls) > 40
@@ -164,6 +165,7 @@ def guarded(client_for, config: Config) -> FlaskClient:
     return client_for(replace(config, host="0.0.0.0", token=TOKEN))
 
 
+@pytest.mark.slow
 def test_with_a_token_every_call_of_the_api_needs_it(app: APIFlask, guarded: FlaskClient) -> None:
     wrong = ({}, {"Authorization": "Bearer wrong"}, {"Authorization": f"Basic {TOKEN}"}, {"Authorization": TOKEN})
     for number, (method, address) in enumerate(every_call(app)):
@@ -201,6 +203,7 @@ def test_wrong_tokens_are_counted_for_each_address_and_in_all_and_the_right_one_
     assert ask("10.0.0.2", right) == ask("10.0.9.9", right) == 200
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("length", [130, 256, 1_000, 8_000])
 def test_an_address_that_is_too_long_is_not_there_and_not_in_the_log(
     app: APIFlask, client: FlaskClient, caplog: pytest.LogCaptureFixture, length: int

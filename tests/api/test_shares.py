@@ -35,6 +35,8 @@ from breastrig.storage import schema
 from breastrig.storage.file_journal import pending_removals
 from breastrig.storage.rows.shares import note_wrong_passcode
 
+pytestmark = pytest.mark.long
+
 TOKEN = "a-token-of-more-than-sixteen-characters"
 FILES = ("result.json", "fitted.glb", "fitted.ply", "drawing.json", "plan.json")
 
@@ -169,6 +171,7 @@ def test_a_link_with_the_scan_shows_the_layer_and_distances_but_not_where_skin_w
 LOWER = {"to_picture": np.eye(4).ravel().tolist(), "lasso": [[-9.0, -9.0], [9.0, -9.0], [9.0, 0.2], [-9.0, 0.2]]}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scan", ["plain", "full"])
 def test_the_scan_is_shown_when_the_owner_says_so_as_it_is_visible(
     client: FlaskClient, visitor: FlaskClient, scan_id: str, share, scan: str
@@ -194,6 +197,7 @@ def triangles_of(glb: bytes) -> np.ndarray:
     return vertices[faces]
 
 
+@pytest.mark.slow
 def test_a_visitors_day(client: FlaskClient, visitor: FlaskClient, service: Service, scan_id: str, fit_id: str) -> None:
     """A link shows what stood when it was made, until its owner refreshes it, and nothing once it is over."""
     scan = client.get(f"/api/scans/{scan_id}").json
@@ -260,6 +264,7 @@ def test_a_visitors_day(client: FlaskClient, visitor: FlaskClient, service: Serv
     assert b"Mrs Example" not in bytes_below(service.storage.root)
 
 
+@pytest.mark.slow
 def test_a_link_that_cannot_be_made_leaves_nothing(
     client: FlaskClient, service: Service, scan_id: str, fit_id: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -281,6 +286,7 @@ def test_a_link_that_cannot_be_made_leaves_nothing(
     assert pending_removals(service.storage) == {}
 
 
+@pytest.mark.slow
 def test_the_cookie_goes_to_its_own_share_only_ends_with_the_browser_and_scripts_cannot_read_it(
     visitor: FlaskClient, share
 ) -> None:
@@ -317,6 +323,7 @@ def with_cookie(made: dict, value: str) -> dict[str, str]:
     return {"Cookie": f"{share_credential.cookie_name(made['id'])}={value}"}
 
 
+@pytest.mark.slow
 def test_two_links_open_in_one_browser_show_each_its_own(
     client: FlaskClient, visitor: FlaskClient, service: Service, fit_id: str, share
 ) -> None:
@@ -333,6 +340,7 @@ def test_two_links_open_in_one_browser_show_each_its_own(
         assert visitor.get(shown[other]["fitted_ply"]).data == b"the second's"
 
 
+@pytest.mark.slow
 def test_a_credential_of_one_share_opens_nothing_of_another(visitor: FlaskClient, share) -> None:
     mine, others = share(), share()
     opened(visitor, mine)
@@ -358,6 +366,7 @@ def test_a_credential_of_one_share_opens_nothing_of_another(visitor: FlaskClient
     assert thief.get(f"/api/shared/{mine['id']}", headers=with_cookie(mine, value)).status_code == 200
 
 
+@pytest.mark.slow
 def test_an_answer_of_one_share_is_never_taken_for_unchanged_by_another(visitor: FlaskClient, share) -> None:
     """Both links are of the same fit, so that even the files are the same."""
     links = [opened(visitor, share()).json["links"]["fitted_ply"] for _ in range(2)]
@@ -366,6 +375,7 @@ def test_an_answer_of_one_share_is_never_taken_for_unchanged_by_another(visitor:
         assert visitor.get(link).headers["Cache-Control"] == "no-store"
 
 
+@pytest.mark.slow
 def test_closing_ends_the_credential_for_every_copy_of_it_and_signs_nobody_out(visitor: FlaskClient, share) -> None:
     visitor.post("/sign-in", data={"token": TOKEN})
     made, other = share(), share()
@@ -400,6 +410,7 @@ def test_a_link_that_is_opened_again_leaves_no_earlier_credential(visitor: Flask
     problem(fresh.get(place, headers=with_cookie(made, earlier)), 401)
 
 
+@pytest.mark.slow
 def test_a_visit_ends_after_a_working_day(visitor: FlaskClient, share, monkeypatch: pytest.MonkeyPatch) -> None:
     made = share()
     opened(visitor, made)
@@ -407,6 +418,7 @@ def test_a_visit_ends_after_a_working_day(visitor: FlaskClient, share, monkeypat
     assert "open it again" in problem(visitor.get(f"/api/shared/{made['id']}"), 401)
 
 
+@pytest.mark.slow
 def test_a_browser_keeps_the_last_links_it_opened_and_the_oldest_ends(
     visitor: FlaskClient, share, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -424,6 +436,7 @@ def test_a_browser_keeps_the_last_links_it_opened_and_the_oldest_ends(
         assert fresh.get(place, headers=with_cookie(one, value)).status_code == status
 
 
+@pytest.mark.slow
 def test_what_a_request_carries_does_not_grow_with_the_links_that_are_open(visitor: FlaskClient, share) -> None:
     for _ in range(share_limits.COOKIES + 2):
         made = share()
@@ -436,6 +449,7 @@ def test_what_a_request_carries_does_not_grow_with_the_links_that_are_open(visit
     assert len(listed.value) < 2000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "listed", ["", "x", "nobody=" + "0" * 64, "a=b.c=d", "; Path=/", "\x7f" * 3000, ".".join(["a=" + "f" * 64] * 99)]
 )
@@ -453,6 +467,7 @@ def test_a_made_up_list_of_open_links_does_no_harm(visitor: FlaskClient, share, 
         assert cookie.startswith(("breastrig_share_", "breastrig_opened="))
 
 
+@pytest.mark.slow
 def test_an_ended_link_opens_nothing_and_says_why(
     client: FlaskClient, visitor: FlaskClient, service: Service, share
 ) -> None:
@@ -468,6 +483,7 @@ def test_an_ended_link_opens_nothing_and_says_why(
         assert "opens nothing" in problem(visitor.post("/api/shared/open", json={"token": token}), 404)
 
 
+@pytest.mark.slow
 def test_a_passcode_is_asked_for_and_cannot_be_got_round(client: FlaskClient, visitor: FlaskClient, share) -> None:
     made = share(passcode="4711 please")
     assert made["has_passcode"]
@@ -496,6 +512,7 @@ def guess(visitor: FlaskClient, made: dict, passcode: str, address: str = "127.0
     )
 
 
+@pytest.mark.slow
 def test_wrong_passcodes_keep_the_one_who_guesses_waiting_and_nobody_else(
     visitor: FlaskClient, service: Service, share, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -520,6 +537,7 @@ def test_wrong_passcodes_keep_the_one_who_guesses_waiting_and_nobody_else(
     assert guess(visitor, made, "the right one", "10.0.0.9").status_code == 200  # as good as new after a right one
 
 
+@pytest.mark.slow
 def test_the_addresses_of_one_house_wait_for_each_others_wrong_passcodes(
     visitor: FlaskClient, share, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -531,6 +549,7 @@ def test_the_addresses_of_one_house_wait_for_each_others_wrong_passcodes(
     assert guess(visitor, made, "the right one", "2001:db8:1:3::9").status_code == 200
 
 
+@pytest.mark.slow
 def test_guessing_from_everywhere_locks_out_nobody_until_the_link_is_locked_and_its_owner_sees_and_unlocks_it(
     client: FlaskClient, visitor: FlaskClient, service: Service, client_for, config: Config, share
 ) -> None:
@@ -561,6 +580,7 @@ def test_guessing_from_everywhere_locks_out_nobody_until_the_link_is_locked_and_
     problem(client.post(seen["links"]["unlock"].replace(made["id"], "nobody")), 404)
 
 
+@pytest.mark.slow
 def test_guesses_that_are_checked_at_the_same_time_are_no_more_than_the_limit(
     client: FlaskClient, visitor: FlaskClient, service: Service, share, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -591,6 +611,7 @@ def test_the_chance_to_guess_a_passcode_before_the_link_is_locked() -> None:
     assert pytest.approx(1e-2) == share_limits.WRONG_PASSCODES / 10**4
 
 
+@pytest.mark.slow
 def test_a_passcode_that_an_older_version_allowed_still_opens_its_link(
     client: FlaskClient, visitor: FlaskClient, service: Service, share
 ) -> None:
@@ -634,6 +655,7 @@ def test_shares_are_listed_page_by_page(client: FlaskClient, fit_id: str, share)
     assert found == made[::-1]
 
 
+@pytest.mark.slow
 def test_only_hashes_of_secrets_are_stored_and_delete_removes_them(
     client: FlaskClient, visitor: FlaskClient, service: Service, scan_id: str, share
 ) -> None:
@@ -652,6 +674,7 @@ def test_only_hashes_of_secrets_are_stored_and_delete_removes_them(
     problem(visitor.get(f"/api/shared/{made['id']}/result.json"), 401)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "wishes",
     [{"expires_in_days": 0}, {"expires_in_days": 91}, {"passcode": "12345"}, {"scan": "some"}, {"fit": "other"}],

@@ -177,6 +177,7 @@ def test_a_session_that_was_left_stays_so_whatever_the_clock_did(
     problem(browser.get("/api/meta"), 401)
 
 
+@pytest.mark.slow
 def test_a_copied_cookie_is_worth_nothing_after_signing_out(
     browser: FlaskClient, client_for, config: Config, service: Service
 ) -> None:

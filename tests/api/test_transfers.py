@@ -24,6 +24,8 @@ from breastrig.storage.storage import Storage
 from breastrig.workflow.folder.fit_folder import read_fit_folder
 from breastrig.workflow.report import planned_lines
 
+pytestmark = pytest.mark.long
+
 CARRIED_FIELDS = ["name", "closed", "color", "points", "bridged", "error_mm", "distance_from_mm", "distance_to_mm"]
 
 
@@ -45,6 +47,7 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Service, Fl
         yield service, client, fits
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("other_patient", [False, True])
 def test_the_fits_own_drawing_is_shown_on_the_other_scan(
     other_patient: bool, real: tuple[Service, FlaskClient, dict[str, str]]
@@ -70,6 +73,7 @@ def test_the_fits_own_drawing_is_shown_on_the_other_scan(
         assert [gap is None for gap in shape["distance_to_mm"]] == shape["bridged"]
 
 
+@pytest.mark.slow
 def test_a_drawing_of_the_caller_comes_back_in_the_other_scans_unit(
     real: tuple[Service, FlaskClient, dict[str, str]],
 ) -> None:
@@ -84,6 +88,7 @@ def test_a_drawing_of_the_caller_comes_back_in_the_other_scans_unit(
     assert np.linalg.norm(there - goal.landmarks["nipple_L"]) < 6e-3
 
 
+@pytest.mark.slow
 def test_what_a_fit_left_may_be_sent_as_it_is_and_a_carried_drawing_sent_back(
     real: tuple[Service, FlaskClient, dict[str, str]],
 ) -> None:
@@ -98,6 +103,7 @@ def test_what_a_fit_left_may_be_sent_as_it_is_and_a_carried_drawing_sent_back(
     assert back.status_code == 201
 
 
+@pytest.mark.slow
 def test_a_polyline_stays_what_it_is_from_fit_to_file_to_api_to_transfer_to_report(
     real: tuple[Service, FlaskClient, dict[str, str]], tmp_path: Path
 ) -> None:
@@ -135,6 +141,7 @@ def test_a_polyline_stays_what_it_is_from_fit_to_file_to_api_to_transfer_to_repo
             np.testing.assert_array_equal(getattr(shown, field), getattr(line, field))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("drawing", "sentence"),
     [
@@ -190,6 +197,7 @@ def stored_tag(answer: Any) -> dict[str, str]:
     return {"If-Match": answer.headers["ETag"]}
 
 
+@pytest.mark.slow
 def test_a_whole_plan_is_carried_and_nothing_of_it_is_made_anew_on_the_other_body(
     real: tuple[Service, FlaskClient, dict[str, str]], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -25,6 +25,8 @@ from breastrig.api.web_server import Server, ServerLimits
 from breastrig.execution.pool import client_key
 from breastrig.service.service import Service
 
+pytestmark = pytest.mark.long
+
 TOKEN = "a-token-of-more-than-sixteen-characters"
 BIG = bytes(range(256)) * 80_000  # 20 MB: more than the system takes for a reader who reads nothing
 UPLOAD = b'--b\r\nContent-Disposition: form-data; name="file"; filename="a.ply"\r\n\r\nno scan\r\n--b--\r\n'
@@ -113,6 +115,7 @@ def upload_head(size: int, **headers: object) -> bytes:
     return request("/api/scans", "POST", Content_Type=MULTIPART, Content_Length=size, **headers)
 
 
+@pytest.mark.slow
 def test_idle_connections_hold_no_thread_and_stay_open(serve: Serve) -> None:
     with serve() as served, ExitStack() as stack:
         assert served.ask() == 200
@@ -128,6 +131,7 @@ def test_idle_connections_hold_no_thread_and_stay_open(serve: Serve) -> None:
         assert answer(idle[0]).status == 200
 
 
+@pytest.mark.slow
 def test_a_low_limit_of_open_files_is_raised_and_what_the_system_refuses_is_left() -> None:
     program = """
 import resource, sys
@@ -209,6 +213,7 @@ def test_a_refused_body_is_taken_until_its_end_so_that_the_answer_arrives(serve:
             assert "needs its token" in problem_of(connection, 401)
 
 
+@pytest.mark.slow
 def test_who_asks_whether_to_send_a_body_is_answered_before_it_is_sent(serve: Serve) -> None:
     with serve({"idle_s": 1}, token=TOKEN) as served:
         with connected(served.port) as connection:
@@ -230,6 +235,7 @@ def test_a_body_of_unknown_length_is_refused(serve: Serve) -> None:
         assert "with its length" in problem_of(connection, 411)
 
 
+@pytest.mark.slow
 def test_readers_that_read_nothing_are_left(serve: Serve) -> None:
     with serve({"silent_s": 0.5, "threads": 2}) as served, ExitStack() as stack:
         slow = [stack.enter_context(connected(served.port)) for _ in range(4)]

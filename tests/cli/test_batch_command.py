@@ -31,6 +31,7 @@ def fake(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(batch_command, "measured_fit", fake_batch.scripted_fit)
 
 
+@pytest.mark.slow
 def test_a_batch_leaves_what_fit_leaves_and_the_numbers_of_all(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -148,6 +149,7 @@ def program(tmp_path: Path, temporary: Path) -> Iterator["subprocess.Popen[str]"
             process.kill()
 
 
+@pytest.mark.slow
 def test_a_killed_batch_goes_on_where_it_was(
     program: "subprocess.Popen[str]", temporary: Path, fake: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -173,6 +175,7 @@ def test_a_killed_batch_goes_on_where_it_was(
     assert list(scratch.iterdir()) == []  # nor is anything left of the scans that were being fitted
 
 
+@pytest.mark.slow
 def test_ctrl_c_is_one_line_and_leaves_nothing_half_written(program: "subprocess.Popen[str]", tmp_path: Path) -> None:
     below = children(program.pid)
     os.killpg(program.pid, signal.SIGINT)

@@ -28,6 +28,8 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.pictures.companions import NO_MATERIAL
 from breastrig.workflow.fit_recorder import FitRecorder
 
+pytestmark = pytest.mark.long
+
 EXAMPLE = asset_folder("example") / "standing"
 
 

@@ -12,6 +12,7 @@ EXAMPLE = asset_folder("example")
 STANDING, SUPINE = EXAMPLE / "standing", EXAMPLE / "supine"
 
 
+@pytest.mark.slow
 def test_two_folders_of_a_fit_and_what_they_share(tmp_path: Path) -> None:
     code = main(
         [
@@ -40,6 +41,7 @@ def test_two_folders_of_a_fit_and_what_they_share(tmp_path: Path) -> None:
     assert all(abs(a - b) < 0.11 for one, two in zip(*scales, strict=True) for a, b in zip(one, two, strict=True))
 
 
+@pytest.mark.slow
 def test_without_landmarks_each_scan_finds_its_own_start(tmp_path: Path) -> None:
     scans = [str(STANDING / "scan.ply"), "--with", str(SUPINE / "scan.ply")]
     assert main(["fit", *scans, "--drawing", "none", "-o", str(tmp_path / "out")]) == 0
@@ -52,6 +54,7 @@ def test_without_landmarks_each_scan_finds_its_own_start(tmp_path: Path) -> None
     assert len(codes) == 1  # a random one, for both
 
 
+@pytest.mark.slow
 def test_one_body_is_shared_where_it_is_asked_for(tmp_path: Path) -> None:
     scans = [str(STANDING / "scan.ply"), "--landmarks", str(STANDING / "landmarks.json")]
     scans += ["--with", str(SUPINE / "scan.ply"), "--with-landmarks", str(SUPINE / "landmarks.json")]

@@ -9,6 +9,8 @@ import pytest
 
 from breastrig.core.assets import asset_folder
 
+pytestmark = pytest.mark.long
+
 EXAMPLE = asset_folder("example") / "standing"
 SCAN, PICKS = str(EXAMPLE / "scan.ply"), str(EXAMPLE / "landmarks.json")
 SIGNAL_AT_IMPORT = """
@@ -52,6 +54,7 @@ def run(before: str, out: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, "-c", before + start], capture_output=True, text=True, check=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("module", "signal", "code"),
     [
@@ -68,6 +71,7 @@ def test_a_signal_while_modules_load_ends_the_program_with_one_line(
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("signal", "code", "act"),
     [

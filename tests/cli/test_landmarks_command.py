@@ -16,6 +16,7 @@ from breastrig.scan.landmarks.landmark_files import landmark_confidences, read_l
 EXAMPLE = asset_folder("example")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stance", ["standing", "supine"])
 def test_all_landmarks_are_proposed_near_their_places_and_sides_are_right(stance: str, tmp_path: Path) -> None:
     assert main(["landmarks", str(EXAMPLE / stance / "scan.ply"), "-o", str(tmp_path / "guess.json")]) == 0

@@ -31,6 +31,7 @@ def test_help_and_mistakes_are_said_without_anything_heavy(words: tuple[str, ...
     assert not HEAVY & imported_by(*words)
 
 
+@pytest.mark.slow
 def test_a_fit_loads_none_of_the_libraries_that_it_can_do_without(tmp_path: Path) -> None:
     loaded = imported_by("fit", str(EXAMPLE / "scan.ply"), "-o", str(tmp_path / "out"))
     assert (tmp_path / "out" / "result.json").is_file()

@@ -21,6 +21,8 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.workflow import report
 from breastrig_studies.output import publish
 
+pytestmark = pytest.mark.long
+
 EXAMPLE = asset_folder("example")
 PICKS = ["--landmarks", str(EXAMPLE / "standing" / "landmarks.json")]
 
@@ -123,6 +125,7 @@ def test_neither_scan_of_two_is_replaced(
     assert "which this command reads" in refused(command, capsys)
 
 
+@pytest.mark.slow
 def test_a_fit_replaces_an_earlier_one_and_nothing_else(
     fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -179,6 +182,7 @@ def test_a_transfer_replaces_neither_fit_nor_a_drawing_that_is_not_its_own(
     assert main([*command, str(there), "--force"]) == 0
 
 
+@pytest.mark.slow
 def test_reports_exports_and_comparisons_replace_their_own_files_only(
     fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -203,6 +207,7 @@ def test_reports_exports_and_comparisons_replace_their_own_files_only(
     assert modes(fits / "standing") == ({0o700}, {0o600})
 
 
+@pytest.mark.slow
 def test_a_batch_keeps_its_manifest_its_scans_and_what_lies_beside_its_results(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -48,6 +48,7 @@ def test_the_fit_is_the_same_the_rest_is_drawn_and_the_reason_said(
     assert "tumour_L" in shape_names(asked)
 
 
+@pytest.mark.slow
 def test_alone_it_leaves_an_empty_drawing_that_the_report_and_a_program_explain(tmp_path: Path) -> None:
     out, report = tmp_path / "out", tmp_path / "report"
     (missing,) = fitted(out, "--drawing", TOO_LONG)["drawing_missing"]
@@ -63,6 +64,7 @@ def test_alone_it_leaves_an_empty_drawing_that_the_report_and_a_program_explain(
     assert stance["drawing_missing"] == [missing]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("tumour", "why"),
     [
@@ -84,6 +86,7 @@ def test_a_tumour_that_is_nowhere_on_the_skin_is_one_line(
     assert "tumour_L" not in names
 
 
+@pytest.mark.slow
 def test_a_row_of_a_batch_is_done_once_and_its_line_says_what_is_missing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

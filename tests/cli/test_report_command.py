@@ -28,6 +28,8 @@ from breastrig.geometry.self_intersections import crossing_faces
 from breastrig.report.table import Value, with_margin
 from breastrig.workflow import report as report_module
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def fits(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
@@ -61,6 +63,7 @@ def document(folder: Path, name: str) -> dict:
     return json.loads((folder / name).read_text())
 
 
+@pytest.mark.slow
 def test_csv_and_json_hold_the_same_rows(report: Path) -> None:
     rows = document(report, "report.json")["measures"]
     table = list(csv.DictReader((report / "measures.csv").read_text().splitlines()))
@@ -130,6 +133,7 @@ def test_the_pdf_has_the_numbers_the_settings_a_tape_sheet_of_each_stance_and_th
     assert sum(len(page.images) for page in pdf.pages) == 9  # two scans, four maps, their colours, two tape sheets
 
 
+@pytest.mark.slow
 def test_the_same_fits_give_the_same_numbers(report: Path, fits: dict[str, Path], tmp_path: Path) -> None:
     assert main(["report", str(fits["standing"]), "--with", str(fits["supine"]), "-o", str(tmp_path)]) == 0
     for name in ("report.json", "measures.csv"):
@@ -166,6 +170,7 @@ def test_the_code_stands_on_every_page_and_in_the_name_of_the_file(
     assert re.fullmatch(rf"[{LETTERS}]{{3}}-[{LETTERS}]{{3}}_supine_2026-11-25_report.pdf", name)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("quick_reports")
 def test_a_fit_keeps_the_code_and_the_day_of_its_scan(copy_of_a_fit: Path, tmp_path: Path) -> None:
     assert write_patient([copy_of_a_fit], " K7M-4QX ", [date(2026, 11, 20)]) == "K7M-4QX"
@@ -175,6 +180,7 @@ def test_a_fit_keeps_the_code_and_the_day_of_its_scan(copy_of_a_fit: Path, tmp_p
     assert "standing, scanned 2026-11-20" in " ".join(pypdf.PdfReader(pdf_of(out)).pages[-1].extract_text().split())
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("quick_reports")
 def test_a_pattern_that_does_not_fit_is_said_in_words(fits: dict[str, Path], tmp_path: Path) -> None:
     item = {"kind": "pattern", "id": "w", "name": "reduction", "parameters": {"limb_mm": 80.0}}
@@ -192,6 +198,7 @@ def test_a_pattern_that_does_not_fit_is_said_in_words(fits: dict[str, Path], tmp
     assert "Not drawn: Vertical limbs cannot be 81.0: input should be less than or equal to 80" in text
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("quick_reports")
 def test_the_plan_is_shown_with_its_numbers(fits: dict[str, Path], tmp_path: Path) -> None:
     plan = {

@@ -22,6 +22,8 @@ from breastrig.cli.serve_command import _stop_on_signals
 from breastrig.gltf.write_rig import write_rig
 from breastrig.service.events.feeds import Notifier
 
+pytestmark = pytest.mark.long
+
 
 @pytest.mark.parametrize(
     ("option", "value", "sentence"),
@@ -47,6 +49,7 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "toy.glb"
 
 
+@pytest.mark.slow
 def test_no_process_of_the_service_inherits_its_secrets(tmp_path: Path, model: Path) -> None:
     token = "a-token-of-more-than-sixteen-characters"
     with server(tmp_path / "data", model, tmp_path / "log", BREASTRIG_TOKEN=token) as (process, address):
@@ -65,6 +68,7 @@ def test_no_process_of_the_service_inherits_its_secrets(tmp_path: Path, model: P
     assert not any(token.encode() in environment for environment in environments)
 
 
+@pytest.mark.slow
 def test_it_makes_a_token_and_prints_the_address_that_lets_a_browser_in(tmp_path: Path, model: Path) -> None:
     with server(tmp_path / "data", model, tmp_path / "log", FAKE_TOKEN="made") as (process, printed):
         address, _, token = printed.partition("?token=")
@@ -87,6 +91,7 @@ def test_the_token_is_another_at_each_start() -> None:
     assert None not in tokens
 
 
+@pytest.mark.slow
 def test_without_a_token_it_says_who_may_read(tmp_path: Path, model: Path) -> None:
     with server(tmp_path / "data", model, tmp_path / "log", "--no-token") as (process, address):
         assert process.stdout is not None
@@ -115,6 +120,7 @@ def test_a_browser_is_opened_by_a_file_of_this_user_alone_and_no_command_names_t
     assert not page.parent.exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("number", "codes"), [(signal.SIGINT, {130, -signal.SIGINT}), (signal.SIGTERM, {143})])
 def test_a_service_that_is_stopped_while_it_starts_says_so_and_ends(
     number: signal.Signals, codes: set[int], tmp_path: Path, model: Path

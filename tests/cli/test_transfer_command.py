@@ -21,6 +21,8 @@ from breastrig.geometry.normals import vertex_normals
 from breastrig.workflow import report
 from breastrig.workflow.folder.fit_folder import FitFolder, read_fit_folder
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def fits(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -185,6 +187,7 @@ def test_a_plan_is_carried_as_the_lines_that_it_makes_on_the_scan_that_it_names(
         assert 1e3 * folder.metres_per_unit * gap.max() < 0.05  # files round to a thousandth of a millimetre or less
 
 
+@pytest.mark.slow
 def test_report_and_export_show_the_plan_instead_of_the_fits_own_drawing(
     fits: Path, plan: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

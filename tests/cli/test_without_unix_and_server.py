@@ -12,6 +12,8 @@ from helpers.inked_scan import inked_zip
 
 from breastrig.cli.commands import COMMANDS, OF_THE_SERVER, OF_UNIX
 
+pytestmark = pytest.mark.long
+
 QUIET = ("-W", "error", "-W", "ignore:only soft file lock")  # filelock's own word where there is neither system's lock
 FORBIDDEN = set('<>:"|?*\\')  # in names of files on Windows
 
@@ -23,6 +25,7 @@ def said(missing: str, *commands: str, folder: Path) -> subprocess.CompletedProc
     return subprocess.run(words, cwd=folder, env=surroundings, capture_output=True, text=True, timeout=300)
 
 
+@pytest.mark.slow
 def test_fit_to_report_work_as_they_do_on_windows(tmp_path: Path) -> None:
     coarse_example(tmp_path / "example")
     standing, supine = tmp_path / "example" / "standing", tmp_path / "example" / "supine"
@@ -53,6 +56,7 @@ def test_fit_to_report_work_as_they_do_on_windows(tmp_path: Path) -> None:
     assert [file for file in tmp_path.rglob("*") if "part" in file.name or file.suffix == ".lock"] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", OF_UNIX)
 def test_what_needs_unix_says_so_in_one_sentence(command: str, tmp_path: Path) -> None:
     run = said(
@@ -67,6 +71,7 @@ def test_what_needs_unix_says_so_in_one_sentence(command: str, tmp_path: Path) -
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", OF_THE_SERVER)
 def test_without_the_server_it_says_how_to_install_it(command: str, tmp_path: Path) -> None:
     run = said("server", "purge --all" if command == "purge" else command, folder=tmp_path)

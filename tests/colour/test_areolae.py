@@ -15,6 +15,8 @@ from breastrig.core.errors import BadInput
 from breastrig.files.result import parsed_result
 from breastrig_studies.virtual.painted.files import scan_zip
 
+pytestmark = pytest.mark.long
+
 
 def disc(radius: float) -> np.ndarray:
     turn = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)

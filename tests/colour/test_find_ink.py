@@ -14,6 +14,8 @@ from breastrig.geometry.polyline import resampled
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
 
+pytestmark = pytest.mark.long
+
 
 def sampled(lines: tuple[InkLine, ...]) -> np.ndarray:
     return np.concatenate([np.zeros((0, 3)), *(resampled(each.line.points, 5e-4, each.line.closed) for each in lines)])

@@ -8,6 +8,8 @@ from scipy.spatial import cKDTree
 from breastrig.colour.ink.find_ink import find_ink
 from breastrig.geometry.polyline import resampled
 
+pytestmark = pytest.mark.long
+
 
 @pytest.mark.parametrize("ink", ["green", "red", "violet"])
 def test_ink_is_found_and_known_on_the_darkest_skin(ink: str) -> None:

@@ -1,12 +1,10 @@
-"""What the parts of `make test` install is there before they run side by side, as two installations exclude each other;
-and what `make room` leaves out is there."""
+"""All that the parts of `make test` install is there before they run: two installations exclude each other."""
 
 import re
 import tomllib
 from importlib.metadata import version
 from pathlib import Path
 
-import pytest
 from packaging.requirements import Requirement
 
 
@@ -30,19 +28,6 @@ def test_every_program_of_the_parts_is_looked_for_before_they_start(repository: 
     assert {".ci/chromium.sh", ".ci/postgres.sh", ".ci/nginx.sh"} <= needed
     assert "programs" in before
     assert needed <= set(re.findall(r"sh (\.ci/\S+\.sh)", _rule(makefile, "programs")[1]))
-
-
-@pytest.mark.parametrize("list_of", ["slow_tests.txt", "soak_tests.txt"])
-def test_the_tests_that_are_left_out_are_there(repository: Path, list_of: str) -> None:
-    lines = (repository / "tests" / list_of).read_text("utf-8").splitlines()
-    assert lines == sorted(set(lines))
-    for line in lines:
-        option, place = line.split("=")
-        assert (repository / place.split("::")[0]).exists(), line
-        if option == "--ignore":
-            continue
-        file, name = place.split("::")
-        assert re.search(rf"^def {name}\(", (repository / file).read_text("utf-8"), re.MULTILINE), line
 
 
 def test_make_serve_installs_the_extras_of_all_that_the_service_reads_and_writes(repository: Path) -> None:

@@ -13,6 +13,8 @@ from breastrig.cli.main import main
 from breastrig.files.result import FIT_FILES
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 
+pytestmark = pytest.mark.long
+
 
 def python_block(document: Path) -> str:
     """The document's first Python block."""

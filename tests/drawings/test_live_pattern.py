@@ -24,6 +24,8 @@ from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.skinning import shaped
 from breastrig.workflow.folder.fit_folder import fit_folder_of
 
+pytestmark = pytest.mark.long
+
 TUMOUR: Parameters = {"side": "L", "clock": 10.0, "distance_mm": 45.0, "radius_mm": 12.0}
 PATTERNS: dict[str, Parameters] = {
     "reduction": {"limb_mm": 30.0, "areola_mm": 36.0},  # which leaves room to drag on this breast

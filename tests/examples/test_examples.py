@@ -18,6 +18,8 @@ from PIL import Image
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 
+pytestmark = pytest.mark.long
+
 EXAMPLE = asset_folder("example")
 STANDING, SUPINE = EXAMPLE / "standing", EXAMPLE / "supine"
 Run = Callable[..., tuple[object, str, str]]

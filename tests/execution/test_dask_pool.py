@@ -22,6 +22,8 @@ from breastrig.core.errors import BadScan, BadSettings, TooMany
 from breastrig.execution.dask_pool import DaskPool
 from breastrig.execution.dask_worker import run_worker
 
+pytestmark = pytest.mark.long
+
 GIB = 2**30
 
 

@@ -21,6 +21,8 @@ from breastrig.core.errors import BadScan, TooMany
 from breastrig.execution import worker as execution
 from breastrig.execution.pool import Lane, Pool, client_key
 
+pytestmark = pytest.mark.long
+
 GIB = 2**30
 
 

@@ -19,6 +19,8 @@ from helpers.real_server import alive, children, server
 from helpers.small_disk import fill, small_disk
 from helpers.waiting import PATIENCE_S, until
 
+pytestmark = pytest.mark.soak
+
 DIED = "The fit's process ended unexpectedly"
 
 

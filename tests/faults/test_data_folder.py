@@ -19,6 +19,8 @@ from helpers.real_server import server, starting
 from helpers.small_disk import fill, small_disk, stuck
 from helpers.waiting import PATIENCE_S, until
 
+pytestmark = pytest.mark.soak
+
 Note = Callable[[str, Outcome], None]
 
 

@@ -18,6 +18,8 @@ from helpers.waiting import PATIENCE_S
 
 from breastrig.service.fits.fit_worker import ATTEMPTS, TOO_OFTEN
 
+pytestmark = pytest.mark.soak
+
 KILLS = int(os.environ.get("BREASTRIG_KILLS", "2"))
 SEED = 5
 ASKED = 4  # fits before each kill: some run, some wait, some may be done

@@ -22,6 +22,8 @@ from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
 from breastrig.rig.state import BodyState
 
+pytestmark = pytest.mark.long
+
 SAME = 0.1e-3  # m
 SLID = 0.25e-3  # m, single landmarks along smooth skin, where little holds them
 
@@ -64,6 +66,7 @@ def assert_same_body(first: tuple[Array, Array], second: tuple[Array, Array], ri
     assert moved.max() < SLID, f"{1e3 * moved.max():.3f} mm"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_a_rig_subdivided_all_over_or_on_one_side_fits_as_the_original(seed: int, torso: Rig) -> None:
     target, landmarks, _ = patient(torso, seed, smooth=True)
@@ -74,6 +77,7 @@ def test_a_rig_subdivided_all_over_or_on_one_side_fits_as_the_original(seed: int
         assert_same_body(original, places(other, target, landmarks, recipe), torso)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stance", ["standing", "supine"])
 def test_on_the_example_scans_a_subdivided_rig_fits_as_the_original(stance: str) -> None:
     """Where they show skin: noise is sampled at other places, and what is hidden follows it (0.2 and 0.4 mm)."""

@@ -17,7 +17,10 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.skinning import pose
 from breastrig.scan.clean import Surface
 
+pytestmark = pytest.mark.long
 
+
+@pytest.mark.slow
 @pytest.mark.parametrize("all_sides", [False, True])
 @pytest.mark.parametrize("seed", range(2))
 def test_a_scan_turned_at_random_is_put_upright(seed: int, all_sides: bool) -> None:
@@ -43,6 +46,7 @@ def test_a_scan_turned_at_random_is_put_upright(seed: int, all_sides: bool) -> N
     assert [nearer[k] for k in sided] == sided
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", ["left half", "above the nipples", "below the nipples"])
 def test_a_part_of_a_body_is_put_where_it_belongs(part: str) -> None:
     """Half the body's width or height, as a camera saw it from the front."""

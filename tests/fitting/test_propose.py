@@ -21,6 +21,8 @@ from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
 from breastrig.workflow.propose_on_scan import propose_on_scan
 
+pytestmark = pytest.mark.long
+
 STANDING = asset_folder("example") / "standing"
 HOLLOWS = {  # of the standing example
     "umbilicus": "dent seen",
@@ -42,6 +44,7 @@ def gaps_in_errors(proposals: dict[str, Proposal]) -> np.ndarray:
     return np.array(gaps) / np.array(errors, dtype=np.float64)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_on_half_a_torso_the_errors_say_that_the_body_may_lie_another_way(side: float) -> None:
     scan = read_scan(STANDING / "scan.ply", "ply", "auto", texture=False)
@@ -74,6 +77,7 @@ def test_a_confidence_is_that_of_its_error() -> None:
         assert expected_error(confidence_of(error)) == pytest.approx(error)
 
 
+@pytest.mark.slow
 def test_areolae_that_the_scan_shows_place_the_nipples_and_without_colour_the_form_does() -> None:
     rig, place = read_rig(default_rig_path()), STANDING.parent / "supine"
     scan = read_scan(place / "scan.ply", "ply", "auto")
@@ -102,6 +106,7 @@ def test_a_scan_without_colour_is_not_looked_at_for_any(monkeypatch: pytest.Monk
     assert {name: each.reason for name, each in found.items() if each.reason is not None} == HOLLOWS
 
 
+@pytest.mark.slow
 def test_areolae_where_the_form_has_them_confirm_how_the_body_lies() -> None:
     """An unclear start makes all radii large, for the body may lie the other way; its back has no areolae."""
     rig = read_rig(default_rig_path())

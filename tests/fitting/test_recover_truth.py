@@ -17,6 +17,8 @@ from breastrig.rig.joints import Joints
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def torso() -> Rig:
@@ -48,6 +50,7 @@ def fitted(rig: Rig, seed: int, recipe: Recipe) -> tuple[list[FitIterate], ScanT
     return list(fit_iterates(task)), target, truth
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_a_scan_made_by_the_rig_is_fitted_back_to_a_hundredth_of_a_millimetre(seed: int, torso: Rig) -> None:
     iterates, target, truth = fitted(torso, seed, for_scans_without_noise(load_recipe("default")))
@@ -83,6 +86,7 @@ class Rescanned:
         return 1e3 * float(off.mean()), 1e3 * float(slid.mean()), 1e3 * float(gaps.mean())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_under_another_triangulation_the_truth_comes_back_up_to_what_its_triangles_cut_off(
     seed: int, torso: Rig
@@ -96,6 +100,7 @@ def test_under_another_triangulation_the_truth_comes_back_up_to_what_its_triangl
     assert landmarks < 0.8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("noise", "clicks", "limits"), [(0.001, 0.003, (0.42, 2.6, 2.0)), (0.002, 0.005, (0.6, 3.3, 2.8))]
 )
@@ -124,6 +129,7 @@ def test_iterates_are_numbered_frozen_and_end_with_a_reason(torso: Rig) -> None:
         iterates[0].parameters.weights[0] = 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("constraint", ["simplex", "box", "free"])
 def test_the_weights_keep_their_constraint_in_every_iterate(constraint: str, torso: Rig) -> None:
     recipe = load_recipe("default")
@@ -163,6 +169,7 @@ def test_stopping_to_consume_stops_the_fit(torso: Rig) -> None:
     assert next(steps, None) is None
 
 
+@pytest.mark.slow
 def test_without_rays_the_trees_alone_give_the_same_fit(torso: Rig) -> None:
     target, landmarks, _ = patient(torso, 1)
     surfaces = []
@@ -179,6 +186,7 @@ def test_without_rays_the_trees_alone_give_the_same_fit(torso: Rig) -> None:
     assert np.linalg.norm(surfaces[0] - surfaces[1], axis=1).mean() < 0.5e-3
 
 
+@pytest.mark.slow
 def test_hard_joints_hold_where_others_give_millimetres(torso: Rig) -> None:
     recipe = load_recipe("default")
     hard = recipe.model_copy(update={"joints": recipe.joints.model_copy(update={"translation_factor": 0.0})})

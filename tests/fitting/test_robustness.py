@@ -13,12 +13,15 @@ from helpers.example_patient import Patient, example_patient
 from breastrig.rig.skinning import pose
 from breastrig.scan.clean import compact
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def patient() -> Patient:
     return example_patient()
 
 
+@pytest.mark.slow
 def test_two_millimetres_of_noise_move_the_model_less_than_one(patient: Patient, rng: np.random.Generator) -> None:
     """In the mean of six scans; single ones differ by a quarter of it."""
     scans = (patient.vertices + rng.normal(scale=0.002, size=patient.vertices.shape) for _ in range(6))
@@ -65,6 +68,7 @@ def test_two_thousand_triangles_are_enough(patient: Patient) -> None:
     assert patient.moved_mm(merged, coarse) < 2.5
 
 
+@pytest.mark.slow
 def test_finer_triangles_change_nothing(patient: Patient) -> None:
     """A quarter of a million of them; in `make fuzz` a million."""
     splits = 3 if TIMES >= 1 else 2  # of each into four

@@ -58,6 +58,7 @@ def found(target: ScanTarget) -> tuple[FoundStance, Frame]:
     return found_stance(task, frame), frame
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stance", ["standing", "supine"])
 def test_the_body_tells_when_there_is_no_table(stance: str) -> None:
     answer, frame = found(scan_without_table(EXAMPLE / stance))
@@ -66,6 +67,7 @@ def test_the_body_tells_when_there_is_no_table(stance: str) -> None:
     assert "no table" in answer.reason
 
 
+@pytest.mark.slow
 def test_where_the_signs_say_little_it_is_said_and_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     never_sure = stance_signs().model_copy(update={"unsure": 100.0})
     monkeypatch.setattr(signs_module, "stance_signs", lambda: never_sure)
@@ -107,6 +109,7 @@ def before_a_plane(stance: str, behind: float) -> Surface:
     return Surface(np.concatenate([vertices, wall]), faces, ())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("behind", [0.02, 0.06, 0.10])
 def test_a_wall_close_behind_a_standing_body_is_no_table(behind: float) -> None:
     ready = prepared(before_a_plane("standing", behind), "auto")

@@ -90,6 +90,7 @@ def assert_one_body(iterate: PairIterate, rig: Rig) -> None:
     np.testing.assert_allclose(first.weights[body], second.weights[body], rtol=0.0, atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_two_scans_of_one_body_come_back_vertex_by_vertex(seed: int, torso: Rig) -> None:
     recipe = for_scans_without_noise(load_recipe("default"))
@@ -101,6 +102,7 @@ def test_two_scans_of_one_body_come_back_vertex_by_vertex(seed: int, torso: Rig)
         assert np.linalg.norm(pose(torso, iterate.parameters) - truth, axis=1).mean() < 0.05e-3
 
 
+@pytest.mark.slow
 def test_the_body_is_the_same_in_every_iterate_whatever_the_constraint(torso: Rig) -> None:
     for constraint in ("box", "simplex", "free"):
         recipe = load_recipe("default")
@@ -158,6 +160,7 @@ def test_the_joint_gradient_equals_finite_differences(coupling: Coupling) -> Non
         assert gradient[k] == pytest.approx(slope, abs=2e-6 * np.abs(gradient).max()), k
 
 
+@pytest.mark.slow
 def test_without_springs_two_bodies_are_two_single_fits(torso: Rig) -> None:
     recipe = load_recipe("default")
     stop = recipe.stop.model_copy(update={"patience": 100})  # as many iterations in both
@@ -169,6 +172,7 @@ def test_without_springs_two_bodies_are_two_single_fits(torso: Rig) -> None:
         np.testing.assert_allclose(pose(torso, side.parameters), pose(torso, alone.parameters), atol=1e-5)
 
 
+@pytest.mark.slow
 def test_bodies_that_are_alike_are_nearer_to_each_other_than_bodies_apart(torso: Rig) -> None:
     tasks = [task_of(torso, x, load_recipe("default"))[0] for x in two_stances(torso, 2)]
     gaps = []
@@ -178,6 +182,7 @@ def test_bodies_that_are_alike_are_nearer_to_each_other_than_bodies_apart(torso:
     assert gaps[0] > gaps[1] > gaps[2] < 1e-12
 
 
+@pytest.mark.slow
 def test_a_scan_without_landmarks_starts_by_itself(torso: Rig) -> None:
     (first, _), (second, truth) = (task_of(torso, x, load_recipe("default")) for x in two_stances(torso, 1))
     blind = replace(

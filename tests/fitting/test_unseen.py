@@ -48,6 +48,7 @@ def volume(patient: Patient, vertices: Array) -> float:
     return float(np.linalg.det(corners).sum() / 6.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cut", CUTS)
 def test_unseen_parts_keep_human_proportions(patient: Patient, cut: str) -> None:
     x, full = cut_fit(patient, cut), patient.x

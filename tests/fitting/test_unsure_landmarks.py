@@ -33,6 +33,7 @@ def nipple_gap(task: FitTask) -> float:
     return float(np.linalg.norm(place - task.landmarks["nipple_L"]))
 
 
+@pytest.mark.slow
 def test_the_less_sure_the_less_followed(torso: Rig) -> None:
     target, landmarks, _ = patient(torso, 6)
     wrong = landmarks | {"nipple_L": landmarks["nipple_L"] + [0.0, 0.012, 0.0]}

@@ -273,6 +273,7 @@ def all_verdicts() -> Iterator[tuple[str, GivenLandmarks, Verdict]]:
             yield text, given, found
 
 
+@pytest.mark.slow
 def test_no_verdict_gives_advice_that_was_followed_or_says_a_thing_twice() -> None:
     """In no combination: what is placed is not to be placed, no advice comes twice, none contradicts its level."""
     seen = set()

@@ -34,6 +34,7 @@ def arm_fit(arm: tuple[Path, Path, Path]) -> breastrig.Fit:
     return breastrig.fit(breastrig.read_scan(arm[1], "mm"), arm[2], model=arm[0])
 
 
+@pytest.mark.slow
 def test_the_parameters_of_a_refined_fit_pose_its_own_skin(fit: breastrig.Fit, tmp_path: Path) -> None:
     def off(found: breastrig.Fit) -> float:
         gaps = found.model.pose(found.parameters) - found.vertices
@@ -50,6 +51,7 @@ def test_the_parameters_of_a_refined_fit_pose_its_own_skin(fit: breastrig.Fit, t
     assert off(plain) < 1e-6
 
 
+@pytest.mark.slow
 def test_a_layer_moves_with_the_bone_that_carries_it(arm_fit: breastrig.Fit) -> None:
     turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     bones = {
@@ -160,6 +162,7 @@ def test_a_preset_is_given_by_what_differs(tmp_path: Path, capsys: pytest.Captur
     assert main(["presets", "show", "nobody"]) == 2
 
 
+@pytest.mark.slow
 def test_arrays_and_meshes_of_a_program_are_scans(arm: tuple[Path, Path, Path], arm_fit: breastrig.Fit) -> None:
     mesh = trimesh.load_mesh(arm[1], process=False)
     scan = breastrig.Scan.from_arrays(mesh.vertices.tolist(), mesh.faces, unit="mm")

@@ -23,6 +23,8 @@ from breastrig.interface.one_thread import one_thread
 from breastrig.rig.skinning import pose
 from breastrig.scan.landmarks.landmark_files import landmark_file, read_landmarks
 
+pytestmark = pytest.mark.long
+
 EXAMPLE = asset_folder("example")
 STANDING, PICKS = EXAMPLE / "standing" / "scan.ply", EXAMPLE / "standing" / "landmarks.json"
 TUMOUR = "L:10,45,12"
@@ -47,6 +49,7 @@ def measures(fit: breastrig.Fit) -> tuple[breastrig.Measure, ...]:
     return breastrig.measure(fit)
 
 
+@pytest.mark.slow
 def test_what_a_program_saves_is_what_the_command_writes(fit: breastrig.Fit, by_command: Path, tmp_path: Path) -> None:
     fit.save(tmp_path / "out")
     assert_same_files(tmp_path / "out", by_command)
@@ -64,6 +67,7 @@ def test_landmarks_by_name_in_the_scans_unit_and_a_scan_that_was_read_give_the_s
     assert again.result["scan"] == fit.result["scan"]
 
 
+@pytest.mark.slow
 def test_a_landmark_file_without_a_unit_has_the_scans(in_millimetres: Path, tmp_path: Path) -> None:
     picks, _ = read_landmarks(PICKS)
     moved = {name: place + OFFSET for name, place in picks.items()}
@@ -74,6 +78,7 @@ def test_a_landmark_file_without_a_unit_has_the_scans(in_millimetres: Path, tmp_
     assert by_file.result["landmarks_picked"] == by_name.result["landmarks_picked"]
 
 
+@pytest.mark.slow
 def test_what_is_certain_may_be_named_by_the_program_or_by_its_file(tmp_path: Path) -> None:
     wrong, unit = read_landmarks(PICKS)
     wrong["xiphoid"] = wrong["xiphoid"] + np.array([50.0, 0.0, 0.0])
@@ -124,6 +129,7 @@ def in_millimetres(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "scan.ply"
 
 
+@pytest.mark.slow
 def test_everything_is_in_the_scans_own_unit_and_frame(in_millimetres: Path) -> None:
     scan = breastrig.read_scan(in_millimetres, "mm")
     mesh = trimesh.load(in_millimetres, process=False)
@@ -271,6 +277,7 @@ def proposed(scan: breastrig.Scan) -> dict[str, breastrig.Proposal]:
     return breastrig.propose_landmarks(scan)
 
 
+@pytest.mark.slow
 def test_proposals_are_landmarks_with_a_confidence(
     scan: breastrig.Scan, proposed: dict[str, breastrig.Proposal], tmp_path: Path
 ) -> None:
@@ -285,6 +292,7 @@ def test_proposals_are_landmarks_with_a_confidence(
     assert by_name.result["landmarks"] == by_file.result["landmarks"]
 
 
+@pytest.mark.slow
 def test_what_is_only_proposed_is_no_evidence(scan: breastrig.Scan, proposed: dict[str, breastrig.Proposal]) -> None:
     """It comes from the same scan: counted again, it would make a fit no better and its errors look small."""
     alone, given = breastrig.fit(scan, drawing=None), breastrig.fit(scan, proposed, drawing=None)
@@ -295,6 +303,7 @@ def test_what_is_only_proposed_is_no_evidence(scan: breastrig.Scan, proposed: di
     assert given.notes == (*alone.notes, note)
 
 
+@pytest.mark.slow
 def test_beside_picks_only_those_proposals_count_that_colour_shows(scan: breastrig.Scan) -> None:
     places, _ = read_landmarks(PICKS)
     picks = {

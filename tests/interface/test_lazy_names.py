@@ -34,6 +34,7 @@ def test_importing_the_package_loads_nothing_of_weight(tmp_path: Path) -> None:
     assert {name for name in loaded if name.startswith("breastrig.")} == {"breastrig.core", "breastrig.core.version"}
 
 
+@pytest.mark.slow
 def test_a_whole_fit_needs_neither_server_nor_database_and_writes_nothing_by_itself(tmp_path: Path) -> None:
     loaded = modules_after(f"import breastrig\nfit = breastrig.fit({SCAN!r})\nbreastrig.measure(fit)", tmp_path)
     assert list(tmp_path.iterdir()) == []

@@ -13,6 +13,8 @@ import breastrig
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 
+pytestmark = pytest.mark.long
+
 EXAMPLE = asset_folder("example")
 SCANS = [EXAMPLE / name / "scan.ply" for name in ("standing", "supine")]
 PICKS = [EXAMPLE / name / "landmarks.json" for name in ("standing", "supine")]
@@ -37,6 +39,7 @@ def document(file: Path) -> dict:
     return found
 
 
+@pytest.mark.slow
 def test_a_pair_is_saved_as_the_command_writes_it_and_loaded_again(tmp_path: Path) -> None:
     pair = breastrig.fit_pair(*SCANS, *PICKS, drawing=None)
     pair.save(tmp_path / "ours")
@@ -62,6 +65,7 @@ def test_the_two_of_a_pair_are_iterated_hand_in_hand() -> None:
         breastrig.fit_pair(SCANS[0], SCANS[0])
 
 
+@pytest.mark.slow
 def test_a_drawing_is_carried_as_the_command_carries_it(
     fits: tuple[breastrig.Fit, breastrig.Fit], folders: tuple[Path, Path], tmp_path: Path
 ) -> None:

@@ -3,12 +3,17 @@
 import sqlite3
 from pathlib import Path
 
+import pytest
+
 from load.measured import Measured, percentile, slow_table, table
 from load.run import run
 from load.slow import Kept, SlowClients
 from load.watched import StoredEvents
 
+pytestmark = pytest.mark.long
 
+
+@pytest.mark.soak
 def test_clients_work_while_viewers_watch_and_hundreds_are_slow_without_any_error() -> None:
     slow = SlowClients(idle=300, headers=20, bodies=20, readers=20)
     found = run(seconds=120.0, clients=2, viewers=8, slow=slow, enough_fits=2)  # patience, beside other tests

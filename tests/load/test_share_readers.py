@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import pytest
 from helpers.real_server import PROGRAM, search_path
 from helpers.toy_rig import toy_rig
 
@@ -9,7 +10,10 @@ from breastrig.api.share_limits import BIG_ANSWERS_EACH
 from breastrig.gltf.write_rig import write_rig
 from load.share_readers import MOST_GROWTH_MB, ShareReaders, run_share_readers
 
+pytestmark = pytest.mark.long
 
+
+@pytest.mark.soak
 def test_readers_of_a_large_scan_and_those_that_never_read_cost_the_server_no_memory(tmp_path: Path) -> None:
     write_rig(toy_rig(), tmp_path)
     surroundings = {"FAKE_FIT": "quick", "PYTHONPATH": search_path(), "BREASTRIG_MODEL": str(tmp_path / "toy.glb")}

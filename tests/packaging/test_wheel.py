@@ -15,6 +15,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.long
+
 NEEDED = {
     "breastrig/assets/web/index.html",
     "breastrig/assets/model/torso.glb",

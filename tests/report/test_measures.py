@@ -26,6 +26,8 @@ from breastrig.report.table import (
 from breastrig.report.volume import vertices_within
 from breastrig.rig.model import Rig
 
+pytestmark = pytest.mark.long
+
 LENGTHS = ("notch_nipple", "midclavicle_nipple", "nipple_fold", "nipple_midline", "nipple_nipple", "base_width")
 NONE = Value(np.nan)
 TOLERANCE = {

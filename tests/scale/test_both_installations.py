@@ -27,6 +27,8 @@ from breastrig.storage.rows.fits import get_fit
 from breastrig.storage.storage import Storage
 from breastrig.workflow.run_fit import run_fit
 
+pytestmark = pytest.mark.long
+
 FILES = ("result", "fitted_glb", "fitted_ply", "drawing", "distances")
 KINDS = ["started", *["iterated"] * 4, "done"]
 
@@ -255,6 +257,7 @@ def test_a_real_fit_and_all_that_is_made_of_it(large: Large, tmp_path: Path) -> 
         assert running.client.post("/api/transfers", json=wish).status_code == 201
 
 
+@pytest.mark.soak
 def test_when_a_worker_of_the_cluster_is_killed_every_fit_is_executed_once(
     large: Large, model: Path, torso: bytes, tmp_path: Path
 ) -> None:

@@ -3,11 +3,14 @@
 from pathlib import Path
 
 import httpx
+import pytest
 from helpers.installations import Large
 from helpers.real_server import server
 from helpers.waiting import PATIENCE_S, until
 
 from breastrig.cli.main import main
+
+pytestmark = pytest.mark.soak
 
 KINDS = ["started", *["iterated"] * 4, "done"]
 

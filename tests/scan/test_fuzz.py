@@ -17,6 +17,8 @@ from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.scan.landmarks.landmark_files import landmark_file
 from breastrig.scan.read import read_scan
 
+pytestmark = pytest.mark.long
+
 SCANS = {kind: as_bytes(tube(), kind) for kind in ("ply", "obj", "stl", "stl_ascii", "glb")}
 SCANS["ply_ascii"] = tube().export(file_type="ply", encoding="ascii")
 SCANS["textured_glb"] = mesh_glb(toy_rig().template, toy_rig().faces, uv=toy_rig().uv, texture=picture())

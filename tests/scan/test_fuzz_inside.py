@@ -4,6 +4,7 @@ import json
 from typing import Any
 
 import numpy as np
+import pytest
 from helpers.damage import bounded, damage, damaged
 from helpers.refusals import refused_or_sound, sound_landmarks_or_refused
 from helpers.scan_files import as_bytes, picture, textured_obj, tube, zipped
@@ -13,6 +14,8 @@ from hypothesis import strategies as st
 
 from breastrig.core.glb import pack_glb, split_glb
 from breastrig.gltf.mesh_glb import mesh_glb
+
+pytestmark = pytest.mark.long
 
 NUMBERS = st.one_of(
     st.sampled_from(["0", "-1", "1", "2", "3", "204", "205", "4294967295", "-2147483649", "1e999", "nan", "inf", ""]),

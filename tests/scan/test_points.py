@@ -19,6 +19,8 @@ from breastrig.scan.point_clouds.surface_from_points import FROM_POINTS, surface
 from breastrig.scan.read import read_scan
 from breastrig.scan.stored_scan import STORED, write_stored
 
+pytestmark = pytest.mark.long
+
 POINTS, NORMALS = front(0.006)
 FILES = {
     "pcd as text": pcd(POINTS, "ascii"),

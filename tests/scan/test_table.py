@@ -17,6 +17,8 @@ from breastrig.scan.table import found_table
 from breastrig_studies.virtual.bodies import read_bodies
 from breastrig_studies.virtual.scan import scan_body
 
+pytestmark = pytest.mark.long
+
 Mesh = tuple[np.ndarray, np.ndarray]
 
 

@@ -37,6 +37,7 @@ def toy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "toy.glb"
 
 
+@pytest.mark.slow
 def test_all_of_a_fit_is_answered_after_a_restart_with_another_model(tmp_path: Path, toy: Path) -> None:
     with serving(tmp_path, None) as (service, client):
         scan = client.post("/api/examples/standing").json

@@ -13,6 +13,8 @@ from breastrig.storage.rows.fits import NewFit, claim_fit, get_fit
 from breastrig.storage.rows.scans import ScanRow, add_scan
 from breastrig.storage.storage import Storage, utc_now
 
+pytestmark = pytest.mark.long
+
 FACTS = {"unit": "mm", "bounds_m": {"min": [0, 0, 0], "max": [1, 1, 1]}}
 
 
@@ -79,6 +81,7 @@ def test_cancelling_one_cancels_both_and_kills_the_process(serving, scan_id: str
             assert service.storage.folders.wait_until_free(each, 5.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("which", [0, 1])
 def test_deleting_one_scan_stops_the_pair_and_leaves_no_trace_of_it_at_the_other(
     serving, scan_id: str, other_scan: str, which: int

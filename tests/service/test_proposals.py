@@ -15,6 +15,8 @@ from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.rows.searches import get_proposals
 from breastrig.storage.storage import Storage
 
+pytestmark = pytest.mark.long
+
 FOUND = {
     "nipple_L": {
         "point": [70.0, 350.0, 120.0],
@@ -87,6 +89,7 @@ def test_who_does_not_wait_finds_them_later(serving, storage: Storage, scan_id: 
     assert times_made(storage, scan_id) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("proposer", "sentence", "wall_s"),
     [

@@ -20,6 +20,8 @@ from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.jobs import FitJob
 
+pytestmark = pytest.mark.long
+
 
 def test_a_fit_stores_its_events_in_order_and_leaves_its_files(serving, scan_id: str) -> None:
     with serving(fake_fit.quick) as service:
@@ -33,6 +35,7 @@ def test_a_fit_stores_its_events_in_order_and_leaves_its_files(serving, scan_id:
         assert stored_events(service, fit_id, after=4) == events[4:]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("runner", "sentence"),
     [
@@ -69,6 +72,7 @@ def test_cancelling_a_running_fit_kills_its_process(serving, scan_id: str) -> No
         assert service.cancel_fit(fit_id).state == "cancelled"
 
 
+@pytest.mark.slow
 def test_cancelling_a_waiting_fit_means_that_it_never_runs(serving, scan_id: str) -> None:
     with serving(fake_fit.mostly_patient, workers=1) as service:
         running = ask_for_fit(service, scan_id, "paper")
@@ -111,6 +115,7 @@ def begun(storage: Storage, scan_id: str, fit_id: str, events: int, attempts: in
         append(storage, fit_id, event_json(event), attempts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stored", range(6))
 def test_after_a_restart_a_fit_goes_on_with_its_events_where_it_stopped(
     serving, storage: Storage, scan_id: str, stored: int

@@ -3,12 +3,15 @@
 import os
 from pathlib import Path
 
+import pytest
 from helpers import fake_fit, fake_proposals
 from helpers.waiting import ask_for_fit, ended, until
 
 from breastrig.core.assets import asset_folder
 from breastrig.service.service import Service
 from breastrig.storage.rows.scans import ScanRow
+
+pytestmark = pytest.mark.long
 
 STANCES = ("standing", "supine")
 
@@ -34,6 +37,7 @@ def is_alive(pid: int) -> bool:
     return Path(f"/proc/{pid}").exists()
 
 
+@pytest.mark.slow
 def test_each_scan_is_proposed_on_where_it_was_read_and_no_other_scan_is(serving) -> None:
     with serving(fake_fit.quick, proposer=fake_proposals.by_process) as service:
         scans = [uploaded(service, stance) for stance in STANCES]
@@ -42,6 +46,7 @@ def test_each_scan_is_proposed_on_where_it_was_read_and_no_other_scan_is(serving
         assert [proposing_process(service, scan) for scan in scans] == readers
 
 
+@pytest.mark.slow
 def test_a_fit_runs_where_its_scan_was_read(serving) -> None:
     with serving(fake_fit.by_process) as service:
         scans = [uploaded(service, stance) for stance in STANCES]
@@ -50,6 +55,7 @@ def test_a_fit_runs_where_its_scan_was_read(serving) -> None:
             assert ended(service, ask_for_fit(service, scan.id)).reason == f"process {reader}"
 
 
+@pytest.mark.slow
 def test_deleting_a_scan_ends_its_process_and_leaves_the_other_one(serving) -> None:
     with serving(fake_fit.quick) as service:
         first, second = (uploaded(service, stance) for stance in STANCES)
@@ -69,6 +75,7 @@ def test_deleting_a_scan_ends_the_fit_that_runs_in_its_process(serving) -> None:
         assert not is_alive(reader)
 
 
+@pytest.mark.slow
 def test_a_cancelled_fit_takes_its_process_along_and_the_next_one_starts_elsewhere(serving) -> None:
     with serving(fake_fit.hanging) as service:
         scan = uploaded(service, "standing")

@@ -16,6 +16,8 @@ from breastrig.storage import data_folder
 from breastrig.storage.data_folder import Ownership, installation_id, ownership_of
 from breastrig.storage.storage import Storage
 
+pytestmark = pytest.mark.long
+
 State = dict[str, tuple[int, int, bytes | str | None]]
 
 

@@ -23,6 +23,8 @@ from breastrig.storage.rows.scans import ScanRow, add_scan, scan_ids
 from breastrig.storage.rows.shares import ShareRow, add_share, end_snapshots, get_share
 from breastrig.storage.storage import Storage, Unremoved
 
+pytestmark = pytest.mark.long
+
 FITS = [f"fit-{k}" for k in range(4)]
 SHARE = ShareRow("share", "fit-0", "2026-01-01T00:00:00.000Z", "2999-01-01T00:00:00.000Z", "none", None, "shown", "")
 TRACES = (b"skin of scan-1", b"result of fit-", b"scan-1", b"fit-0", b"fit-3", b"seen through a link", b"shares/shown")

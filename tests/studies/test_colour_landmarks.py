@@ -19,6 +19,8 @@ from breastrig_studies.virtual.case_files import write_json
 from breastrig_studies.virtual.painted.files import write_painted_case
 from breastrig_studies.virtual.scan import SimulatedScan
 
+pytestmark = pytest.mark.long
+
 
 def record(case: Case, answer: dict[str, Any]) -> Record:
     return Record(Unit((case,), "colour_landmarks", load_recipe("default"), Path("rig.glb")), answer, None)

@@ -32,6 +32,8 @@ from breastrig_studies.studies.case import read_scene
 from breastrig_studies.studies.sensitivity import TERMS
 from breastrig_studies.tables import studies
 
+pytestmark = pytest.mark.long
+
 WHOLE = ["--rotations", "0", "--jobs", "1", "--preset", "default"]
 QUICK = ["--quick", "--rotations", "1", "--jobs", "1", "--preset", "default"]
 FACTORS = (0.01, 1.0, 100.0)

@@ -30,6 +30,8 @@ from breastrig_studies.tables.certainty import CARRIED, covered, levels_covered,
 from breastrig_studies.tables.measures import measures_table, ptosis_table
 from breastrig_studies.tables.verdicts import verdicts_table
 
+pytestmark = pytest.mark.long
+
 
 @pytest.mark.parametrize(
     ("turn", "wrong"),

@@ -25,6 +25,8 @@ from breastrig_studies.studies.result_cache import Unit, answered
 from breastrig_studies.studies.transfer import ALL, PICKS, WAYS, by_landmarks, strokes, transfer_study
 from breastrig_studies.tables.transfer import lesions_table, prediction_table
 
+pytestmark = pytest.mark.long
+
 ALL_SIDES = -2.0  # of a normal
 
 

@@ -8,6 +8,7 @@ from collections import Counter
 from functools import _lru_cache_wrapper
 from pathlib import Path
 
+import pytest
 from helpers.coarse_example import coarse_example
 
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -34,6 +35,7 @@ def test_the_model_of_a_job_is_there_already() -> None:
     assert read_model(FitJob(Path("scan.ply"), Path("out"), {})) is read_rig(default_rig_path())
 
 
+@pytest.mark.slow
 def test_the_first_fit_computes_nothing_that_the_second_one_finds(tmp_path: Path) -> None:
     coarse_example(tmp_path / "example")
     model = shutil.copytree(default_rig_path().parent, tmp_path / "model") / default_rig_path().name  # one of its own

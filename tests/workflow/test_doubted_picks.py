@@ -42,6 +42,7 @@ def test_all_sides_exchanged_are_named_before_the_first_step_and_at_the_end(pick
     assert said in done.result.document()["verdict"]["reasons"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("middle", [("umbilicus",), ("umbilicus", "suprasternal_notch"), ("umbilicus", "xiphoid")])
 def test_of_few_picks_the_skin_tells(picks, middle, tmp_path: Path) -> None:
     """Three lie in one plane, whatever their sides."""
@@ -67,6 +68,7 @@ def test_sides_that_a_person_is_certain_of_are_not_called_exchanged(picks, tmp_p
     assert first.landmarks_not_followed == []
 
 
+@pytest.mark.slow
 def test_a_certain_pick_of_the_middle_is_followed_when_all_sides_are_exchanged(picks, tmp_path: Path) -> None:
     exchanged = exchanged_sides(picks)
     job = FitJob(scan=EXAMPLE / "scan.ply", out=tmp_path, landmarks_mm=exchanged, certain=("umbilicus",))
@@ -94,6 +96,7 @@ def test_what_cannot_be_certain_ends_a_fit_before_it_begins(
         next(run_fit(job))
 
 
+@pytest.mark.slow
 def test_one_pick_far_off_is_named_at_the_end(picks, tmp_path: Path) -> None:
     wrong = picks | {"xiphoid": [picks["xiphoid"][0] + 50.0, *picks["xiphoid"][1:]]}
     started, done = events(wrong, tmp_path)

@@ -48,6 +48,7 @@ def mesh(name: str):
     return lambda folder: read_scan(folder / name, None, "m", texture=False).vertices
 
 
+@pytest.mark.slow
 def test_the_fitted_model_and_the_scan(folders: dict[str, Path]) -> None:
     assert apart(folders, mesh("fitted.ply")) < EXACT
     assert apart(folders, mesh("scan.ply")) < EXACT

@@ -59,6 +59,7 @@ def test_nodes_and_parameters_are_two_words_for_one_pose(rig: Rig, rng: np.rando
         assert np.allclose(getattr(back, field), getattr(x, field), atol=2e-6)
 
 
+@pytest.mark.slow
 def test_after_one_pick_was_moved(rig: Rig, tmp_path: Path) -> None:
     first = events_of(tmp_path / "first", PICKS, stance="standing")
     earlier = EarlierFit("standing", nodes(first[-2]), rig.sha256)

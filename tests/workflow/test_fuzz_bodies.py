@@ -28,6 +28,8 @@ from breastrig.scan.read import read_scan
 from breastrig.workflow.jobs import FitJob
 from breastrig.workflow.run_fit import run_fit
 
+pytestmark = pytest.mark.long
+
 
 def file_of(kind: str, seed: int, divisions: int) -> bytes:
     vertices, faces = body(kind, seed, divisions)
@@ -44,6 +46,7 @@ def refused(error: BreastRigError) -> str:
 KINDS = sorted(BODIES) if TIMES >= 1 else ["crumpled", "many", "soup", "stick"]
 
 
+@pytest.mark.slow
 @bounded(8)
 @given(any_body())
 def test_every_body_gets_a_frame_or_a_sentence(what: tuple[str, int, int]) -> None:
@@ -69,6 +72,7 @@ def numbers(document: Any) -> list[float]:
     return [document] if isinstance(document, int | float) else []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_body_is_fitted_or_refused(kind: str, tmp_path: Path) -> None:
     @bounded(1)

@@ -20,6 +20,8 @@ from breastrig.workflow.propose_on_scan import propose_on_file
 from breastrig.workflow.read_upload import read_upload
 from breastrig.workflow.run_fit import run_fit
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(autouse=True)
 def nothing_kept(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -56,6 +58,7 @@ def test_another_triangle_makes_another_scan(scan: Scan) -> None:
     assert len(other.target.faces) == len(first.target.faces) - 1
 
 
+@pytest.mark.slow
 def test_with_and_without_the_table_are_two_targets() -> None:
     lying = read_scan(asset_folder("example") / "supine" / "scan.ply", "ply", "auto")
     without = keeping(prepared_scan, lying, AUTO)
@@ -73,6 +76,7 @@ def test_nothing_is_kept_where_nobody_asked_for_it(scan: Scan) -> None:
     assert kept_scan._kept == kept_scan._Kept()
 
 
+@pytest.mark.slow
 def test_upload_proposals_and_fits_give_the_same_bytes(tmp_path: Path) -> None:
     source = asset_folder("example") / "supine" / "scan.ply"  # with a table, which is cut away first
     found = []

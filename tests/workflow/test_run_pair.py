@@ -34,6 +34,7 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[tuple[int
     return folder, events
 
 
+@pytest.mark.slow
 def test_both_stories_are_whole_and_end_together(told: tuple[Path, list[tuple[int, Event]]]) -> None:
     stories = [[event for which, event in told[1] if which == side] for side in (0, 1)]
     for story, stance in zip(stories, ("standing", "supine"), strict=True):
@@ -96,6 +97,7 @@ def test_two_models_are_refused(tmp_path: Path) -> None:
         list(run_pair(first, FitJob(first.scan, tmp_path / "b", {}, model=tmp_path / "other.glb")))
 
 
+@pytest.mark.slow
 def test_who_stops_listening_stops_both(tmp_path: Path) -> None:
     steps = run_pair(job("standing", tmp_path / "a"), job("supine", tmp_path / "b"))
     assert isinstance(next(steps)[1], Started)

@@ -36,6 +36,8 @@ from breastrig.workflow.propose_on_scan import propose_on_file
 from breastrig.workflow.read_upload import read_upload
 from breastrig.workflow.run_fit import run_fit
 
+pytestmark = pytest.mark.long
+
 SUPINE = asset_folder("example") / "supine"
 PICKS = json.loads((EXAMPLE / "landmarks.json").read_text())["landmarks"]
 
@@ -95,6 +97,7 @@ def events_of(scan: Path, out: Path, picks: dict[str, list[float]], **more: obje
     return list(run_fit(FitJob(scan, out, picks, **more)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("picks", [PICKS, {}], ids=["with landmarks", "without"])
 def test_with_stance_auto_the_fit_that_shows_the_stance_is_the_fit(
     picks: dict[str, list[float]], calls: dict[str, int], bare: dict[str, Path], tmp_path: Path
@@ -123,6 +126,7 @@ def test_the_time_that_finding_the_stance_takes_is_time_of_solving(
     assert timing["read"] + timing["prepare"] + timing["align"] + timing["solve"] <= timing["total"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stance", ["standing", "supine"])
 def test_proposals_and_fits_begin_with_what_the_upload_found(
     stance: str, calls: dict[str, int], bare: dict[str, Path], tmp_path: Path
@@ -157,6 +161,7 @@ def test_proposals_and_fits_begin_with_what_the_upload_found(
     assert first["surface_distance_mm"]["mean"] == pytest.approx(second["surface_distance_mm"]["mean"], abs=1e-3)
 
 
+@pytest.mark.slow
 def test_a_coloured_scan_is_not_fitted_again_to_see_where_its_landmarks_are_expected(
     calls: dict[str, int], tmp_path: Path
 ) -> None:
@@ -177,6 +182,7 @@ def test_a_coloured_scan_is_not_fitted_again_to_see_where_its_landmarks_are_expe
     assert (results["fitted"][3]["fits"], results["to be fitted"][3]["fits"]) == (2, 4)
 
 
+@pytest.mark.slow
 def test_an_upload_is_read_with_the_model_that_is_served_and_another_model_looks_anew(
     calls: dict[str, int], tmp_path: Path
 ) -> None:
@@ -208,6 +214,7 @@ def test_the_small_picture_is_the_same_with_the_rays_of_the_fit(
     assert made[0] == made[1]
 
 
+@pytest.mark.slow
 def test_the_service_uploads_with_its_own_model(tmp_path: Path) -> None:
     write_rig(toy_rig(), tmp_path)
     model = tmp_path / "toy.glb"
@@ -219,6 +226,7 @@ def test_the_service_uploads_with_its_own_model(tmp_path: Path) -> None:
     assert row.facts["orientation"]["model_sha256"] == read_rig(model).sha256
 
 
+@pytest.mark.slow
 def test_a_command_line_proposal_reads_prepares_and_orients_once(
     calls: dict[str, int], bare: dict[str, Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -233,6 +241,7 @@ def test_a_command_line_proposal_reads_prepares_and_orients_once(
     assert cleaned == [1, 1]
 
 
+@pytest.mark.slow
 def test_what_was_cut_as_table_or_by_hand_is_in_the_result(tmp_path: Path) -> None:
     """Said or found: a lying patient's table goes, and result.json says how much of the scan that was."""
     picks = json.loads((SUPINE / "landmarks.json").read_text())["landmarks"]

@@ -14,6 +14,7 @@ from breastrig.workflow.read_upload import read_upload
 EXAMPLE = asset_folder("example") / "standing" / "scan.ply"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("wall_m", "unit", "said"),
     [(1.4, "m", ""), (2.0, "ft", "less than an ordinary torso, or a part of one; check unit and export. In metres")],

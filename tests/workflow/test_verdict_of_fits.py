@@ -21,6 +21,8 @@ from breastrig.workflow.jobs import FitJob
 from breastrig.workflow.propose_on_scan import propose_on_scan
 from breastrig.workflow.run_fit import run_fit
 
+pytestmark = pytest.mark.long
+
 EXAMPLE = asset_folder("example")
 SOLID = ("plate", "half", "box", "hull")  # a ball is below, on the command line; test_fuzz_bodies.py has more kinds
 
@@ -42,6 +44,7 @@ def verdict(
     return dict(written)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stance", ["standing", "supine"])
 def test_a_torso_is_good_with_landmarks(stance: str, tmp_path: Path) -> None:
     assert verdict(EXAMPLE / stance / "scan.ply", tmp_path / "out", picks_mm(stance)) == {
@@ -50,6 +53,7 @@ def test_a_torso_is_good_with_landmarks(stance: str, tmp_path: Path) -> None:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stance", ["standing", "supine"])
 def test_agreeing_to_every_proposal_makes_no_fit_surer(stance: str, tmp_path: Path) -> None:
     """Twelve proposals taken for picks said 2 to 4 mm where the truth lay up to 15 mm off."""
@@ -79,6 +83,7 @@ def test_agreeing_to_every_proposal_makes_no_fit_surer(stance: str, tmp_path: Pa
     ]
 
 
+@pytest.mark.slow
 def test_a_poor_fit_of_a_torso_with_landmarks_is_never_refused(tmp_path: Path) -> None:
     """Squeezed sideways, as no adult is, and fitted by the preset with the poorest fits."""
     scan = read_scan(EXAMPLE / "standing" / "scan.ply")
@@ -102,6 +107,7 @@ def test_what_is_no_torso_is_of_no_use_with_landmarks_either(kind: str, count: i
         assert verdict(tmp_path / "body.ply", tmp_path / "out", picks, "m")["level"] == "unusable"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", SOLID)
 def test_what_is_no_torso_is_refused_and_leaves_nothing(kind: str, tmp_path: Path) -> None:
     trimesh.Trimesh(*scanned(kind, 11), process=False).export(tmp_path / "body.ply")
@@ -125,6 +131,7 @@ def half(folder: Path, stance: str) -> tuple[Path, dict[str, list[float]]]:
     return folder / "half.ply", {name: pick for name, pick in picks.items() if beside(places[name][None])[0]}
 
 
+@pytest.mark.slow
 def test_half_a_torso_is_fitted_by_its_landmarks_and_doubted_without(tmp_path: Path) -> None:
     scan, picks = half(tmp_path, "standing")
     found = verdict(scan, tmp_path / "picked", picks, "m")
@@ -138,6 +145,7 @@ def test_half_a_torso_is_fitted_by_its_landmarks_and_doubted_without(tmp_path: P
     assert level != "good"
 
 
+@pytest.mark.slow
 def test_the_command_line_says_it_in_one_line_and_fails(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     trimesh.Trimesh(*scanned("ball", 3), process=False).export(tmp_path / "duck.ply")
     assert main(["fit", str(tmp_path / "duck.ply"), "--units", "m", "-o", str(tmp_path / "out")]) == 1
@@ -148,6 +156,7 @@ def test_the_command_line_says_it_in_one_line_and_fails(tmp_path: Path, capsys: 
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_a_part_whose_landmarks_only_repeat_the_proposals_is_to_be_checked(tmp_path: Path) -> None:
     """One side of the example: true picks place the fit, proposals that somebody nods at tell nothing of their own."""
     whole = read_scan(EXAMPLE / "standing" / "scan.ply")

@@ -13,6 +13,8 @@ from breastrig.colour.features.observe import observed_landmarks
 from breastrig.colour.features.patch import ColouredSkin
 from breastrig.core.arrays import Array
 
+pytestmark = pytest.mark.long
+
 FRONT, LEFT, UP = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
 OFF = np.array([0.009, -0.011, 0.0])  # m, as far off as the form expects a nipple
 

@@ -71,6 +71,7 @@ def fitted(rig: Rig, numbers: Numbers, recipe: Recipe) -> tuple[list[FitIterate]
     return iterates, float(np.linalg.norm(found - [places[name] for name in NIPPLES], axis=1).mean())
 
 
+@pytest.mark.slow
 def test_nipples_of_breasts_that_hang_are_found_without_landmarks(rig: Rig) -> None:
     recipe = load_recipe("default")
     once, flattened = fitted(rig, HANGING, recipe.model_copy(update={"hanging": None}))
@@ -83,6 +84,7 @@ def test_nipples_of_breasts_that_hang_are_found_without_landmarks(rig: Rig) -> N
     assert len(twice) > len(once)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("coupling", [ALIKE, ONE_BODY])
 def test_two_stances_of_breasts_that_hang_begin_again_together(rig: Rig, coupling: Coupling) -> None:
     def off(recipe: Recipe) -> tuple[list[PairIterate], Array]:
@@ -171,6 +173,7 @@ def test_only_a_preset_that_asks_looks() -> None:
     assert opening_of(load_recipe("paper")) == ()
 
 
+@pytest.mark.slow
 def test_right_picks_on_breasts_that_hang_are_believed_and_the_fit_is_good(rig: Rig) -> None:
     target, places = woman(HANGING)
     gaps, _ = target.vertex_tree.query(np.array(list(places.values())))
@@ -202,6 +205,7 @@ def test_how_skin_faces_is_not_asked_of_breasts_that_hang(rig: Rig) -> None:
     assert stiff.angle_p90 < 0.5 * asked.angle_p90
 
 
+@pytest.mark.slow
 def test_an_orientation_tells_of_breasts_that_were_seen_to_hang(rig: Rig) -> None:
     target = woman(HANGING)[0]
     frame = Frame(np.eye(3)[1], np.eye(3)[2], 1.0, "", "standing", "", FRONT)

@@ -102,6 +102,7 @@ def test_how_high_a_whole_back_lies_is_not_estimated_but_its_form_is(torso: Rig)
     assert np.abs(both.heights).max() > 0.01
 
 
+@pytest.mark.slow
 def test_of_supine_bodies_only_what_the_sources_agree_on_is_estimated(torso: Rig) -> None:
     hidden = np.ones(len(torso.template), dtype=np.bool_)
     back = np.isin(np.arange(len(hidden)), torso.regions["back"])

@@ -28,6 +28,8 @@ from breastrig.scan.read import read_scan
 from breastrig_studies.virtual.bodies import read_bodies
 from breastrig_studies.virtual.warped.body import breast_region, filled
 
+pytestmark = pytest.mark.long
+
 STANDING = asset_folder("example") / "standing"
 HOLLOWS = {"umbilicus", "suprasternal_notch", "inframammary_fold_L", "inframammary_fold_R"}
 TIPS = {"acromion_L", "acromion_R"}
@@ -59,6 +61,7 @@ def errors(task: FitTask, last: FitIterate, true: Mapping[str, Array]) -> dict[s
     return {name: float(np.linalg.norm(point - true[name])) for name, point in zip(true, points, strict=True)}
 
 
+@pytest.mark.slow
 def test_hollows_bring_landmarks_nearer_without_bending_the_surface(task: FitTask, true: dict[str, Array]) -> None:
     with_them, without = end(task), end(replace(task, relief={}))
     assert set(with_them.relief or {}) == HOLLOWS | TIPS
@@ -117,6 +120,7 @@ def test_what_was_seen_once_is_not_looked_for_again(task: FitTask) -> None:
     assert posterior.relief["umbilicus"] is (last.relief or {})["umbilicus"]
 
 
+@pytest.mark.slow
 def test_where_a_breast_was_taken_off_her_fold_is_hardly_ever_seen(task: FitTask) -> None:
     """On the left side of three women, three scans each; the other fold is seen on all."""
     cohort, seen = read_bodies(), {"inframammary_fold_L": 0, "inframammary_fold_R": 0}

@@ -37,6 +37,7 @@ def gap(rig: Rig, last: FitIterate, name: str, place: Array) -> float:
     return float(np.linalg.norm(point - place))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_true_picks_are_followed_without_a_word(torso: Rig, seed: int) -> None:
     _, true, _ = patient(torso, seed)
@@ -46,6 +47,7 @@ def test_true_picks_are_followed_without_a_word(torso: Rig, seed: int) -> None:
     assert named(task, last) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "away"),
     [
@@ -89,6 +91,7 @@ def test_a_pick_that_the_model_expected_elsewhere_is_followed_where_the_body_is_
     assert gap(torso, last, "umbilicus", picks["umbilicus"]) < 0.006
 
 
+@pytest.mark.slow
 def test_exchanged_partners_are_rejected_together_and_leave_the_rest_right(torso: Rig) -> None:
     _, true, _ = patient(torso, 5)
     wrong = true | {"nipple_L": true["nipple_R"], "nipple_R": true["nipple_L"]}
@@ -110,6 +113,7 @@ def test_a_pick_on_another_landmarks_place_is_rejected_with_its_name(torso: Rig)
     assert "where nipple_L is expected" in doubt.reason
 
 
+@pytest.mark.slow
 def test_a_certain_pick_is_followed_and_not_asked_about(torso: Rig) -> None:
     _, true, _ = patient(torso, 5)
     wrong = {name: place for name, place in true.items() if name != "nipple_L"}
@@ -120,6 +124,7 @@ def test_a_certain_pick_is_followed_and_not_asked_about(torso: Rig) -> None:
     assert ("nipple_R",) not in named(task, last)
 
 
+@pytest.mark.slow
 def test_at_most_a_third_is_rejected(torso: Rig) -> None:
     _, true, _ = patient(torso, 5)
     sides = [name[:-2] for name in true if name.endswith("_L")]
@@ -130,6 +135,7 @@ def test_at_most_a_third_is_rejected(torso: Rig) -> None:
     assert sum(len(doubt.names) for doubt in last.not_followed) <= len(true) // 3
 
 
+@pytest.mark.slow
 def test_a_fit_of_two_stances_takes_the_same_picks(torso: Rig) -> None:
     _, true, _ = patient(torso, 5)
     wrong = true | {"nipple_L": true["nipple_R"], "nipple_R": true["nipple_L"]}
@@ -141,6 +147,7 @@ def test_a_fit_of_two_stances_takes_the_same_picks(torso: Rig) -> None:
     assert agreeing_picks(task, begun)[1] == rejected, "nothing is fitted again"
 
 
+@pytest.mark.slow
 def test_without_picks_nothing_is_asked(torso: Rig) -> None:
     _, true, _ = patient(torso, 1)
     task = task_of(torso, 1, {}, true)

@@ -26,6 +26,7 @@ def apart_mm(task: FitTask, one: RigParameters, other: RigParameters) -> Array:
     return np.asarray(1e3 * np.linalg.norm(pose(task.rig, one) - pose(task.rig, other), axis=1))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "way"),
     [("nipple_L", (0.012, 0.012, 0.004)), ("umbilicus", (0.0, -0.01, 0.0)), ("xiphoid", (0.0, 0.01, 0.0))],

@@ -63,6 +63,7 @@ def test_a_right_navel_is_not_asked_about(stance: str) -> None:
     assert unusual(posterior) == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stance", ["standing", "supine"])
 @pytest.mark.parametrize("angle", np.radians([0, 60, 120, 180, 240, 300]))
 def test_a_navel_beside_its_concavity_is_named_with_its_distance(stance: str, angle: float) -> None:
@@ -101,6 +102,7 @@ def test_a_fit_that_goes_on_without_a_pick_ends_where_one_ends_that_never_had_it
     assert np.linalg.norm(at - wanted) < 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "angle"),
     [("inframammary_fold_L", 180), ("inframammary_fold_R", 0), ("nipple_L", 0), ("nipple_R", 180)],

@@ -17,6 +17,8 @@ from breastrig.workflow.events import Done
 from breastrig.workflow.jobs import FitJob
 from breastrig.workflow.run_fit import run_fit
 
+pytestmark = pytest.mark.long
+
 EXAMPLE = asset_folder("example") / "standing"
 PAIRS = ("nipple", "acromion", "midclavicle", "inframammary_fold")
 
@@ -38,6 +40,7 @@ def distances_to_true(found: dict) -> np.ndarray:
     return np.array([np.linalg.norm(per_mm * np.array(found["landmarks"][n]) - p) for n, p in picks().items()])
 
 
+@pytest.mark.slow
 def test_right_picks_are_all_followed(tmp_path: Path) -> None:
     found = result(picks(), tmp_path)
     assert found["landmarks_not_followed"] == found["landmarks_unusual"] == []
@@ -45,6 +48,7 @@ def test_right_picks_are_all_followed(tmp_path: Path) -> None:
     assert distances_to_true(found).mean() < 1.7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pair", PAIRS)
 def test_two_exchanged_sides_are_named_and_not_followed(pair: str, tmp_path: Path) -> None:
     wrong = picks()
@@ -56,6 +60,7 @@ def test_two_exchanged_sides_are_named_and_not_followed(pair: str, tmp_path: Pat
     assert distances_to_true(found).mean() < 2.3  # 1.5 with all picks right
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stance", ["standing", "supine"])
 def test_few_right_picks_are_never_taken_for_exchanged_ones(stance: str, rng: np.random.Generator) -> None:
     rig, outliers = read_rig(default_rig_path()), load_recipe("default").outliers
@@ -71,6 +76,7 @@ def test_few_right_picks_are_never_taken_for_exchanged_ones(stance: str, rng: np
     assert sides_exchanged(rig, {mirrored[name]: place for name, place in true.items()}, target, outliers)
 
 
+@pytest.mark.slow
 def test_all_sides_exchanged_do_not_turn_the_patient_round(tmp_path: Path) -> None:
     swap = {"_L": "_R", "_R": "_L"}
     wrong = {name[:-2] + swap[name[-2:]] if name[-2:] in swap else name: place for name, place in picks().items()}
@@ -80,6 +86,7 @@ def test_all_sides_exchanged_do_not_turn_the_patient_round(tmp_path: Path) -> No
     assert found["surface_distance_mm"]["mean"] < 0.53
 
 
+@pytest.mark.slow
 def test_a_mirrored_scan_is_flagged_and_its_landmarks_are_not_followed(tmp_path: Path) -> None:
     scan = trimesh.load(EXAMPLE / "scan.ply", process=False)
     mirrored = trimesh.Trimesh(scan.vertices * [-1.0, 1.0, 1.0], scan.faces[:, ::-1], process=False)
@@ -92,6 +99,7 @@ def test_a_mirrored_scan_is_flagged_and_its_landmarks_are_not_followed(tmp_path:
     assert set(doubt["names"]) == set(places)
 
 
+@pytest.mark.slow
 def test_a_pick_far_off_is_followed_and_asked_about(tmp_path: Path) -> None:
     wrong = picks()
     wrong["xiphoid"] = [wrong["xiphoid"][0] + 50.0, *wrong["xiphoid"][1:]]
@@ -104,6 +112,7 @@ def test_a_pick_far_off_is_followed_and_asked_about(tmp_path: Path) -> None:
     assert np.mean(others) < 5.0, "mm"
 
 
+@pytest.mark.slow
 def test_a_certain_pick_is_not_asked_about(tmp_path: Path) -> None:
     wrong = picks()
     wrong["xiphoid"] = [wrong["xiphoid"][0] + 50.0, *wrong["xiphoid"][1:]]
@@ -112,6 +121,7 @@ def test_a_certain_pick_is_not_asked_about(tmp_path: Path) -> None:
     assert last.result.document()["landmarks_unusual"] == last.result.document()["landmarks_not_followed"] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stance", ["standing", "supine"])
 @pytest.mark.parametrize(
     "names",

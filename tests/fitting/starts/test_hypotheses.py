@@ -33,6 +33,7 @@ def _front(bodies: Bodies, body: VirtualBody) -> tuple[Array, Booleans]:
     return middles, seen & (middles[:, 1] > low) & (middles[:, 1] < high)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("patient", "stance"), [("patient_5", "standing"), ("patient_7", "supine")])
 def test_the_upper_body_is_not_drawn_down_to_a_cut_below_it(patient: str, stance: str) -> None:
     """Without other heights the landmarks of these two are 46 and 58 mm off: the breasts are matched by the belly."""

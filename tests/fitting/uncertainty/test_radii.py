@@ -38,6 +38,7 @@ def posterior_of(rig: Rig, names: tuple[str, ...] | None = None) -> Posterior:
     return Posterior(task, list(fit_iterates(task))[-1].parameters)
 
 
+@pytest.mark.slow
 def test_variances_are_those_of_samples_of_the_posterior(torso: Rig) -> None:
     """Steps drawn from the Gaussian move vertices and landmarks as the variances say."""
     posterior = posterior_of(torso)
@@ -54,6 +55,7 @@ def test_variances_are_those_of_samples_of_the_posterior(torso: Rig) -> None:
     np.testing.assert_allclose(np.sqrt(posterior.landmark_variances(names)), spread, rtol=0.25)
 
 
+@pytest.mark.slow
 def test_a_picked_landmark_is_surer_than_one_that_was_not(torso: Rig) -> None:
     half = ("suprasternal_notch", "xiphoid", "nipple_R", "acromion_L")
     all_given, half_given = radii(posterior_of(torso)), radii(posterior_of(torso, half))

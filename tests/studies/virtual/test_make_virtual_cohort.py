@@ -24,6 +24,8 @@ from breastrig_studies.virtual import make, make_cohort
 from breastrig_studies.virtual.bodies import Bodies, VirtualBody, read_bodies
 from breastrig_studies.virtual.scan import Circumstances, SimulatedScan, scan_skin
 
+pytestmark = pytest.mark.long
+
 PATIENT = "patient_5"  # the asymmetric one
 FILES = ("scan.ply", "truth.ply", "landmarks.json", "case.json")
 

@@ -20,6 +20,8 @@ from breastrig_studies.virtual.warped.captures import scan_captured
 from breastrig_studies.virtual.warped.make import names_of
 from breastrig_studies.virtual.warped.sources import Source, read_sources
 
+pytestmark = pytest.mark.long
+
 FILES = ("scan.ply", "truth.ply", "landmarks.json", "case.json")
 
 

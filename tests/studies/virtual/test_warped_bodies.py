@@ -21,6 +21,8 @@ from breastrig_studies.virtual.warped.numbers import CAPTURES, NAVEL, SEGMENT, N
 from breastrig_studies.virtual.warped.proportions import with_segments
 from breastrig_studies.virtual.warped.sources import Source, read_sources
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def sources() -> tuple[Source, ...]:
