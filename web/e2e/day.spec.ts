@@ -5,12 +5,12 @@ import { readdirSync, readFileSync, statSync } from "node:fs";
 import { join } from "node:path";
 import { expect, type Page } from "@playwright/test";
 import type { CarriedDrawing, MeasuresFile, PlanOnScan, Vector } from "../src/api/types";
-import { formatCell, formatMargin } from "../src/stances/measures/measuresTable";
+import { formatCell, formatMargin, measuresTable } from "../src/stances/measures/measuresTable";
 
 import { distance, hook, test, untilFitted, untilStill } from "./page";
 import { type Running, startService } from "./service";
 
-const written = (...[cell, unit, isSigned]: Parameters<typeof formatCell>): string => formatCell(cell, unit, isSigned) + formatMargin(cell, unit);
+const written = (...[cell, unit, isSigned, step]: Parameters<typeof formatCell>): string => formatCell(cell, unit, isSigned, step) + formatMargin(cell, unit);
 
 const state = (page: Page) => page.evaluate(() => window.__breastrig!.state());
 const other = (page: Page) => page.evaluate(() => window.__breastrig!.other());
@@ -189,10 +189,9 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     expect(await dialog.locator("tbody tr[data-measure]").count()).toBe(names.length);
     await dialog.locator(".measure-name").first().click();
     await expect(dialog.locator("tr.facts").first()).toContainText(file.measures[0]!.method);
-    for (const row of file.measures.filter(({ left }) => left !== null).slice(0, 12)) {
-      const isChange = row.stance.includes(" - ");
-      const cells = await dialog.locator(`tbody tr[data-measure="${row.measure}"][data-kind="${row.kind}"] td`).allTextContents();
-      expect(cells, row.measure).toContain(written({ value: row.left, low: row.left_low, high: row.left_high }, row.unit, isChange));
+    for (const line of measuresTable(file).lines.filter(({ groups }) => groups[0]!.left.value !== null).slice(0, 6)) {
+      const cells = await dialog.locator(`tbody tr[data-measure="${line.measure}"][data-kind="${line.kind}"] td`).allTextContents();
+      line.groups.forEach(({ left }, g) => expect(cells, line.measure).toContain(written(left, line.unit, g === 2, line.step)));
     }
     const waiting = page.waitForEvent("download");
     await dialog.getByRole("button", { name: "measures.csv" }).click();

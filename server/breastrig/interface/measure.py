@@ -43,7 +43,8 @@ class Measure:
     right: Number | None
     value: Number | None  # where there is one for both sides
     landmarks: tuple[str, ...]  # what it is measured between, each with its source: picked, seen, or model
-    method: str
+    method: str  # also why something is not seen
+    not_seen: tuple[str, ...] = ()  # of left, right, value: None there, as the scan does not show that breast
 
     @property
     def difference(self) -> float | None:
@@ -59,7 +60,8 @@ def measure(fit: Fit | str | Path, model: Model = None) -> tuple[Measure, ...]:
     A grade needs a nipple that was picked or that the scan's colours show.
     They are in mm and ml whatever the scan's unit; `unit` says so.  Landmarks that were picked and not doubted count
     as they were picked, those that the scan's colours show as they are seen, the others as the fitted model has them.
-    `model` is that of a folder.  Raises BadInput.
+    A breast of which the scan shows less than half has no numbers: None, with its side in `not_seen` and the reason in
+    `method`.  `model` is that of a folder.  Raises BadInput.
     """
     found = (fit if isinstance(fit, Fit) else Fit.load(fit, model)).in_metres
     with one_thread():
@@ -79,6 +81,7 @@ def measure(fit: Fit | str | Path, model: Model = None) -> tuple[Measure, ...]:
             value=number(row.value),
             landmarks=row.landmarks,
             method=row.method,
+            not_seen=row.not_seen,
         )
         for row in rows
     )

@@ -7,7 +7,7 @@ along the skin are geodesic on the fitted model, as scans have holes beside and 
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -20,15 +20,16 @@ from breastrig.geometry.surface_points import SurfacePoints, joined
 from breastrig.report.bands import banded, half_width
 from breastrig.report.body_frame import BodyFrame, body_frame
 from breastrig.report.calibration import measure_calibration
-from breastrig.report.ptosis import STANDING, ptosis
+from breastrig.report.ptosis import MODEL, STANDING, ptosis
 from breastrig.report.stance import Place, Stance, places
-from breastrig.report.symmetry import symmetry
-from breastrig.report.table import Row, Value
+from breastrig.report.symmetry import MODEL_PART, symmetry
+from breastrig.report.table import NOT_SEEN, Row, Value
 from breastrig.report.volume import METHOD as VOLUME_METHOD
-from breastrig.report.volume import breast_outline, breast_volume
+from breastrig.report.volume import breast_outline, breast_volume, seen_share
 from breastrig.rig.model import DrawnShape, Length
 
 STRAIGHT, ALONG_SKIN = "straight", "along the skin"
+SEEN = 0.5  # share of a breast's skin that a scan shows, below which what the model has there is no measure of it
 SPACING = 0.002  # m between points of a line to which a distance is taken
 OUTLINE = "breast base outline (model)"
 BORDER = "areola's border (colour)"
@@ -40,9 +41,45 @@ TAPE = "shortest way on the fitted model's skin"
 
 
 def measures(stance: Stance) -> tuple[Row, ...]:
-    """All rows that the rig's landmarks and drawings allow."""
+    """All rows that the rig's landmarks and drawings allow; without numbers of a breast that the scan does not show."""
     table = _Table(stance)
-    return tuple(row for part in PARTS if stance.rig.has_landmarks(part.needs) for row in part.rows(table))
+    rows = [row for part in PARTS if stance.rig.has_landmarks(part.needs) for row in part.rows(table)]
+    unseen = {side: seen for side in SIDES if (seen := seen_share(stance, side)) is not None and seen < SEEN}
+    return tuple(_without_unseen(row, unseen) for row in rows)
+
+
+def _without_unseen(row: Row, unseen: Mapping[str, float]) -> Row:
+    """Without what is only the model's on a side that the scan does not show."""
+    gone = [side for side in unseen if _is_models(row, side) or (row.value is None and _cell(row, side) is None)]
+    if not gone:
+        return row
+    cells = tuple(SIDES[side] for side in gone) if row.value is None else ("value",)
+    why = [f"the scan shows {100.0 * unseen[side]:.0f} % of the {SIDES[side]} breast: {NOT_SEEN}" for side in gone]
+    return replace(
+        row,
+        left=None if "left" in cells else row.left,
+        right=None if "right" in cells else row.right,
+        value=None if "value" in cells else row.value,
+        landmarks=tuple(name for name in row.landmarks if not any(_is_of_model(name, side) for side in gone)),
+        method="; ".join([row.method, *why]),
+        paths={cell: path for cell, path in row.paths.items() if row.value is None and cell not in cells},
+        not_seen=cells,
+    )
+
+
+def _cell(row: Row, side: str) -> Value | None:
+    found: Value | None = getattr(row, SIDES[side])
+    return found
+
+
+def _is_models(row: Row, side: str) -> bool:
+    """Whether a row needs what is the model's on this side; its outlines are, on both."""
+    return any(name in (OUTLINE, MODEL_PART) or _is_of_model(name, side) for name in row.landmarks)
+
+
+def _is_of_model(named: str, side: str) -> bool:
+    """Of a landmark with its source."""
+    return named.endswith(f"_{side} ({MODEL})")
 
 
 class _Table:

@@ -3,7 +3,7 @@
 The same rows are in report.json, measures.csv and the PDF.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -16,7 +16,7 @@ Cell = str | float | Lines | None
 COLUMNS = (
     "stance", "measure", "kind", "unit",
     "left", "left_low", "left_high", "right", "right_low", "right_high", "difference",
-    "value", "value_low", "value_high",
+    "value", "value_low", "value_high", "not_seen",
     "landmarks", "method",
 )  # fmt: skip
 VERDICT = "verdict"  # the last column
@@ -26,6 +26,7 @@ FILE_DIGITS = {"mm": 2, "ml": 1, "1": 4, "grade": 0}  # a hundredth of a millime
 # In print, where nothing is known of a band, and the coarsest.
 STEPS = {"mm": (0.1, 1.0), "ml": (1.0, 10.0), "1": (0.01, 0.1)}
 GRADES = ("none", "I", "II", "III", "glandular")  # of ptosis.py
+NOT_SEEN = "not seen"  # in print, where the scan does not show what would be measured
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,11 @@ class Value:
             return None
         return max(self.high - self.value, self.value - self.low)
 
+    def moved_to(self, value: float) -> "Value":
+        """Another number with as wide a band."""
+        low, high = (None if end is None else end + value - self.value for end in (self.low, self.high))
+        return Value(value, low, high)
+
 
 @dataclass(frozen=True)
 class Row:
@@ -58,6 +64,17 @@ class Row:
     landmarks: tuple[str, ...]  # each with its source: picked, seen, or model
     method: str
     paths: Mapping[str, Array] = field(default_factory=dict)  # left, right or value: (M, 3) m, what was measured
+    not_seen: tuple[str, ...] = ()  # of left, right, value: those that have no number, as the scan does not show them
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """One in a stance: most lengths are there straight and along the skin."""
+        return self.measure, self.kind
+
+    def with_values(self, changed: Callable[[Value], Value]) -> "Row":
+        """With each of its numbers changed."""
+        left, right, value = (None if each is None else changed(each) for each in (self.left, self.right, self.value))
+        return replace(self, left=left, right=right, value=value)
 
     @property
     def difference(self) -> float | None:
@@ -67,16 +84,42 @@ class Row:
         return self.left.value - self.right.value
 
 
+def rounded_once(row: Row) -> Row:
+    """As files have its numbers: what is computed of them, differences and changes, agrees with what is written."""
+    digits = FILE_DIGITS[row.unit]
+
+    def cut(value: Value) -> Value:
+        low, high = (None if end is None else round(float(end), digits) for end in (value.low, value.high))
+        return Value(round(float(value.value), digits), low, high)
+
+    return row.with_values(cut)
+
+
+def printed_step(rows: Sequence[Row]) -> float:
+    """In which steps one measure is printed, of all its stances and sides: as finely as the surest of its numbers."""
+    values = [value for row in rows for value in (row.left, row.right, row.value) if value is not None]
+    if not values or rows[0].unit == "grade":
+        return 1.0
+    return min(_step(value.margin, rows[0].unit) for value in values)
+
+
+def as_printed(row: Row, step: float) -> Row:
+    """With its numbers as they are printed: differences and changes of such rows agree with what stands beside them."""
+    return row.with_values(lambda value: value.moved_to(_in_steps(value.value, step)))
+
+
 def flat_rows(stances: Sequence[tuple[str, Sequence[Row]]]) -> list[dict[str, Cell]]:
     """The rows of one or two (name, rows); of two also their changes, the second less the first.
 
     `paths` are lines in the scan's frame, mm; a change has none.
     """
-    flat = [_flat(name, row) for name, rows in stances for row in rows]
+    written = [(name, [rounded_once(row) for row in rows]) for name, rows in stances]
+    known = [(name, row) for name, rows in written for row in rows]
+    steps = {key: printed_step([row for _, row in known if row.key == key]) for key in {row.key for _, row in known}}
     if len(stances) == 2:
-        (first, before), (second, after) = stances
-        flat += [_flat(f"{second} - {first}", row) for row in changes(before, after)]
-    return flat
+        (first, before), (second, after) = written
+        known += [(f"{second} - {first}", row) for row in changes(before, after)]
+    return [_flat(name, row, steps[row.key]) for name, row in known]
 
 
 def less(x: Value | None, y: Value | None) -> Value | None:
@@ -111,17 +154,18 @@ def contradictions(stances: Sequence[tuple[str, Sequence[Row]]]) -> tuple[str, .
 
 def changes(before: Sequence[Row], after: Sequence[Row]) -> list[Row]:
     """The measures that both stances have, after less before; grades are no numbers to be subtracted."""
-    known = {(row.measure, row.kind): row for row in before if row.unit != "grade"}
-    return [_change(known[row.measure, row.kind], row) for row in after if (row.measure, row.kind) in known]
+    known = {row.key: row for row in before if row.unit != "grade"}
+    return [_change(known[row.key], row) for row in after if row.key in known]
 
 
 def _change(a: Row, b: Row) -> Row:
     landmarks = tuple(dict.fromkeys((*a.landmarks, *b.landmarks)))
     left, right, value = (less(*pair) for pair in ((a.left, b.left), (a.right, b.right), (a.value, b.value)))
-    return replace(a, left=left, right=right, value=value, landmarks=landmarks, paths={})
+    not_seen = tuple(dict.fromkeys((*a.not_seen, *b.not_seen)))
+    return replace(a, left=left, right=right, value=value, landmarks=landmarks, paths={}, not_seen=not_seen)
 
 
-def _flat(stance: str, row: Row) -> dict[str, Cell]:
+def _flat(stance: str, row: Row, step: float) -> dict[str, Cell]:
     digits = FILE_DIGITS[row.unit]
 
     def cut(number: float | None) -> float | None:
@@ -134,6 +178,8 @@ def _flat(stance: str, row: Row) -> dict[str, Cell]:
         cells[f"{side}_low"] = cut(value.low) if value else None
         cells[f"{side}_high"] = cut(value.high) if value else None
     cells["difference"] = cut(row.difference)
+    cells["not_seen"] = "; ".join(row.not_seen)
+    cells["printed_step"] = step
     paths = {side: np.round(1e3 * line, PATH_DIGITS).tolist() for side, line in row.paths.items()}
     return cells | {"landmarks": "; ".join(row.landmarks), "method": row.method, "paths": paths or None}
 
@@ -148,13 +194,13 @@ def csv_bytes(rows: Sequence[dict[str, Cell]], verdicts: Mapping[str, str]) -> b
     return csv_table((*COLUMNS, VERDICT), [{**row, VERDICT: verdicts.get(str(row["stance"]), worst)} for row in rows])
 
 
-def number(value: Value | None, unit: str, *, signed: bool = False) -> str:
-    """The value without its unit, as finely as its band allows; a dash where there is none."""
+def number(value: Value | None, unit: str, step: float, *, signed: bool = False) -> str:
+    """The value without its unit, in steps of `step`; a dash where there is none."""
     if value is None:
         return "-"
     if unit == "grade":
         return GRADES[round(value.value)]
-    text = _rounded(value.value, _step(value.margin, unit), "+" if signed else "")
+    text = _rounded(value.value, step, "+" if signed else "")
     return text if float(text) else text.lstrip("+-")
 
 
@@ -165,23 +211,27 @@ def _step(margin: float | None, unit: str) -> float:
 
 
 def _rounded(number: float, step: float, sign: str = "") -> str:
-    return f"{round(number / step) * step:{sign}.{max(0, round(-np.log10(step)))}f}"
+    return f"{_in_steps(number, step):{sign}.{max(0, round(-np.log10(step)))}f}"
 
 
-def with_band(value: Value | None, unit: str) -> str:
-    """290 (240 to 330)."""
+def _in_steps(number: float, step: float) -> float:
+    """Halves go up, as on the page, which shows the same numbers."""
+    return float(np.floor(number / step + 0.5) * step)
+
+
+def grade_text(value: Value | None) -> str:
+    """II (I to III)."""
+    text = number(value, "grade", 1.0)
     if value is None or value.low is None or value.high is None:
-        return number(value, unit)
-    if unit == "grade":
-        low, high = (GRADES[round(end)] for end in (value.low, value.high))
-        return number(value, unit) if low == high else f"{number(value, unit)}  ({low} to {high})"
-    step = _step(value.margin, unit)
-    return f"{number(value, unit)}  ({_rounded(value.low, step)} to {_rounded(value.high, step)})"
+        return text
+    low, high = (GRADES[round(end)] for end in (value.low, value.high))
+    return text if low == high else f"{text}  ({low} to {high})"
 
 
-def with_margin(value: Value | None, unit: str, signed: bool = False) -> str:
-    """201 ±4: the larger side of its band, both as finely as that allows; of a ratio 0.98 ±0.05."""
-    text = number(value, unit, signed=signed)
+def with_margin(value: Value | None, unit: str, step: float | None = None, signed: bool = False) -> str:
+    """201 ±4: the larger side of its band; of a ratio 0.98 ±0.05.  Without a step as finely as its own band allows."""
+    own = 1.0 if value is None or unit == "grade" else _step(value.margin, unit)
+    text = number(value, unit, own if step is None else step, signed=signed)
     if value is None or value.margin is None or unit == "grade":
         return text
-    return f"{text} ±{_rounded(value.margin, _step(value.margin, unit))}"
+    return f"{text} ±{_rounded(value.margin, own)}"

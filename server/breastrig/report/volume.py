@@ -105,6 +105,12 @@ def vertices_within(rig: Rig, side: str) -> Booleans | None:
     return None if outline is None else _within(rig, outline, f"nipple_{side}")
 
 
+def seen_share(stance: Stance, side: str) -> float | None:
+    """Share of the model's vertices inside the breast's outline that the scan shows; None for a rig without one."""
+    within = vertices_within(stance.rig, side)
+    return None if within is None else float(np.isfinite(stance.distances[within]).sum()) / max(int(within.sum()), 1)
+
+
 def breast_volume(stance: Stance, side: str) -> Volume | None:
     """The volume of the breast on `side` ("L" or "R"); None for a rig without an outline of the breast."""
     rig = stance.rig

@@ -526,6 +526,10 @@ export type Measure = {
   value_low: number | null;
   /** high end of its band, where one is known */
   value_high: number | null;
+  /** left, right, value: those that have no number, as the scan does not show that breast */
+  not_seen?: string;
+  /** in which steps its numbers are shown, so that differences agree */
+  printed_step?: number;
   /** what it was measured between, each with its source: picked, seen by colour, or the model's */
   landmarks: string;
   method: string;

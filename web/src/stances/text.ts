@@ -88,6 +88,8 @@ export const stances = {
     csv: "measures.csv",
     report: "report.pdf",
     busy: "Measuring …",
+    notSeen: "not seen",
+    notSeenHint: "The scan shows less than half of this breast.",
     band: (low: string, high: string) => `${low} to ${high}`,
   },
 

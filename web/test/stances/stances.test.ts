@@ -90,9 +90,26 @@ test("the table has one line for each measure, the stances beside each other, an
   const { groups, lines } = measuresTable({ measures: MEASURES, stances });
   expect(groups).toEqual(["standing", "supine", "supine - standing"]);
   expect(lines.map(({ measure }) => measure)).toEqual(["notch to nipple", "symmetry", "notch to nipple"]);
-  expect(lines[0]!.groups.map(({ left }) => left.value)).toEqual([201.26, 188.5, -12.76]);
-  expect(lines[1]!.groups.map(({ whole }) => whole.value)).toEqual([0.956, null, null]);
+  expect(lines[0]!.groups.map(({ left }) => Number(left.value!.toFixed(6)))).toEqual([201.3, 188.5, -12.8]);
+  expect(lines[1]!.groups.map(({ whole }) => whole.value)).toEqual([0.96, null, null]);
   expect(lines[0]!.landmarks).toEqual([{ stance: "standing", words: "notch (picked)" }, { stance: "supine", words: "notch (model's)" }]);
+});
+
+test("left, right, differences and changes agree as they are shown", () => {
+  const both = (stance: string, left: number, right: number, step: number) =>
+    row(stance, { left, left_low: left - 20, left_high: left + 20, right, right_low: right - 20, right_high: right + 20, difference: left - right, printed_step: step });
+  const stances = [{ name: "standing" }, { name: "supine" }] as never;
+  const rows = [both("standing", 164.4, 175.4, 10), both("supine", 146, 169, 10), both("supine - standing", -18.4, -6.4, 10)];
+  const [line] = measuresTable({ measures: rows, stances }).lines;
+  const shown = line!.groups.map(({ left, right, difference }) => [left, right, difference].map((cell, i) => formatCell(cell, "mm", i === 2, line!.step)));
+  expect(shown).toEqual([["160", "180", "\u221220"], ["150", "170", "\u221220"], ["\u221210", "\u221210", "0"]]);
+});
+
+test("what the scan does not show is named, and its reason is that of the row", () => {
+  const unseen = row("standing", { left: 290, method: "by the model; the scan shows 0 % of the right breast", not_seen: "right" });
+  const [line] = measuresTable({ measures: [unseen], stances: [{ name: "standing" }] as never }).lines;
+  expect(line!.groups[0]).toMatchObject({ right: { value: null }, difference: { value: null }, notSeen: ["right"] });
+  expect(line!.method).toContain("0 % of the right breast");
 });
 
 test("measures of a fit that is not good say so before any number, each with its stance", () => {
@@ -116,8 +133,8 @@ test("the file has the command line's columns and quotes what needs it", () => {
   const stances = [{ name: "standing", verdict: { level: "check" } }, { name: "supine", verdict: { level: "good" } }] as never;
   const rows = [row("standing", { left: 1.5, method: 'a "b", c' }), row("supine", {}), row("supine - standing", {})];
   const [head, first, ...others] = measuresCsv({ measures: rows, stances }).trim().split("\r\n");
-  expect(head).toBe("stance,measure,kind,unit,left,left_low,left_high,right,right_low,right_high,difference,value,value_low,value_high,landmarks,method,verdict");
-  expect(first).toBe('standing,notch to nipple,along the skin,mm,1.5,,,,,,,,,,,"a ""b"", c",check');
+  expect(head).toBe("stance,measure,kind,unit,left,left_low,left_high,right,right_low,right_high,difference,value,value_low,value_high,not_seen,landmarks,method,verdict");
+  expect(first).toBe('standing,notch to nipple,along the skin,mm,1.5,,,,,,,,,,,,"a ""b"", c",check');
   expect(others.map((line) => line.split(",").at(-1)), "a change is as good as the worse of both").toEqual(["good", "check"]);
   expect(measuresCsv({ measures: [row("standing", {})], stances: [{ name: "standing" }] as never }).trim(), "a fit of an earlier version").toMatch(/,$/);
 });

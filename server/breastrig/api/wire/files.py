@@ -61,6 +61,10 @@ class Measure(Document):
     value: float | None = Field(description="of a measure without sides")
     value_low: float | None = Field(description="low end of its band, where one is known")
     value_high: float | None = Field(description="high end of its band, where one is known")
+    not_seen: str = Field(
+        "", description="left, right, value: those that have no number, as the scan does not show that breast"
+    )
+    printed_step: float = Field(1.0, description="in which steps its numbers are shown, so that differences agree")
     landmarks: str = Field(
         description="what it was measured between, each with its source: picked, seen by colour, or the model's"
     )

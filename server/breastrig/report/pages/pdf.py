@@ -29,7 +29,17 @@ from breastrig.report.pictures import (
     views_of,
 )
 from breastrig.report.stance import places
-from breastrig.report.table import Row, Value, changes, less, with_band, with_margin
+from breastrig.report.table import (
+    NOT_SEEN,
+    Row,
+    Value,
+    as_printed,
+    changes,
+    grade_text,
+    less,
+    printed_step,
+    with_margin,
+)
 
 TITLE = "Plan and measures from a 3D scan"
 KINDS = {  # of rows, in this order
@@ -235,35 +245,42 @@ def _lines(stances: Sequence[Reported]) -> str:
 
 def _measures(stances: Sequence[Reported]) -> Table:
     """Groups of rows, each with the cells of left, right and L - R for every stance and for their change."""
-    columns: list[tuple[str, Sequence[Row], bool]] = [(one.name, one.rows, False) for one in stances]
+    columns = [one.name for one in stances]
     if len(stances) == 2:
-        change = changes(stances[0].rows, stances[1].rows)
-        columns.append((f"change, {stances[0].name} to {stances[1].name}", change, True))
-    rows = {(row.measure, row.kind): row for one in reversed(stances) for row in one.rows}
-    by_column = [({(row.measure, row.kind): row for row in found}, is_change) for _, found, is_change in columns]
+        columns.append(f"change, {stances[0].name} to {stances[1].name}")
+    rows = {row.key: row for one in reversed(stances) for row in one.rows}
     groups: dict[str, list[Any]] = {}
     for kind, title in KINDS.items():
         for key in (each for each in rows if each[1] == kind):
-            cells = [_cells(found.get(key), change) for found, change in by_column]
+            cells = _cells_of([[row for row in one.rows if row.key == key] for one in stances])
             groups.setdefault(title, []).append([rows[key].label, cells])
     return {
-        "columns": [name for name, _, _ in columns],
+        "columns": columns,
         "groups": [{"title": title, "rows": found} for title, found in groups.items()],
     }
 
 
-def _cells(row: Row | None, is_change: bool) -> list[str]:
+def _cells_of(of_stances: Sequence[Sequence[Row]]) -> list[list[str]]:
+    """The cells of one measure, of each stance that has it and of the change."""
+    step = printed_step([row for rows in of_stances for row in rows])
+    shown = [[as_printed(row, step) for row in rows] for rows in of_stances]
+    columns = [(rows, False) for rows in shown] + ([(changes(*shown), True)] if len(shown) == 2 else [])
+    return [_cells(rows[0], step, is_change) if rows else ["", "", ""] for rows, is_change in columns]
+
+
+def _cells(row: Row, step: float, is_change: bool) -> list[str]:
     """Left, right and their difference; or one text for both breasts."""
-    if row is None:
-        return ["", "", ""]
 
-    def text(value: Value | None) -> str:
-        return with_band(value, row.unit) if row.unit == "grade" else with_margin(value, row.unit, signed=is_change)
+    def text(side: str, value: Value | None) -> str:
+        if value is None and side in row.not_seen:
+            return NOT_SEEN
+        return grade_text(value) if row.unit == "grade" else with_margin(value, row.unit, step, is_change)
 
-    if row.value is not None:
-        return [text(row.value)]
+    if row.value is not None or "value" in row.not_seen:
+        return [text("value", row.value)]
     difference = None if row.difference is None else less(row.right, row.left)
-    return [text(row.left), text(row.right), "" if difference is None else with_margin(difference, row.unit, True)]
+    between = "" if difference is None else with_margin(difference, row.unit, step, True)
+    return [text("left", row.left), text("right", row.right), between]
 
 
 def _landmarks(stances: Sequence[Reported]) -> Table:

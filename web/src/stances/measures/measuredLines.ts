@@ -22,7 +22,7 @@ export function measuredLines(file: Pick<MeasuresFile, "measures"> | null, stanc
     if (!points || points.length < 2) return [];
     const value = row[side];
     const cell = { value, low: row[`${side}_low`], high: row[`${side}_high`] };
-    const says = value === null || row.unit === "1" ? "" : formatCell(cell, row.unit, false) + formatMargin(cell, row.unit) + UNITS[row.unit];
+    const says = value === null || row.unit === "1" ? "" : formatCell(cell, row.unit, false, row.printed_step) + formatMargin(cell, row.unit) + UNITS[row.unit];
     return [{ side, points, isStraight: points.length === 2, label: middleOf(points), says }];
   });
 }

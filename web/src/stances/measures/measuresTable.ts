@@ -14,8 +14,9 @@ export interface MeasureLine {
   readonly label: string;
   readonly kind: string;
   readonly unit: Measure["unit"];
+  readonly step: number; // in which its numbers are shown
   /** for each stance and then the change: the cells that the columns name */
-  readonly groups: readonly { readonly left: Cell; readonly right: Cell; readonly difference: Cell; readonly whole: Cell }[];
+  readonly groups: readonly { readonly left: Cell; readonly right: Cell; readonly difference: Cell; readonly whole: Cell; readonly notSeen: readonly string[] }[];
   readonly method: string;
   readonly landmarks: readonly { readonly stance: string; readonly words: string }[];
 }
@@ -35,9 +36,10 @@ const NONE: Cell = { value: null, low: null, high: null };
 /** The larger side of the band; null where none is known. */
 const marginOf = ({ value, low, high }: Cell): number | null => (value === null || low === null || high === null ? null : Math.max(high - value, value - low));
 
-/** A difference of two, which are wrong independently: their margins add up as squares. */
-function differenceOf(value: number | null, left: Cell, right: Cell): Cell {
+/** Left less right as they are shown, where `given` says that there is one; they are wrong independently: margins add up as squares. */
+function differenceOf(given: number | null, left: Cell, right: Cell): Cell {
   const [a, b] = [marginOf(left), marginOf(right)];
+  const value = given === null || left.value === null || right.value === null ? null : left.value - right.value;
   if (value === null || a === null || b === null) return { value, low: null, high: null };
   const half = Math.hypot(a, b);
   return { value, low: value - half, high: value + half };
@@ -47,28 +49,46 @@ function differenceOf(value: number | null, left: Cell, right: Cell): Cell {
 /** Most lengths are there twice: straight, and along the skin. */
 export const measureKey = ({ measure, kind }: Pick<Measure, "measure" | "kind">): string => `${measure}, ${kind}`;
 
+/** As it is shown, with as wide a band: differences and changes of such cells agree with what stands beside them. */
+function shown({ value, low, high }: Cell, step: number): Cell {
+  if (value === null) return { value, low, high };
+  const now = Math.round(value / step) * step;
+  return { value: now, low: low === null ? null : low + now - value, high: high === null ? null : high + now - value };
+}
+
+/** `to` less `from` where both are there, with the band of `of`. */
+function changed(of: Cell, from: Cell | undefined, to: Cell | undefined): Cell {
+  if (of.value === null || from?.value == null || to?.value == null) return of;
+  const value = to.value - from.value;
+  return { value, low: of.low === null ? null : of.low + value - of.value, high: of.high === null ? null : of.high + value - of.value };
+}
+
 export function measuresTable(file: Pick<MeasuresFile, "measures" | "stances">): MeasuresTable {
   const groups = [...new Set(file.measures.map(({ stance }) => stance))];
   const lines = [...new Set(file.measures.map(measureKey))].map((key): MeasureLine => {
     const rows = groups.map((group) => file.measures.find((row) => measureKey(row) === key && row.stance === group) ?? null);
     const first = rows.find((row) => row !== null)!;
+    const step = first.unit === "grade" ? 1 : (first.printed_step ?? STEPS[first.unit][0]);
+    const cells = rows.map((row) => ({
+      left: row ? { value: row.left, low: row.left_low, high: row.left_high } : NONE,
+      right: row ? { value: row.right, low: row.right_low, high: row.right_high } : NONE,
+      whole: row ? { value: row.value, low: row.value_low, high: row.value_high } : NONE,
+    }));
+    const ofStances = cells.slice(0, Math.max(file.stances.length, 1)).map((cell) => ({ left: shown(cell.left, step), right: shown(cell.right, step), whole: shown(cell.whole, step) }));
+    const all = cells.map((cell, i) => {
+      if (ofStances[i]) return ofStances[i];
+      const [from, to] = ofStances;
+      return { left: changed(cell.left, from?.left, to?.left), right: changed(cell.right, from?.right, to?.right), whole: changed(cell.whole, from?.whole, to?.whole) };
+    });
     return {
       key,
       measure: first.measure,
       label: first.label,
       kind: first.kind,
       unit: first.unit,
-      groups: rows.map((row) =>
-        row
-          ? {
-              left: { value: row.left, low: row.left_low, high: row.left_high },
-              right: { value: row.right, low: row.right_low, high: row.right_high },
-              difference: differenceOf(row.difference, { value: row.left, low: row.left_low, high: row.left_high }, { value: row.right, low: row.right_low, high: row.right_high }),
-              whole: { value: row.value, low: row.value_low, high: row.value_high },
-            }
-          : { left: NONE, right: NONE, difference: NONE, whole: NONE },
-      ),
-      method: first.method,
+      step,
+      groups: all.map((cell, i) => ({ ...cell, difference: differenceOf(rows[i]?.difference ?? null, cell.left, cell.right), notSeen: (rows[i]?.not_seen ?? "").split("; ") })),
+      method: rows.findLast((row) => row !== null && (row.not_seen ?? "") !== "")?.method ?? first.method,
       landmarks: rows.flatMap((row) => (row && row.landmarks !== "" && file.stances.some(({ name }) => name === row.stance) ? [{ stance: row.stance, words: row.landmarks }] : [])),
     };
   });
@@ -86,12 +106,12 @@ function stepOf(margin: number | null, unit: Exclude<Measure["unit"], "grade">):
 
 const rounded = (value: number, step: number): string => (Math.round(value / step) * step).toFixed(Math.max(0, Math.round(-Math.log10(step))));
 
-/** As finely as its band allows; changes and differences with their sign. */
-export function formatCell(cell: Cell, unit: Measure["unit"], isSigned: boolean): string {
+/** In steps of `step`, else as finely as its band allows; changes and differences with their sign. */
+export function formatCell(cell: Cell, unit: Measure["unit"], isSigned: boolean, step?: number): string {
   const { value } = cell;
   if (value === null) return "–";
   if (unit === "grade") return GRADES[value] ?? "–";
-  const digits = rounded(Math.abs(value), stepOf(marginOf(cell), unit));
+  const digits = rounded(Math.abs(value), step ?? stepOf(marginOf(cell), unit));
   const isZero = Number(digits) === 0;
   const sign = value < 0 && !isZero ? "\u2212" : isSigned && !isZero ? "+" : "";
   return sign + digits;
@@ -103,7 +123,7 @@ export function formatMargin(cell: Cell, unit: Measure["unit"]): string {
   return margin === null || unit === "grade" ? "" : `\u00a0±${rounded(margin, stepOf(margin, unit))}`;
 }
 
-const COLUMNS = ["stance", "measure", "kind", "unit", "left", "left_low", "left_high", "right", "right_low", "right_high", "difference", "value", "value_low", "value_high", "landmarks", "method"] as const satisfies readonly (keyof Measure)[];
+const COLUMNS = ["stance", "measure", "kind", "unit", "left", "left_low", "left_high", "right", "right_low", "right_high", "difference", "value", "value_low", "value_high", "not_seen", "landmarks", "method"] as const satisfies readonly (keyof Measure)[];
 
 const quoted = (cell: string): string => (/[",\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell);
 
@@ -116,6 +136,6 @@ const LEVELS = ["", "good", "uncalibrated", "check", "unusable"]; // none in res
 export function measuresCsv({ measures, stances }: Pick<MeasuresFile, "measures" | "stances">): string {
   const verdicts = new Map(stances.map(({ name, verdict }) => [name, verdict?.level ?? ""]));
   const worst = LEVELS.findLast((level) => [...verdicts.values()].some((each) => each === level)) ?? "";
-  const written = measures.map((row) => [...COLUMNS.map((name) => quoted(row[name] === null ? "" : String(row[name]))), verdicts.get(row.stance) ?? worst].join(","));
+  const written = measures.map((row) => [...COLUMNS.map((name) => quoted(String(row[name] ?? ""))), verdicts.get(row.stance) ?? worst].join(","));
   return [[...COLUMNS, "verdict"].join(","), ...written].join("\r\n") + "\r\n";
 }
