@@ -86,7 +86,8 @@ def test_a_patient_counts_once_in_a_stance_by_the_scan_that_shows_most(tmp_path:
     found = cohort_of_folders([tmp_path], RIG)
     alone = cohort_of_folders([tmp_path / "b"], RIG)
     assert found.prior.content() == alone.prior.content()
-    assert [sentence.split()[0] for sentence in found.others] == ["2", "2", "1"]
+    assert [sentence.split()[0] for sentence in found.others] == ["2", "2", "1", "3"]
+    assert "of an earlier version" in found.others[-1]
 
 
 def test_what_says_nothing_is_refused_in_one_sentence(

@@ -15,7 +15,7 @@ import trimesh
 from helpers.blank_pictures import blank_pictures, coarse_pictures
 from helpers.example_fits import STANCES, write_example_fits
 from helpers.remembered_measures import measured_once
-from helpers.results import NOTHING
+from helpers.results import NOTHING, without_hashes
 
 from breastrig.cli.main import main
 from breastrig.core import wall_clock
@@ -282,7 +282,7 @@ def copy_of_a_fit(fits: dict[str, Path], tmp_path: Path) -> Path:
 def test_a_damaged_drawing_is_one_line(
     command: str, damaged: str, copy_of_a_fit: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (copy_of_a_fit / "drawing.json").write_text(damaged)
+    (without_hashes(copy_of_a_fit) / "drawing.json").write_text(damaged)
     assert main([command, str(copy_of_a_fit), "-o", str(copy_of_a_fit / "out")]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1
@@ -290,7 +290,7 @@ def test_a_damaged_drawing_is_one_line(
 
 
 def test_a_result_without_what_is_shown_is_one_line(copy_of_a_fit: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    result = document(copy_of_a_fit, "result.json")
+    result = document(without_hashes(copy_of_a_fit), "result.json")
     alone = NOTHING | {"mean": 1.0}
     damages = (
         ("versions", None),

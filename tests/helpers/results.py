@@ -1,5 +1,7 @@
 """result.json of a fit that found nothing, for tests that need one without a fit."""
 
+import json
+from pathlib import Path
 from typing import Any
 
 from breastrig.files.result import ResultFile
@@ -38,3 +40,12 @@ def result_document(**changes: Any) -> dict[str, Any]:
 def result_file(**changes: Any) -> ResultFile:
     """The same as the package has it."""
     return ResultFile.model_validate(result_document(**changes))
+
+
+def without_hashes(folder: Path) -> Path:
+    """The folder of a fit as versions before hashes left it; its files may be changed then."""
+    document = json.loads((folder / "result.json").read_text("utf-8"))
+    assert document.pop("files")
+    assert document.pop("fields")
+    (folder / "result.json").write_text(json.dumps(document), "utf-8")
+    return folder

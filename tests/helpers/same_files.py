@@ -12,6 +12,8 @@ def timeless(file: Path) -> bytes:
         document = json.loads(content)
         assert document.pop("timing_s")
         document.pop("patient", None)  # of the command: a random code
+        for name in ("timing_s", "patient"):
+            document.get("fields", {}).pop(name, None)
         return json.dumps(document).encode()
     if file.suffix == ".jsonl":
         return re.sub(rb'"elapsed_s":[0-9.e-]+', b"", content)

@@ -9,6 +9,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from breastrig.cli.earlier_fits import say_unchecked
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import OutputSet, all_or_nothing
@@ -29,6 +30,7 @@ def run(options: argparse.Namespace) -> int:
     files = OutputSet(Path(), COMPARE_FILES, COMPARE_RECORD, SCHEMA)
     with all_or_nothing(output_folder(options, [files], inputs)) as out:
         document = compare(CompareJob(options.fit, options.first, options.second, out, options.model))
+    say_unchecked(options.fit)
     if sys.stdout.isatty():
         for row in document["distances"]:
             print(f"{row['shape']}: mean {row['mean_mm']:.2f}, 95 % {row['p95_mm']:.2f}, max {row['max_mm']:.2f} mm")

@@ -4,6 +4,7 @@ landmarks, lines, regions and caps as named sets of vertices (JSON)."""
 import argparse
 from pathlib import Path
 
+from breastrig.cli.earlier_fits import say_unchecked
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import OutputSet, all_or_nothing
@@ -37,4 +38,5 @@ def run(options: argparse.Namespace) -> int:
     ) as out:
         plan = None if options.plan is None else drawing_document(options.plan)
         write_files(export_files(options.fit, options.model, plan, options.other), out)
+    say_unchecked(options.fit, options.other)
     return 0

@@ -12,6 +12,7 @@ from typing import get_args
 
 from tqdm import tqdm
 
+from breastrig.cli.earlier_fits import say_unchecked
 from breastrig.cli.interruption import raise_if_asked
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
 from breastrig.core.assets import model_path
@@ -52,6 +53,7 @@ def run(options: argparse.Namespace) -> int:
             bar.update(step.share - bar.n)
         found = run.result()
         found.write(out)
+    say_unchecked(options.fit, options.other)
     if sys.stdout.isatty():
         print(f"{found.verdict.reasons[0]}  Lines on the breasts within {found.in_metres.result.line_error_mm:.0f} mm.")
     return 0

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
+from breastrig.cli.earlier_fits import unchecked
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
 from breastrig.core import wall_clock
 from breastrig.core.assets import model_path
@@ -49,7 +50,10 @@ def run(options: argparse.Namespace) -> int:
     version = 0 if plan is None else plan.get("version", 0)
     identity = Identity(code, wall_clock.now(), scanned, plan_version=version if isinstance(version, int) else 0)
     codes = {each.code for each in known if each.given}
-    doubts = (f"The fits carry two codes ({', '.join(sorted(codes))}); {SAYS_NOTHING}",) if len(codes) > 1 else ()
+    doubts: tuple[str, ...] = (
+        (f"The fits carry two codes ({', '.join(sorted(codes))}); {SAYS_NOTHING}",) if len(codes) > 1 else ()
+    )
+    doubts += unchecked((fit, other))
     pdf = file_name(code, " ".join(each.stance for each in results), identity.day, "report.pdf")
     files = OutputSet(Path(), (MEASURES_TABLE, pdf, REPORT_RECORD), REPORT_RECORD, SCHEMA, varying=True)
     with threadpool_limits(1), all_or_nothing(output_folder(options, [files], inputs)) as out:

@@ -9,6 +9,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from breastrig.cli.earlier_fits import say_unchecked
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_file
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import all_or_nothing
@@ -41,6 +42,7 @@ def run(options: argparse.Namespace) -> int:
             model=options.model,
         )
         drawing.save(out / options.output.name)
+    say_unchecked(options.from_fit, options.to_fit)
     shapes = drawing.document["shapes"]
     bridged, count = sum(sum(shape["bridged"]) for shape in shapes), sum(len(shape["points"]) for shape in shapes)
     if sys.stdout.isatty():

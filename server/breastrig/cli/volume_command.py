@@ -5,6 +5,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from breastrig.cli.earlier_fits import say_unchecked
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_file
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import all_or_nothing
@@ -29,6 +30,7 @@ def run(options: argparse.Namespace) -> int:
         fit = read_fit_folder(options.fit, options.model)
         mesh = volume_of(fit)
         write_private(out / options.output.name, volume_file(fit, mesh, options.output.name))
+    say_unchecked(options.fit)
     litres = ", ".join(f"{name} {1e3 * mesh.volumes[mesh.inside(name)].sum():.2f} l" for name in REGIONS)
     print(
         f"{len(mesh.points)} nodes, {len(mesh.tetrahedra)} tetrahedra: {litres}; "

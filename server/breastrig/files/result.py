@@ -4,7 +4,9 @@ Lengths named _mm are millimetres; places are in the scan's frame and unit.  Wha
 Fields that later versions or other programs add are kept.
 """
 
-from collections.abc import Sequence
+import hashlib
+import json
+from collections.abc import Callable, Mapping, Sequence
 from datetime import date
 from operator import not_
 from pathlib import Path
@@ -35,12 +37,15 @@ FIT_FILES = (
     "fit.log.jsonl",
     RESULT,  # the last one: where it stands, the others are there
 )
+HASHED = ("scan.ply", "fitted.ply", "drawing.json", "distances.bin", UNCERTAINTY, BODY)  # what is read again
+EDITED = 16  # hexadecimal digits of a field's hash: against mistakes, not against intent
 
 Unit = Literal["m", "dm", "cm", "mm", "in", "ft"]
 VerdictLevel = Literal["good", "uncalibrated", "check", "unusable"]
 Three = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
 Four = Annotated[list[FiniteFloat], Field(min_length=4, max_length=4)]
 Code = Annotated[str, Field(max_length=CODE_CHARACTERS)]
+Digest = Annotated[str, Field(pattern="^[0-9a-f]{16,64}$")]
 
 
 class Document(BaseModel):
@@ -234,6 +239,14 @@ class ResultFile(Document):
     patient: ResultPatient | None = Field(
         default=None, exclude_if=not_, description="whose scan it is; absent in the service"
     )
+    files: dict[str, Digest] = Field(
+        {},
+        exclude_if=not_,
+        description="sha256 of each file beside this one that is read again; absent in results of versions before",
+    )
+    fields: dict[str, Digest] = Field(
+        {}, exclude_if=not_, description="first digits of the sha256 of each field of the file; absent in answers"
+    )
 
     @property
     def distances(self) -> "ResultFile | ModelAlone":
@@ -245,8 +258,30 @@ class ResultFile(Document):
         return self.model_dump(mode="json")
 
     def content(self) -> bytes:
-        """Of the file."""
-        return json_bytes(self.document())
+        """The file, with the hash of each field where the hashes of the files beside it are known."""
+        document = self.document()
+        document.pop("fields", None)
+        if not self.files:
+            return json_bytes(document)
+        return json_bytes(document | {"fields": _field_hashes(json_bytes(document))})
+
+    def beside(self, files: Mapping[str, bytes]) -> "ResultFile":
+        """The same with the hashes of these files."""
+        return self.model_copy(update={"files": {name: _sha256(files[name]) for name in HASHED}})
+
+    def check_files(self, read: Callable[[str], bytes | None], shown: str) -> None:
+        """BadInput where a file is not the one that the fit wrote; None is read of one that is not there.
+
+        Passes for results of versions that kept no hashes, and what is missing is missed by whoever needs it.
+        """
+        for name in HASHED:
+            content = read(name) if name in self.files else None
+            if content is not None and _sha256(content) != self.files[name]:
+                own = "give lines of your own with --drawing or --plan" if name == "drawing.json" else "fit again"
+                raise BadInput(
+                    f"{shown}/{name} is not the file that this fit wrote: it was exchanged or changed since. "
+                    f"Put the fit's own file back, or {own}."
+                )
 
 
 def fit_set(folder: Path) -> OutputSet:
@@ -255,12 +290,39 @@ def fit_set(folder: Path) -> OutputSet:
 
 
 def parsed_result(text: bytes, shown: str) -> ResultFile:
-    """BadInput for what is damaged; `shown` names the folder."""
+    """BadInput for what is damaged, or was changed since it was written; `shown` names the folder."""
     try:
-        return ResultFile.model_validate_json(text)
+        result = ResultFile.model_validate_json(text)
     except ValidationError as error:
         where = ".".join(map(str, error.errors(include_url=False, include_input=False)[0]["loc"]))
         raise damaged(shown, where or "it is no result of a fit") from error
+    changed = _changed_fields(text, result.fields)
+    if changed:
+        raise BadInput(
+            f"{shown}/{RESULT} was changed since it was written ({', '.join(changed[:5])}). Put the fit's own file "
+            "back, or fit again: stance, unit and code are options of `breastrig fit`."
+        )
+    return result
+
+
+def _changed_fields(text: bytes, hashes: Mapping[str, str]) -> list[str]:
+    """Names of fields that are not as they were written; of those that were not written, only what is known here."""
+    if not hashes:
+        return []
+    found = _field_hashes(text)
+    names = hashes.keys() | {name for name in found if name == "schema" or name in ResultFile.model_fields}
+    return sorted(name for name in names if found.get(name) != hashes.get(name))
+
+
+def _field_hashes(text: bytes) -> dict[str, str]:
+    """The same for 5 and 5.0, and however the text is spaced: other programs may have written it again."""
+    document = json.loads(text, parse_int=float)
+    document.pop("fields", None)
+    return {name: _sha256(json.dumps(value, sort_keys=True).encode())[:EDITED] for name, value in document.items()}
+
+
+def _sha256(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
 
 
 def damaged(shown: str, where: str) -> BadInput:

@@ -54,7 +54,10 @@ class FitFiles:
 
     def several(self, names: Sequence[str]) -> dict[str, bytes]:
         """Those of these names, in that order; BadInput names the one that is missing."""
-        return {name: self[name] for name in names}
+        files = {name: self[name] for name in names}
+        if self._outcome is not None and files.keys() >= set(FIT_FILES):
+            files[RESULT] = result_of(self._outcome).beside(files).content()
+        return files
 
     def __reduce__(self) -> tuple[type["FitFiles"], tuple[dict[str, bytes]]]:
         """Between processes go the files, not what they were made of."""

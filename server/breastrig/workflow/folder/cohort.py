@@ -8,11 +8,12 @@ import numpy as np
 
 from breastrig.core.errors import BadInput
 from breastrig.core.private_files import read_ordinary
-from breastrig.files.result import BODY, RESULT, ResultFile, folder_name, parsed_result, result_text
+from breastrig.files.result import BODY, RESULT, ResultFile, folder_name
 from breastrig.fitting.uncertainty.contribution import FARTHEST, built_in, parsed_contribution
 from breastrig.rig.cohort_belief import FEWEST
 from breastrig.rig.cohort_prior import CohortPrior, Shared, Sums, cohort_of_scans
 from breastrig.rig.model import Rig
+from breastrig.workflow.folder.fit_folder import checked_result
 
 BODY_BYTES = 10_000_000  # the torso's has 14 thousand
 DELTA = 1e-6
@@ -32,9 +33,9 @@ def cohort_in(folders: Sequence[Path], rig: Rig) -> Cohort:
     Raises BadInput for a folder without any, and for fits of another rig.
     """
     scans: list[tuple[str, str, Sums]] = []
-    silent = unusable = 0
+    silent = unusable = unchecked = 0
     for place in _fits(folders):
-        result = parsed_result(result_text(place), folder_name(place))
+        result = checked_result(place)
         if result.model.sha256 != rig.sha256:
             raise BadInput(
                 f"{folder_name(place)} was fitted with another model ({result.model.name}); give that model."
@@ -46,6 +47,7 @@ def cohort_in(folders: Sequence[Path], rig: Rig) -> Cohort:
         if sums is None:
             silent += 1
         else:
+            unchecked += not result.files
             scans.append((_patient(place, result), result.stance, sums))
     prior = cohort_of_scans(rig, scans)
     said = (
@@ -53,7 +55,12 @@ def cohort_in(folders: Sequence[Path], rig: Rig) -> Cohort:
         (unusable, "not usable, or predicted"),
         (silent, f"no {BODY} of this version, or a rig without statistics of bodies"),
     )
-    return Cohort(prior, tuple(f"{count} left out: {why}." for count, why in said if count))
+    others = [f"{count} left out: {why}." for count, why in said if count]
+    if unchecked:
+        others.append(
+            f"{unchecked} of an earlier version, which kept no hashes: not known whether files are the fits'."
+        )
+    return Cohort(prior, tuple(others))
 
 
 def cohort_of_folders(folders: Sequence[Path], rig: Rig) -> Cohort:

@@ -196,8 +196,9 @@ def fit_file(outcome: FitOutcome, name: str) -> bytes:
 
 def write_fit_files(outcome: FitOutcome, folder: Path) -> ResultFile:
     """Writes all FIT_FILES; what the fit says of itself.  BadInput when the folder cannot be written."""
-    result = result_of(outcome)
-    write_files({name: result.content() if name == RESULT else fit_file(outcome, name) for name in FIT_FILES}, folder)
+    files = {name: MAKERS[name](outcome) for name in FIT_FILES if name != RESULT}
+    result = result_of(outcome).beside(files)
+    write_files(files | {RESULT: result.content()}, folder)
     return result
 
 
@@ -233,6 +234,6 @@ MAKERS: dict[str, Callable[[FitOutcome], bytes]] = {
     UNCERTAINTY: uncertainty_bin,
     BODY: lambda outcome: contribution_bytes(outcome.body),
     "fit.log.jsonl": _log,
-    RESULT: lambda outcome: result_of(outcome).content(),
+    RESULT: lambda outcome: result_of(outcome).content(),  # alone: hashes of the others come when all are written
 }
 assert tuple(MAKERS) == FIT_FILES

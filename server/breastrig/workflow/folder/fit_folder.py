@@ -28,6 +28,7 @@ from breastrig.files.result import (
     damaged,
     folder_name,
     parsed_result,
+    read_result,
     result_text,
 )
 from breastrig.geometry.rotations import rotation_from_quaternion
@@ -79,11 +80,25 @@ def read_fit_folder(folder: Path, model: Path | None = None) -> FitFolder:
 
 def fit_folder_of(folder: Path, rig: Rig) -> FitFolder:
     """As read_fit_folder, with a rig that has been read."""
-    text = result_text(folder)
-    found = _fit(text, lambda name, unit: _mesh_file(folder / name, unit), rig, folder_name(folder))
+    shown = folder_name(folder)
+    result = checked_result(folder)
+    found = _fit(result, lambda name, unit: _mesh_file(folder / name, unit), rig, shown)
     with suppress(OSError):
         return replace(found, radii=_radii(read_ordinary(folder / UNCERTAINTY, FILE_BYTES), rig))
     return found
+
+
+def checked_result(folder: Path) -> ResultFile:
+    """What the fit says of itself; BadInput where there is none, or where it or a file beside it was exchanged."""
+
+    def read(name: str) -> bytes | None:
+        with suppress(OSError):
+            return read_ordinary(folder / name, FILE_BYTES)
+        return None
+
+    result = read_result(folder)
+    result.check_files(read, folder_name(folder))
+    return result
 
 
 def read_fit_files(folder: Path) -> dict[str, bytes]:
@@ -116,13 +131,14 @@ def fit_of_files(files: Mapping[str, bytes], rig: Rig, shown: str) -> FitFolder:
             raise _missing(f"{shown}/{name}")
         return _mesh(files[name], f"{shown}/{name}", unit)
 
-    found = _fit(files[RESULT], mesh, rig, shown)
+    result = parsed_result(files[RESULT], shown)
+    result.check_files(files.get, shown)
+    found = _fit(result, mesh, rig, shown)
     return replace(found, radii=_radii(files.get(UNCERTAINTY, b""), rig))
 
 
-def _fit(text: bytes, mesh: Callable[[str, str], tuple[Array, Integers]], rig: Rig, shown: str) -> FitFolder:
+def _fit(result: ResultFile, mesh: Callable[[str, str], tuple[Array, Integers]], rig: Rig, shown: str) -> FitFolder:
     """From result.json and, by name and unit, the two meshes beside it."""
-    result = parsed_result(text, shown)
     if result.model.sha256 != rig.sha256:
         raise BadInput(
             f"{shown} was fitted with another model ({result.model.name}); fit the scan again, or give that model."

@@ -92,8 +92,8 @@ def predict_steps(
         UNCERTAINTY: (1e3 * radii).astype("<f4").tobytes(),
         BODY: b"",
         "fit.log.jsonl": b"",
-        RESULT: result.content(),
     }
+    made[RESULT] = result.beside(made).content()
     return {name: made[name] for name in FIT_FILES}
 
 
