@@ -1128,6 +1128,10 @@ export type ResultFile = {
   versions: Record<string, string>;
   /** whose scan it is; absent in the service */
   patient?: ResultPatient | null;
+  /** sha256 of each file beside this one that is read again; absent in results of versions before */
+  files?: Record<string, string>;
+  /** first digits of the sha256 of each field of the file; absent in answers */
+  fields?: Record<string, string>;
 };
 
 /** A ball inside the body that the scan's label map shows, in the scan's frame. */
