@@ -1,4 +1,4 @@
-"""Fits of versions that kept no hashes are read, and the person is told what is not known of them."""
+"""Fits of versions that kept no hashes are read, and it is said what is not known of them."""
 
 import sys
 from collections.abc import Iterable
