@@ -2,10 +2,12 @@
 
 import gzip
 import io
+import json
 
+import numpy as np
 import pytest
 from flask.testing import FlaskClient
-from helpers.label_maps import LESION, RADIUS, body_labels, nifti
+from helpers.label_maps import LESION, RADIUS, SIZES, body_labels, nifti, placed_nifti
 
 
 @pytest.mark.slow
@@ -21,8 +23,58 @@ def test_a_lesion_of_a_label_map_is_an_item_of_the_plan(client: FlaskClient, nam
     plan = client.get(scan["links"]["plan"]).json
     assert plan is not None
     (lesion,) = plan["items"]
-    assert (lesion["kind"], lesion["scan"], lesion["name"]) == ("lesion", scan["id"], "Label 2")
+    assert (lesion["kind"], lesion["scan"], lesion["name"]) == ("lesion", scan["id"], "Lesion 1")
     assert lesion["center"] == pytest.approx(LESION.tolist(), abs=0.2)
     assert lesion["radius_mm"] == pytest.approx(RADIUS, abs=0.1)
     assert client.delete(scan["links"]["self"]).status_code == 204
     assert client.get(scan["links"]["plan"]).status_code == 404
+
+
+def test_the_side_is_asked_and_the_answer_sent_with_the_file(client: FlaskClient) -> None:
+    """Nothing is kept of a file about which something has to be asked first."""
+    labels = np.asfortranarray(body_labels()[::-1, ::-1])
+    data = placed_nifti(labels, (np.diag([*SIZES, 1.0]), 0), (np.diag([*SIZES, 1.0]), 0))
+    asked = client.post("/api/scans", data={"file": (io.BytesIO(data), "a.nii")})
+    assert (asked.status_code, asked.mimetype) == (422, "application/problem+json")
+    assert asked.json is not None
+    assert "does not say which side is left" in asked.json["detail"]
+    question = asked.json["question"]
+    assert question["field"] == "frame"
+    assert [each["value"] for each in question["choices"]][:4] == ["RAS", "LAS", "RAI", "LAI"]
+    assert question["choices"][0]["lesions"][0]["side"] == "L"
+    assert client.get("/api/scans").json == {"scans": [], "next": None}
+    for frame, side in (("RAS", 1.0), ("LAS", -1.0)):
+        answer = client.post("/api/scans", data={"file": (io.BytesIO(data), "a.nii"), "frame": frame})
+        assert answer.status_code == 201, answer.json
+        assert answer.json is not None
+        plan = client.get(answer.json["links"]["plan"]).json
+        assert plan is not None
+        (lesion,) = plan["items"]
+        assert side * lesion["center"][0] > 55.0
+    refused = client.post("/api/scans", data={"file": (io.BytesIO(data), "a.nii"), "frame": "sideways"})
+    assert refused.status_code == 422
+    assert "This is no frame" in client.post(
+        "/api/scans", data={"file": (io.BytesIO(data), "a.nii"), "frame": "RLS"}
+    ).get_data(as_text=True)
+
+
+def test_segments_are_answered_and_can_be_chosen(client: FlaskClient) -> None:
+    data = nifti(body_labels())
+    answer = client.post("/api/scans", data={"file": (io.BytesIO(data), "a.nii")})
+    assert answer.json is not None
+    facts = [(each["number"], each["name"], each["taken_as"]) for each in answer.json["segments"]]
+    assert facts == [(1, "Tissue 1", "tissue"), (2, "Lesion 1", "lesion"), (3, "Tissue 2", "tissue")]
+    assert answer.json["segments"][1]["radius_mm"] == pytest.approx(RADIUS, abs=0.1)
+    assert [each["label"] for each in answer.json["segments"]] == ["", "", ""]
+    chosen = json.dumps({"2": "tissue"})
+    answer = client.post("/api/scans", data={"file": (io.BytesIO(data), "a.nii"), "segments": chosen})
+    assert answer.json is not None
+    assert answer.json["segments"][1]["taken_as"] == "tissue"
+    plan = client.get(answer.json["links"]["plan"]).json
+    assert plan is not None
+    assert plan["items"] == []
+    for wrong in ("[]", '{"2": "nothing"}', "{", '{"9": "lesion"}', '{"x": "lesion"}'):
+        refused = client.post("/api/scans", data={"file": (io.BytesIO(data), "a.nii"), "segments": wrong})
+        assert refused.status_code == 422, wrong
+        assert refused.json is not None
+        assert "segment" in refused.json["detail"].lower()

@@ -1,9 +1,15 @@
 """A chest with two half balls for breasts, gland and a lesion inside, as the label map of an MRI."""
 
+import io
+import warnings
 from functools import cache
 
+import highdicom
 import nibabel
 import numpy as np
+from pydicom.dataset import Dataset, FileMetaDataset
+from pydicom.sr.codedict import codes
+from pydicom.uid import ExplicitVRLittleEndian, generate_uid
 from scipy.interpolate import LinearNDInterpolator
 
 from breastrig.rig.model import Rig
@@ -62,12 +68,76 @@ def in_lps(points: np.ndarray) -> np.ndarray:
     return 1e3 * points[..., [0, 2, 1]] * [1.0, -1.0, 1.0]
 
 
+def placed_nifti(labels: np.ndarray, sform: tuple[np.ndarray, int], qform: tuple[np.ndarray, int]) -> bytes:
+    """With both places of the header, each an affine to RAS and its code."""
+    image = nibabel.Nifti1Image(labels, None)
+    image.set_sform(sform[0], sform[1])
+    image.set_qform(qform[0], qform[1])
+    image.header.set_xyzt_units("mm")
+    return bytes(image.to_bytes())
+
+
+def to_ras(low: np.ndarray = LOW, sizes: np.ndarray = SIZES) -> np.ndarray:
+    """(4, 4) where the voxels of `body_labels` lie, in RAS."""
+    affine = np.diag([*sizes, 1.0])
+    affine[:3, 3] = low
+    return np.asarray(np.diag([-1.0, -1.0, 1.0, 1.0]) @ affine)
+
+
 def nifti(labels: np.ndarray, turned: bool = False, low: np.ndarray = LOW, sizes: np.ndarray = SIZES) -> bytes:
     """As NIfTI has it, RAS; `turned` with the voxels stored in another order, which changes nothing."""
-    affine = np.diag([-1.0, -1.0, 1.0, 1.0]) @ np.block(
-        [[np.diag(sizes), low[:, None]], [np.zeros((1, 3)), np.ones((1, 1))]]
-    )
-    image = nibabel.Nifti1Image(labels, affine)
+    image = nibabel.Nifti1Image(labels, to_ras(low, sizes))
+    image.header.set_xyzt_units("mm")
     if turned:
         image = image.as_reoriented(nibabel.orientations.axcodes2ornt(("S", "R", "P")))
     return bytes(image.to_bytes())
+
+
+def dicom_segmentation(labels: np.ndarray) -> bytes:
+    """DICOM SEG of body and lesion over an axial series with rows to the left and columns to the back."""
+    study, series, frame = generate_uid(), generate_uid(), generate_uid()
+    sources = []
+    for number in range(labels.shape[2]):
+        each = Dataset()
+        each.file_meta = FileMetaDataset()
+        each.file_meta.TransferSyntaxUID = ExplicitVRLittleEndian
+        each.SOPClassUID, each.SOPInstanceUID = "1.2.840.10008.5.1.4.1.1.4", generate_uid()
+        each.StudyInstanceUID, each.SeriesInstanceUID, each.FrameOfReferenceUID = study, series, frame
+        each.PatientID = each.PatientName = each.PatientBirthDate = each.PatientSex = each.AccessionNumber = ""
+        each.StudyID = each.StudyDate = each.StudyTime = each.ReferringPhysicianName = ""
+        each.Modality, each.InstanceNumber, each.PositionReferenceIndicator = "MR", number + 1, ""
+        each.ImagePositionPatient = [*LOW[:2], LOW[2] + SIZES[2] * number]
+        each.ImageOrientationPatient = [1, 0, 0, 0, 1, 0]
+        each.PixelSpacing, each.SliceThickness = [SIZES[1], SIZES[0]], SIZES[2]
+        each.Rows, each.Columns = labels.shape[1], labels.shape[0]
+        sources.append(each)
+    described = [
+        highdicom.seg.SegmentDescription(
+            segment_number=number,
+            segment_label=label,
+            segmented_property_category=codes.SCT.MorphologicallyAbnormalStructure,
+            segmented_property_type=kind,
+            algorithm_type="MANUAL",
+        )
+        for number, label, kind in ((1, "Body", codes.SCT.Breast), (2, "Index lesion", codes.SCT.Mass))
+    ]
+    frames = np.stack([np.moveaxis(labels > 0, 2, 0), np.moveaxis(labels == 2, 2, 0)], axis=-1).swapaxes(1, 2)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # highdicom's, of a series without some of its attributes
+        made = highdicom.seg.Segmentation(
+            sources,
+            frames.astype(np.uint8),
+            "BINARY",
+            described,
+            generate_uid(),
+            1,
+            generate_uid(),
+            1,
+            "us",
+            "test",
+            "1",
+            "1",
+        )
+    stream = io.BytesIO()
+    made.save_as(stream, enforce_file_format=True)
+    return stream.getvalue()

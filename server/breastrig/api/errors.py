@@ -53,11 +53,20 @@ def too_large(most: int) -> str:
     return f"The request is larger than {shown}."
 
 
-def problem(status: int, detail: str, *, headers: Any = (), fields: list[dict[str, str]] | None = None) -> Response:
+def problem(
+    status: int,
+    detail: str,
+    *,
+    headers: Any = (),
+    fields: list[dict[str, str]] | None = None,
+    question: dict[str, Any] | None = None,
+) -> Response:
     """One problem-details answer; `detail` is one sentence."""
     body: dict[str, Any] = {"type": "about:blank", "title": _title(status), "status": status, "detail": detail}
     if fields:
         body["errors"] = fields
+    if question:
+        body["question"] = question
     response = Response(json.dumps(body), status, mimetype="application/problem+json")
     for name, value in dict(headers).items():
         response.headers[name] = value
@@ -91,7 +100,8 @@ def _title(status: int) -> str:
 def _breastrig_error(error: errors.BreastRigError) -> Response:
     status = next(status for kind, status in STATUS if isinstance(error, kind))
     headers = {"Retry-After": str(error.retry_after_s)} if isinstance(error, errors.TooMany) else {}
-    return problem(status, str(error), headers=headers)
+    question = error.question if isinstance(error, errors.NeedsAnswer) else None
+    return problem(status, str(error), headers=headers, question=question)
 
 
 def _http_error(error: HTTPException) -> Response:

@@ -15,6 +15,7 @@ from tqdm import tqdm
 
 from breastrig.cli.interruption import raise_if_asked
 from breastrig.cli.output_options import add_output_options, files_of_model, output_folder
+from breastrig.cli.scan_options import add_scan_options, scan_of, scan_source
 from breastrig.core.assets import model_path
 from breastrig.core.errors import BadSettings
 from breastrig.core.output_files import Output, all_or_nothing
@@ -35,10 +36,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "scan",
         type=Path,
         metavar="SCAN",
-        help="PLY, OBJ, STL, GLB, USDZ, points as PCD, XYZ or PLY, or a zip of one with its images",
+        help="PLY, OBJ, STL, GLB, USDZ, points as PCD, XYZ or PLY, a label map (NIfTI, DICOM SEG), or a zip of one "
+        "with its images",
     )
     parser.add_argument("--landmarks", type=Path, metavar="FILE", help="picked points: JSON, CSV, .pp or .mrk.json")
-    parser.add_argument("--units", default="auto", choices=["auto", *METRES_PER_UNIT], help="unit of the scan")
+    add_scan_options(parser)
     parser.add_argument(
         "--cuts", type=Path, metavar="FILE", help="what was cut away in the page: the answer of GET /api/scans/ID/cuts"
     )
@@ -126,12 +128,11 @@ def _scan(file: Path, units: str, cuts: Path | None) -> tuple[Scan | Path, str]:
 def _run(options: argparse.Namespace) -> FitRun[Iterate, Fit] | FitRun[tuple[Iterate, Iterate], FitPair]:
     """The fit, or the two together, ready for the first iteration."""
     drawing = None if options.drawing == "none" else options.drawing
-    scan, units = _scan(options.scan, options.units, options.cuts)
     if options.other is None:
+        cut = None if options.cuts is None else scan_of(options, options.scan).without(options.cuts)
         return iterates(
-            scan,
+            cut or scan_source(options, options.scan),
             options.landmarks,
-            units=units,
             stance=options.stance,
             preset=options.preset,
             drawing=drawing,
@@ -140,6 +141,7 @@ def _run(options: argparse.Namespace) -> FitRun[Iterate, Fit] | FitRun[tuple[Ite
             model=options.model,
             prior=options.prior,
         )
+    scan, units = _scan(options.scan, options.units, options.cuts)
     other, other_units = _scan(options.other, options.with_units, options.with_cuts)
     return pair_iterates(
         scan,

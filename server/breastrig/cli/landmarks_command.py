@@ -6,18 +6,17 @@ import sys
 from pathlib import Path
 
 from breastrig.cli.output_options import add_output_options, files_of_model, output_file
+from breastrig.cli.scan_options import add_scan_options, scan_of
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.private_files import write_private
-from breastrig.core.units import METRES_PER_UNIT
 from breastrig.interface.landmarks import propose_landmarks
-from breastrig.interface.scan import read_coloured
 from breastrig.scan.landmarks.landmark_files import landmark_file
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scan", type=Path, metavar="SCAN", help="as for breastrig fit")
-    parser.add_argument("--units", default="auto", choices=["auto", *METRES_PER_UNIT], help="unit of the scan")
+    add_scan_options(parser)
     parser.add_argument("--model", type=model_path, metavar="MODEL", help="another rig of the same form")
     add_output_options(parser, "FILE", ".json (with a confidence and a 90 %% radius each), .csv, .pp, .mrk.json")
 
@@ -43,7 +42,7 @@ def _kind(path: Path) -> str:
 
 def _proposed(options: argparse.Namespace) -> bytes:
     """The landmark file."""
-    scan = read_coloured(options.scan, options.units)
+    scan = scan_of(options, options.scan)
     proposals = propose_landmarks(scan, model=options.model)
     places = {name: proposal.point for name, proposal in proposals.items()}
     kind = _kind(options.output)

@@ -3,6 +3,7 @@
     BreastRigError
     ├── BadInput                 the caller can mend it: wrong file, unit, name, value
     │   ├── BadScan              a scan that cannot be read or fitted
+    │   │   └── NeedsAnswer      a fact that the file does not hold, and a person knows
     │   ├── BadLandmarks         a landmark file or pick that cannot be used
     │   ├── BadDrawing           a drawing that cannot be used
     │   ├── BadModel             a rig that breaks the contract of the model
@@ -18,6 +19,8 @@ Each message is one sentence for a person: what is wrong, then what to do.  Only
 an error into a status or exit code.
 """
 
+from typing import Any
+
 SHOWN = 100  # characters of a wrong word that are repeated
 
 
@@ -31,6 +34,30 @@ class BadInput(BreastRigError):
 
 class BadScan(BadInput):
     """A scan that cannot be read or fitted."""
+
+
+class NeedsAnswer(BadScan):
+    """A fact that the file does not hold, or holds twice; `question` has the possible answers.
+
+    question   {"field": name of the option that answers, "choices": [{"value", "text", ...}]}, ready for JSON
+    """
+
+    def __init__(self, problem: str, question: dict[str, Any]) -> None:
+        super().__init__(f"{problem}; {_say_which(question, str(question['field']))}")
+        self.problem = problem
+        self.question = question
+
+    def on_command_line(self) -> str:
+        """The sentence with the option's name as it is typed."""
+        return f"{self.problem}; {_say_which(self.question, '--' + str(self.question['field']))}"
+
+    def __reduce__(self) -> tuple[type["NeedsAnswer"], tuple[str, dict[str, Any]]]:
+        return NeedsAnswer, (self.problem, self.question)
+
+
+def _say_which(question: dict[str, Any], option: str) -> str:
+    choices = " or ".join(f"{option} {each['value']} ({each['text']})" for each in question["choices"])
+    return f"say which it is: {choices}."
 
 
 class BadLandmarks(BadInput):

@@ -99,7 +99,7 @@ class FitRun(Iterator[Step], Generic[Step, Result]):
 
 
 def iterates(
-    scan: ScanLike,
+    scan: "ScanLike | ScanSource",
     landmarks: Landmarks = None,
     *,
     certain: Sequence[str] = (),
@@ -126,7 +126,7 @@ def iterates(
     """
     clock = Clock()
     settings = Settings(stance, preset, drawing, tuple(tumours), refine, start, tuple(locked))
-    given = GivenScan(ScanSource(scan, units), landmarks, certain)
+    given = GivenScan(scan if isinstance(scan, ScanSource) else ScanSource(scan, units), landmarks, certain)
     with one_thread():
         plan = given.plan(settings, with_cohort(model, prior))
         check_prior(plan.recipe, prior)

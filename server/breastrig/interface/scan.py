@@ -1,6 +1,6 @@
 """A scan as programs see it: the file's own triangles, unit and frame."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
@@ -14,8 +14,10 @@ from breastrig.core.arrays import Array, Integers, frozen
 from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.private_files import is_ordinary, shown
 from breastrig.scan.hand_cuts import read_cuts, without_hand_cuts
+from breastrig.scan.piece import TakenSegment
 from breastrig.scan.read import coloured_scan
 from breastrig.scan.scan import Scan as ScanInMetres
+from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers, checked_answers
 
 if TYPE_CHECKING:
     import trimesh
@@ -33,6 +35,7 @@ class Scan:
     unit_reason: str  # one sentence: how the unit was decided
     sha256: str  # of the file's bytes
     notes: tuple[str, ...]  # what reading found, one sentence each
+    segments: tuple[TakenSegment, ...]  # of a label map: what each was taken for
     in_metres: ScanInMetres = field(repr=False)  # what a fit works on
     file: Path | None = field(repr=False)  # where it was read; no result replaces it
 
@@ -94,25 +97,39 @@ class Scan:
         return f"<Scan: {len(self.vertices):,} vertices, {len(self.faces):,} triangles, in {self.unit}>"
 
 
-def read_scan(source: str | Path | bytes, units: str = "auto", *, texture: bool = False) -> Scan:
-    """Reads PLY, OBJ, STL, GLB, PCD, XYZ, USDZ, or a zip of one of them with its pictures; or the bytes of such a file.
+def read_scan(
+    source: str | Path | bytes,
+    units: str = "auto",
+    *,
+    texture: bool = False,
+    frame: str | None = None,
+    segments: Mapping[int, str] | None = None,
+) -> Scan:
+    """Reads PLY, OBJ, STL, GLB, PCD, XYZ, USDZ, a label map (NIfTI, DICOM SEG), or a zip of one of them with its
+    pictures; or the bytes of such a file.
 
     `units` is the file's: m, dm, cm, mm, in, ft, or auto to decide from the size (`Scan.unit_reason` says how).
     `texture=True` decodes the picture as well (`Scan.in_metres` then holds it, with its uv): fits and proposed
     landmarks then look for the areolae in it.
-    The scan's `vertices` (V, 3) are in the file's unit and frame.
+    The scan's `vertices` (V, 3) are in the file's unit and frame; those of a label map in mm, LPS.
 
-    Raises BadScan, TooLarge or BadSettings (no such unit), each with one sentence.
+    frame      of a NIfTI label map that does not say where it lies, or says it twice: sform, qform, or three letters
+               that say where the voxels' axes grow to, such as RAS
+    segments   of a label map: number -> "lesion", "tissue" or "unused"; for others the file's codes and their form
+               decide, and `Scan.segments` says what became of each
+
+    Raises BadScan, TooLarge or BadSettings (no such unit, answers that do not fit the file), each with one sentence;
+    of BadScan NeedsAnswer, whose `question` has the choices for `frame`.
     """
     file = None if isinstance(source, bytes) else existing(source)
-    return _scan(
-        scan_files.read_scan(source if isinstance(source, bytes) else Path(source), None, units, texture), file
-    )
+    answers = checked_answers(frame, segments)
+    given = source if isinstance(source, bytes) else Path(source)
+    return _scan(scan_files.read_scan(given, None, units, texture, answers=answers), file)
 
 
-def read_coloured(source: str | Path, units: str = "auto") -> Scan:
+def read_coloured(source: str | Path, units: str = "auto", answers: VolumeAnswers = NOTHING_SAID) -> Scan:
     """As `read_scan` with the texture, but for looking at its colours only: where it is too large it is left out."""
-    return _scan(coloured_scan(existing(source), None, units), existing(source))
+    return _scan(coloured_scan(existing(source), None, units, answers), existing(source))
 
 
 def _scan(found: ScanInMetres, file: Path | None) -> Scan:
@@ -125,6 +142,7 @@ def _scan(found: ScanInMetres, file: Path | None) -> Scan:
         unit_reason=found.unit_reason,
         sha256=found.sha256,
         notes=found.notes,
+        segments=found.segments,
         in_metres=found,
         file=file,
     )
@@ -154,13 +172,20 @@ ScanLike: TypeAlias = "Scan | str | Path | trimesh.Trimesh"  # read already, a f
 class ScanSource:
     """A scan that has been read, or will be when it is needed: what else is wrong is better known before."""
 
-    def __init__(self, scan: ScanLike, units: str) -> None:
+    def __init__(
+        self,
+        scan: ScanLike,
+        units: str,
+        answers: VolumeAnswers = NOTHING_SAID,
+        tell: Callable[[ScanInMetres], None] | None = None,
+    ) -> None:
+        """`tell` is called with what has been read from a file, once."""
         if not isinstance(scan, Scan | str | Path):
             scan, units = Scan.from_trimesh(scan, units), "auto"
         if isinstance(scan, Scan) and units != "auto":
             raise BadSettings("This scan has been read already; give its units to read_scan.")
         self._given = scan if isinstance(scan, Scan) else existing(scan)
-        self._units = units
+        self._units, self._answers, self._tell = units, answers, tell
         self._read = (scan.in_metres, 0.0) if isinstance(scan, Scan) else None
 
     @property
@@ -173,6 +198,8 @@ class ScanSource:
         if self._read is None:
             assert isinstance(self._given, Path)
             began = perf_counter()
-            found = coloured_scan(self._given, None, self._units)
+            found = coloured_scan(self._given, None, self._units, self._answers)
             self._read = found, perf_counter() - began
+            if self._tell is not None:
+                self._tell(found)
         return self._read

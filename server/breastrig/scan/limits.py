@@ -30,3 +30,7 @@ GLTF_PRIMITIVES = 2_000  # drawn ones, each as often as nodes draw it: 0.2 s of 
 LABEL_MAP_BYTES = 512 * MEBIBYTE  # unpacked; 512 x 512 x 200 voxels of 8 bytes
 LABEL_MAP_VOXELS = 2**27  # 512 x 512 x 512; a breast MRI has half
 LABELS = 256  # more different values are an image's
+GZIP_MEMBERS = 100_000  # of one .gz; bgzip begins a new one every 64 kB
+DICOM_ITEMS = 1_000_000  # entries of lists in a DICOM file; 200 slices of 100 segments have 300,000
+DICOM_ELEMENTS = 10_000  # at the top of a DICOM file; segmentations have some fifty
+DICOM_FRAMES = 50_000  # of a segmentation; each takes 1 ms

@@ -1,7 +1,7 @@
 """One mesh of a scan file, before all of them become one scan: scanner apps split what they write by picture."""
 
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
 
 import numpy as np
 from numpy import uint8
@@ -60,6 +60,18 @@ class BallInside:
     radius: float
 
 
+@dataclass(frozen=True)
+class TakenSegment:
+    """What became of a segment of a label map."""
+
+    number: int  # in the file
+    name: str  # "Lesion 1", "Tissue 2": none of the file's words, which may be the patient's name
+    taken_as: Literal["lesion", "tissue", "unused"]
+    why: str  # one sentence
+    radius_mm: float | None = None  # of a lesion, of its largest part
+    label: str = field(default="", repr=False)  # the file's own words: to be shown while choosing, and never kept
+
+
 @dataclass(frozen=True, eq=False)
 class Pieces:
     """Everything that a file holds."""
@@ -72,6 +84,7 @@ class Pieces:
     unit_by_default: bool = False  # that its format means where a file names none
     is_label_map: bool = False
     lesions: tuple[BallInside, ...] = ()
+    segments: tuple[TakenSegment, ...] = ()
 
 
 def colour_bytes(values: Array, largest: float | None = None) -> NDArray[uint8]:

@@ -7,6 +7,7 @@ sentence.  What comes out is checked again, whatever file it came in.
 
 import hashlib
 import stat
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.core.errors import BadInput, BadScan, TooLarge
+from breastrig.core.errors import BadInput, BadScan, BadSettings, TooLarge, unknown_name
 from breastrig.core.single_precision import EXACT_WITHIN
-from breastrig.core.units import METRES_PER_UNIT
+from breastrig.core.units import METRES_PER_UNIT, UNIT_CHOICES
 from breastrig.scan.clean import MIN_TRIANGLES
 from breastrig.scan.file_type import file_type_of, plain_text
 from breastrig.scan.formats.archive import unpacked
@@ -35,6 +36,7 @@ from breastrig.scan.point_clouds.point_table import table_points
 from breastrig.scan.scan import Scan
 from breastrig.scan.stored_scan import STORED, read_stored
 from breastrig.scan.units import decide_unit, extent
+from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 from breastrig.scan.volumes.label_map import gunzipped, label_map_pieces
 
 BEYOND = 1e30  # no unit has such numbers; their squares are beyond single precision
@@ -51,6 +53,7 @@ def read_scan(
     units: str = "auto",
     texture: bool = True,
     for_display: bool = True,
+    answers: VolumeAnswers = NOTHING_SAID,
 ) -> Scan:
     """Reads PLY, OBJ, STL, GLB, glTF, USD, PCD, a table of points, a label map (NIfTI, DICOM SEG), or a zip of
     one of them with what it names.
@@ -58,7 +61,9 @@ def read_scan(
     `file_type` is the name's ending, only used to word errors, or STORED for a file that `write_stored` wrote;
     `units` is auto or m, dm, cm, mm, in, ft; `texture=False` saves the time of decoding the pictures,
     `for_display=False` that of writing a smaller one to be shown: whoever decodes it then sees whether it is sound.
-    Raises BadScan, TooLarge (over a limit) or BadSettings (no such unit), each with one sentence.
+    `answers` is what a person says of a label map.
+    Raises BadScan, TooLarge (over a limit) or BadSettings (no such unit, answers that do not fit), each with one
+    sentence; of BadScan NeedsAnswer, where a person has to say something.
     """
     if file_type == STORED and isinstance(source, Path):
         scan = read_stored(source, texture, for_display)
@@ -80,7 +85,10 @@ def read_scan(
             raise BadScan("This zip holds another zip; pack the mesh itself.")
     elif isinstance(source, Path) and found in ("obj", "ply", "gltf", "glb"):
         files = beside(source, _bytes)
-    pieces = _pieces(mesh, found, files, texture)
+    is_volume = found in ("nifti", "dicom")
+    if answers and not is_volume:
+        raise BadSettings("This scan is no label map; frame and segments are for those alone.")
+    pieces = _label_map(mesh, found, units, answers) if is_volume else _pieces(mesh, found, files, texture)
     from_points = pieces.cloud is not None and not pieces.pieces
     if from_points and pieces.cloud is not None:
         cloud = _sound_points(pieces.cloud)
@@ -98,20 +106,26 @@ def read_scan(
         notes += left_out
         _check(whole, pieces.has_points)
         across = _extent(whole.vertices, whole.faces)
-        unit, reason = decide_unit(across, units, pieces.unit, pieces.unit_by_default)
+        unit, reason = (
+            ("mm", f"A label map has a unit of its own; what it shows is {1e-3 * across:.3g} m across.")
+            if pieces.is_label_map
+            else decide_unit(across, units, pieces.unit, pieces.unit_by_default)
+        )
     notes = (*sorting, *notes)
     scan = _scan(whole, unit, reason, hashlib.sha256(data).hexdigest(), notes, for_display, from_points)
     metres = scan.metres_per_unit
     inside = tuple(BallInside(each.name, metres * each.center, metres * each.radius) for each in pieces.lesions)
-    return replace(scan, from_label_map=True, lesions=inside) if pieces.is_label_map else scan
+    if not pieces.is_label_map:
+        return scan
+    return replace(scan, from_label_map=True, lesions=inside, segments=pieces.segments)
 
 
-def coloured_scan(source: Path, file_type: str | None, units: str) -> Scan:
+def coloured_scan(source: Path, file_type: str | None, units: str, answers: VolumeAnswers = NOTHING_SAID) -> Scan:
     """As `read_scan`; a scan whose picture alone is over a limit comes without colours."""
     try:
-        return read_scan(source, file_type, units, for_display=False)
+        return read_scan(source, file_type, units, for_display=False, answers=answers)
     except TooLarge:
-        return read_scan(source, file_type, units, texture=False)
+        return read_scan(source, file_type, units, texture=False, answers=answers)
 
 
 def scan_of_arrays(vertices: Array, faces: Integers, colours: NDArray[np.uint8] | None, units: str) -> Scan:
@@ -157,22 +171,37 @@ def _scan(
 
 def _pieces(data: bytes, kind: str, files: Companions, texture: bool) -> Pieces:
     """What a file of this kind holds.  BadScan or TooLarge with a sentence, whatever its parser raises."""
+    if kind in ("glb", "gltf"):
+        return _guarded(kind, lambda: glb_pieces(data, files, texture))
+    if kind == "usd":
+        return _guarded(kind, lambda: usd_pieces(data, texture))
+    if kind in ("pcd", "xyz"):
+        points = pcd_points if kind == "pcd" else table_points
+        return _guarded(kind, lambda: Pieces((), has_points=True, cloud=points(data)))
+    if kind == "stl":
+        return _guarded(kind, lambda: read_stl(data))
+    return _guarded(kind, lambda: {"ply": read_ply, "obj": read_obj}[kind](data, files, texture))
+
+
+def _guarded(kind: str, parse: Callable[[], Pieces]) -> Pieces:
+    """What a parser of untrusted bytes gives."""
     try:
-        if kind in ("glb", "gltf"):
-            return glb_pieces(data, files, texture)
-        if kind == "usd":
-            return usd_pieces(data, texture)
-        if kind in ("nifti", "dicom"):
-            return label_map_pieces(data, kind)
-        if kind in ("pcd", "xyz"):
-            return Pieces((), has_points=True, cloud=pcd_points(data) if kind == "pcd" else table_points(data))
-        return read_stl(data) if kind == "stl" else {"ply": read_ply, "obj": read_obj}[kind](data, files, texture)
+        return parse()
     except BadInput:
         raise
     except MemoryError as error:
         raise TooLarge("Reading this scan needs more memory than there is; simplify it first.") from error
-    except Exception as error:  # a parser of untrusted bytes can raise anything
+    except Exception as error:  # it can raise anything
         raise BadScan(f"This {kind.upper()} file is damaged or cut off and cannot be read; export it again.") from error
+
+
+def _label_map(data: bytes, kind: str, units: str, answers: VolumeAnswers) -> Pieces:
+    """What a label map holds, in mm."""
+    if units not in UNIT_CHOICES:
+        raise BadSettings(unknown_name("unit", units, UNIT_CHOICES))
+    if units not in ("auto", "mm"):
+        raise BadSettings("A label map has a unit of its own, and is read in mm; leave units out.")
+    return _guarded(kind, lambda: label_map_pieces(data, kind, answers))
 
 
 def _bytes(source: Path | bytes) -> bytes:

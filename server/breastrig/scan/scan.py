@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Integers, frozen
-from breastrig.scan.piece import BallInside
+from breastrig.scan.piece import BallInside, TakenSegment
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +33,7 @@ class Scan:
 
     from_label_map: bool = False  # whose axes are the patient's (LPS)
     lesions: tuple[BallInside, ...] = ()  # that a label map shows, m
+    segments: tuple[TakenSegment, ...] = ()  # of a label map, and what each was taken for
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "vertices", frozen(self.vertices))

@@ -29,6 +29,7 @@ from breastrig.execution.limits import FitLimits, UploadLimits
 from breastrig.execution.pool import Pool
 from breastrig.execution.worker import preload, scratch_swept
 from breastrig.scan.stored_scan import STORED
+from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 from breastrig.service.clinic_prior import ClinicPrior
 from breastrig.service.events.feeds import Notifier, StreamItem, follow
 from breastrig.service.failed_tasks import explained
@@ -160,12 +161,20 @@ class Service:
         self._notifier.stop()
 
     def add_scan(
-        self, source: IO[bytes], file_type: str, units: str, patient: str | None = None, model: str | None = None
-    ) -> ScanRow:
+        self,
+        source: IO[bytes],
+        file_type: str,
+        units: str,
+        patient: str | None = None,
+        model: str | None = None,
+        answers: VolumeAnswers = NOTHING_SAID,
+    ) -> tuple[ScanRow, list[str]]:
         """Reads an upload and keeps what was read of it, without names, comments and picture metadata.
 
-        It is a scan of that patient, or of a new one, to be fitted with the model of that name.  Raises BadScan or
-        TooLarge with a sentence, or NotFound for an unknown patient or model, and then keeps nothing.
+        It is a scan of that patient, or of a new one, to be fitted with the model of that name.  With it comes what a
+        label map's file calls its segments, which is not kept.  Raises BadScan or TooLarge with a sentence, of BadScan
+        NeedsAnswer where a person has to say something, or NotFound for an unknown patient or model, and then keeps
+        nothing.
         """
         chosen = self.models.facts_of(model)
         if patient is not None:
@@ -180,11 +189,22 @@ class Service:
                 sha256 = _keep(source, upload)
                 kept = draft.folder / upload_name(STORED)
                 mesh, small = draft.folder / MESH, draft.folder / THUMBNAIL
-                job = UploadJob(upload, units, kept, mesh, small, self._uploads.triangles, self._choice.of(chosen))
+                job = UploadJob(
+                    upload,
+                    units,
+                    kept,
+                    mesh,
+                    small,
+                    self._uploads.triangles,
+                    self._choice.of(chosen),
+                    answers.frame,
+                    dict(answers.segments),
+                )
                 facts = self._read(scan_id, job)
                 upload.unlink()
                 draft.keep()
             lesions: list[dict[str, Any]] = facts.pop("lesions", [])
+            labels: list[str] = facts.pop("labels", [])
             row = ScanRow(scan_id, utc_now(), STORED, sha256, facts | chosen)
             scan_rows.add_scan(self.storage, row, patient)
             if lesions:
@@ -194,7 +214,7 @@ class Service:
             self.pool.drop(scan_id)
             discard(self.storage, scan_id, place)
             raise
-        return row
+        return row, labels
 
     def delete_scan(self, scan_id: str) -> None:
         """Removes the scan, its landmarks and its fits: rows and files.  No such scan is no error.
@@ -255,7 +275,7 @@ class Service:
             raise NotFound(unknown_name("example", name, tuple(examples)))
         example = examples[name]
         with example.scan.open("rb") as source:
-            row = self.add_scan(source, "ply", "auto")
+            row, _ = self.add_scan(source, "ply", "auto")
         return row, json.loads(example.landmarks.read_text(encoding="utf-8"))["landmarks"]
 
     def add_fit(

@@ -81,6 +81,8 @@ class UploadJob:
     thumbnail: Path  # where a small picture is written
     triangles: int  # at most
     model: Path | None = None  # that the service fits with; None: the torso of the package
+    frame: str | None = None  # of a label map whose file does not say it; see scan/volumes/answers.py
+    segments: Mapping[int, str] = field(default_factory=dict)  # of a label map: number -> as what it is to be taken
 
 
 @dataclass(frozen=True)

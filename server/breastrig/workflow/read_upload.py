@@ -6,6 +6,7 @@ which everything later starts; the upload itself is not kept.  How the patient l
 proposals and fits of this scan begin with it.
 """
 
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from breastrig.report.pictures import thumbnail_png
 from breastrig.scan.read import read_scan
 from breastrig.scan.stored_scan import write_stored
 from breastrig.scan.units import extent, size_doubt
+from breastrig.scan.volumes.answers import checked_answers
 from breastrig.workflow.jobs import UploadJob
 from breastrig.workflow.kept_scan import prepared_scan
 
@@ -37,7 +39,7 @@ def read_upload(job: UploadJob) -> dict[str, Any]:
 
 
 def _read(job: UploadJob) -> dict[str, Any]:
-    scan = read_scan(job.scan, job.scan.suffix.lstrip("."), job.units)
+    scan = read_scan(job.scan, job.scan.suffix.lstrip("."), job.units, answers=checked_answers(job.frame, job.segments))
     if len(scan.faces) > job.triangles:
         raise TooLarge(
             f"This scan has {len(scan.faces):,} triangles, more than the {job.triangles:,} allowed; simplify it first."
@@ -68,6 +70,8 @@ def _read(job: UploadJob) -> dict[str, Any]:
             {"name": each.name, "center": (1e3 * each.center).tolist(), "radius_mm": 1e3 * each.radius}
             for each in scan.lesions
         ],
+        "segments": [{name: fact for name, fact in asdict(each).items() if name != "label"} for each in scan.segments],
+        "labels": [each.label for each in scan.segments],  # for the first answer alone; never kept
         "cut_away_cm2": round(1e4 * ready.cut_away),
         "background": [{"normal": normal.tolist(), "height_m": height} for normal, height in ready.frame.background],
         "table": None if table is None else {"normal": table.normal.tolist(), "height_m": table.height},

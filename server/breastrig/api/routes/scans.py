@@ -16,6 +16,7 @@ from breastrig.core.errors import NotFound
 from breastrig.core.picks import Picks
 from breastrig.scan.file_type import ENDINGS, UNKNOWN
 from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES
+from breastrig.scan.volumes.answers import checked_answers, segments_of_json
 from breastrig.storage.files import MESH, THUMBNAIL, scan_place
 from breastrig.storage.rows.patients import PatientRow, patients_of_scans
 from breastrig.storage.rows.queries import no_such_scan
@@ -54,13 +55,20 @@ def upload_scan(files_data: wire.ScanUpload) -> tuple[wire.Scan, int, dict[str, 
     """Upload a scan
 
     The bytes decide what the file is. Its name is not kept: the ending serves to word errors, and may be missing.
+    Where the file of a label map does not say which side is left, the answer is 422 with a `question`: ask a person,
+    and send the file again with the field that it names.
     """
     ending = PurePosixPath(files_data.file.filename or "").suffix.lower()
     file_type = ending.lstrip(".") if ending in ENDINGS else UNKNOWN
-    row = app_context().service.add_scan(
-        files_data.file.stream, file_type, files_data.units, files_data.patient or None, files_data.model or None
+    answers = checked_answers(files_data.frame, segments_of_json(files_data.segments))
+    patient, model = files_data.patient or None, files_data.model or None
+    row, labels = app_context().service.add_scan(
+        files_data.file.stream, file_type, files_data.units, patient, model, answers
     )
     answer = scan_answer(row)
+    named = zip(answer.segments, labels, strict=True)
+    segments = [each.model_copy(update={"label": label}) for each, label in named]
+    answer = answer.model_copy(update={"segments": segments})
     return answer, 201, {"Location": answer.links.self}
 
 

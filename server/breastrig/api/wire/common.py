@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from breastrig.core.stances import Stance as OneStance
 from breastrig.drawings.drawing_schema import SCHEMA, SHAPES, DrawnShape, SurfacePoint
+from breastrig.scan.volumes.answers import MOST_CHARACTERS
 from breastrig.workflow.events import FitEvent, IterationNumbers, NodePose
 
 Units = Literal["auto", "m", "dm", "cm", "mm", "in", "ft"]
@@ -68,6 +69,34 @@ class ScanUpload(Upload):
     )
     model: str | None = Field(
         None, max_length=64, description="name of the model that it is fitted with, of /api/meta; without it the first"
+    )
+
+    frame: str | None = Field(
+        None,
+        max_length=10,
+        description="of a label map whose file does not say where it lies, or says it twice: the `value` of a choice "
+        "of the 422 answer's `question` (sform, qform), or three letters that say where the voxels' axes grow to (RAS)",
+    )
+    segments: str | None = Field(
+        None,
+        max_length=MOST_CHARACTERS,
+        description='of a label map, JSON: as what segments are to be taken, {"2": "lesion", "3": "tissue", "4": '
+        '"unused"}; for others the file\'s codes and their form decide',
+    )
+
+
+class Segment(Wire):
+    """What became of a segment of a label map."""
+
+    number: int = Field(description="in the file")
+    name: str = Field(description="Lesion 1, Tissue 2: none of the file's words")
+    taken_as: Literal["lesion", "tissue", "unused"]
+    why: str
+    radius_mm: float | None = Field(None, description="of a lesion, of its largest part")
+    label: str | None = Field(
+        None,
+        exclude_if=lambda found: found is None,
+        description="the file's own words, in the answer to its upload alone: they may name a patient and are not kept",
     )
 
 
@@ -134,6 +163,7 @@ class Scan(Wire):
         default=[], description="a place, metres, on each piece beside the body that was cut away"
     )
     notes: list[str] = Field(description="what reading found, one sentence each")
+    segments: list[Segment] = Field(default=[], description="of a label map")
     frame: Frame
     stance: Stance
     created_at: str = Field(description="ISO 8601, UTC")
@@ -437,6 +467,29 @@ class FieldError(Wire):
     message: str
 
 
+class ShownLesion(Wire):
+    """A lesion as one answer would place it."""
+
+    name: str
+    side: Literal["L", "R", "middle"] = Field(description="of the patient")
+    x: float = Field(description="across the volume, from -1 (the patient's right end) to 1 (the left end)")
+    y: float = Field(description="along the volume, from 0 (the feet's end) to 1 (the head's end)")
+
+
+class Choice(Wire):
+    value: str = Field(description="to be sent")
+    text: str
+    lesions: list[ShownLesion] = []
+    picture: str | None = Field(None, description="PNG as a data: address, as one who faces the patient sees it")
+
+
+class Question(Wire):
+    """What a person has to say; the request is sent again with that field."""
+
+    field: str = Field(description="name of the field that answers")
+    choices: list[Choice]
+
+
 class Problem(Wire):
     """RFC 9457 problem details."""
 
@@ -445,3 +498,4 @@ class Problem(Wire):
     status: int
     detail: str = Field(description="one sentence: what is wrong, what to do")
     errors: list[FieldError] | None = Field(None, description="each field that was refused")
+    question: Question | None = Field(None, description="what the file does not say and a person knows")

@@ -1,0 +1,424 @@
+"""DICOM segmentations (SEG): their frames need place, orientation and spacing, and nothing else is asked of them.
+
+Each segment has frames of its own, so segments may overlap, and each is read from its own frames.
+"""
+
+import io
+import zlib
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.core.errors import BadScan, TooLarge
+from breastrig.scan.limits import (
+    DICOM_ELEMENTS,
+    DICOM_FRAMES,
+    DICOM_ITEMS,
+    LABEL_MAP_BYTES,
+    LABEL_MAP_VOXELS,
+    MEBIBYTE,
+)
+from breastrig.scan.volumes.answers import TakenAs
+from breastrig.scan.volumes.slices import between, runs
+from breastrig.scan.volumes.volume import IMAGE, Gap, Reading, Segment, Volume, check_affine, check_shape
+
+DICOM_MARK_AT = 128
+DEFLATED, PLAIN = b"1.2.840.10008.1.2.1.99", b"1.2.840.10008.1.2.1\0\0\0"  # transfer syntaxes
+GROUP_LENGTH = b"\x02\x00\x00\x00UL\x04\x00"  # the element with which the header of a file begins
+ITEM = b"\xfe\xff\x00\xe0"
+EXPORT = "export the structures as a DICOM segmentation (SEG) or as a NIfTI label map"
+OTHER_CLASSES = {
+    "1.2.840.10008.5.1.4.1.1.481.3": f"This is a structure set (RTSTRUCT); its contours are not read yet, {EXPORT}.",
+    "1.2.840.10008.5.1.4.1.1.66.5": f"This is a DICOM surface segmentation, which is not read; {EXPORT}.",
+    "1.2.840.10008.1.3.10": "This is the list of a DICOM medium (DICOMDIR); give the file of the segmentation itself.",
+}
+NO_PLACE = "This DICOM segmentation does not say where its frames lie; export it again."
+DAMAGED = "This DICOM file is damaged or cut off and cannot be read; export it again."
+COMPRESSED = "The pixels of this DICOM file are compressed in a way that is not read; export it uncompressed."
+NAME = 60  # characters of a segment's words that are shown
+ALIKE = 1e-3  # of direction cosines, and of pixel sizes in their own size
+FARTHEST_OFF = 0.3  # of the distance between slices that one may lie off its place; writers round, and patients breathe
+SAME_SLICE = 0.1  # of the largest distance between neighbours, below which frames lie on one slice
+NEARLY = 0.1  # of the named distance between slices: how far a multiple of it may be off
+
+# Codes of concepts by their names: SNOMED CT, and the same in files of before 2018 (SRT).
+ABNORMAL = {"Morphologically abnormal structure": ("49755003", "M-01000")}  # a category
+ANATOMY = {"Body structure": ("123037004", "T-D000A"), "Anatomical structure": ("91723000", "T-D0005")}  # categories
+WHERE = {  # types that say no more than where: a lesion may be described so as well as the body
+    "Breast": ("76752008", "T-04000"),
+    "Entire breast": ("181131000", "T-04009"),
+    "Right breast": ("73056007", "T-04020"),
+    "Left breast": ("80248007", "T-04030"),
+    "Both breasts": ("63762007", "T-04080"),
+    "Tissue": ("85756007", "T-D0050"),
+    "Body structure": ("123037004", "T-D000A"),
+    "Anatomical structure": ("91723000", "T-D0005"),
+}
+LESION = {  # types
+    "Mass": ("4147007", "M-03000"),
+    "Nodule": ("27925004", "M-03010"),
+    "Lesion": ("52988006", "M-01100"),
+    "Neoplasm": ("108369006", "M-8FFFF"),
+    "Malignant neoplasm, primary": ("86049000", "M-80003"),
+    "Neoplasm, secondary": ("14799000", "M-80006"),
+    "Carcinoma": ("68453008", "M-80103"),
+    "Infiltrating duct carcinoma": ("82711006", "M-85003"),
+    "Ductal carcinoma in situ": ("86616005", "M-85002"),
+    "Infiltrating ductal carcinoma of breast": ("408643008", "D0-F0369"),
+    "Invasive lobular carcinoma": ("89740008",),
+    "Lobular carcinoma in situ of breast": ("109888004",),
+    "Fibroadenoma": ("65877006", "M-90100"),
+    "Fibroadenoma of breast": ("254845004", "D7-F0815"),
+    "Phyllodes tumor": ("71232009",),
+    "Papilloma": ("711329002",),
+    "Cyst": ("367643001", "M-3340A"),
+    "Cyst of breast": ("399294002",),
+    "Abscess": ("44132006",),
+    "Hematoma": ("35566002",),
+    "Breast lump": ("89164003",),
+    "Gross tumor volume": ("228791009",),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class _Frames:
+    """The pixels of all frames."""
+
+    pixel: Callable[[int], NDArray[Any]]  # (R, C) of a frame
+    places: Array  # (N, 3) mm, LPS, of each frame's first pixel
+    across: Array  # (3,) mm, from pixel to pixel along a row
+    down: Array  # (3,) mm, along a column
+    segments: list[int | None]  # of each frame; None where its pixels are the segments' numbers
+    named_step: float | None  # mm between slices, as the file says
+
+
+@dataclass
+class _Held:
+    """Where a segment is."""
+
+    frames: dict[int, list[int]] = field(default_factory=lambda: defaultdict(list))  # slice -> frames that show it
+    empty: set[int] = field(default_factory=set)  # slices that are known to hold nothing of it
+    low: Integers = field(default_factory=lambda: np.full(2, 2**31))  # first column and row
+    high: Integers = field(default_factory=lambda: np.zeros(2, np.int64))  # behind the last
+    count: int = 0  # pixels
+
+    def bridged(self) -> list[int]:
+        """Single slices between others for which it has no frame."""
+        return [
+            at + 1
+            for at in self.frames
+            if at + 2 in self.frames and at + 1 not in self.frames and at + 1 not in self.empty
+        ]
+
+
+def read_segmentation(data: bytes) -> Volume:
+    """The volume.  Raises BadScan or TooLarge with a sentence."""
+    dataset = _dataset(data)
+    _check_class(dataset)
+    frames = _frames(dataset)
+    slices, step, missing = _slices(frames)
+    shape = (int(dataset.Columns), int(dataset.Rows), int(slices.max()) + 1)
+    check_shape(shape)
+    affine = np.eye(4)
+    affine[:3, :3] = np.column_stack([frames.across, frames.down, step])
+    affine[:3, 3] = np.median(frames.places - slices[:, None] * step, axis=0)
+    check_affine(affine)
+    described = {
+        int(each.SegmentNumber): each for each in dataset.get("SegmentSequence", []) if "SegmentNumber" in each
+    }
+    held = _held(frames, slices)
+    segments, notes = [], list[str]()
+    for number, where in sorted(held.items()):
+        first, last = min(where.frames), max(where.frames)
+        box = (slice(where.low[0], where.high[0]), slice(where.low[1], where.high[1]), slice(first, last + 1))
+        label, coded = _described(described.get(number))
+        segments.append(Segment(number, box, where.count, partial(_inside, frames, where, number, box), label, coded))
+        if bridged := where.bridged():
+            which = "a slice" if len(bridged) == 1 else f"{len(bridged)} single slices"
+            notes.append(
+                f"Segment {number} has no frame in {which} between others; it was laid there from the neighbours."
+            )
+    if not segments:
+        raise BadScan("This DICOM segmentation holds no segment; export it again.")
+    gaps = tuple(Gap(2, first, last) for first, last in runs(missing) if last > first)
+    if gaps:
+        count = sum(gap.last - gap.first + 1 for gap in gaps)
+        notes.append(f"{count} slices are missing between others, more than one in a row; the skin is open there.")
+    return Volume(shape, tuple(segments), (Reading("", "", affine),), notes=tuple(notes), gaps=gaps)
+
+
+def is_segmentation(start: bytes) -> bool:
+    """Whether the beginning of a DICOM file is that of a segmentation."""
+    from pydicom import dcmread
+
+    try:
+        return _is_segmentation(dcmread(io.BytesIO(start), force=True, specific_tags=["SOPClassUID", "Modality"]))
+    except Exception:  # cut off within an element, or no DICOM at all
+        return b"1.2.840.10008.5.1.4.1.1.66.4" in start or b"1.2.840.10008.5.1.4.1.1.66.7" in start
+
+
+def _is_segmentation(dataset: Any) -> bool:
+    classes = ("1.2.840.10008.5.1.4.1.1.66.4", "1.2.840.10008.5.1.4.1.1.66.7")
+    return dataset.get("SOPClassUID", "") in classes or dataset.get("Modality", "") == "SEG"
+
+
+def _descriptions(dataset: Any) -> dict[int, Any]:
+    """Those of the segments, by their numbers."""
+    return {int(each.SegmentNumber): each for each in dataset.get("SegmentSequence", []) if "SegmentNumber" in each}
+
+
+def _dataset(data: bytes) -> Any:
+    """The whole file, parsed; its limits are checked first."""
+    from pydicom.filereader import read_partial
+
+    if DEFLATED in data:
+        data = _inflated(data)
+    if data.count(ITEM) > DICOM_ITEMS:
+        raise TooLarge(f"This DICOM file has more than the {DICOM_ITEMS:,} entries allowed; export fewer frames.")
+    seen = 0
+
+    def stop(*_: Any) -> bool:
+        nonlocal seen
+        seen += 1
+        if seen > DICOM_ELEMENTS:
+            raise TooLarge(f"This DICOM file has more than the {DICOM_ELEMENTS:,} elements allowed; export it again.")
+        return False
+
+    return read_partial(io.BytesIO(data), stop, force=True)
+
+
+def _inflated(data: bytes) -> bytes:
+    """The same file as it is without the packing of its whole content."""
+    start = DICOM_MARK_AT + 4 if data[DICOM_MARK_AT : DICOM_MARK_AT + 4] == b"DICM" else 0
+    if not data.startswith(GROUP_LENGTH, start):
+        raise BadScan(DAMAGED)
+    length = int.from_bytes(data[start + 8 : start + 12], "little")
+    header, packed = data[: start + 12 + length], data[start + 12 + length :]
+    if DEFLATED not in header:  # it names that packing elsewhere
+        return data
+    whole = zlib.decompressobj(wbits=-zlib.MAX_WBITS).decompress(packed, LABEL_MAP_BYTES + 1)
+    if len(whole) > LABEL_MAP_BYTES:
+        raise TooLarge(f"This DICOM file unpacks to more than the {LABEL_MAP_BYTES // MEBIBYTE} MB allowed.")
+    return header.replace(DEFLATED, PLAIN) + whole
+
+
+def _check_class(dataset: Any) -> None:
+    if _is_segmentation(dataset):
+        return
+    if (other := OTHER_CLASSES.get(str(dataset.get("SOPClassUID", "")))) is not None:
+        raise BadScan(other)
+    if dataset.get("Modality", "") == "RTSTRUCT":
+        raise BadScan(OTHER_CLASSES["1.2.840.10008.5.1.4.1.1.481.3"])
+    if "PixelData" in dataset or "Rows" in dataset:
+        raise BadScan(IMAGE)
+    raise BadScan(f"This DICOM file holds neither an image nor a segmentation; {EXPORT}.")
+
+
+def _frames(dataset: Any) -> _Frames:
+    count, rows, columns = int(dataset.get("NumberOfFrames", 1) or 1), int(dataset.Rows), int(dataset.Columns)
+    if int(dataset.get("SamplesPerPixel", 1)) != 1:
+        raise BadScan(IMAGE)
+    if count > DICOM_FRAMES or count * rows * columns > 16 * LABEL_MAP_VOXELS or rows * columns > LABEL_MAP_VOXELS:
+        raise TooLarge(
+            f"This DICOM segmentation has {count:,} frames of {rows} x {columns}, more than is read; crop it."
+        )
+    own = list(dataset.get("PerFrameFunctionalGroupsSequence", None) or [])
+    shared: Any = next(iter(dataset.get("SharedFunctionalGroupsSequence", None) or []), {})
+    if count < 1 or rows < 1 or columns < 1 or len(own) < count:
+        raise BadScan(NO_PLACE if rows > 0 and columns > 0 and count > 0 else DAMAGED)
+
+    def said(frame: int, group: str, name: str, size: int) -> NDArray[np.float64] | None:
+        for groups in (own[frame], shared):
+            item: Any = next(iter(groups.get(group, None) or []), {})
+            if (value := item.get(name, None)) is not None:
+                return _numbers(value, size)
+        value = dataset.get(name, None)
+        return None if value is None else _numbers(value, size)
+
+    places, turns, sizes, segments = [], [], [], list[int | None]()
+    kind = str(dataset.get("SegmentationType", ""))
+    known = list(_descriptions(dataset))
+    only = known[0] if len(known) == 1 else None
+    for frame in range(count):
+        place = said(frame, "PlanePositionSequence", "ImagePositionPatient", 3)
+        turn = said(frame, "PlaneOrientationSequence", "ImageOrientationPatient", 6)
+        size = said(frame, "PixelMeasuresSequence", "PixelSpacing", 2)
+        if place is None or turn is None or size is None:
+            raise BadScan(NO_PLACE)
+        places.append(place)
+        turns.append(turn)
+        sizes.append(size)
+        number = said(frame, "SegmentIdentificationSequence", "ReferencedSegmentNumber", 1)
+        segments.append(None if kind == "LABELMAP" else only if number is None else int(number[0]))
+    turn, size = np.asarray(turns[0]), np.asarray(sizes[0])
+    if not (np.allclose(turns, turn, atol=ALIKE) and np.allclose(sizes, size, rtol=ALIKE)):
+        raise BadScan("The frames of this DICOM segmentation do not lie in parallel on one grid; resample it first.")
+    across, down = turn[:3] / np.linalg.norm(turn[:3]), turn[3:] / np.linalg.norm(turn[3:])
+    if not np.isfinite([*across, *down]).all() or abs(across @ down) > 0.01:
+        raise BadScan(NO_PLACE)
+    if kind != "LABELMAP" and None in segments:
+        if kind in ("BINARY", "FRACTIONAL") or int(dataset.get("BitsAllocated", 8)) == 1:
+            raise BadScan("This DICOM segmentation does not say to which segments its frames belong; export it again.")
+        segments = [None] * count
+    named = said(0, "PixelMeasuresSequence", "SpacingBetweenSlices", 1)
+    step = None if named is None or named[0] <= 0.0 else float(named[0])
+    pixel = _pixels(dataset, count, rows, columns)
+    return _Frames(pixel, np.asarray(places), size[1] * across, size[0] * down, segments, step)
+
+
+def _numbers(value: Any, size: int) -> NDArray[np.float64]:
+    found = np.asarray(value, np.float64).reshape(-1)
+    if found.shape != (size,) or not np.isfinite(found).all():
+        raise BadScan(NO_PLACE)
+    return found
+
+
+def _pixels(dataset: Any, count: int, rows: int, columns: int) -> Callable[[int], NDArray[Any]]:
+    """What gives (R, C) of a frame: booleans, or numbers of segments."""
+    bits = int(dataset.get("BitsAllocated", 1))
+    if bits not in (1, 8, 16):
+        raise BadScan(IMAGE)
+    syntax = getattr(dataset, "file_meta", {}).get("TransferSyntaxUID", None)
+    is_share = dataset.get("SegmentationType", "") == "FRACTIONAL"
+    half = 0.5 * float(dataset.get("MaximumFractionalValue", 255) or 255) if is_share else None
+    if syntax is not None and syntax.is_compressed and not syntax.is_deflated:
+        stored = _decoder(dataset)
+    else:
+        content = dataset.get("PixelData", None)
+        size = rows * columns
+        if content is None or len(content) * 8 < count * size * bits:
+            raise BadScan(DAMAGED)
+        if bits == 1:
+            packed = np.frombuffer(content, np.uint8)
+            stored = partial(_bits, packed, size, (rows, columns))
+        else:
+            order = "<" if dataset.original_encoding[1] is not False else ">"
+            whole = np.frombuffer(content, np.dtype(f"{order}u{bits // 8}"), count * size)
+            stored = whole.reshape(count, rows, columns).__getitem__
+
+    def pixel(frame: int) -> NDArray[Any]:
+        found = stored(frame)
+        return found if half is None else np.asarray(found > half)
+
+    return pixel
+
+
+def _bits(packed: NDArray[np.uint8], size: int, shape: tuple[int, int], frame: int) -> NDArray[np.uint8]:
+    """Frames follow one another without a pad, eight pixels a byte."""
+    first, stop = frame * size, (frame + 1) * size
+    bits = np.unpackbits(packed[first // 8 : -(-stop // 8)], bitorder="little")
+    return bits[first % 8 : first % 8 + size].reshape(shape)
+
+
+def _decoder(dataset: Any) -> Callable[[int], NDArray[Any]]:
+    from pydicom.pixels.utils import iter_pixels
+
+    defaults = {"PhotometricInterpretation": "MONOCHROME2", "SamplesPerPixel": 1, "PixelRepresentation": 0}
+    for name, value in defaults.items():
+        dataset.setdefault(name, value)
+    dataset.setdefault("BitsStored", dataset.get("BitsAllocated", 8))
+
+    def stored(frame: int) -> NDArray[Any]:
+        try:
+            return np.asarray(next(iter(iter_pixels(dataset, indices=[frame], raw=True))))
+        except Exception as error:  # no decoder for it, or damaged
+            raise BadScan(COMPRESSED) from error
+
+    return stored
+
+
+def _slices(frames: _Frames) -> tuple[Integers, Array, Booleans]:
+    """(N,) the slice of each frame, (3,) mm from slice to slice, and (S,) which slices have no frame at all."""
+    normal = np.cross(frames.across, frames.down)
+    normal /= np.linalg.norm(normal)
+    along = frames.places @ normal
+    order = np.argsort(along, kind="stable")
+    steps = np.diff(along[order])
+    if not len(steps) or steps.max() <= 0.0:
+        raise BadScan("This label map is a single slice; export the whole volume.")
+    apart = steps > SAME_SLICE * steps.max()
+    step = float(np.median(steps[apart]))
+    named = frames.named_step
+    if named is not None and named < step and abs(step / named - round(step / named)) < NEARLY:
+        step = named
+    index = np.zeros(len(along), np.int64)
+    index[order] = np.concatenate([[0], np.cumsum(np.where(apart, np.maximum(1, np.rint(steps / step)), 0.0))])
+    fit = np.polynomial.polynomial.polyfit(index, frames.places, 1)
+    off = np.abs((frames.places - fit[0] - index[:, None] * fit[1]) @ normal)
+    if off.max() > FARTHEST_OFF * float(fit[1] @ normal):
+        raise BadScan("The slices of this DICOM segmentation are unevenly spaced; resample it first.")
+    missing = np.ones(int(index.max()) + 1, np.bool_)
+    missing[index] = False
+    return index, fit[1], missing
+
+
+def _held(frames: _Frames, slices: Integers) -> dict[int, _Held]:
+    """Of each segment that has any pixel."""
+    held: dict[int, _Held] = defaultdict(_Held)
+    for frame, at in enumerate(slices.tolist()):
+        pixels, number = frames.pixel(frame), frames.segments[frame]
+        shown = [number] if number is not None else [int(each) for each in np.unique(pixels) if each]
+        for each in shown:
+            inside = pixels != 0 if number is not None else pixels == each
+            rows, columns = np.flatnonzero(inside.any(axis=1)), np.flatnonzero(inside.any(axis=0))
+            if not len(rows):
+                held[each].empty.add(at)
+                continue
+            where = held[each]
+            where.frames[at].append(frame)
+            where.low = np.minimum(where.low, [columns[0], rows[0]])
+            where.high = np.maximum(where.high, [columns[-1] + 1, rows[-1] + 1])
+            where.count += int(np.count_nonzero(inside))
+    if None in frames.segments:  # each frame shows all segments that there are
+        for where in held.values():
+            where.empty |= set(slices.tolist()) - where.frames.keys()
+    return {number: where for number, where in held.items() if where.frames and number}
+
+
+def _inside(frames: _Frames, where: _Held, number: int, box: tuple[slice, slice, slice]) -> Booleans:
+    """(of the box's shape) the segment's voxels."""
+    columns, rows, along = box
+    found = np.zeros((columns.stop - columns.start, rows.stop - rows.start, along.stop - along.start), np.bool_)
+    for at, those in where.frames.items():
+        for frame in those:
+            pixels = frames.pixel(frame)[rows, columns].T
+            found[:, :, at - along.start] |= pixels == number if frames.segments[frame] is None else pixels != 0
+    for at in where.bridged():
+        here = at - along.start
+        found[:, :, here] = between(found[:, :, here - 1], found[:, :, here + 1])
+    return found
+
+
+def _described(segment: Any) -> tuple[str, TakenAs | None]:
+    """The file's words for it, and what its codes say."""
+    if segment is None:
+        return "", None
+    kinds = [*_codes(segment, "SegmentedPropertyTypeCodeSequence")]
+    categories = [*_codes(segment, "SegmentedPropertyCategoryCodeSequence")]
+    words = [str(segment.get("SegmentLabel", "") or ""), *(meaning for _, meaning in kinds)]
+    label = shown(" ".join(dict.fromkeys(word for word in words if word)))
+    types, groups = {code for code, _ in kinds}, {code for code, _ in categories}
+    if groups & _known(ABNORMAL) or types & _known(LESION):
+        return label, "lesion"
+    return label, "tissue" if groups & _known(ANATOMY) and types - _known(WHERE) else None
+
+
+def _known(concepts: Mapping[str, tuple[str, ...]]) -> set[str]:
+    return {code for codes in concepts.values() for code in codes}
+
+
+def _codes(segment: Any, name: str) -> Iterator[tuple[str, str]]:
+    """Value and meaning of each."""
+    for each in segment.get(name, None) or []:
+        yield str(each.get("CodeValue", "")), str(each.get("CodeMeaning", ""))
+
+
+def shown(text: str) -> str:
+    """What can be shown of words."""
+    return " ".join("".join(each if each.isprintable() else " " for each in text).split())[:NAME].strip()

@@ -1,0 +1,165 @@
+"""What each segment of a label map is: a lesion, or tissue.
+
+A person's word counts, then the segment's codes, then its form: what is small, compact and inside the body is a lesion,
+in any language.  Words of the file are only a hint, for a lesion that is not compact or reaches the skin.
+"""
+
+import re
+import unicodedata
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from breastrig.core.arrays import Array, Booleans
+from breastrig.core.errors import BadScan, BadSettings
+from breastrig.scan.limits import LABEL_MAP_VOXELS
+from breastrig.scan.piece import BallInside, TakenSegment
+from breastrig.scan.volumes.answers import TakenAs
+from breastrig.scan.volumes.volume import Box, Segment, Volume
+
+LARGEST_LESION = 40.0  # mm radius of what only its form says is a lesion; what is larger is tissue
+LARGEST_NAMED = 80.0  # mm radius, as a plan takes it
+SMALLEST_LESION = 1.0  # mm radius; less is noise
+LESIONS = 20
+COMPACT = 0.4  # share of the ellipsoid in its bounding box that a lesion fills; vessels and glands fill less
+LOOKED_AT = 4 * LABEL_MAP_VOXELS  # voxels of all segments' boxes together, about 20 s of work
+HINT = re.compile(
+    r"lesi|lasion|tumou?r|tumeur|mass\b|neoplas|cancer|krebs|carcinom|karzinom|malign|cyst|zyste|fibroadenom|nodul|"
+    r"knoten|\bherd|\bdcis|\bgtv",
+    re.IGNORECASE,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Taken:
+    """What became of all segments."""
+
+    segments: tuple[TakenSegment, ...]
+    lesions: tuple[BallInside, ...]  # centres in voxel indices, radii in mm
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """A connected part of a segment."""
+
+    centre: Array  # (3,) voxel indices
+    radius: float  # mm, of a ball with as many voxels
+    fills: float  # of the ellipsoid in its bounding box
+
+
+def check_chosen(volume: Volume, chosen: Mapping[int, TakenAs]) -> None:
+    """BadSettings where a person speaks of a segment that is not there."""
+    known = [each.number for each in volume.segments]
+    for number in chosen:
+        if number not in known:
+            there = ", ".join(map(str, known[:20])) or "none"
+            raise BadSettings(f"There is no segment {number} in this label map; it has {there}.")
+
+
+def taken_segments(volume: Volume, body: Booleans, cell: float, chosen: Mapping[int, TakenAs]) -> Taken:
+    """Each segment with what it is taken for, and the lesions.
+
+    `body` (I, J, K) is all that is not air, `cell` a voxel's mm³.  Raises BadScan for too many lesions, and where a
+    segment that a person calls a lesion can be none.
+    """
+    most = max((each.count for each in volume.segments), default=0)
+    work = LOOKED_AT
+    taken: list[TakenSegment] = []
+    lesions: list[BallInside] = []
+    count: Counter[str] = Counter()
+    for each in sorted(volume.segments, key=lambda each: each.number):
+        size = int(np.prod([side.stop - side.start for side in each.box], dtype=np.float64))
+        what, why, parts = _decided(each, chosen.get(each.number), body, cell, each.count == most, size <= work)
+        work -= size if parts is not None else 0
+        count[what] += 1
+        name = f"{what.capitalize()} {count[what]}"
+        radius = max((part.radius for part in parts or ()), default=None) if what == "lesion" else None
+        taken.append(TakenSegment(each.number, name, what, why, radius, each.label))
+        for number, part in enumerate(parts or () if what == "lesion" else (), 1):
+            whole = name if parts is None or len(parts) == 1 else f"{name}, part {number}"
+            lesions.append(BallInside(whole, part.centre, part.radius))
+    if len(lesions) > LESIONS:
+        raise BadScan(
+            f"This label map has more than {LESIONS} lesions; say of segments that are none what they are (2=tissue)."
+        )
+    return Taken(tuple(taken), tuple(lesions))
+
+
+def _decided(
+    segment: Segment, said: TakenAs | None, body: Booleans, cell: float, is_largest: bool, is_looked_at: bool
+) -> tuple[TakenAs, str, list[_Part] | None]:
+    """What it is, why, and its parts where they were looked at."""
+    if said in ("tissue", "unused"):
+        return said, "A person said so.", None
+    is_hinted = segment.coded is None and bool(HINT.search(_plain(segment.label)))
+    is_named = said == "lesion" or segment.coded == "lesion" or is_hinted
+    if not is_named:
+        if segment.coded is not None:
+            return segment.coded, "Its codes say so.", None
+        if is_largest:
+            return "tissue", "It is the largest.", None
+        if _radius(cell * segment.count) >= LARGEST_LESION:
+            return "tissue", f"It is larger than a ball of {2 * LARGEST_LESION:.0f} mm.", None
+    if not is_looked_at and said is None:
+        return "tissue", "It is scattered through the whole volume.", None
+    inside = segment.inside()
+    parts = _parts(inside, segment.box, cell)
+    fitting = [part for part in parts if part.radius <= LARGEST_NAMED]
+    if is_named:
+        too = "large" if parts else "small"
+        if fitting:
+            why = "A person said so." if said else "Its codes say so." if segment.coded else "It is called so."
+            return "lesion", why, fitting
+        if said:
+            limit = f"{2 * (LARGEST_NAMED if parts else SMALLEST_LESION):.0f} mm"
+            raise BadScan(
+                f"Segment {segment.number} can be no lesion: it is {'more' if parts else 'less'} than {limit} across; "
+                "take it for tissue, or leave it unused."
+            )
+        return "tissue", f"It is too {too} for a lesion.", parts
+    if not parts:
+        return "tissue", "It is too small for a lesion.", parts
+    if not all(part.fills >= COMPACT for part in parts):
+        return "tissue", "It is not compact as a lesion is.", parts
+    if not _lies_inside(inside, segment.box, body):
+        return "tissue", "It reaches the skin.", parts
+    return "lesion", "It is small, compact and inside the body.", parts
+
+
+def _parts(inside: Booleans, box: Box, cell: float) -> list[_Part]:
+    """Its connected parts, without noise."""
+    numbers: NDArray[Any]
+    numbers, count = ndimage.label(inside)
+    radii = _radius(cell * np.bincount(numbers.ravel(), minlength=count + 1))
+    corner = np.array([side.start for side in box], np.float64)
+    found = []
+    for number, around in enumerate(ndimage.find_objects(numbers), 1):
+        if around is None or radii[number] < SMALLEST_LESION:
+            continue
+        part = numbers[around] == number
+        centre = corner + [side.start for side in around] + ndimage.center_of_mass(part)
+        found.append(_Part(centre, float(radii[number]), float(part.mean()) / (np.pi / 6.0)))
+    return found
+
+
+def _lies_inside(inside: Booleans, box: Box, body: Booleans) -> bool:
+    """Whether nothing of it borders on air."""
+    wider = tuple(slice(max(0, side.start - 1), side.stop + 1) for side in box)
+    inner = ndimage.binary_erosion(body[wider], border_value=1)
+    there = tuple(slice(side.start - more.start, side.stop - more.start) for side, more in zip(box, wider, strict=True))
+    return bool(inner[there][inside].all())
+
+
+def _radius(volumes: NDArray[Any] | float) -> NDArray[np.float64]:
+    """Of balls of these volumes."""
+    return np.cbrt(np.asarray(volumes) * 3.0 / (4.0 * np.pi))
+
+
+def _plain(text: str) -> str:
+    """Without accents."""
+    return "".join(each for each in unicodedata.normalize("NFKD", text) if not unicodedata.combining(each))
