@@ -43,6 +43,15 @@ export type CarriedShape = {
   distance_to_mm: (number | null)[];
 };
 
+export type Choice = {
+  /** to be sent */
+  value: string;
+  text: string;
+  lesions?: ShownLesion[];
+  /** PNG as a data: address, as one who faces the patient sees it */
+  picture?: string | null;
+};
+
 /** A part of a scan that a person has cut away: the triangles whose middle lies within the lasso, however deep. */
 export type Cut = {
   /** 4 x 4, column by column: from metres in the scan's axes to the picture in which it was drawn */
@@ -168,6 +177,8 @@ export type ExampleScan = {
   other_pieces?: [number, number, number][];
   /** what reading found, one sentence each */
   notes: string[];
+  /** of a label map */
+  segments?: Segment[];
   frame: Frame;
   stance: Stance;
   /** ISO 8601, UTC */
@@ -1021,6 +1032,8 @@ export type Problem = {
   detail: string;
   /** each field that was refused */
   errors?: FieldError[] | null;
+  /** what the file does not say and a person knows */
+  question?: Question | null;
 };
 
 /** How far a prediction is. */
@@ -1048,6 +1061,13 @@ export type ProposedLandmark = {
 export type ProposedLandmarks = {
   unit?: "mm";
   landmarks: Record<string, ProposedLandmark>;
+};
+
+/** What a person has to say; the request is sent again with that field. */
+export type Question = {
+  /** name of the field that answers */
+  field: string;
+  choices: Choice[];
 };
 
 export type Readiness = {
@@ -1201,6 +1221,8 @@ export type Scan = {
   other_pieces?: [number, number, number][];
   /** what reading found, one sentence each */
   notes: string[];
+  /** of a label map */
+  segments?: Segment[];
   frame: Frame;
   stance: Stance;
   /** ISO 8601, UTC */
@@ -1257,6 +1279,24 @@ export type ScanUpload = {
   patient?: string | null;
   /** name of the model that it is fitted with, of /api/meta; without it the first */
   model?: string | null;
+  /** of a label map whose file does not say where it lies, or says it twice: the `value` of a choice of the 422 answer's `question` (sform, qform), or three letters that say where the voxels' axes grow to (RAS) */
+  frame?: string | null;
+  /** of a label map, JSON: as what segments are to be taken, {"2": "lesion", "3": "tissue", "4": "unused"}; for others the file's codes and their form decide */
+  segments?: string | null;
+};
+
+/** What became of a segment of a label map. */
+export type Segment = {
+  /** in the file */
+  number: number;
+  /** Lesion 1, Tissue 2: none of the file's words */
+  name: string;
+  taken_as: "lesion" | "tissue" | "unused";
+  why: string;
+  /** of a lesion, of its largest part */
+  radius_mm?: number | null;
+  /** the file's own words, in the answer to its upload alone: they may name a patient and are not kept */
+  label?: string | null;
 };
 
 export type Share = {
@@ -1387,6 +1427,17 @@ export type SharedResult = {
   /** what stood then is shown */
   shown_at: string | null;
   links: SharedLinks;
+};
+
+/** A lesion as one answer would place it. */
+export type ShownLesion = {
+  name: string;
+  /** of the patient */
+  side: "L" | "R" | "middle";
+  /** across the volume, from -1 (the patient's right end) to 1 (the left end) */
+  x: number;
+  /** along the volume, from 0 (the feet's end) to 1 (the head's end) */
+  y: number;
 };
 
 export type Stance = {
