@@ -46,7 +46,7 @@ def read_nifti(data: bytes, frame: str | None) -> Volume:
     readings, doubt, notes = _readings(header, shape, frame)
     for each in readings:
         check_affine(each.affine)
-    stored = image.dataobj  # its header has been told that it is no file any more
+    stored = image.dataobj  # the header has lost these numbers
     labels, values, has_nan = _labels(_raw(data, stored.dtype, stored.offset, shape), stored.slope, stored.inter)
     boxes = ndimage.find_objects(labels, max_label=len(values) - 1)
     counts = np.bincount(labels.ravel(order="K"), minlength=len(values))
