@@ -33,7 +33,7 @@ def test_a_lesion_of_a_label_map_is_an_item_of_the_plan(client: FlaskClient, nam
 def test_the_side_is_asked_and_the_answer_sent_with_the_file(client: FlaskClient) -> None:
     """Nothing is kept of a file about which something has to be asked first."""
     labels = np.asfortranarray(body_labels()[::-1, ::-1])
-    data = placed_nifti(labels, (np.diag([*SIZES, 1.0]), 0), (np.diag([*SIZES, 1.0]), 0))
+    data = gzip.compress(placed_nifti(labels, (np.diag([*SIZES, 1.0]), 0), (np.diag([*SIZES, 1.0]), 0)))
     asked = client.post("/api/scans", data={"file": (io.BytesIO(data), "a.nii")})
     assert (asked.status_code, asked.mimetype) == (422, "application/problem+json")
     assert asked.json is not None
@@ -59,7 +59,7 @@ def test_the_side_is_asked_and_the_answer_sent_with_the_file(client: FlaskClient
 
 
 def test_segments_are_answered_and_can_be_chosen(client: FlaskClient) -> None:
-    data = nifti(body_labels())
+    data = gzip.compress(nifti(body_labels()))
     answer = client.post("/api/scans", data={"file": (io.BytesIO(data), "a.nii")})
     assert answer.json is not None
     facts = [(each["number"], each["name"], each["taken_as"]) for each in answer.json["segments"]]
