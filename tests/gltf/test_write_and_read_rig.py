@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from helpers.toy_rig import toy_rig
 
+from breastrig.cli.main import main
 from breastrig.core.errors import BadModel
 from breastrig.core.glb import pack_glb, split_glb
 from breastrig.geometry.rotations import exp_so3
@@ -260,6 +261,26 @@ def twice(folder: Path) -> None:
     (folder / "drawings" / "copy.json").write_bytes((folder / "drawings" / "lumpectomy.json").read_bytes())
 
 
+def quantised(document: dict[str, Any]) -> None:
+    """As gltfpack leaves it: positions of 16 bits, of which the bind matrices make metres."""
+    document["extensionsRequired"] = ["KHR_mesh_quantization"]
+    position = document["meshes"][0]["primitives"][0]["attributes"]["POSITION"]
+    document["accessors"][position] |= {"componentType": 5123, "normalized": True}
+
+
+def many_shapes(document: dict[str, Any], count: int) -> None:
+    """All of them one accessor, as a small file can have it."""
+    mesh = document["meshes"][0]
+    mesh["primitives"][0]["targets"] = mesh["primitives"][0]["targets"][:1] * count
+    mesh["extras"]["targetNames"] = [f"s{number}" for number in range(count)]
+
+
+def many_bones(document: dict[str, Any], count: int) -> None:
+    first = len(document["nodes"])
+    document["nodes"] += [{"name": f"b{number}"} for number in range(count)]
+    document["skins"][0]["joints"] += list(range(first, first + count))
+
+
 WRONG: list[tuple[Callable[[Path], object], str]] = [
     (lambda f: (f / "toy.glb").unlink(), "toy.glb cannot be read"),
     (lambda f: (f / "toy.json").unlink(), "toy.json cannot be read"),
@@ -315,6 +336,13 @@ WRONG: list[tuple[Callable[[Path], object], str]] = [
     (mesh(lambda d: d["buffers"][0].update(uri="torso.bin")), "another file"),
     (mesh(lambda d: d["bufferViews"][0].update(byteOffset=-4)), "offset"),
     (mesh(lambda d: d.update(nodes=7)), "structure is broken"),
+    (mesh(lambda d: d.update(extensionsUsed=["KHR_draco_mesh_compression"])), "compressed with Draco; export it again"),
+    (mesh(lambda d: d.update(extensionsRequired=["EXT_meshopt_compression"])), "meshopt; export it again without"),
+    (mesh(lambda d: d.update(extensionsRequired=["KHR_meshopt_compression"])), "meshopt; export it again without"),
+    (mesh(lambda d: d.update(extensionsRequired=["VENDOR_packed"])), "glTF extension VENDOR_packed, which is not read"),
+    (mesh(lambda d: quantised(d)), "quantised (KHR_mesh_quantization); export it again with 32-bit floats"),
+    (mesh(lambda d: many_shapes(d, 22_000)), "22000 shapes, at most 1000"),
+    (mesh(lambda d: many_bones(d, 300)), "at most 255 can be fitted"),
 ]
 
 
@@ -347,6 +375,25 @@ def test_numbers_that_are_not_finite_are_refused(folder: Path) -> None:
     (folder / "toy.glb").write_bytes(pack_glb(json.dumps(document).encode(), data))
     with pytest.raises(BadModel, match="not finite"):
         read_rig(folder / "toy.glb")
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_skin_weights_that_are_not_finite_are_refused_in_words(value: float, folder: Path) -> None:
+    document, binary = split_glb((folder / "toy.glb").read_bytes())
+    accessor = document["accessors"][document["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"]]
+    start = document["bufferViews"][accessor["bufferView"]]["byteOffset"]
+    data = binary[:start] + np.array([value], np.float32).tobytes() + binary[start + 4 :]
+    (folder / "toy.glb").write_bytes(pack_glb(json.dumps(document).encode(), data))
+    with pytest.raises(BadModel, match="skin weights contain numbers that are not finite; normalise"):
+        read_rig(folder / "toy.glb")
+
+
+def test_the_check_says_in_a_bad_line_what_cannot_be_read(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    mesh(lambda d: d.update(extensionsRequired=["KHR_draco_mesh_compression"]))(folder)
+    assert main(["model", "check", str(folder / "toy.glb")]) == 2
+    said = capsys.readouterr()
+    assert said.out.startswith("BAD the rig can be read: toy.glb cannot be used as a model: it is compressed")
+    assert said.err == ""
 
 
 def test_the_packaged_model_is_written_again_as_it_was_read(tmp_path: Path) -> None:

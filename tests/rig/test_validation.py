@@ -9,6 +9,7 @@ import pytest
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import DrawnShape, Landmark, ModelDrawing, Rig
 from breastrig.rig.validation.rules import Finding, check_rig, describe_rig
+from breastrig.rig.validation.symmetry import other_side
 
 Breaking = Callable[[Rig], Rig]
 
@@ -106,6 +107,27 @@ def uneven_weights(rig: Rig) -> Rig:
     return replace(rig, skin_weights=changed(rig.skin_weights, vertex, [0.5, 0.5, 0.0, 0.0]))
 
 
+def scaled(rig: Rig, factor: float) -> Rig:
+    """Exported in another unit."""
+    bones = tuple(replace(bone, origin=factor * bone.origin) for bone in rig.bones)
+    return replace(rig, template=factor * rig.template, blendshapes=factor * rig.blendshapes, bones=bones)
+
+
+def exchanged_landmarks(rig: Rig) -> Rig:
+    """Each has the place of its partner: as symmetric as before."""
+    by_name = {mark.name: mark for mark in rig.landmarks}
+    places = [by_name[other_side(mark.name)] for mark in rig.landmarks]
+    marks = [replace(m, face=p.face, barycentric=p.barycentric) for m, p in zip(rig.landmarks, places, strict=True)]
+    return replace(rig, landmarks=tuple(marks))
+
+
+def turned_about(rig: Rig) -> Rig:
+    """Facing backwards: the whole rig turned about its height by half a turn."""
+    half = np.array([-1.0, 1.0, -1.0])
+    bones = tuple(replace(bone, origin=half * bone.origin) for bone in rig.bones)
+    return replace(rig, template=half * rig.template, blendshapes=half * rig.blendshapes, bones=bones)
+
+
 def pinched(rig: Rig) -> Rig:
     """A second tip that touches the surface in one border vertex only."""
     return with_extra_faces(rig, [[0, 204, 205]], [[0.0, -0.1, 0.2], [0.1, -0.1, 0.2]])
@@ -120,6 +142,14 @@ BREAKINGS: list[tuple[str, Breaking]] = [
     ("indices are in range", lambda rig: with_landmark(rig, face=384)),
     ("indices are in range", lambda rig: replace(rig, regions={"breast_L": np.array([204])})),
     ("every vertex belongs to a triangle", lambda rig: with_extra_faces(rig, [], [[0.0, 0.0, 0.0]])),
+    ("the size is that of a body or a part of one", lambda rig: scaled(rig, 100.0)),
+    ("the size is that of a body or a part of one", lambda rig: scaled(rig, 0.01)),
+    ("left is the patient's left, on +X", exchanged_landmarks),
+    ("left is the patient's left, on +X", turned_about),
+    (
+        "left is the patient's left, on +X",
+        lambda rig: replace(rig, shapes=(*rig.shapes[1::-1], *rig.shapes[2:]), blendshapes=rig.blendshapes),
+    ),
     ("the surface is a manifold", lambda rig: with_extra_faces(rig, [[13, 26, 40]])),
     ("the surface is a manifold", pinched),
     ("triangles run in one direction", lambda rig: replace(rig, faces=changed(rig.faces, 5, rig.faces[5, ::-1]))),

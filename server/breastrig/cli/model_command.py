@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from breastrig.core.assets import model_path
-from breastrig.core.errors import BadInput
+from breastrig.core.errors import BadInput, BadModel
 from breastrig.core.stances import STANCES
 from breastrig.drawings.skin_maps.lying_motion import lying_motion
 from breastrig.drawings.skin_maps.settings import skin_map_settings
@@ -54,7 +54,11 @@ def info(options: argparse.Namespace) -> int:
 def check(options: argparse.Namespace) -> int:
     """Prints one line a rule; exit code 2 when one is broken that is more than advice."""
     glb = options.given or options.model or default_rig_path()
-    rig = read_rig(glb)
+    try:
+        rig = read_rig(glb)
+    except BadModel as error:
+        print(f"BAD the rig can be read: {error}")
+        return 2
     unread = unread_keys(glb)
     everything = Finding("all keys of the side file are read", not unread, named(unread) or "all of them", "advice")
     findings = [everything, *check_rig(rig, is_torso=glb == default_rig_path())]

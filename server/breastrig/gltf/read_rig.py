@@ -29,10 +29,33 @@ from breastrig.gltf.known_files import known_paths, read_known
 from breastrig.gltf.side_file import DrawingFile, FilePart, LandmarkEntry, RigFile, SurfacePointEntry
 from breastrig.rig.model import Bone, Corrective, DrawnShape, Joint, Landmark, Length, ModelDrawing, Rig, Shape
 
-TRIANGLES = 4
+TRIANGLES, FLOATS = 4, 5126  # as glTF numbers them
 MODEL_BYTES = 500_000_000  # the torso has 2.5 million
 ORTHONORMAL = 1e-4  # largest deviation of QᵀQ from the identity before a rest frame counts as scaled
 UNIT_SUM = 1e-3  # largest deviation of skin and barycentric weights from 1 before they count as wrong
+BONES_MOST = 255  # joint indices of one byte, as most exporters write them; the torso has nine
+SHAPES_MOST = 1000  # unknowns of a fit: its normal equations are dense, and this many fill 8 MB; the torso has 55
+MOVES_MOST = 20_000_000  # vertices times shapes, 0.5 GB; the torso has 0.13 million
+HARMLESS: tuple[str, ...] = (
+    "KHR_materials_",
+    "EXT_materials_",
+    "KHR_texture_",
+    "EXT_texture_",
+    "MSFT_texture_",
+    "KHR_lights_punctual",
+)
+HARMLESS += ("KHR_mesh_quantization",)  # of normals and texture coordinates; positions are looked at
+PLAIN = {  # what a rig's numbers may not be packed with, and how exporters leave it out
+    "KHR_draco_mesh_compression": "it is compressed with Draco; export it again without compression (Blender: "
+    'leave "Compression" under "Data" unticked)',
+    "EXT_meshopt_compression": "it is compressed with meshopt; export it again without compression (gltfpack: "
+    "without -c and -cc, with -noq)",
+}
+QUANTISED = (
+    "its positions are quantised (KHR_mesh_quantization); export it again with 32-bit floats (gltfpack: with -noq; "
+    "glTF-Transform: without quantize)"
+)
+PLAIN["KHR_meshopt_compression"] = PLAIN["EXT_meshopt_compression"]
 BARYCENTRIC_OUTSIDE = 0.05  # how far a surface point may lie outside its triangle
 
 File = TypeVar("File", bound=FilePart)
@@ -98,6 +121,7 @@ class _SkinnedMesh:
     """The .glb's part, by names; ValueError with the end of a sentence."""
 
     def __init__(self, document: dict[str, Any], binary: bytes) -> None:
+        _check_packing(document)
         arrays = GltfArrays(document, binary)
         nodes = document.get("nodes", [])
         found = [node for node in nodes if "mesh" in node and "skin" in node]
@@ -113,11 +137,15 @@ class _SkinnedMesh:
         attributes = primitive["attributes"]
         if "JOINTS_1" in attributes:
             raise ValueError("its vertices hang on more than four bones, prune them to four")
+        targets = primitive.get("targets", [])
+        for place in (attributes, *targets):
+            if "POSITION" in place and entry(document, "accessors", place["POSITION"]).get("componentType") != FLOATS:
+                raise ValueError(QUANTISED)
         self.template: Array = arrays.read(attributes["POSITION"])
         count = len(self.template)
+        _check_amount(count, len(targets))
         self.faces = self._faces(arrays, primitive)
         self.uv = arrays.read(attributes["TEXCOORD_0"]) if "TEXCOORD_0" in attributes else np.zeros((count, 2))
-        targets = primitive.get("targets", [])
         self.shapes: list[Array] = [
             arrays.read(target["POSITION"]) if "POSITION" in target else np.zeros((count, 3)) for target in targets
         ]
@@ -129,6 +157,8 @@ class _SkinnedMesh:
         skin = entry(document, "skins", found[0]["skin"])
         joint_names = _joint_names(nodes, skin["joints"])
         self.bone_names = list(dict.fromkeys(joint_names))
+        if len(self.bone_names) > BONES_MOST:
+            raise ValueError(f"it has {len(self.bone_names)} bones, at most {BONES_MOST} can be fitted; merge some")
         bones = np.array([self.bone_names.index(name) for name in joint_names])
         self.skin_weights = self._weights(arrays, attributes, bones)
         binds = arrays.read(skin["inverseBindMatrices"]) if "inverseBindMatrices" in skin else None
@@ -151,8 +181,12 @@ class _SkinnedMesh:
         values = arrays.read(attributes["WEIGHTS_0"])
         if joints.shape != values.shape or joints.shape != (len(self.template), 4):
             raise ValueError("its skin weights do not fit its vertices")
-        if joints.max() >= len(bones):
+        if joints.dtype.kind != "i" or joints.min() < 0 or joints.max() >= len(bones):
             raise ValueError("its skin weights name bones that do not exist")
+        if not np.isfinite(values).all():
+            raise ValueError(
+                "its skin weights contain numbers that are not finite; normalise all weights and export it again"
+            )
         if values.min() < 0 or np.abs(values.sum(axis=1) - 1.0).max() > UNIT_SUM:
             raise ValueError("the skin weights of its vertices do not sum to 1")
         weights = np.zeros((len(values), len(self.bone_names)))
@@ -174,6 +208,26 @@ class _SkinnedMesh:
         for values in (self.template, self.uv, self.inverse_bind, *self.shapes):
             if not np.isfinite(values).all():
                 raise ValueError("it contains numbers that are not finite")
+
+
+def _check_packing(document: dict[str, Any]) -> None:
+    """ValueError for what is compressed, quantised, or needs an extension that nothing here reads."""
+    used = [str(name) for key in ("extensionsRequired", "extensionsUsed") for name in document.get(key, [])]
+    packed = next((name for name in PLAIN if name in used), None)
+    if packed is not None:
+        raise ValueError(PLAIN[packed])
+    unread = [str(name) for name in document.get("extensionsRequired", []) if not str(name).startswith(HARMLESS)]
+    if unread:
+        raise ValueError(f"it needs the glTF extension {unread[0][:60]}, which is not read; export it without that")
+
+
+def _check_amount(count: int, shapes: int) -> None:
+    """ValueError where the shapes are more than a fit can take; asked before any of them is read."""
+    most = min(SHAPES_MOST, MOVES_MOST // max(count, 1))
+    if shapes > most:
+        raise ValueError(
+            f"it has {shapes} shapes, at most {most} can be fitted with {count} vertices; delete what is not needed"
+        )
 
 
 def _joint_names(nodes: list[dict[str, Any]], joints: list[int]) -> list[str]:

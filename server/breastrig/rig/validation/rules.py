@@ -16,7 +16,7 @@ from breastrig.rig.model import Rig
 from breastrig.rig.validation.drawings import drawing_findings, on_triangle
 from breastrig.rig.validation.finding import Finding, named
 from breastrig.rig.validation.mesh import mesh_findings
-from breastrig.rig.validation.symmetry import symmetry_findings
+from breastrig.rig.validation.symmetry import other_side, symmetry_findings
 from breastrig.rig.validation.torso import torso_findings
 
 __all__ = ["Finding", "check_rig", "describe_rig"]
@@ -25,6 +25,8 @@ NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*(_[LR])?")
 INFLUENCES = 4
 SUM_TOLERANCE = 1e-6
 SMOOTH_WEIGHTS = 0.6  # largest change of a skin weight along one edge
+SMALLEST, LARGEST = 0.02, 2.5  # m, the longest side of a template: a thumb, and a man with his arms spread
+UNITS = {"centimetres": 1e-2, "millimetres": 1e-3, "inches": 0.0254, "decimetres": 0.1, "feet": 0.3048}
 KINDS = ("body", "soft", "gravity")
 
 
@@ -35,10 +37,16 @@ def check_rig(rig: Rig, is_torso: bool = False) -> list[Finding]:
         findings += [_finite(rig), _indices(rig)]
     if not all(finding.ok for finding in findings):
         return findings
-    findings += mesh_findings(rig)
+    findings += [_length(rig), *mesh_findings(rig)]
     findings += [_weight_sums(rig), _influences(rig), _smooth_weights(rig)]
     findings += [_bones(rig), _rest_frames(rig), _joints(rig), _names(rig), _ranges(rig), _useful_shapes(rig)]
-    findings += [_landmarks(rig), *drawing_findings(rig, is_torso), _regions(rig), *symmetry_findings(rig)]
+    findings += [
+        _landmarks(rig),
+        _left_and_right(rig),
+        *drawing_findings(rig, is_torso),
+        _regions(rig),
+        *symmetry_findings(rig),
+    ]
     if is_torso:
         findings = [replace(finding, severity="error") for finding in (*findings, *torso_findings(rig))]
     return findings
@@ -103,6 +111,46 @@ def _finite(rig: Rig) -> Finding:
     }
     wrong = [name for name, array in arrays.items() if not np.isfinite(array).all()]
     return Finding("all numbers are finite", not wrong, f"not finite: {named(wrong)}." if wrong else "all of them")
+
+
+def _length(rig: Rig) -> Finding:
+    longest = float(np.ptp(rig.template, axis=0).max())
+    name = "the size is that of a body or a part of one"
+    if SMALLEST <= longest <= LARGEST:
+        return Finding(name, True, f"{longest:.2f} m long")
+    units = [unit for unit, metres in UNITS.items() if SMALLEST <= metres * longest <= LARGEST]
+    perhaps = f"are these {' or '.join(units[:2])}? " if units else ""
+    detail = (
+        f"it is {longest:.3g} m long; {perhaps}glTF is in metres: scale mesh, bones and side file, and export again."
+    )
+    return Finding(name, False, detail)
+
+
+def _left_and_right(rig: Rig) -> Finding:
+    """_L lies on the patient's left, +X, of its partner _R: bones, shapes, landmarks, regions and lines."""
+    name = "left is the patient's left, on +X"
+    moved = np.linalg.norm(rig.blendshapes, axis=2)
+    shares = moved / np.maximum(moved.sum(axis=1, keepdims=True), 1e-12)
+    places = rig.landmark_points().positions(rig.template, rig.faces) if rig.landmarks else np.zeros((0, 3))
+    across: dict[str, dict[str, float]] = {
+        "bone": {bone.name: float(bone.origin[0]) for bone in rig.bones},
+        "shape": dict(zip(rig.shape_names, (shares @ rig.template[:, 0]).tolist(), strict=True)),
+        "landmark": dict(zip(rig.landmark_names, places[:, 0].tolist(), strict=True)),
+        "region": {each: float(rig.template[chosen, 0].mean()) for each, chosen in rig.regions.items() if len(chosen)},
+    }
+    for drawing in rig.drawings:
+        lines = {shape.name: shape.points.positions(rig.template, rig.faces)[:, 0].mean() for shape in drawing.shapes}
+        across[f"line of {drawing.name}"] = {each: float(x) for each, x in lines.items()}
+    pairs = [
+        (kind, each, xs[each] - xs[other_side(each)])
+        for kind, xs in across.items()
+        for each in xs
+        if each.endswith("_L") and other_side(each) in xs
+    ]
+    wrong = [f"{kind} {each}" for kind, each, apart in pairs if apart <= 0.0]
+    if not wrong:
+        return Finding(name, True, f"{len(pairs)} pairs")
+    return Finding(name, False, f"exchanged with the partner: {named(wrong)}; exchange their names, or mirror the rig.")
 
 
 def _indices(rig: Rig) -> Finding:

@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from sqlalchemy import ColumnElement, Connection, delete, exists, func, insert, select, update
 
-from breastrig.core.errors import NotFound
+from breastrig.core.errors import Conflict, NotFound
 from breastrig.core.identity import random_code
 from breastrig.storage import schema
 from breastrig.storage.rows.queries import by_key, is_there, newest_first, no_such_scan, value_of
@@ -172,12 +172,20 @@ def get_plan(storage: Storage, patient_id: str, version: int | None = None) -> P
 
 
 def put_plan(storage: Storage, patient_id: str, items: Sequence[Document], seen: int) -> PlanRow | None:
-    """Replaces the plan that has the version `seen`; None when another one is there by now.  Raises NotFound."""
+    """Replaces the plan that has the version `seen`; None when another one is there by now.
+
+    Raises NotFound, and Conflict for an item of a scan that is none of hers, perhaps since a moment ago.
+    """
+    table = schema.scans_of_patients
     with storage.database.writing(durable=True) as connection:
         if not is_there(connection, schema.patients, patient_id):
             raise _no_patient()
         if _version(connection, patient_id) != seen:
             return None
+        scans = set(connection.execute(select(table.c.scan).where(table.c.patient == patient_id)).scalars())
+        elsewhere = next((str(item["id"]) for item in items if item.get("scan") not in scans), None)
+        if elsewhere is not None:
+            raise Conflict(f'The scan of the item "{elsewhere}" was deleted or moved meanwhile; take the item out.')
         return _write(connection, patient_id, items, is_whole=True)
 
 
