@@ -5,13 +5,13 @@
     breastrig cohort remove prior.json RESULT -o left.json
     breastrig cohort share prior.json -o for_others.json --epsilon 5
 
-A prior holds sums over patients, no patient's own numbers.  Sums over few still tell of them: give others what `share`
-writes.
+A prior holds sums over patients and hashes of their scans, no patient's own numbers.  Sums over few still tell of them:
+give others what `share` writes.
 """
 
 import argparse
 import sys
-from functools import reduce
+from collections.abc import Iterable
 from pathlib import Path
 
 from breastrig.cli.output_options import add_output_options, output_file
@@ -23,7 +23,7 @@ from breastrig.fitting.body.expected_body import cohort_belief
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.cohort_belief import FEWEST
-from breastrig.rig.cohort_prior import CohortPrior, read_prior, with_prior
+from breastrig.rig.cohort_prior import CohortPrior, merged, read_prior, with_prior
 from breastrig.rig.model import Rig
 from breastrig.workflow.folder.cohort import DELTA, cohort_of_folders, shared
 
@@ -71,15 +71,21 @@ def run(options: argparse.Namespace) -> int:
 def _made(options: argparse.Namespace, folders: list[Path], files: list[Path]) -> CohortPrior:
     priors = [read_prior(file) for file in files]
     if options.action == "merge":
-        return reduce(CohortPrior.plus, priors)
+        prior, sentences = merged(priors)
+        _say(sentences)
+        return prior
     rig = _rig(options)
     if options.action == "share":
         with_prior(rig, priors[0])
         return shared(priors[0], rig, options.epsilon, options.delta)
-    found = cohort_of_folders(folders, rig)
-    for sentence in found.others:
-        print(f"breastrig: {sentence}", file=sys.stderr)
+    found = cohort_of_folders(folders, rig, with_example=options.action == "remove")
+    _say(found.others)
     return found.prior if options.action == "learn" else priors[0].without(found.prior)
+
+
+def _say(sentences: Iterable[str]) -> None:
+    for sentence in sentences:
+        print(f"breastrig: {sentence}", file=sys.stderr)
 
 
 def _not_within(output: Path, folders: list[Path]) -> None:

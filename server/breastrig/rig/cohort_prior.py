@@ -3,9 +3,13 @@
 Of each stance: how many women, the sums of the posterior means of their scales and weights, of the means' products and
 of the posterior covariances.  Each woman's numbers are rounded to GRID, so that sums are exact: cohorts may be
 merged in any order, and a woman who is removed leaves nothing.
+
+So that nobody counts twice, each scan is known by a hash of its file's hash, which tells nothing of a body: whoever has
+the scan can find out that it is among these, nobody else who it is of.  Of what was shared there are no hashes.
 """
 
-from collections.abc import Iterable, Mapping
+import hashlib
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, reduce
 from pathlib import Path
@@ -38,12 +42,13 @@ class Sums:
     means: Array  # (N,)
     products: Array  # (N, N) of the means
     covariances: Array  # (N, N)
+    scans: frozenset[str] = frozenset()  # a hash for each of them that is known (scan_hash)
 
     @staticmethod
     def of_woman(mean: Array, covariance: Array) -> "Sums":
         """Of one posterior, (N,) and (N, N)."""
-        rounded = [np.round(each / GRID) * GRID for each in (mean, np.outer(mean, mean), covariance)]
-        return Sums(1, *rounded)
+        m, products, c = (np.round(each / GRID) * GRID for each in (mean, np.outer(mean, mean), covariance))
+        return Sums(1, m, products, c)
 
     def plus(self, other: "Sums", sign: int = 1) -> "Sums":
         """Both together; with -1 the others taken out."""
@@ -52,6 +57,7 @@ class Sums:
             self.means + sign * other.means,
             self.products + sign * other.products,
             self.covariances + sign * other.covariances,
+            self.scans | other.scans if sign > 0 else self.scans - other.scans,
         )
 
     @property
@@ -89,12 +95,23 @@ class CohortPrior:
         """Scans of which it is, each of another woman or stance."""
         return sum(each.women for each in self.stances.values())
 
+    @property
+    def scans(self) -> frozenset[str]:
+        """Their hashes; fewer than women where an earlier version kept none."""
+        return frozenset[str]().union(*(each.scans for each in self.stances.values()))
+
     def plus(self, other: "CohortPrior") -> "CohortPrior":
-        """Of both; BadInput where they are of two rigs, or one has noise and the other none."""
+        """Of both; BadInput where they are of two rigs, a scan is in both, or one has noise and the other none."""
         if other.rig_sha256 != self.rig_sha256:
             raise BadInput("These priors are of two different rigs; merge those of one.")
         if (self.shared is None) != (other.shared is None):
             raise BadInput("A prior that was shared has means only; merge it with others that were shared.")
+        twice = len(self.scans & other.scans)
+        if twice:
+            raise BadInput(
+                f"Both priors hold {twice} of the same scans, and sums cannot be taken apart: take their fits out of "
+                "one with `breastrig cohort remove`, or learn from all fits at once."
+            )
         shared = self.shared
         if shared is not None and other.shared is not None:
             worst = max(shared.epsilon, other.shared.epsilon), max(shared.delta, other.shared.delta)
@@ -110,6 +127,9 @@ class CohortPrior:
         if other.rig_sha256 != self.rig_sha256:
             raise BadInput("This fit is of another rig than the prior; it was never in it.")
         left = self._changed(other.stances, -1)
+        unknown = len(other.scans - self.scans)
+        if unknown > self.women - len(self.scans):
+            raise BadInput("This fit is not in the prior; give a prior that was made with it.")
         if not all(sums.possible for sums in left.values()):
             raise BadInput("This fit is not in the prior; give a prior that was made with it.")
         return replace(self, stances={stance: sums for stance, sums in left.items() if sums.women})
@@ -131,6 +151,7 @@ class CohortPrior:
             "shapes": list(self.shapes),
             "stances": {
                 stance: {"women": sums.women, "means": sums.means.tolist()}
+                | ({"scans": sorted(sums.scans)} if sums.scans else {})
                 | (
                     {}
                     if self.shared
@@ -149,15 +170,53 @@ def no_cohort(rig: Rig) -> CohortPrior:
     return CohortPrior(rig.name, rig.sha256, rig.bone_names, rig.shape_names, {})
 
 
+def scan_hash(sha256: str) -> str:
+    """By which a scan is known among others, 128 bits; `sha256` is that of its file."""
+    return hashlib.sha256(f"breastrig cohort {sha256}".encode()).hexdigest()[:32]
+
+
 def cohort_of_scans(rig: Rig, scans: Iterable[tuple[str, str, Sums]]) -> CohortPrior:
-    """Of (patient, stance, sums); a patient counts once in a stance, by the scan that leaves least open."""
+    """Of (patient, stance, sums).
+
+    A scan counts once, under however many codes; a patient once in a stance, by the scan that leaves least open.
+    """
+    ordered = sorted(scans, key=lambda each: float(np.trace(each[2].covariances)))
     best: dict[tuple[str, str], Sums] = {}
-    for patient, stance, sums in scans:
-        known = best.get((patient, stance))
-        if known is None or np.trace(sums.covariances) < np.trace(known.covariances):
+    known: set[str] = set()
+    for patient, stance, sums in ordered:
+        if (patient, stance) not in best and not sums.scans & known:
             best[patient, stance] = sums
+            known |= sums.scans
     nobody = no_cohort(rig)
     return reduce(CohortPrior.plus, (replace(nobody, stances={s: sums}) for (_, s), sums in best.items()), nobody)
+
+
+def merged(priors: Sequence[CohortPrior]) -> tuple[CohortPrior, tuple[str, ...]]:
+    """All of them together, and a sentence where it is to be known what counted; BadInput as `plus`.
+
+    A prior that holds nobody but who is in another one already counts once, the same file too.
+    """
+    whole, said = priors[0], []
+    for other in priors[1:]:
+        both = sorted((whole, other), key=lambda each: each.women)
+        if _is_within(*both):
+            whole = both[1]
+            said.append(f"{both[0].women} of these scans are in both priors and count once.")
+        else:
+            whole = whole.plus(other)
+    if any(len(each.scans) < each.women for each in priors):
+        said.append(
+            "A prior that was shared or is of an earlier version has no hashes of its scans: it is not known whether a "
+            "patient is in two of them."
+        )
+    return whole, tuple(said)
+
+
+def _is_within(part: CohortPrior, whole: CohortPrior) -> bool:
+    if part.rig_sha256 != whole.rig_sha256 or (part.shared is None) != (whole.shared is None):
+        return False
+    known = len(part.scans) == part.women and part.scans <= whole.scans
+    return known or part.content() == whole.content()
 
 
 Number = Annotated[FiniteFloat, Field(ge=-LARGEST, le=LARGEST)]
@@ -177,6 +236,7 @@ class _Sums(_Part):
     means: list[Number]
     products: list[Number] = []
     covariances: list[Number] = []
+    scans: list[Annotated[str, Field(pattern="^[0-9a-f]{32}$")]] = []
 
 
 class _Shared(_Part):
@@ -211,8 +271,14 @@ def parsed_prior(text: str | bytes, name: str) -> CohortPrior:
         lengths = len(each.means), len(each.products), len(each.covariances)
         upper = 0 if shared else size * (size + 1) // 2
         sums = (
-            Sums(each.women, np.array(each.means), *(_square(t, size) for t in (each.products, each.covariances)))
-            if lengths == (size, upper, upper)
+            Sums(
+                each.women,
+                np.array(each.means),
+                _square(each.products, size),
+                _square(each.covariances, size),
+                frozenset(each.scans),
+            )
+            if lengths == (size, upper, upper) and len(set(each.scans)) == len(each.scans) <= each.women
             else None
         )
         if sums is None or (shared is None and not sums.possible):

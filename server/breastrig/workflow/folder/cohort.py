@@ -1,17 +1,20 @@
 """Priors from folders of fits, and one that may leave the house (decision 0027)."""
 
+import hashlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 
+from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadInput
 from breastrig.core.private_files import read_ordinary
 from breastrig.files.result import BODY, RESULT, ResultFile, folder_name
 from breastrig.fitting.uncertainty.contribution import FARTHEST, built_in, parsed_contribution
 from breastrig.rig.cohort_belief import FEWEST
-from breastrig.rig.cohort_prior import CohortPrior, Shared, Sums, cohort_of_scans
+from breastrig.rig.cohort_prior import CohortPrior, Shared, Sums, cohort_of_scans, scan_hash
 from breastrig.rig.model import Rig
 from breastrig.workflow.folder.fit_folder import checked_result
 
@@ -27,13 +30,16 @@ class Cohort:
     others: tuple[str, ...]  # a sentence for each kind of fits that do not count
 
 
-def cohort_in(folders: Sequence[Path], rig: Rig) -> Cohort:
+def cohort_in(folders: Sequence[Path], rig: Rig, with_example: bool = False) -> Cohort:
     """All fits in these folders; of a patient who was scanned several times in a stance the one that shows most.
+
+    A scan counts once, under however many codes.  The package's example is nobody's patient: it does not count.
 
     Raises BadInput for a folder without any, and for fits of another rig.
     """
     scans: list[tuple[str, str, Sums]] = []
-    silent = unusable = unchecked = 0
+    silent = unusable = unchecked = examples = 0
+    files: set[str] = set()
     for place in _fits(folders):
         result = checked_result(place)
         if result.model.sha256 != rig.sha256:
@@ -43,15 +49,22 @@ def cohort_in(folders: Sequence[Path], rig: Rig) -> Cohort:
         if result.predicted or (result.verdict is not None and result.verdict.level == "unusable"):
             unusable += 1
             continue
+        if not with_example and result.scan.sha256 in example_scans():
+            examples += 1
+            continue
         sums = _sums(place, rig, result)
         if sums is None:
             silent += 1
         else:
             unchecked += not result.files
-            scans.append((_patient(place, result), result.stance, sums))
+            files.add(result.scan.sha256)
+            known = replace(sums, scans=frozenset({scan_hash(result.scan.sha256)}))
+            scans.append((_patient(place, result), result.stance, known))
     prior = cohort_of_scans(rig, scans)
     said = (
-        (len(scans) - prior.women, "another scan of the same patient in the same stance shows more"),
+        (len(scans) - len(files), "the same scan again"),
+        (len(files) - prior.women, "another scan of the same patient in the same stance shows more"),
+        (examples, "the package's example, which is nobody's patient"),
         (unusable, "not usable, or predicted"),
         (silent, f"no {BODY} of this version, or a rig without statistics of bodies"),
     )
@@ -63,9 +76,16 @@ def cohort_in(folders: Sequence[Path], rig: Rig) -> Cohort:
     return Cohort(prior, tuple(others))
 
 
-def cohort_of_folders(folders: Sequence[Path], rig: Rig) -> Cohort:
+@cache
+def example_scans() -> frozenset[str]:
+    """sha256 of the package's example scans."""
+    files = asset_folder("example").glob("*/scan.ply")
+    return frozenset(hashlib.sha256(file.read_bytes()).hexdigest() for file in files)
+
+
+def cohort_of_folders(folders: Sequence[Path], rig: Rig, with_example: bool = False) -> Cohort:
     """The same; BadInput where none of them counts."""
-    found = cohort_in(folders, rig)
+    found = cohort_in(folders, rig, with_example)
     if not found.prior.women:
         raise BadInput(" ".join(("None of these fits says anything of bodies.", *found.others)))
     return found
