@@ -33,8 +33,6 @@ def test_meta_names_version_limits_and_model(client: FlaskClient, config: Config
     assert [landmark["name"] for landmark in meta["landmarks"]] == list(toy_rig().landmark_names)
     assert all(set(one) == {"name", "label", "latin", "definition", "easy", "mirror"} for one in meta["landmarks"])
     assert meta["presets"] == ["default", "paper"]
-    assert meta["prior"] == client.get("/api/prior").json == {"learns": False, "learned_at": None, "stances": []}
-    assert client.post("/api/prior").status_code == 409
     assert meta["drawings"][0] == {"name": "lumpectomy", "label": "Lumpectomy (toy)"}
     assert [drawing["name"] for drawing in meta["drawings"]] == ["lumpectomy", "periareolar", "ellipse"]
     assert [pattern["name"] for pattern in meta["patterns"]] == [

@@ -187,12 +187,6 @@ SETTINGS: dict[str, Setting] = {
         none="forever",
         show="{:g}".format,
     ),
-    "learn_prior": Setting(
-        read_yes_or_no,
-        "learn from all fits what bodies to expect, at night; a patient who is deleted is taken out",
-        lambda: False,
-        show=show_yes_or_no,
-    ),
     "model": Setting(read_model, "another rig than the package's torso", metavar="MODEL", none="the packaged torso"),
     "workers": Setting(
         read_count, "fits that run at once (default: one a core, at most 8)", lambda: FitLimits().workers

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from breastrig.api.settings import read_days, without_password
 from breastrig.cli.service_options import PLACES, add_setting_options, chosen_location
 from breastrig.core.errors import BadSettings
-from breastrig.service.clinic_prior import forget_priors
 from breastrig.service.sweep import overdue
 from breastrig.storage.data_folder import Ownership, ownership_of
 from breastrig.storage.deletion import delete_rows, finish_deletions, remove_files
@@ -82,8 +81,6 @@ def purge(storage: Storage, older_than_days: float | None) -> Purged:
         for scan_id in scans:
             delete_rows(storage, scan_id)
             remove_files(storage, scan_id)
-        if scans:
-            forget_priors(storage)  # they are learned anew from who is left
         left = remove_files(storage)
         storage.refill_reserve()
     return Purged(len(scans), tuple(left))

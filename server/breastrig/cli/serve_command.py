@@ -76,7 +76,6 @@ def run(options: argparse.Namespace) -> int:
         executor=executor,
         streams=config.streams,
         keep_days=config.keep_days,
-        learn_prior=setting["learn_prior"],
     )
     with ExitStack() as stack:
         if executor is not None:

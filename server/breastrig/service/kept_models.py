@@ -72,11 +72,6 @@ class KeptModels:
         return {read_rig(glb).sha256: glb for glb in (self._glb, *self._choice.others.values())}
 
     @property
-    def hashes(self) -> tuple[str, ...]:
-        """Of all that this service fits with."""
-        return tuple(self._paths)
-
-    @property
     def own_sha256(self) -> str:
         """Of the model that this service fits with."""
         return self._own.sha256

@@ -30,7 +30,6 @@ from breastrig.execution.pool import Pool
 from breastrig.execution.worker import preload, scratch_swept
 from breastrig.scan.stored_scan import STORED
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
-from breastrig.service.clinic_prior import ClinicPrior
 from breastrig.service.events.feeds import Notifier, StreamItem, follow
 from breastrig.service.failed_tasks import explained
 from breastrig.service.fits.fit_worker import PairRunner, Predictor, Runner, Runners
@@ -90,7 +89,6 @@ class Service:
         executor: Executor | None = None,
         streams: int = 24,
         keep_days: float | None = KEEP_DAYS,
-        learn_prior: bool = False,
     ) -> None:
         self.storage = storage
         self.streams = threading.BoundedSemaphore(streams)
@@ -117,8 +115,7 @@ class Service:
         self.reports = Reports(storage, self._others, self.plans, self.models)
         self.shares = ShareSnapshots(storage, self._others, self.plans, self.reports, self.models)
         self._notifier = Notifier(storage)
-        self.prior = ClinicPrior(storage, self._others, self.models, learn_prior)
-        self._sweep = Sweep(storage, self.delete_scan, keep_days, self.shares.end_expired, self.prior.look)
+        self._sweep = Sweep(storage, self.delete_scan, keep_days, self.shares.end_expired)
         self._examples = examples
 
     @contextmanager
@@ -232,7 +229,6 @@ class Service:
         self.pool.drop(scan_id)
         self.plans.forget()
         self.reports.forget()
-        self.prior.forget()
         left = remove_files(self.storage, scan_id)
         self._notifier.look_again()
         if left:

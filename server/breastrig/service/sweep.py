@@ -107,12 +107,10 @@ class Sweep:
         delete: Callable[[str], None],
         keep_days: float | None,
         end_expired: Callable[[], None] = lambda: None,
-        learn: Callable[[], None] = lambda: None,
     ) -> None:
         self._storage = storage
         self._delete = delete
         self._end_expired = end_expired  # what links showed that are over
-        self._learn = learn  # the prior of the fits that are left
         self._retention = None if keep_days is None else Retention(storage, keep_days)
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._run, name="breastrig-sweep", daemon=True)
@@ -135,7 +133,6 @@ class Sweep:
                     looked_at = wall_clock.uptime_s()
                     self._storage.check_integrity()
                     self._delete_old()
-                self._learn()
             except SQLAlchemyError as error:  # the database is busy or damaged, which others say
                 log.error("old scans cannot be looked for: %s", type(error).__name__)
             except Exception:

@@ -51,14 +51,6 @@ class FitJob(FitSettings):
 
 
 @dataclass(frozen=True)
-class CohortJob:
-    """Women to learn of."""
-
-    bodies: tuple[tuple[str, str, bytes], ...]  # patient, stance, what a fit says of her body (files/result.py: BODY)
-    model: Path | None = None  # None: the torso of the package
-
-
-@dataclass(frozen=True)
 class PredictionJob:
     """A stance that was not scanned, from files to files."""
 

@@ -607,8 +607,6 @@ export type Meta = {
   /** that need no parameters; patterns with all defaults among them */
   drawings: DrawingInfo[];
   patterns: PatternInfo[];
-  /** what the service has learned of bodies from its fits with that model */
-  prior: Prior;
 };
 
 export type MissingItem = {
@@ -1004,23 +1002,6 @@ export type PredictionRequest = {
   stance: "standing" | "supine" | "prone";
   /** by finite elements of this body, in minutes; else by a cohort of such bodies */
   simulate?: boolean;
-};
-
-export type Prior = {
-  /** whether the service learns from its fits; off unless its owner asked for it */
-  learns: boolean;
-  /** ISO 8601; null until it has been learned since the service's start */
-  learned_at: string | null;
-  /** of the model; empty where nobody is in it */
-  stances: PriorStance[];
-};
-
-export type PriorStance = {
-  stance: string;
-  /** each with the scan that shows most */
-  patients: number;
-  /** share by which it foretells one of them closer than the built-in prior does; 0: it is not used */
-  closer: number;
 };
 
 /** RFC 9457 problem details. */

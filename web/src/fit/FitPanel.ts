@@ -58,7 +58,7 @@ export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<
       const toSay = [...unfollowed, ...(fit?.result?.drawing_missing ?? [])];
       show(warnings, toSay.length > 0);
       setText(warnings, toSay.join(" "));
-      const sentences = [...new Set([...text.fit.prior(meta?.prior.stances ?? []), fit?.started?.stance_reason ?? "", ...(fit?.started?.notes ?? [])])].filter((each) => each !== "");
+      const sentences = [...new Set([fit?.started?.stance_reason ?? "", ...(fit?.started?.notes ?? [])])].filter((each) => each !== "");
       setText(notes, sentences.join(" "));
       wrong.set(state.problems.fit);
     },

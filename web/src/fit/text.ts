@@ -19,8 +19,6 @@ export const fit = {
   retrying: "The connection to the service broke; trying again. The fit goes on meanwhile.",
   gone: "This fit is no longer there: its scan was deleted, in another tab or by somebody else.",
   cancelled: "Cancelled. The iterations so far can still be looked at.",
-  prior: (stances: readonly { stance: string; patients: number; closer: number }[]) =>
-    stances.map(({ stance, patients, closer }) => `Learned from ${stance} patients: ${patients} (${(100 * closer).toFixed(0)} % closer).`),
   noLandmarks: "Without landmarks the fit finds its start alone: best facing front.",
   fewLandmarks: (count: number) => `With only ${plural(count, "landmark", "landmarks")} the start is found from the scan alone.`,
   with: (count: number) => `Fit with ${plural(count, "landmark", "landmarks")}`,

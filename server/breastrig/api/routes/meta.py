@@ -51,33 +51,7 @@ def about(query_data: wire_meta.MetaQuery) -> wire_meta.Meta:
             *(wire_meta.DrawingInfo(name=name, label=label) for name, label in offered_patterns(rig)),
         ],
         patterns=pattern_forms(rig),
-        prior=_prior(query_data.model),
     )
-
-
-@meta.get("/api/prior")
-@meta.input(wire_meta.MetaQuery, location="query")
-@meta.output(wire_meta.Prior)
-@meta.doc(operation_id="getPrior")
-def show_prior(query_data: wire_meta.MetaQuery) -> wire_meta.Prior:
-    """What the service has learned of bodies from its fits"""
-    return _prior(query_data.model)
-
-
-def _prior(model: str | None) -> wire_meta.Prior:
-    service = app_context().service
-    rig = app_context().model_of(service.models.facts_of(model)).rig
-    stances = [wire_meta.PriorStance.model_validate(each) for each in service.prior.stances(rig.sha256)]
-    return wire_meta.Prior(learns=service.prior.learns, learned_at=service.prior.learned_at, stances=stances)
-
-
-@meta.post("/api/prior")
-@meta.output(wire_meta.Prior)
-@meta.doc(operation_id="learnPrior", responses={409: "The service learns nothing"})
-def learn_prior() -> wire_meta.Prior:
-    """Learn now, and not at night"""
-    app_context().service.prior.learn()
-    return _prior(None)
 
 
 @meta.get("/api/examples")

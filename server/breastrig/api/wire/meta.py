@@ -52,20 +52,6 @@ class MetaQuery(Wire):
     model: str | None = Field(None, max_length=64, description="name of one of `models`; without it the first")
 
 
-class PriorStance(Wire):
-    stance: str
-    patients: int = Field(description="each with the scan that shows most")
-    closer: float = Field(
-        description="share by which it foretells one of them closer than the built-in prior does; 0: it is not used"
-    )
-
-
-class Prior(Wire):
-    learns: bool = Field(description="whether the service learns from its fits; off unless its owner asked for it")
-    learned_at: str | None = Field(description="ISO 8601; null until it has been learned since the service's start")
-    stances: list[PriorStance] = Field(description="of the model; empty where nobody is in it")
-
-
 class Meta(Wire):
     name: Literal["BreastRig"]
     version: str
@@ -79,7 +65,6 @@ class Meta(Wire):
     presets: list[str]
     drawings: list[DrawingInfo] = Field(description="that need no parameters; patterns with all defaults among them")
     patterns: list[PatternInfo]
-    prior: Prior = Field(description="what the service has learned of bodies from its fits with that model")
 
 
 class Health(Wire):

@@ -21,8 +21,6 @@ from breastrig.core.errors import BadSettings, BreastRigError, NotFound
 from breastrig.core.model_choice import ModelChoice
 from breastrig.core.scratch import scratch_folder
 from breastrig.core.stances import Stance
-from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.service.clinic_prior import kept_prior
 from breastrig.service.events.event_writer import EventWriter, Superseded
 from breastrig.storage.files import Draft, fit_place, scan_place, upload_name
 from breastrig.storage.folders import FolderDraft
@@ -169,8 +167,7 @@ def _job(storage: Storage, fit: FitRow, out: Path, models: ModelChoice) -> Itera
         return
     with storage.files.reading(scan_place(scan.id), [upload_name(scan.file_type)]) as folder:
         earlier = None if fit.start_from is None else earlier_fit(storage, fit.start_from)
-        prior = kept_prior(storage, read_rig(model or default_rig_path()).sha256)
-        yield replace(fit_job(scan, fit, folder, out, model), earlier=earlier, prior=prior)
+        yield replace(fit_job(scan, fit, folder, out, model), earlier=earlier)
 
 
 def earlier_fit(storage: Storage, fit_id: str) -> EarlierFit:
