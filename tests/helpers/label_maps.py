@@ -2,6 +2,7 @@
 
 import io
 import warnings
+from collections.abc import Callable
 from functools import cache
 
 import highdicom
@@ -9,7 +10,7 @@ import nibabel
 import numpy as np
 from pydicom.dataset import Dataset, FileMetaDataset
 from pydicom.sr.codedict import codes
-from pydicom.uid import ExplicitVRLittleEndian, generate_uid
+from pydicom.uid import UID, ExplicitVRLittleEndian, ImplicitVRLittleEndian, generate_uid
 from scipy.interpolate import LinearNDInterpolator
 
 from breastrig.rig.model import Rig
@@ -91,6 +92,116 @@ def nifti(labels: np.ndarray, turned: bool = False, low: np.ndarray = LOW, sizes
     if turned:
         image = image.as_reoriented(nibabel.orientations.axcodes2ornt(("S", "R", "P")))
     return bytes(image.to_bytes())
+
+
+Words = tuple[str, str, str, str, str]  # label, category's code and meaning, type's code and meaning
+BODY_WORDS: Words = ("Body", "85756007", "Tissue", "76752008", "Breast")
+LESION_WORDS: Words = ("Index lesion", "49755003", "Morphologically abnormal structure", "4147007", "Mass")
+PLAIN: Words = ("Segment", "85756007", "Tissue", "85756007", "Tissue")
+
+
+def coded(value: str, meaning: str) -> Dataset:
+    code = Dataset()
+    code.CodeValue, code.CodingSchemeDesignator, code.CodeMeaning = value, "SCT", meaning
+    return code
+
+
+def seg(
+    masks: dict[int, np.ndarray],
+    words: dict[int, Words] | None = None,
+    kind: str = "BINARY",
+    absent: Callable[[int, int], bool] = lambda number, at: False,
+    order: np.ndarray | None = None,
+    turned: bool = False,
+    jitter: float = 0.0,
+    shares: bool = True,
+    spacing: bool = True,
+) -> Dataset:
+    """A DICOM segmentation with what its frames need and hardly anything else; masks (I, J, K) by segment numbers.
+
+    `absent` leaves frames out, `order` puts them into another one, `turned` has the rows run from the left to the
+    right, `shares` puts what all frames have in common into one place, `jitter` (mm) moves frames along the slices.
+    """
+    rng = np.random.default_rng(0)
+    made = Dataset()
+    made.SOPClassUID = "1.2.840.10008.5.1.4.1.1.66.7" if kind == "LABELMAP" else "1.2.840.10008.5.1.4.1.1.66.4"
+    made.Modality, made.SegmentationType, made.SpecificCharacterSet = "SEG", kind, "ISO_IR 192"
+    shape = next(iter(masks.values())).shape
+    made.Rows, made.Columns = shape[1], shape[0]
+    side = -1.0 if turned else 1.0
+    frames = []
+    if kind == "LABELMAP":
+        labels = np.zeros(shape, np.uint8)
+        for number, mask in masks.items():
+            labels[mask] = number
+        frames = [(None, at, labels[:, :, at]) for at in range(shape[2]) if not absent(0, at)]
+    else:
+        for number, mask in masks.items():
+            frames += [(number, at, mask[:, :, at]) for at in range(shape[2]) if mask[:, :, at].any()]
+        frames = [each for each in frames if not absent(each[0] or 0, each[1])]
+    frames = frames if order is None else [frames[at] for at in np.argsort(order[: len(frames)], kind="stable")]
+    groups, pixels = [], []
+    orientation, measures = Dataset(), Dataset()
+    orientation.ImageOrientationPatient = [side, 0, 0, 0, 1, 0]
+    measures.PixelSpacing = [SIZES[1], SIZES[0]]
+    if spacing:
+        measures.SpacingBetweenSlices = SIZES[2]
+    for number, at, content in frames:
+        group, place = Dataset(), Dataset()
+        left = LOW[0] + (SIZES[0] * (shape[0] - 1) if turned else 0.0)
+        place.ImagePositionPatient = [left, LOW[1], LOW[2] + SIZES[2] * at + jitter * (rng.random() - 0.5)]
+        group.PlanePositionSequence = [place]
+        if number is not None:
+            which = Dataset()
+            which.ReferencedSegmentNumber = number
+            group.SegmentIdentificationSequence = [which]
+        if not shares:
+            group.PlaneOrientationSequence, group.PixelMeasuresSequence = [orientation], [measures]
+        groups.append(group)
+        pixels.append((content[::-1] if turned else content).T)
+    made.PerFrameFunctionalGroupsSequence = groups
+    if shares:
+        shared = Dataset()
+        shared.PlaneOrientationSequence, shared.PixelMeasuresSequence = [orientation], [measures]
+        made.SharedFunctionalGroupsSequence = [shared]
+    made.NumberOfFrames = len(frames)
+    segments = []
+    for number in masks:
+        each, said = Dataset(), (words or {1: BODY_WORDS, 2: LESION_WORDS}).get(number, PLAIN)
+        each.SegmentNumber, each.SegmentLabel = number, said[0]
+        if said[1]:
+            each.SegmentedPropertyCategoryCodeSequence = [coded(said[1], said[2])]
+            each.SegmentedPropertyTypeCodeSequence = [coded(said[3], said[4])]
+        segments.append(each)
+    made.SegmentSequence = segments
+    stack = np.stack(pixels).astype(np.uint8)
+    made.BitsAllocated = made.BitsStored = 1 if kind == "BINARY" else 8
+    if kind == "FRACTIONAL":
+        made.MaximumFractionalValue, stack = 200, 200 * stack
+    content = np.packbits(stack.ravel(), bitorder="little").tobytes() if kind == "BINARY" else stack.tobytes()
+    made.add_new("PixelData", "OB", content + bytes(len(content) % 2))
+    return made
+
+
+def file_of(dataset: Dataset, syntax: str = ExplicitVRLittleEndian, header: bool = True) -> bytes:
+    """The file; without `header` it begins with its first element, as older programs write it."""
+    stream = io.BytesIO()
+    dataset.file_meta = FileMetaDataset()
+    dataset.file_meta.TransferSyntaxUID = UID(syntax)
+    dataset.file_meta.MediaStorageSOPClassUID = dataset.SOPClassUID
+    dataset.file_meta.MediaStorageSOPInstanceUID = dataset.SOPInstanceUID = generate_uid(entropy_srcs=["a"])
+    if not header:
+        del dataset.file_meta
+        dataset.save_as(stream, implicit_vr=syntax == ImplicitVRLittleEndian, little_endian=True)
+        return stream.getvalue()
+    dataset.save_as(stream, enforce_file_format=True)
+    return stream.getvalue()
+
+
+def masks() -> dict[int, np.ndarray]:
+    """The body with all in it, and the lesion, of `body_labels`."""
+    labels = body_labels()
+    return {1: labels > 0, 2: labels == 2}
 
 
 def dicom_segmentation(labels: np.ndarray) -> bytes:

@@ -10,7 +10,7 @@ from breastrig.core.errors import BadScan, TooLarge
 from breastrig.geometry.normals import vertex_normals
 from breastrig.scan import read
 from breastrig.scan.read import read_scan
-from breastrig.scan.volumes import label_map, volume
+from breastrig.scan.volumes import gzipped, volume
 from breastrig.scan.volumes.volume import IMAGE
 
 
@@ -96,7 +96,7 @@ def test_what_is_no_label_map_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -
         with pytest.raises(BadScan) as caught:
             read_scan(data)
         assert str(caught.value).startswith(sentence)
-    monkeypatch.setattr(label_map, "LABEL_MAP_BYTES", 4000)
+    monkeypatch.setattr(gzipped, "LABEL_MAP_BYTES", 4000)
     with pytest.raises(TooLarge, match="unpacks to more than"):
         read_scan(gzip.compress(good))
     monkeypatch.setattr(volume, "LABEL_MAP_VOXELS", 1000)

@@ -17,9 +17,20 @@ USD_STARTS = (b"PXR-USDC", b"#usda")
 BINARY_STL_HEADER = 84  # bytes: a title and the number of triangles
 BINARY_STL_TRIANGLE = 50  # bytes
 NIFTI_1_MARK_AT, DICOM_MARK_AT = 344, 128
+DICOM_MARK = b"DICM"
+SEGMENTATIONS = (
+    "1.2.840.10008.5.1.4.1.1.66.4",
+    "1.2.840.10008.5.1.4.1.1.66.7",
+)  # classes of DICOM; also as a label map
+STRUCTURES = "1.2.840.10008.5.1.4.1.1.481.3"
+DICOM_START = re.compile(rb"(?:\x02|\x08)\x00.\x00(?:AE|AS|CS|DA|DT|IS|LO|LT|OB|PN|SH|SQ|ST|TM|UI|UL|UN|US)", re.DOTALL)
+DICOM_ELEMENT = 8  # bytes before its value, where kinds of values are not written
+META_IMAGE_START = re.compile(rb"\s*(?:ObjectType|NDims|Comment)\s*=", re.IGNORECASE)
 LOOKED_AT = 4096  # bytes in which a text file shows what it is
 PCD_START = re.compile(rb"^(?:\s*#[^\n]*\n|\s*\n)*\s*(?:VERSION|FIELDS|COLUMNS)\s", re.IGNORECASE)
 UTF_8_MARK, UTF_16_MARKS = b"\xef\xbb\xbf", (b"\xff\xfe", b"\xfe\xff")
+ANALYZE = (b"\x5c\x01\0\0", b"\0\0\x01\x5c")  # the header's own length, 348
+EXPORT_MAP = "export the segmentation as NIfTI (.nii.gz) or as DICOM SEG"
 EXPORT = "export the scan as PLY, OBJ, STL or GLB"
 
 
@@ -41,10 +52,12 @@ def file_type_of(data: bytes, named: str | None = None) -> str:
         return "usd"
     if start.startswith((b"PK\x03\x04", b"PK\x05\x06")):
         return "zip"
-    if data[NIFTI_1_MARK_AT : NIFTI_1_MARK_AT + 4] == b"n+1\0" or data[4:8] == b"n+2\0":
+    if _is_nifti(start):
         return "nifti"
-    if data[DICOM_MARK_AT : DICOM_MARK_AT + 4] == b"DICM":
+    if _is_dicom(start):
         return "dicom"
+    if (other := other_volume(start)) is not None:
+        raise BadScan(other)
     if is_binary_stl(data) or is_text_stl(data):
         return "stl"
     if PCD_START.match(start):
@@ -63,6 +76,45 @@ def file_type_of(data: bytes, named: str | None = None) -> str:
         "This file is no 3D scan that can be read; give PLY, OBJ, STL, GLB, glTF, USDZ, PCD, a table of points, "
         "a label map (NIfTI, DICOM SEG), or a zip of one of them."
     )
+
+
+def volume_kind(start: bytes) -> str:
+    """Of a file that begins so: "label map", "structures" (contours), "dicom", "other" (of volumes), or ""."""
+    if _is_nifti(start):
+        return "label map"
+    if _is_dicom(start):
+        segmentation = any(each.encode() in start for each in SEGMENTATIONS)
+        return "label map" if segmentation else "structures" if STRUCTURES.encode() in start else "dicom"
+    return "" if other_volume(start) is None else "other"
+
+
+def _is_nifti(start: bytes) -> bool:
+    return start[NIFTI_1_MARK_AT : NIFTI_1_MARK_AT + 4] == b"n+1\0" or start[4:8] == b"n+2\0"
+
+
+def _is_dicom(start: bytes) -> bool:
+    """Whether it begins as DICOM, with the preamble of files or without it."""
+    if start[DICOM_MARK_AT : DICOM_MARK_AT + 4] == DICOM_MARK or start.startswith(DICOM_MARK):
+        return True
+    if DICOM_START.match(start):
+        return True
+    if not start.startswith(b"\x08\x00"):
+        return False
+    second = DICOM_ELEMENT + int.from_bytes(start[4:DICOM_ELEMENT], "little")
+    return start[second : second + 2] == b"\x08\x00"
+
+
+def other_volume(start: bytes) -> str | None:
+    """The sentence for volumes of other kinds; None where it begins as none."""
+    if start.startswith(b"NRRD"):
+        return f"This is an NRRD file, as 3D Slicer writes it; {EXPORT_MAP}."
+    if META_IMAGE_START.match(start) and (b"ElementType" in start or b"DimSize" in start):
+        return f"This is a MetaImage file (.mha, .mhd); {EXPORT_MAP}."
+    if start[NIFTI_1_MARK_AT : NIFTI_1_MARK_AT + 4] == b"ni1\0" or start[4:8] == b"ni2\0":
+        return "This is half of a NIfTI file (.hdr or .img); export both as one file, .nii or .nii.gz."
+    if start[:4] in ANALYZE and len(start) == 348:
+        return f"This is half of an Analyze file (.hdr and .img), which does not say which side is left; {EXPORT_MAP}."
+    return None
 
 
 def plain_text(data: bytes) -> bytes:

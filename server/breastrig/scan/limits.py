@@ -31,6 +31,7 @@ LABEL_MAP_BYTES = 512 * MEBIBYTE  # unpacked; 512 x 512 x 200 voxels of 8 bytes
 LABEL_MAP_VOXELS = 2**27  # 512 x 512 x 512; a breast MRI has half
 LABELS = 256  # more different values are an image's
 GZIP_MEMBERS = 100_000  # of one .gz; bgzip begins a new one every 64 kB
+DICOM_BYTES = 256 * MEBIBYTE  # of a DICOM file that was deflated; 2**31 pixels of one bit, and no more are read
 DICOM_ITEMS = 1_000_000  # entries of lists in a DICOM file; 200 slices of 100 segments have 300,000
 DICOM_ELEMENTS = 10_000  # at the top of a DICOM file; segmentations have some fifty
 DICOM_FRAMES = 50_000  # of a segmentation; each takes 1 ms

@@ -37,13 +37,13 @@ from breastrig.scan.scan import Scan
 from breastrig.scan.stored_scan import STORED, read_stored
 from breastrig.scan.units import decide_unit, extent
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
-from breastrig.scan.volumes.label_map import gunzipped, label_map_pieces
+from breastrig.scan.volumes.gzipped import GZIP_START, gunzipped
+from breastrig.scan.volumes.label_map import label_map_pieces
 
 BEYOND = 1e30  # no unit has such numbers; their squares are beyond single precision
 BROKEN = 0.05  # share of the triangles that may have such corners
 FARTHEST = 1e7  # m from the origin; coordinates of the Earth reach 6.4e6 m, and double precision is 2e-9 m there
 STRAY = 1e3  # m from the scan's middle; no scanner sees so far, and single precision begins to matter
-GZIP_START = b"\x1f\x8b"
 SHOWN_NAME = 60  # characters of a file's name in a sentence
 
 
@@ -78,7 +78,7 @@ def read_scan(
     mesh, files, sorting = plain_text(unpacked_data), Companions(), tuple[str, ...]()
     found = file_type_of(mesh, file_type)
     if found == "zip":
-        packed = unpacked(data)
+        packed = unpacked(unpacked_data)
         mesh, files, sorting = plain_text(packed.mesh), packed.companions, packed.notes
         found = file_type_of(mesh, packed.ending)
         if found == "zip":

@@ -1,7 +1,7 @@
 """A zip as scanner apps send it: the one mesh that is meant, and the material and pictures that it names.
 
-Only these are unpacked, in memory.  Meshes of one folder whose names differ in words such as "textured" or "refined"
-are one scan, of which the one with a picture is read; any other choice is refused.
+Or the one label map.  Only these are unpacked, in memory.  Meshes of one folder whose names differ in words such as
+"textured" or "refined" are one scan, of which the one with a picture is read; any other choice is refused.
 """
 
 import io
@@ -15,7 +15,7 @@ from functools import partial
 from pathlib import PurePosixPath
 
 from breastrig.core.errors import BadScan, TooLarge
-from breastrig.scan.file_type import LOOKED_AT, plain_text
+from breastrig.scan.file_type import LOOKED_AT, plain_text, volume_kind
 from breastrig.scan.limits import (
     FILE_BYTES,
     MATERIAL_FILE_BYTES,
@@ -27,6 +27,7 @@ from breastrig.scan.limits import (
 )
 from breastrig.scan.pictures.companions import PICTURES, Companions
 from breastrig.scan.point_clouds.point_table import is_point_table
+from breastrig.scan.volumes.gzipped import GZIP_START, first_bytes, gunzipped
 
 # Of one scan in several formats the one that carries a picture is the best; a text is the scan if nothing else is.
 MESH_RANK = {"txt": -1, "csv": -1, "xyz": 0, "pcd": 0, "stl": 1, "ply": 2, "obj": 2, "usdz": 3, "gltf": 4, "glb": 4}
@@ -53,8 +54,12 @@ END, END_64 = b"PK\x05\x06", b"PK\x06\x07"
 END_BYTES, END_64_BYTES, COMMENT_BYTES = 22, 20, 65_535
 LIST_LENGTH_AT = 12  # bytes into the end record
 UNREADABLE = (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError, RuntimeError, ValueError)
+VOLUMES = ("nii", "gz", "dcm")
 DAMAGED = "This zip file is cut off, damaged or encrypted; pack it again."
-NO_MESH = "This zip holds no mesh; pack exactly one OBJ, PLY, STL or GLB with its pictures."
+NO_MESH = (
+    "This zip holds no mesh and no label map; pack exactly one OBJ, PLY, STL or GLB with its pictures, or one NIfTI "
+    "file or DICOM segmentation."
+)
 SEVERAL_SCANS = "This zip holds {count} scans that have nothing to do with one another; pack one of them alone."
 SAME_SCAN = "The zip holds this scan {count} times; the {kind} with the most on it was read."
 
@@ -146,19 +151,32 @@ class _Reader:
         self._archive = archive
         self._left = FILE_BYTES
 
-    def read(self, entry: _Entry) -> bytes:
+    def read(self, entry: _Entry, most_packed: bool = True) -> bytes:
         info = entry.info
         if info.compress_type not in PACKINGS:
             raise BadScan("This zip is packed in an unusual way; pack it again as an ordinary zip.")
         if info.file_size > self._left:
             raise TooLarge(f"This zip unpacks to more than the {FILE_BYTES // MEBIBYTE} MB allowed.")
-        if info.file_size > max(ZIP_RATIO_FROM, ZIP_RATIO * info.compress_size):
+        if most_packed and info.file_size > max(ZIP_RATIO_FROM, ZIP_RATIO * info.compress_size):
             raise TooLarge(f"A file in this zip is packed more than {ZIP_RATIO} times; pack it with less compression.")
         self._left -= info.file_size
         try:
             return self._archive.read(info)
         except UNREADABLE as error:
             raise BadScan(DAMAGED) from error
+
+    def start(self, entry: _Entry) -> bytes:
+        """The first bytes, of what is packed once more in a .gz too."""
+        if entry.info.compress_type not in PACKINGS:
+            return b""
+        with self._archive.open(entry.info) as file:
+            start = file.read(LOOKED_AT)
+        return first_bytes(start) if start.startswith(GZIP_START) else start
+
+    def volume(self, entry: _Entry) -> bytes:
+        """As `read`; labels are packed a thousand times smaller, and come packed once more."""
+        content = self.read(entry, most_packed=False)
+        return gunzipped(content) if content.startswith(GZIP_START) else content
 
     def companion(self, entry: _Entry) -> bytes:
         """As `read`; a material file that is far too long only by its first bytes and one, which is refused."""
@@ -169,7 +187,14 @@ class _Reader:
 def _taken(archive: zipfile.ZipFile) -> Unpacked:
     entries = _entries(archive)
     meshes = [entry for entry in entries if entry.ending in MESH_RANK]
-    if any(MESH_RANK[entry.ending] >= 0 for entry in meshes):  # else a text may be the scan
+    reader = _Reader(archive)
+    volumes = [entry for entry in entries if entry.ending in VOLUMES]
+    if not any(MESH_RANK[entry.ending] >= 0 for entry in meshes):
+        if (volume := _volume(reader, entries)) is not None:
+            return volume
+    else:  # a text is the scan if nothing else is
+        if volumes:
+            raise BadScan("This zip holds a mesh and a volume; pack the one that is meant alone.")
         meshes = [entry for entry in meshes if MESH_RANK[entry.ending] >= 0]
     scans: dict[tuple[str, frozenset[str]], list[_Entry]] = defaultdict(list)
     for entry in meshes:
@@ -179,7 +204,6 @@ def _taken(archive: zipfile.ZipFile) -> Unpacked:
     if len(scans) != 1:
         raise BadScan(SEVERAL_SCANS.format(count=len(scans)) if scans else NO_MESH)
     (found,) = scans.values()
-    reader = _Reader(archive)
     is_painted = any(entry.ending == "mtl" and entry.folder == found[0].folder for entry in entries) and any(
         entry.ending in PICTURES for entry in entries
     )
@@ -190,6 +214,20 @@ def _taken(archive: zipfile.ZipFile) -> Unpacked:
     if MESH_RANK[mesh.ending] < 0 and not is_point_table(plain_text(content)[:LOOKED_AT]):
         raise BadScan(NO_MESH)
     return Unpacked(content, mesh.ending, Companions(lambda: found_beside), notes)
+
+
+def _volume(reader: _Reader, entries: list[_Entry]) -> Unpacked | None:
+    """The one label map, by its bytes: on hospitals' media names say nothing.  BadScan where there are several."""
+    kinds: dict[str, list[_Entry]] = defaultdict(list)
+    for entry in entries:
+        kinds[volume_kind(reader.start(entry))].append(entry)
+    maps = kinds["label map"]
+    if len(maps) > 1:
+        raise BadScan(f"This zip holds {len(maps)} label maps or volumes; pack the one that is meant alone.")
+    chosen = next(iter([*maps, *kinds["structures"], *kinds["dicom"], *kinds["other"]]), None)
+    if chosen is None:
+        return None
+    return Unpacked(reader.volume(chosen), chosen.ending, Companions(dict), ())
 
 
 def _from(folder: str, entry: _Entry) -> str:

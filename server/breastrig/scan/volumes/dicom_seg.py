@@ -16,25 +16,25 @@ from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import BadScan, TooLarge
+from breastrig.scan.file_type import DICOM_MARK, DICOM_MARK_AT, SEGMENTATIONS, STRUCTURES
 from breastrig.scan.limits import (
+    DICOM_BYTES,
     DICOM_ELEMENTS,
     DICOM_FRAMES,
     DICOM_ITEMS,
-    LABEL_MAP_BYTES,
     LABEL_MAP_VOXELS,
     MEBIBYTE,
 )
 from breastrig.scan.volumes.answers import TakenAs
-from breastrig.scan.volumes.slices import between, runs
+from breastrig.scan.volumes.slices import between, gaps_said, runs
 from breastrig.scan.volumes.volume import IMAGE, Gap, Reading, Segment, Volume, check_affine, check_shape
 
-DICOM_MARK_AT = 128
 DEFLATED, PLAIN = b"1.2.840.10008.1.2.1.99", b"1.2.840.10008.1.2.1\0\0\0"  # transfer syntaxes
 GROUP_LENGTH = b"\x02\x00\x00\x00UL\x04\x00"  # the element with which the header of a file begins
 ITEM = b"\xfe\xff\x00\xe0"
 EXPORT = "export the structures as a DICOM segmentation (SEG) or as a NIfTI label map"
 OTHER_CLASSES = {
-    "1.2.840.10008.5.1.4.1.1.481.3": f"This is a structure set (RTSTRUCT); its contours are not read yet, {EXPORT}.",
+    STRUCTURES: f"This is a structure set (RTSTRUCT); its contours are not read yet, {EXPORT}.",
     "1.2.840.10008.5.1.4.1.1.66.5": f"This is a DICOM surface segmentation, which is not read; {EXPORT}.",
     "1.2.840.10008.1.3.10": "This is the list of a DICOM medium (DICOMDIR); give the file of the segmentation itself.",
 }
@@ -141,42 +141,25 @@ def read_segmentation(data: bytes) -> Volume:
         segments.append(Segment(number, box, where.count, partial(_inside, frames, where, number, box), label, coded))
         if bridged := where.bridged():
             which = "a slice" if len(bridged) == 1 else f"{len(bridged)} single slices"
-            notes.append(
-                f"Segment {number} has no frame in {which} between others; it was laid there from the neighbours."
-            )
+            notes.append(f"Segment {number} has no frame in {which} between others; the neighbours were joined there.")
     if not segments:
         raise BadScan("This DICOM segmentation holds no segment; export it again.")
     gaps = tuple(Gap(2, first, last) for first, last in runs(missing) if last > first)
-    if gaps:
-        count = sum(gap.last - gap.first + 1 for gap in gaps)
-        notes.append(f"{count} slices are missing between others, more than one in a row; the skin is open there.")
-    return Volume(shape, tuple(segments), (Reading("", "", affine),), notes=tuple(notes), gaps=gaps)
-
-
-def is_segmentation(start: bytes) -> bool:
-    """Whether the beginning of a DICOM file is that of a segmentation."""
-    from pydicom import dcmread
-
-    try:
-        return _is_segmentation(dcmread(io.BytesIO(start), force=True, specific_tags=["SOPClassUID", "Modality"]))
-    except Exception:  # cut off within an element, or no DICOM at all
-        return b"1.2.840.10008.5.1.4.1.1.66.4" in start or b"1.2.840.10008.5.1.4.1.1.66.7" in start
-
-
-def _is_segmentation(dataset: Any) -> bool:
-    classes = ("1.2.840.10008.5.1.4.1.1.66.4", "1.2.840.10008.5.1.4.1.1.66.7")
-    return dataset.get("SOPClassUID", "") in classes or dataset.get("Modality", "") == "SEG"
+    return Volume(shape, tuple(segments), (Reading("", "", affine),), notes=(*notes, *gaps_said(gaps)), gaps=gaps)
 
 
 def _descriptions(dataset: Any) -> dict[int, Any]:
     """Those of the segments, by their numbers."""
-    return {int(each.SegmentNumber): each for each in dataset.get("SegmentSequence", []) if "SegmentNumber" in each}
+    listed = dataset.get("SegmentSequence", None) or []
+    return {int(each.SegmentNumber): each for each in listed if "SegmentNumber" in each}
 
 
 def _dataset(data: bytes) -> Any:
     """The whole file, parsed; its limits are checked first."""
     from pydicom.filereader import read_partial
 
+    if data.startswith(DICOM_MARK):  # without the 128 bytes that belong before it
+        data = bytes(DICOM_MARK_AT) + data
     if DEFLATED in data:
         data = _inflated(data)
     if data.count(ITEM) > DICOM_ITEMS:
@@ -195,26 +178,26 @@ def _dataset(data: bytes) -> Any:
 
 def _inflated(data: bytes) -> bytes:
     """The same file as it is without the packing of its whole content."""
-    start = DICOM_MARK_AT + 4 if data[DICOM_MARK_AT : DICOM_MARK_AT + 4] == b"DICM" else 0
+    start = DICOM_MARK_AT + 4 if data[DICOM_MARK_AT : DICOM_MARK_AT + 4] == DICOM_MARK else 0
     if not data.startswith(GROUP_LENGTH, start):
         raise BadScan(DAMAGED)
     length = int.from_bytes(data[start + 8 : start + 12], "little")
     header, packed = data[: start + 12 + length], data[start + 12 + length :]
     if DEFLATED not in header:  # it names that packing elsewhere
         return data
-    whole = zlib.decompressobj(wbits=-zlib.MAX_WBITS).decompress(packed, LABEL_MAP_BYTES + 1)
-    if len(whole) > LABEL_MAP_BYTES:
-        raise TooLarge(f"This DICOM file unpacks to more than the {LABEL_MAP_BYTES // MEBIBYTE} MB allowed.")
+    whole = zlib.decompressobj(wbits=-zlib.MAX_WBITS).decompress(packed, DICOM_BYTES + 1)
+    if len(whole) > DICOM_BYTES:
+        raise TooLarge(f"This DICOM file unpacks to more than the {DICOM_BYTES // MEBIBYTE} MB allowed.")
     return header.replace(DEFLATED, PLAIN) + whole
 
 
 def _check_class(dataset: Any) -> None:
-    if _is_segmentation(dataset):
-        return
     if (other := OTHER_CLASSES.get(str(dataset.get("SOPClassUID", "")))) is not None:
         raise BadScan(other)
+    if dataset.get("SOPClassUID", "") in SEGMENTATIONS or dataset.get("Modality", "") == "SEG":
+        return
     if dataset.get("Modality", "") == "RTSTRUCT":
-        raise BadScan(OTHER_CLASSES["1.2.840.10008.5.1.4.1.1.481.3"])
+        raise BadScan(OTHER_CLASSES[STRUCTURES])
     if "PixelData" in dataset or "Rows" in dataset:
         raise BadScan(IMAGE)
     raise BadScan(f"This DICOM file holds neither an image nor a segmentation; {EXPORT}.")
@@ -225,9 +208,8 @@ def _frames(dataset: Any) -> _Frames:
     if int(dataset.get("SamplesPerPixel", 1)) != 1:
         raise BadScan(IMAGE)
     if count > DICOM_FRAMES or count * rows * columns > 16 * LABEL_MAP_VOXELS or rows * columns > LABEL_MAP_VOXELS:
-        raise TooLarge(
-            f"This DICOM segmentation has {count:,} frames of {rows} x {columns}, more than is read; crop it."
-        )
+        pixels = f"{count:,} frames of {rows} x {columns} pixels"
+        raise TooLarge(f"This DICOM segmentation has {pixels}, more than is read; crop it.")
     own = list(dataset.get("PerFrameFunctionalGroupsSequence", None) or [])
     shared: Any = next(iter(dataset.get("SharedFunctionalGroupsSequence", None) or []), {})
     if count < 1 or rows < 1 or columns < 1 or len(own) < count:
@@ -350,7 +332,7 @@ def _slices(frames: _Frames) -> tuple[Integers, Array, Booleans]:
     index = np.zeros(len(along), np.int64)
     index[order] = np.concatenate([[0], np.cumsum(np.where(apart, np.maximum(1, np.rint(steps / step)), 0.0))])
     fit = np.polynomial.polynomial.polyfit(index, frames.places, 1)
-    off = np.abs((frames.places - fit[0] - index[:, None] * fit[1]) @ normal)
+    off = np.linalg.norm(frames.places - fit[0] - index[:, None] * fit[1], axis=1)
     if off.max() > FARTHEST_OFF * float(fit[1] @ normal):
         raise BadScan("The slices of this DICOM segmentation are unevenly spaced; resample it first.")
     missing = np.ones(int(index.max()) + 1, np.bool_)

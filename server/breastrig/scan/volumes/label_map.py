@@ -5,16 +5,12 @@ reach, so labels may leave parts of it out (lungs, fat); where the field of view
 in the DICOM patient frame (LPS: to the patient's left, back, head), in mm, as mesh files of 3D Slicer have them.
 """
 
-import gzip
 import importlib.util
-import io
 import warnings
-import zlib
 
 import numpy as np
 
-from breastrig.core.errors import BadScan, BadSettings, TooLarge
-from breastrig.scan.limits import GZIP_MEMBERS, LABEL_MAP_BYTES, MEBIBYTE
+from breastrig.core.errors import BadScan, BadSettings
 from breastrig.scan.piece import BallInside, Piece, Pieces, TakenSegment
 from breastrig.scan.volumes.answers import VolumeAnswers
 from breastrig.scan.volumes.body import Bodies, check_shows_body, filled, skin
@@ -24,8 +20,8 @@ from breastrig.scan.volumes.question import needs_answer
 from breastrig.scan.volumes.segments import check_chosen, taken_segments
 
 FRAME = "Places are in the DICOM patient frame (LPS), mm; the skin was made from the label map."
+SAID_EACH = 12  # segments, each with a sentence of its own
 NEEDS = 'Label maps need "breastrig[mri]"; install it, or export the skin as PLY, STL or OBJ.'
-GZIP_START = b"\x1f\x8b\x08"
 
 
 def label_map_pieces(data: bytes, kind: str, answers: VolumeAnswers) -> Pieces:
@@ -52,35 +48,20 @@ def label_map_pieces(data: bytes, kind: str, answers: VolumeAnswers) -> Pieces:
         taken = taken_segments(volume, body, abs(float(np.linalg.det(affine[:3, :3]))), answers.segments)
         vertices, faces = skin(body, affine, volume.gaps)
     lesions = tuple(BallInside(each.name, (affine @ [*each.center, 1.0])[:3], each.radius) for each in taken.lesions)
-    notes = (FRAME, *volume.notes, *map(_said, taken.segments))
+    notes = (FRAME, *volume.notes, *_said(taken.segments))
     piece = Piece(vertices, faces)
     return Pieces((piece,), notes=notes, unit="mm", is_label_map=True, lesions=lesions, segments=taken.segments)
 
 
-def _said(segment: TakenSegment) -> str:
-    """What became of it, without the file's words."""
-    across = "" if segment.radius_mm is None else f", {2 * segment.radius_mm:.0f} mm across"
-    what = {"lesion": "taken for a lesion", "tissue": "taken for tissue", "unused": "left out"}[segment.taken_as]
-    return f"Segment {segment.number} of the label map was {what} ({segment.name}{across}): {_lowered(segment.why)}"
-
-
-def _lowered(sentence: str) -> str:
-    return sentence[:1].lower() + sentence[1:]
-
-
-def gunzipped(data: bytes) -> bytes:
-    """What the members of a .gz hold, one after the other.
-
-    TooLarge beyond the limit of label maps, BadScan where it is damaged.
-    """
-    if data.count(GZIP_START) > GZIP_MEMBERS:
-        raise TooLarge("This .gz file is packed in far too many parts; pack it again.")
-    try:
-        whole = gzip.GzipFile(fileobj=io.BytesIO(data)).read(LABEL_MAP_BYTES + 1)
-    except EOFError as error:
-        raise BadScan("This .gz file is cut off; pack it again.") from error
-    except (OSError, zlib.error) as error:
-        raise BadScan("This .gz file is damaged; pack it again.") from error
-    if len(whole) > LABEL_MAP_BYTES:
-        raise TooLarge(f"This .gz file unpacks to more than the {LABEL_MAP_BYTES // MEBIBYTE} MB allowed.")
-    return whole
+def _said(segments: tuple[TakenSegment, ...]) -> list[str]:
+    """What became of them, without the file's words; tissue only by its number where there is much of it."""
+    named = [each for each in segments if len(segments) <= SAID_EACH or each.taken_as != "tissue"]
+    notes = []
+    for each in named:
+        across = "" if each.radius_mm is None else f", {2 * each.radius_mm:.0f} mm across"
+        what = {"lesion": "taken for a lesion", "tissue": "taken for tissue", "unused": "left out"}[each.taken_as]
+        why = each.why[:1].lower() + each.why[1:]
+        notes.append(f"Segment {each.number} of the label map was {what} ({each.name}{across}): {why}")
+    if len(named) < len(segments):
+        notes.append(f"The other {len(segments) - len(named)} segments of the label map were taken for tissue.")
+    return notes

@@ -16,6 +16,7 @@ from breastrig.core.arrays import Array, Booleans
 from breastrig.core.errors import BadScan, BadSettings
 from breastrig.scan.limits import LABELS
 from breastrig.scan.volumes.answers import FORMS
+from breastrig.scan.volumes.slices import bridged_labels, gaps_said
 from breastrig.scan.volumes.volume import IMAGE, Reading, Segment, Volume, check_affine, check_shape
 
 WHOLE = 0.02  # farthest from a whole number: what is left of labels that were scaled to 255 or 65,535 levels
@@ -24,6 +25,7 @@ SLAB = 2**22  # voxels looked at together
 RAS_TO_LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 MM = {"meter": 1e3, "mm": 1.0, "micron": 1e-3}
 NO_UNIT = "The file names no unit of length; it was read in mm, as NIfTI means it."
+EMPTY = "{} between others was filled from the neighbours."
 NO_NUMBER = "Voxels without a number (NaN) were taken for air."
 WORDS = {"L": "left", "R": "right", "A": "front", "P": "back", "S": "head", "I": "feet"}
 NEITHER = "This NIfTI file does not say which side is left (sform and qform both have code 0)"
@@ -48,6 +50,7 @@ def read_nifti(data: bytes, frame: str | None) -> Volume:
         check_affine(each.affine)
     stored = image.dataobj  # the header has lost these numbers
     labels, values, has_nan = _labels(_raw(data, stored.dtype, stored.offset, shape), stored.slope, stored.inter)
+    count, gaps = bridged_labels(labels, _slice_axis(header))
     boxes = ndimage.find_objects(labels, max_label=len(values) - 1)
     counts = np.bincount(labels.ravel(order="K"), minlength=len(values))
     segments = [
@@ -56,7 +59,15 @@ def read_nifti(data: bytes, frame: str | None) -> Volume:
         if box is not None
     ]
     notes += (NO_NUMBER,) if has_nan else ()
-    return Volume(labels.shape, tuple(sorted(segments, key=lambda each: each.number)), readings, doubt, notes)
+    notes += (EMPTY.format("An empty slice" if count == 1 else f"{count} empty slices"),) if count else ()
+    notes += gaps_said(gaps)
+    return Volume(labels.shape, tuple(sorted(segments, key=lambda each: each.number)), readings, doubt, notes, gaps)
+
+
+def _slice_axis(header: Any) -> int:
+    """The axis along which slices lie: the file's, or that of the largest step, of equal ones the last."""
+    named = header.get_dim_info()[2]
+    return 2 - int(np.argmax(header.get_zooms()[2::-1])) if named is None else int(named)
 
 
 def _inside(labels: NDArray[np.uint8], box: tuple[slice, ...], code: int) -> Booleans:

@@ -26,6 +26,7 @@ LARGEST_LESION = 40.0  # mm radius of what only its form says is a lesion; what 
 LARGEST_NAMED = 80.0  # mm radius, as a plan takes it
 SMALLEST_LESION = 1.0  # mm radius; less is noise
 LESIONS = 20
+MOST_CHARACTERS = 100  # of a list of numbers in a sentence
 COMPACT = 0.4  # share of the ellipsoid in its bounding box that a lesion fills; vessels and glands fill less
 LOOKED_AT = 4 * LABEL_MAP_VOXELS  # voxels of all segments' boxes together, about 20 s of work
 HINT = re.compile(
@@ -84,8 +85,10 @@ def taken_segments(volume: Volume, body: Booleans, cell: float, chosen: Mapping[
             whole = name if parts is None or len(parts) == 1 else f"{name}, part {number}"
             lesions.append(BallInside(whole, part.centre, part.radius))
     if len(lesions) > LESIONS:
+        numbers = ", ".join(str(each.number) for each in taken if each.taken_as == "lesion")[:MOST_CHARACTERS]
         raise BadScan(
-            f"This label map has more than {LESIONS} lesions; say of segments that are none what they are (2=tissue)."
+            f"This label map has more than {LESIONS} lesions, of its segments {numbers}; say of those that are none "
+            "what they are, such as 2=tissue."
         )
     return Taken(tuple(taken), tuple(lesions))
 

@@ -1,0 +1,36 @@
+"""What a .gz holds, within limits."""
+
+import gzip
+import io
+import zlib
+
+from breastrig.core.errors import BadScan, TooLarge
+from breastrig.scan.limits import GZIP_MEMBERS, LABEL_MAP_BYTES, MEBIBYTE
+
+GZIP_START, MEMBER_START = b"\x1f\x8b", b"\x1f\x8b\x08"
+
+
+def gunzipped(data: bytes) -> bytes:
+    """What the members of a .gz hold, one after the other.
+
+    TooLarge beyond the limit of label maps, BadScan where it is damaged.
+    """
+    if data.count(MEMBER_START) > GZIP_MEMBERS:
+        raise TooLarge("This .gz file is packed in far too many parts; pack it again.")
+    try:
+        whole = gzip.GzipFile(fileobj=io.BytesIO(data)).read(LABEL_MAP_BYTES + 1)
+    except EOFError as error:
+        raise BadScan("This .gz file is cut off; pack it again.") from error
+    except (OSError, zlib.error) as error:
+        raise BadScan("This .gz file is damaged; pack it again.") from error
+    if len(whole) > LABEL_MAP_BYTES:
+        raise TooLarge(f"This .gz file unpacks to more than the {LABEL_MAP_BYTES // MEBIBYTE} MB allowed.")
+    return whole
+
+
+def first_bytes(start: bytes) -> bytes:
+    """What the beginning of a .gz begins with; empty where that is damaged."""
+    try:
+        return zlib.decompressobj(wbits=zlib.MAX_WBITS | 16).decompress(start, len(start))
+    except zlib.error:
+        return b""
