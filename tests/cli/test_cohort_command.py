@@ -11,12 +11,11 @@ from helpers.results import result_document
 
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
-from breastrig.core.errors import BadInput
 from breastrig.files.result import BODY, RESULT, ResultFile
 from breastrig.fitting.uncertainty.contribution import built_in
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.cohort_prior import read_prior
-from breastrig.workflow.folder.cohort import cohort_in, cohort_of_folders, shared
+from breastrig.workflow.folder.cohort import cohort_in, cohort_of_folders
 
 RIG = read_rig(default_rig_path())
 
@@ -115,42 +114,6 @@ def test_what_says_nothing_is_refused_in_one_sentence(
 
 
 MODEL = {"vertices": 1, "bones": 1, "blendshapes": 1}
-
-
-def test_what_is_shared_has_means_with_the_noise_that_epsilon_asks_for() -> None:
-    own, prior = built_in(RIG, "standing"), prior_of(40)
-    assert own is not None
-    root = np.linalg.cholesky(own.covariance)
-    spreads = {}
-    for epsilon in (1.0, 10.0):
-        found = shared(prior, RIG, epsilon)
-        sums = found.stances["standing"]
-        assert found.shared is not None
-        assert sums.women == 40
-        assert not sums.products.any()
-        assert not sums.covariances.any()
-        off = np.linalg.solve(root, sums.means - prior.stances["standing"].means)
-        assert 0.7 < off.std() / found.shared.noise < 1.4  # 82 draws
-        spreads[epsilon] = found.shared.noise
-    assert spreads[1.0] > 5.0 * spreads[10.0] > 0.0
-    assert shared(prior, RIG, 1.0).content() != shared(prior, RIG, 1.0).content()
-
-
-def test_few_women_and_what_was_shared_already_are_not_shared() -> None:
-    with pytest.raises(BadInput, match="30 patients or more"):
-        shared(prior_of(29), RIG, 1.0)
-    again = shared(prior_of(30), RIG, 1.0)
-    for wrong in (
-        lambda: shared(again, RIG, 1.0),
-        lambda: again.plus(prior_of(30)),
-        lambda: again.without(prior_of(1)),
-    ):
-        with pytest.raises(BadInput, match="shared"):
-            wrong()
-    for epsilon in (0.0, -1.0, float("nan"), 1e9):
-        with pytest.raises(BadInput, match="epsilon"):
-            shared(prior_of(30), RIG, epsilon)
-    assert again.plus(again).women == 60
 
 
 def test_a_fit_refuses_a_prior_that_is_not_for_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,12 +1,10 @@
-"""`breastrig cohort learn|merge|remove|info|share`: what a clinic's fits say of bodies, for `breastrig fit --prior`.
+"""`breastrig cohort learn|merge|remove|info`: what a clinic's fits say of bodies, for `breastrig fit --prior`.
 
     breastrig cohort learn RESULTS -o prior.json         folders that `fit` or `batch` wrote, searched whole
     breastrig cohort merge A.json B.json -o both.json
     breastrig cohort remove prior.json RESULT -o left.json
-    breastrig cohort share prior.json -o for_others.json --epsilon 5
 
-A prior holds sums over patients and hashes of their scans, no patient's own numbers.  Sums over few still tell of them:
-give others what `share` writes.
+A prior holds sums over patients and hashes of their scans, no patient's own numbers.  Sums over few still tell of them.
 """
 
 import argparse
@@ -25,7 +23,7 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.cohort_belief import FEWEST
 from breastrig.rig.cohort_prior import CohortPrior, merged, read_prior, with_prior
 from breastrig.rig.model import Rig
-from breastrig.workflow.folder.cohort import DELTA, cohort_of_folders, shared
+from breastrig.workflow.folder.cohort import cohort_of_folders
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -40,15 +38,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     removing.add_argument("results", type=Path, nargs="+", metavar="RESULT", help="folders of the patient's fits")
     info = actions.add_parser("info", help="of how many patients it is, and how much it tells")
     info.add_argument("prior", type=Path, metavar="PRIOR", help="a file that this command wrote")
-    sharing = actions.add_parser("share", help="the means with noise, which others may have")
-    sharing.add_argument("prior", type=Path, metavar="PRIOR", help="a file that this command wrote")
-    sharing.add_argument(
-        "--epsilon", type=float, required=True, metavar="E", help="privacy loss: the less, the noisier"
-    )
-    sharing.add_argument("--delta", type=float, default=DELTA, metavar="D", help=f"chance of a larger loss ({DELTA:g})")
-    for action in (learning, removing, info, sharing):
+    for action in (learning, removing, info):
         action.add_argument("--model", type=model_path, metavar="MODEL", help="another rig than the package's torso")
-    for action in (learning, merging, removing, sharing):
+    for action in (learning, merging, removing):
         add_output_options(action, "PRIOR", "file for the prior")
 
 
@@ -75,9 +67,6 @@ def _made(options: argparse.Namespace, folders: list[Path], files: list[Path]) -
         _say(sentences)
         return prior
     rig = _rig(options)
-    if options.action == "share":
-        with_prior(rig, priors[0])
-        return shared(priors[0], rig, options.epsilon, options.delta)
     found = cohort_of_folders(folders, rig, with_example=options.action == "remove")
     _say(found.others)
     return found.prior if options.action == "learn" else priors[0].without(found.prior)
@@ -113,8 +102,6 @@ def described(rig: Rig, prior: CohortPrior) -> list[str]:
     """Lines for people."""
     rig, recipe = with_prior(rig, prior), load_recipe("default")
     lines = [f"for {prior.rig_name} ({prior.rig_sha256[:12]})"]
-    if prior.shared is not None:
-        lines.append(f"shared: means alone, epsilon {prior.shared.epsilon:g}, delta {prior.shared.delta:g}")
     for stance, sums in prior.stances.items():
         belief = None if recipe.body is None else cohort_belief(rig, recipe.shapes, recipe.body, stance)
         if belief is not None:

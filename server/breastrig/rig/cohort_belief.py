@@ -55,16 +55,14 @@ def mirrored_places(rig: Rig) -> Integers:
     return np.concatenate([scales, 3 * len(bones) + np.array(shapes, dtype=np.int64)])
 
 
-def believed(rig: Rig, sums: Sums, built_in: Gaussian, noise: float | None = None) -> Belief | None:
-    """None where they are few or not believed.  `noise`: see Shared; then the sums are of means alone."""
+def believed(rig: Rig, sums: Sums, built_in: Gaussian) -> Belief | None:
+    """What is expected of the next patient; None where they are few or not believed."""
     if sums.women < FEWEST:
         return None
     n, root, mirror = sums.women, cholesky(built_in.covariance), mirrored_places(rig)
     root = np.tril(root)
     mean = 0.5 * (sums.means + sums.means[mirror]) / n  # each woman as she is and mirrored: no side is preferred
     centred = solve_lower(root, mean - built_in.mean)
-    if noise is not None:
-        return _of_means(centred, n / (1.0 + noise**2 / n), n, root, built_in)
     about = sums.products / n - np.outer(sums.means, sums.means) / n**2
     about, kept = (0.5 * (each + each[np.ix_(mirror, mirror)]) for each in (about, sums.covariances / n))
     away = 0.5 * (sums.means - sums.means[mirror]) / n
@@ -90,22 +88,6 @@ def believed(rig: Rig, sums: Sums, built_in: Gaussian, noise: float | None = Non
         built_in.covariance + turned @ (spread - np.eye(len(inside))) @ turned.T,
     )
     return Belief(expected, n, k, b, len(inside), gain)
-
-
-def _of_means(centred: Array, informed: float, women: int, root: Array, built_in: Gaussian) -> Belief | None:
-    """Of sums of means with noise, which are worth fewer women; the covariance is the built-in one."""
-    worths = np.array([*WORTHS, TOO_MANY])
-    variance = 1.0 / worths + 1.0 / informed
-    found = -0.5 * (len(centred) * np.log(variance) + centred @ centred / variance)
-    k = float(worths[int(found.argmax())])
-    gain = float(found.max() - found[-1]) / women
-    if gain <= 0.0:
-        return None
-    expected = Gaussian(
-        built_in.mean + root @ (informed / (k + informed) * centred),
-        built_in.covariance * ((1.0 + 1.0 / (k + informed)) / (1.0 + 1.0 / k)),
-    )
-    return Belief(expected, women, k, TOO_MANY, len(centred), gain)
 
 
 def _whitened(root: Array, matrix: Array) -> Array:

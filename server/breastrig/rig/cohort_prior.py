@@ -5,7 +5,7 @@ of the posterior covariances.  Each woman's numbers are rounded to GRID, so that
 merged in any order, and a woman who is removed leaves nothing.
 
 So that nobody counts twice, each scan is known by a hash of its file's hash, which tells nothing of a body: whoever has
-the scan can find out that it is among these, nobody else who it is of.  Of what was shared there are no hashes.
+the scan can find out that it is among these, nobody else who it is of.
 """
 
 import hashlib
@@ -71,15 +71,6 @@ class Sums:
 
 
 @dataclass(frozen=True, eq=False)
-class Shared:
-    """Of a file that left the house: sums of means alone, with noise (workflow/cohort.py)."""
-
-    epsilon: float
-    delta: float
-    noise: float  # standard deviation of each sum, in units of what the built-in prior expects of one woman
-
-
-@dataclass(frozen=True, eq=False)
 class CohortPrior:
     """Of one rig."""
 
@@ -88,7 +79,6 @@ class CohortPrior:
     bones: tuple[str, ...]
     shapes: tuple[str, ...]
     stances: Mapping[str, Sums]
-    shared: Shared | None = None
 
     @property
     def women(self) -> int:
@@ -101,29 +91,19 @@ class CohortPrior:
         return frozenset[str]().union(*(each.scans for each in self.stances.values()))
 
     def plus(self, other: "CohortPrior") -> "CohortPrior":
-        """Of both; BadInput where they are of two rigs, a scan is in both, or one has noise and the other none."""
+        """Of both; BadInput where they are of two rigs, or a scan is in both."""
         if other.rig_sha256 != self.rig_sha256:
             raise BadInput("These priors are of two different rigs; merge those of one.")
-        if (self.shared is None) != (other.shared is None):
-            raise BadInput("A prior that was shared has means only; merge it with others that were shared.")
         twice = len(self.scans & other.scans)
         if twice:
             raise BadInput(
                 f"Both priors hold {twice} of the same scans, and sums cannot be taken apart: take their fits out of "
                 "one with `breastrig cohort remove`, or learn from all fits at once."
             )
-        shared = self.shared
-        if shared is not None and other.shared is not None:
-            worst = max(shared.epsilon, other.shared.epsilon), max(shared.delta, other.shared.delta)
-            shared = Shared(*worst, float(np.hypot(shared.noise, other.shared.noise)))
-        return replace(self, stances=self._changed(other.stances, 1), shared=shared)
+        return replace(self, stances=self._changed(other.stances, 1))
 
     def without(self, other: "CohortPrior") -> "CohortPrior":
         """With these women taken out; BadInput where they cannot have been in it."""
-        if self.shared is not None:
-            raise BadInput(
-                "Nobody can be taken out of a prior that was shared; remove from the one at home and share it anew."
-            )
         if other.rig_sha256 != self.rig_sha256:
             raise BadInput("This fit is of another rig than the prior; it was never in it.")
         left = self._changed(other.stances, -1)
@@ -152,16 +132,10 @@ class CohortPrior:
             "stances": {
                 stance: {"women": sums.women, "means": sums.means.tolist()}
                 | ({"scans": sorted(sums.scans)} if sums.scans else {})
-                | (
-                    {}
-                    if self.shared
-                    else {"products": sums.products[upper].tolist(), "covariances": sums.covariances[upper].tolist()}
-                )
+                | {"products": sums.products[upper].tolist(), "covariances": sums.covariances[upper].tolist()}
                 for stance, sums in sorted(self.stances.items())
             },
         }
-        if self.shared is not None:
-            document["shared"] = vars(self.shared)
         return json_bytes(document)
 
 
@@ -206,14 +180,14 @@ def merged(priors: Sequence[CohortPrior]) -> tuple[CohortPrior, tuple[str, ...]]
             whole = whole.plus(other)
     if any(len(each.scans) < each.women for each in priors):
         said.append(
-            "A prior that was shared or is of an earlier version has no hashes of its scans: it is not known whether a "
+            "A prior of an earlier version has no hashes of its scans: it is not known whether a "
             "patient is in two of them."
         )
     return whole, tuple(said)
 
 
 def _is_within(part: CohortPrior, whole: CohortPrior) -> bool:
-    if part.rig_sha256 != whole.rig_sha256 or (part.shared is None) != (whole.shared is None):
+    if part.rig_sha256 != whole.rig_sha256:
         return False
     known = len(part.scans) == part.women and part.scans <= whole.scans
     return known or part.content() == whole.content()
@@ -234,15 +208,9 @@ class _Rig(_Part):
 class _Sums(_Part):
     women: Annotated[int, Field(ge=1, le=10_000_000)]
     means: list[Number]
-    products: list[Number] = []
-    covariances: list[Number] = []
+    products: list[Number]
+    covariances: list[Number]
     scans: list[Annotated[str, Field(pattern="^[0-9a-f]{32}$")]] = []
-
-
-class _Shared(_Part):
-    epsilon: Annotated[FiniteFloat, Field(gt=0.0)]
-    delta: Annotated[FiniteFloat, Field(gt=0.0, lt=1.0)]
-    noise: Annotated[FiniteFloat, Field(gt=0.0)]
 
 
 class _File(_Part):
@@ -252,7 +220,6 @@ class _File(_Part):
     bones: Annotated[list[str], Field(max_length=1000)]
     shapes: Annotated[list[str], Field(max_length=1000)]
     stances: dict[Stance, _Sums]
-    shared: _Shared | None = None
 
 
 def parsed_prior(text: str | bytes, name: str) -> CohortPrior:
@@ -264,12 +231,11 @@ def parsed_prior(text: str | bytes, name: str) -> CohortPrior:
         where = ".".join(map(str, faults[0]["loc"])) if faults else ""
         where = where or "it is no JSON of that kind"
         raise BadInput(f"{name} is no prior that `breastrig cohort` wrote ({where}); make it again.") from error
-    shared = None if found.shared is None else Shared(**found.shared.model_dump())
     size = 3 * len(found.bones) + len(found.shapes)
     stances = {}
     for stance, each in found.stances.items():
         lengths = len(each.means), len(each.products), len(each.covariances)
-        upper = 0 if shared else size * (size + 1) // 2
+        upper = size * (size + 1) // 2
         sums = (
             Sums(
                 each.women,
@@ -281,17 +247,16 @@ def parsed_prior(text: str | bytes, name: str) -> CohortPrior:
             if lengths == (size, upper, upper) and len(set(each.scans)) == len(each.scans) <= each.women
             else None
         )
-        if sums is None or (shared is None and not sums.possible):
+        if sums is None or not sums.possible:
             raise BadInput(f"{name} does not hold together ({stance}): no bodies have such sums; make it again.")
         stances[str(stance)] = sums
-    return CohortPrior(found.rig.name, found.rig.sha256, tuple(found.bones), tuple(found.shapes), stances, shared)
+    return CohortPrior(found.rig.name, found.rig.sha256, tuple(found.bones), tuple(found.shapes), stances)
 
 
 def _square(upper: list[float], size: int) -> Array:
-    """(N, N), symmetric; zeros without numbers."""
+    """(N, N), symmetric."""
     matrix = np.zeros((size, size))
-    if upper:
-        matrix[np.triu_indices(size)] = upper
+    matrix[np.triu_indices(size)] = upper
     return matrix + np.triu(matrix, 1).T
 
 

@@ -40,7 +40,7 @@ def cohort_belief(rig: Rig, shapes: Shapes, body: Body, stance: str) -> Belief |
     sums = None if cohort is None else cohort.stances.get(stance)
     if cohort is None or sums is None or built_in is None:
         return None
-    return believed(rig, sums, built_in, None if cohort.shared is None else cohort.shared.noise)
+    return believed(rig, sums, built_in)
 
 
 def expected_body(rig: Rig, shapes: Shapes, body: Body, stance: str) -> Gaussian | None:

@@ -1,4 +1,4 @@
-"""Priors from folders of fits, and one that may leave the house (decision 0027)."""
+"""Priors from folders of fits (decision 0027)."""
 
 import hashlib
 from collections.abc import Iterator, Sequence
@@ -6,20 +6,16 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
-import numpy as np
-
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadInput
 from breastrig.core.private_files import read_ordinary
 from breastrig.files.result import BODY, RESULT, ResultFile, folder_name
-from breastrig.fitting.uncertainty.contribution import FARTHEST, built_in, parsed_contribution
-from breastrig.rig.cohort_belief import FEWEST
-from breastrig.rig.cohort_prior import CohortPrior, Shared, Sums, cohort_of_scans, scan_hash
+from breastrig.fitting.uncertainty.contribution import parsed_contribution
+from breastrig.rig.cohort_prior import CohortPrior, Sums, cohort_of_scans, scan_hash
 from breastrig.rig.model import Rig
 from breastrig.workflow.folder.fit_folder import checked_result
 
 BODY_BYTES = 10_000_000  # the torso's has 14 thousand
-DELTA = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,52 +109,3 @@ def _patient(place: Path, result: ResultFile) -> str:
     """Her code where a person has given one; else each folder is of another woman."""
     given = result.patient is not None and result.patient.given
     return f"code {result.patient.code}" if given and result.patient else f"folder {place.resolve()}"
-
-
-def shared(prior: CohortPrior, rig: Rig, epsilon: float, delta: float = DELTA) -> CohortPrior:
-    """The sums of means alone, with Gaussian noise: (ε, δ)-differential privacy for one woman exchanged for another.
-
-    In units of the built-in prior no woman's mean is farther from it than FARTHEST sqrt(N) (contribution.py), so that
-    one in all S stances moves the sums by twice that and sqrt(S) at most.  How many they are is no secret.  Raises
-    BadInput for stances of fewer than FEWEST women, and where OpenDP is not installed.
-    """
-    try:
-        import opendp.prelude as dp  # an extra
-    except ModuleNotFoundError as error:
-        raise BadInput('`breastrig cohort share` needs OpenDP: pip install "breastrig[share]".') from error
-    stances = sorted(stance for stance, sums in prior.stances.items() if sums.women >= FEWEST)
-    if prior.shared is not None:
-        raise BadInput("This prior was shared already; noise on noise tells less and hides no more.")
-    if not stances:
-        most = max((sums.women for sums in prior.stances.values()), default=0)
-        raise BadInput(f"Only priors of {FEWEST} patients or more of a stance may be shared, and this one has {most}.")
-    if not (0.0 < epsilon <= 100.0 and 0.0 < delta < 1e-3):
-        raise BadInput("epsilon must be above 0 and at most 100, delta above 0 and below 0.001.")
-    own = {stance: built_in(rig, stance) for stance in stances}
-    size = 3 * len(prior.bones) + len(prior.shapes)
-    dp.enable_features("contrib")
-    domain, metric = (
-        dp.vector_domain(dp.atom_domain(T=float, nan=False), size=size * len(stances)),
-        dp.l2_distance(T=float),
-    )
-
-    def private(scale: float) -> "dp.Measurement":
-        return dp.c.make_fix_delta(dp.c.make_zCDP_to_approxDP(dp.m.make_gaussian(domain, metric, scale=scale)), delta)
-
-    moved = 2.0 * FARTHEST * float(np.sqrt(size * len(stances)))
-    noise = float(dp.binary_search_param(private, d_in=moved, d_out=(epsilon, delta)))
-    roots = {stance: np.linalg.cholesky(each.covariance) for stance, each in own.items() if each is not None}
-    away = [
-        np.linalg.solve(roots[stance], prior.stances[stance].means - prior.stances[stance].women * each.mean)
-        for stance, each in own.items()
-        if each is not None
-    ]
-    noisy = np.array(private(noise)(np.concatenate(away).tolist())).reshape(len(stances), size)
-    empty = np.zeros((size, size))
-    found = {}
-    for stance, row in zip(stances, noisy, strict=True):
-        each = own[stance]
-        assert each is not None
-        women = prior.stances[stance].women
-        found[stance] = Sums(women, women * each.mean + roots[stance] @ row, empty, empty)
-    return replace(prior, stances=found, shared=Shared(epsilon, delta, noise))
