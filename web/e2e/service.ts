@@ -41,10 +41,10 @@ export interface Running {
   readonly stop: () => Promise<void>;
 }
 
-/** Starts the service, without a token unless `environment`, which is added to ours, or `access` says so; in a `folder` that stays, where one is given. */
-export async function startService(environment: Record<string, string> = {}, access = "BREASTRIG_TOKEN" in environment ? [] : ["--no-token"], folder?: string): Promise<Running> {
+/** Starts the service, without a token unless `environment`, which is added to ours, or `access` says so; in a `folder` that stays and at a `port`, where they are given. */
+export async function startService(environment: Record<string, string> = {}, access = "BREASTRIG_TOKEN" in environment ? [] : ["--no-token"], folder?: string, port = "0"): Promise<Running> {
   const data = folder ?? mkdtempSync(join(tmpdir(), "breastrig-e2e-"));
-  const options = ["serve", "--port", "0", "--data", data, ...access];
+  const options = ["serve", "--port", port, "--data", data, ...access];
   const { path, env } = helper("serve_browser_tests.py");
   const service = spawn(findPython(), [path, ...options], { env: { ...env, ...environment } });
   let said = "";

@@ -5,6 +5,7 @@ import type { Cut, LandmarkDefinition, LandmarkFile, Patient, PlanItem, PlanOnSc
 import { createActions } from "../src/app/actions";
 import { withPlacingView } from "../src/app/placingView";
 import { initialSession, type Session } from "../src/app/session";
+import { createOutbox } from "../src/store/outbox";
 import { createStore } from "../src/store/store";
 
 /** A fitted surface of one triangle. */
@@ -79,7 +80,22 @@ export function fakePlans() {
   };
 }
 
-export function page(answers: Partial<Client> = {}) {
+/** A browser tab's own storage. */
+export function memory(): Storage {
+  const kept = new Map<string, string>();
+  return {
+    getItem: (key: string) => kept.get(key) ?? null,
+    setItem: (key: string, value: string) => void kept.set(key, value),
+    removeItem: (key: string) => void kept.delete(key),
+    key: (index: number) => [...kept.keys()][index] ?? null,
+    clear: () => kept.clear(),
+    get length() {
+      return kept.size;
+    },
+  };
+}
+
+export function page(answers: Partial<Client> = {}, tab: Storage = memory()) {
   vi.stubGlobal("EventSource", FakeEventSource);
   const landmarks = NAMES.map((name) => ({ name, label: name }) as LandmarkDefinition);
   const store = createStore<Session>({ ...initialSession, meta: { landmarks, model: { name: "torso" }, scan_files: { endings: [".ply", ".obj", ".nii.gz"] } } as Session["meta"] }, withPlacingView);
@@ -105,7 +121,7 @@ export function page(answers: Partial<Client> = {}) {
     deleteScan: vi.fn(async () => undefined),
     ...answers,
   } as unknown as Client;
-  return { store, client, actions: createActions(store, client, () => true) };
+  return { store, client, tab, actions: createActions(store, client, () => true, createOutbox(tab)) };
 }
 
 /** The same with a scan opened. */

@@ -144,15 +144,15 @@ export const client = {
     body.append("file", file);
     return (await (await ask(`${scan.links.landmarks}/file`, { method: "POST", body })).json()) as LandmarkFile;
   },
-  landmarks: async (scan: Scan): Promise<StoredLandmarks> => tagged(await ask(scan.links.landmarks)),
+  landmarks: async (scan: Pick<Scan, "id" | "links">): Promise<StoredLandmarks> => tagged(await ask(scan.links.landmarks)),
   /** 412 when those that are kept are not the ones of this tag any more; without one they are replaced whatever they are.  Arrives although the page is being closed. */
-  saveLandmarks: async (scan: Scan, file: LandmarkFile, seen: string | null): Promise<StoredLandmarks> => {
+  saveLandmarks: async (scan: Pick<Scan, "id" | "links">, file: LandmarkFile, seen: string | null): Promise<StoredLandmarks> => {
     const headers = { "Content-Type": "application/json", ...(seen === null ? {} : { "If-Match": `"${seen}"` }) };
     return tagged(await ask(scan.links.landmarks, { method: "PUT", body: JSON.stringify(file), headers, keepalive: true }));
   },
-  cuts: (scan: Scan) => askJson<Cuts>(scan.links.cuts),
+  cuts: (scan: Pick<Scan, "id" | "links">) => askJson<Cuts>(scan.links.cuts),
   /** 412 when those that are kept are not the ones of this digest any more. */
-  saveCuts: async (scan: Scan, cuts: readonly Cut[], seen: string): Promise<Cuts> => {
+  saveCuts: async (scan: Pick<Scan, "id" | "links">, cuts: readonly Cut[], seen: string): Promise<Cuts> => {
     const body = JSON.stringify({ cuts });
     const headers = { "Content-Type": "application/json", "If-Match": `"${seen}"` };
     return (await (await ask(scan.links.cuts, { method: "PUT", body, headers, keepalive: body.length < KEPT_ALIVE_BYTES })).json()) as Cuts;

@@ -23,7 +23,7 @@ export function createLeaveDialog(actions: LeavingActions): Panel<Shown> {
       { class: "answers" },
       button(words.again, () => void actions.saveAgain(), "primary"),
       button(words.stay, actions.stay, "quiet outlined"),
-      button(words.anyhow, actions.leaveAnyhow, "quiet outlined danger"),
+      button(words.anyhow, () => actions.leaveAnyhow(), "quiet outlined danger"),
     ),
   );
   element.addEventListener("cancel", (event) => {

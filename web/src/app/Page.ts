@@ -42,6 +42,7 @@ import type { Session } from "./session";
 import { createSteps } from "./Steps";
 import { page as pageText } from "./text";
 import { createTopBar } from "./TopBar";
+import { createUnsavedBar } from "./UnsavedBar";
 
 /** What the 3D view needs of the page. */
 export interface Stages {
@@ -120,6 +121,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   );
   const deleted = createDeletionNotice(actions.deletion);
   const changed = createPlanNotice(actions.plan);
+  const unsaved = createUnsavedBar(() => actions.unsaved.soon());
   host.append(deleted.element, changed.element);
   const stances = createStancesBar(actions.stances);
   const top = createTopBar(actions, stances.element);
@@ -142,7 +144,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const footer = el("footer", { class: "footer" }, el("strong", {}, notice), el("span", { class: "spring" }), version);
 
   return {
-    elements: [top.element, steps.element, host, other.element, aside, timeline.element, footer, help.element, share.element, adding.element, measures.element, leave.element, deleting.element, live],
+    elements: [top.element, steps.element, host, other.element, aside, timeline.element, footer, help.element, share.element, adding.element, measures.element, leave.element, deleting.element, unsaved.element, live],
     ink,
     stages: { main: { host, canvas, overlay }, other: other.stage, picture: guide.canvas, light: guide.light },
     follow(store): void {
@@ -192,6 +194,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(deleting);
       on(deleted);
       on(changed);
+      on(unsaved);
       store.select(only("undone"), (state) => {
         const said = state.undone && el("span", {}, state.undone.says);
         undone.replaceChildren(...(said ? [said] : []));

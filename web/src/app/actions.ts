@@ -14,35 +14,38 @@ import { planActions } from "../plan/actions";
 import { scanActions } from "../scan/actions";
 import { shareActions } from "../share/actions";
 import { stancesActions } from "../stances/actions";
+import { createOutbox, type Outbox } from "../store/outbox";
 import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import { viewActions } from "../viewer/actions";
 import { deletionActions } from "./deletion/actions";
 import { exportActions } from "./exportActions";
+import { keepTrying } from "./keepTrying";
 import { leavingActions } from "./leaving";
 import { pageActions } from "./pageActions";
 import { scanContents } from "./scanContents";
 import type { Session } from "./session";
 
-export function createActions(store: Store<Session>, client: Client, prefersStill: () => boolean) {
+export function createActions(store: Store<Session>, client: Client, prefersStill: () => boolean, outbox: Outbox = createOutbox()) {
   const player = createPlayer(store, prefersStill);
   const follower = createFollower(store, client);
   const fit = fitActions(store, client, player, follower);
   const proposals = createProposalSearch(store, client);
-  const landmarks = landmarkActions(store, client, { begun: proposals.lookOnce, moved: fit.refit, answered: fit.refit });
-  const plan = planActions(store, client);
-  const scan = scanActions(store, client, scanContents(landmarks, plan, fit.stop), proposals.lookOnce);
+  const landmarks = landmarkActions(store, client, { begun: proposals.lookOnce, moved: fit.refit, answered: fit.refit }, outbox);
+  const plan = planActions(store, client, outbox);
+  const scan = scanActions(store, client, scanContents(landmarks, plan, fit.stop), proposals.lookOnce, outbox);
   const drawing = drawingActions(store, client, plan);
-  const leaving = leavingActions(store, { landmarks, lines: drawing });
+  const leaving = leavingActions(store, { landmarks, lines: drawing }, outbox);
   const guarded = leaving.guarded(scan);
   const stances = stancesActions(store, client, { scan, fit, landmarks, drawing, plan });
-  const patients = patientActions(store, client);
-  const deletion = deletionActions(store, client, { scan, fit, stances, patients });
+  const patients = patientActions(store, client, outbox);
+  const deletion = deletionActions(store, client, { scan, fit, stances, patients }, outbox);
   return {
     page: pageActions(store, proposals.lookOnce),
     view: viewActions(store),
     scan: { ...guarded, open: (id: string, own: Frame | null) => (deletion.keepIf(id), guarded.open(id, own)) },
     leaving,
+    unsaved: keepTrying(store, outbox, [landmarks, plan, scan]),
     deletion,
     landmarks,
     drawing,
@@ -54,9 +57,10 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
     proposals,
     /** What still waits is saved first; the page that follows asks for the token. */
     async signOut(): Promise<void> {
-      await landmarks.flush();
+      if (!(await leaving.mayLeave())) return;
       try {
         await client.signOut();
+        outbox.forget(() => true); // nothing of a patient stays in the browser
         location.assign("/sign-in");
       } catch (error) {
         store.set((state) => withProblem(state, "page", messageOf(error)));

@@ -4,10 +4,11 @@ import type { DrawingActions } from "../drawing/actions";
 import type { LandmarkActions } from "../landmarks/actions";
 import type { ScanActions } from "../scan/actions";
 import type { Store } from "../store/store";
-import type { Session, Unsaved } from "./session";
+import type { Outbox, Unsaved } from "../store/outbox";
+import type { Session } from "./session";
 
 /** What the service does not have yet, of both stances. */
-export function unsavedOf({ scan, saving, drawn, stances }: Pick<Session, "scan" | "saving" | "drawn" | "stances">): Unsaved[] {
+export function unsavedOf({ scan, saving, drawn, stances }: Pick<Session, "scan" | "saving" | "drawn" | "stances">): Exclude<Unsaved, "cuts">[] {
   if (scan === null) return [];
   const all = [{ saving, drawn }, ...(stances.other ? [stances.other] : [])];
   const isIn = (of: (one: (typeof all)[number]) => string): boolean => all.some((one) => of(one) !== "saved");
@@ -20,7 +21,7 @@ export const isRefused = ({ scan, saving, drawn, problems }: Pick<Session, "scan
 
 type Saving = Pick<LandmarkActions, "flush" | "saveNow"> | Pick<DrawingActions, "flush" | "saveNow">;
 
-export function leavingActions(store: Store<Session>, kept: Record<Unsaved, Saving>) {
+export function leavingActions(store: Store<Session>, kept: Record<Exclude<Unsaved, "cuts">, Saving>, outbox: Outbox) {
   let answer: ((mayLeave: boolean) => void) | null = null;
 
   async function save(): Promise<void> {
@@ -47,7 +48,11 @@ export function leavingActions(store: Store<Session>, kept: Record<Unsaved, Savi
   return {
     mayLeave,
     stay: (): void => reply(false),
-    leaveAnyhow: (): void => reply(true),
+    leaveAnyhow(): void {
+      const { scan, stances } = store.get();
+      outbox.forget((id) => id === scan?.info.id || id === stances.other?.scan?.info.id);
+      reply(true);
+    },
     async saveAgain(): Promise<void> {
       await save();
       const unsaved = unsavedOf(store.get());

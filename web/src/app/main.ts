@@ -3,6 +3,7 @@ import "../style.css";
 import { client, onSignedOut } from "../api/client";
 import { mayShowInk } from "../ink/state";
 import { followModels } from "../stances/followModels";
+import { createOutbox } from "../store/outbox";
 import type { Place } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
 import { createStore, only } from "../store/store";
@@ -14,13 +15,13 @@ import { openViewer } from "./openViewer";
 import { createPage } from "./Page";
 import { withPlacingView } from "./placingView";
 import { initialSession, type Session } from "./session";
-import { keepUnsaved, takeUnsaved } from "./unsavedWork";
+import { keepAddress, takeAddress } from "./unsavedWork";
 
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 const prefersStill = (): boolean => still.matches;
 
 const store = createStore<Session>(initialSession, withPlacingView);
-const actions = createActions(store, client, prefersStill);
+const actions = createActions(store, client, prefersStill, createOutbox(sessionStorage));
 const dismiss = (place: Place): void => store.set((state) => withProblem(state, place, null));
 
 const page = createPage(actions, dismiss);
@@ -34,20 +35,29 @@ store.select(only("scan"), ({ scan }) => {
   void import("../ink/open").then(({ openInk }) => openInk(store, client, actions, page.ink));
 });
 listenToKeys(store, actions);
+/** What is typed in a field is taken as it stands: the page is about to go. */
+const endTyping = (): void => (document.activeElement as HTMLElement | null)?.blur();
+addEventListener("pagehide", endTyping);
 addEventListener("pagehide", () => void actions.landmarks.flush(true));
 addEventListener("pagehide", () => void actions.drawing.flush());
 addEventListener("pagehide", () => void actions.deletion.send());
 // Whoever comes back to this tab learns what was written in another one meanwhile.
-const look = (): void => void Promise.all([actions.plan.look(), actions.landmarks.look()]);
+const look = (): void => {
+  void Promise.all([actions.plan.look(), actions.landmarks.look()]);
+  actions.unsaved.soon();
+};
 addEventListener("focus", look);
+addEventListener("online", () => actions.unsaved.soon());
 document.addEventListener("visibilitychange", () => document.visibilityState === "visible" && look());
 let isSigningIn = false; // what is unsaved waits in this tab's memory then
 addEventListener("beforeunload", (event) => {
   if (!isSigningIn && isRefused(store.get())) event.preventDefault(); // the browser asks
 });
 onSignedOut(() => {
+  if (isSigningIn) return;
   isSigningIn = true;
-  keepUnsaved(store.get(), location.hash, sessionStorage);
+  endTyping();
+  keepAddress(location.hash, sessionStorage);
   location.assign("/sign-in");
 });
 reportUnforeseen();
@@ -77,11 +87,8 @@ async function begin(): Promise<void> {
     if (scan === null) queueMicrotask(() => void actions.patients.read());
   });
   void client.isSignedIn().then((isSignedIn) => store.set({ isSignedIn }), () => undefined); // then there is just no button
-  const waiting = takeUnsaved(sessionStorage);
-  if (waiting && location.hash === "") history.replaceState(null, "", waiting.hash || location.pathname);
+  const hash = takeAddress(sessionStorage);
+  if (hash !== null && location.hash === "") history.replaceState(null, "", hash || location.pathname);
   await followAddress(store, actions);
-  const { unsaved } = waiting ?? {};
-  if (!unsaved || unsaved.scan !== store.get().scan?.info.id) return;
-  if (unsaved.picks) actions.landmarks.restore(unsaved.picks, unsaved.certain);
-  if (unsaved.lines) actions.drawing.restore(unsaved.lines);
+  await actions.unsaved.now(); // what could not be saved of scans that are not on the page
 }

@@ -3,11 +3,20 @@ import { plural } from "../ui/plural";
 
 export const leaving = {
   title: "Not everything is saved",
-  what: { landmarks: "The landmarks of this scan", lines: "The lines that you drew" },
+  what: { landmarks: "The landmarks of this scan", lines: "Lines, patterns, lesions or notes", cuts: "What you cut away" },
   lost: (things: readonly string[]) => `${things.join(" and ")} could not be saved. They are lost if you go on.`,
   again: "Save again",
   stay: "Stay here",
   anyhow: "Go on without saving",
+};
+
+const WHAT = { landmarks: "landmarks", lines: "the plan (lines, patterns, tumour, notes)", cuts: "cuts" };
+
+export const unsaved = {
+  says: (what: readonly (keyof typeof WHAT)[], why: string, isFull: boolean) =>
+    `Not saved yet: ${what.map((each) => WHAT[each]).join(", ")}. ${why} ${isFull ? "The browser has no room to keep it: leave this page open." : "It is kept in this tab, also over a reload or a sign-in, and saved as soon as that works."}`,
+  now: "Save now",
+  saved: "Everything is saved.",
 };
 
 export const deletion = {

@@ -15,7 +15,7 @@ export function scanContents(landmarks: Pick<LandmarkActions, "read">, plan: Pic
     async read(info) {
       const [saved, { lines, drawing, ...words }] = await Promise.all([landmarks.read(info).catch(() => null), plan.read(info)]);
       const picks = saved?.picks ?? {};
-      const state: Partial<Session> = { ...startLandmarks(picks, saved?.certain), drawn: startDrawn(lines, words), drawing, fit: null, isStarting: false, stance: "auto" };
+      const state: Partial<Session> = { ...startLandmarks(picks, saved?.certain, saved?.saving), drawn: startDrawn(lines, words), drawing, fit: null, isStarting: false, stance: "auto" };
       return { state, stands: standing(info.frame, picks) };
     },
     none: (): Partial<Session> => ({

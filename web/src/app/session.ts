@@ -8,11 +8,9 @@ import { initialScan, type ScanSlice } from "../scan/state";
 import { initialPatients, type PatientsSlice } from "../patients/state";
 import { initialShare, type ShareSlice } from "../share/state";
 import { initialStances, type StancesSlice } from "../stances/state";
+import type { Unsaved } from "../store/outbox";
 import { initialPage, type PageSlice } from "../store/page";
 import { initialView, type ViewSlice } from "../viewer/state";
-
-/** What the service may not have yet. */
-export type Unsaved = "landmarks" | "lines";
 
 /** A scan that will be deleted unless the person takes it back. */
 export interface Deletion {

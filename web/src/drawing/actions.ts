@@ -6,7 +6,7 @@ import type { LandmarksSlice } from "../landmarks/state";
 import { landmarks as landmarkText } from "../landmarks/text";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
-import { messageOf, withoutMessage, withProblem } from "../store/problems";
+import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import { formatMmWhole } from "../ui/units";
 import type { ViewSlice } from "../viewer/state";
@@ -29,16 +29,16 @@ export const RADIUS_MM = { least: 1, most: 80 }; // what the model's own tumour 
 
 /** Where lines are kept: the patient's plan. */
 export interface KeepsLines {
-  saveLines(scan: Scan, lines: readonly OwnLine[]): Promise<readonly OwnLine[]>; // those that are kept now
+  /** As the page shows the scan by then, or as it was left; says in the state whether that worked. */
+  save(scan: Scan): Promise<void>;
   /** What the plan says about the scan before it said this; null when nothing earlier is known. */
   earlier(scan: Scan, now: PlanStep): Promise<PlanStep | null>;
 }
 
 export function drawingActions(store: Store<State>, client: Pick<Client, "lengths">, plan: KeepsLines) {
   let timer: ReturnType<typeof setTimeout> | undefined;
-  let waiting: { scan: Scan; lines: readonly OwnLine[] } | null = null;
+  let waiting: Scan | null = null;
   let onItsWay: Promise<unknown> = Promise.resolve();
-  let unsaid: string | null = null; // what saving has complained about last
   let skin: () => Skin | null = () => null; // the view has the mesh
 
   const drawn = (): DrawnState => store.get().drawn;
@@ -60,34 +60,21 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
 
   const put = (part: Partial<DrawnState>, more: Partial<State> = {}): void => store.set((state) => ({ ...more, drawn: { ...state.drawn, ...part } }));
 
-  /** What is shown about saving concerns the scan on the screen; another one is saved all the same. */
-  async function save(scan: Scan, saved: readonly OwnLine[]): Promise<void> {
-    const show = (part: (state: State) => Partial<State>): void => store.set((state) => (state.scan?.info.id === scan.id ? part(state) : {}));
-    show((state) => ({ drawn: { ...state.drawn, saving: "saving" } }));
-    try {
-      const kept = await plan.saveLines(scan, saved);
-      show((state) => (state.drawn.lines.present === kept ? { drawn: { ...state.drawn, saving: "saved" }, ...withoutMessage(state, "drawing", unsaid) } : {}));
-    } catch (error) {
-      unsaid = messageOf(error);
-      show((state) => ({ drawn: { ...state.drawn, saving: "unsaved" }, ...withProblem(state, "drawing", unsaid) }));
-    }
-  }
-
   /** What waits is sent, and what is on its way has come. */
   async function flush(): Promise<void> {
     clearTimeout(timer);
-    const { scan, lines: unsaved } = waiting ?? {};
+    const scan = waiting;
     waiting = null;
-    if (scan && unsaved) onItsWay = Promise.all([onItsWay, save(scan, unsaved)]);
+    if (scan) onItsWay = Promise.all([onItsWay, plan.save(scan)]);
     await onItsWay;
   }
 
   function saveSoon(): void {
     const { scan } = store.get();
     if (!scan) return;
-    if (waiting && waiting.scan.id !== scan.info.id) void flush();
+    if (waiting && waiting.id !== scan.info.id) void flush();
     clearTimeout(timer);
-    waiting = { scan: scan.info, lines: lines() };
+    waiting = scan.info;
     put({ saving: "unsaved" });
     timer = setTimeout(() => void flush(), PAUSE_MS);
   }
@@ -269,7 +256,7 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
     /** Which lines of ink are none of the plan; one step to undo, too. */
     decide: (decided: InkDecided, announcement: string): void => put({ lines: withStep(store.get()), decided }, { announcement }),
 
-    /** Lines that could not be saved before; what the service has is one undo away. */
+    /** Other lines instead, as one step to undo. */
     restore: (kept: readonly OwnLine[]): void => change(kept, {}, ""),
 
     clear: (): void => change([], { start: null, open: null, chosen: null, corner: null }, words.announceCleared),
@@ -375,7 +362,7 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
 
     async saveNow(): Promise<void> {
       const { scan } = store.get();
-      if (scan) await save(scan.info, lines());
+      if (scan) await plan.save(scan.info);
     },
     flush,
   };

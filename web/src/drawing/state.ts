@@ -88,7 +88,7 @@ export const withStep = (state: { readonly drawing: string; readonly drawn: Draw
 /** What is drawn on one scan, and what the hand does there. */
 export interface DrawnState {
   readonly lines: PlanHistory; // of lines, patterns, tumour and words
-  readonly saving: "saved" | "saving" | "unsaved";
+  readonly saving: "saved" | "saving" | "unsaved"; // of all that is planned on the scan
   readonly tool: Tool;
   readonly start: Vector | null; // first click of a line that has no second one yet
   readonly open: string | null; // the line that the next click continues
@@ -105,6 +105,7 @@ export interface DrawnState {
   readonly onScan: OnScan | null;
   readonly live: Live | null;
   readonly isChangedElsewhere: boolean; // somebody else has written the plan since it was read
+  readonly contested: Pick<PlanStep, "drawing" | "depthMm"> | null; // as they were changed elsewhere while they were changed here in another way
 }
 
 export type Layer = "reference" | "own" | "carried" | "band";
@@ -122,10 +123,12 @@ export interface DrawingSlice {
   readonly fingersDraw: boolean; // all the same
 }
 
-export function startDrawn(lines: readonly OwnLine[] = [], words: Pick<DrawnState, "note" | "depthMm" | "lesions"> = { note: "", depthMm: null, lesions: [] }): DrawnState {
+type Words = Pick<DrawnState, "note" | "depthMm" | "lesions"> & Partial<Pick<DrawnState, "contested" | "saving">>;
+
+export function startDrawn(lines: readonly OwnLine[] = [], words: Words = { note: "", depthMm: null, lesions: [] }): DrawnState {
   return {
     lines: startHistory(lines),
-    saving: "saved",
+    saving: words.saving ?? "saved",
     tool: "none",
     start: null,
     open: null,
@@ -142,6 +145,7 @@ export function startDrawn(lines: readonly OwnLine[] = [], words: Pick<DrawnStat
     onScan: null,
     live: null,
     isChangedElsewhere: false,
+    contested: words.contested ?? null,
   };
 }
 

@@ -4,18 +4,19 @@ import type { Scan, Vector } from "../api/types";
 import type { ScanSlice } from "../scan/state";
 import { record, redo, undo } from "../store/history";
 import type { PageSlice } from "../store/page";
+import type { Outbox } from "../store/outbox";
 import { messageOf, withoutMessage, withProblem } from "../store/problems";
-import type { Store } from "../store/store";
+import { only, type Store } from "../store/store";
 import type { ViewSlice } from "../viewer/state";
 import { type Certain, certainAt, certainNames } from "./certain";
-import { createPicksKeeper } from "./keeper";
+import { createPicksKeeper, type Known } from "./keeper";
 import { exchanged, nextMissing, type Picks, picksChanged, picksOf, withoutPick, withPick } from "./picks";
 import { isFelt, onlyAgreed } from "./proposals/agreed";
 import { openProposals } from "./proposals/proposals";
 import type { LandmarksSlice } from "./state";
 import { straightened } from "./straighten";
 import * as text from "./text";
-import { certainWith, type KeptPicks, withTheirs } from "./together";
+import { certainWith, type KeptPicks, together, withTheirs } from "./together";
 
 type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice;
 
@@ -33,11 +34,19 @@ interface Placed {
   readonly certain: Certain;
 }
 
-export function landmarkActions(store: Store<State>, client: Client, followed: Followed) {
+/** What the outbox keeps of landmarks that could not be saved: those that they began with, and what was made of them. */
+interface Waiting {
+  readonly scan: Pick<Scan, "id" | "links">;
+  readonly base: Known;
+  readonly mine: KeptPicks;
+}
+
+export function landmarkActions(store: Store<State>, client: Client, followed: Followed, outbox: Outbox) {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let waiting: ({ scan: Scan } & Placed) | null = null;
   let onItsWay: Promise<unknown> = Promise.resolve();
   let unsaid: string | null = null; // what saving has complained about last
+  const savers: ((scan: string) => void)[] = [];
   const adopted = new WeakMap<Picks, Picks>(); // the same picks, and the same certain ones, with somebody else's
   let isClose: (point: Vector) => boolean = () => false; // whether it is looked at closely on the stage
   const answers = new WeakSet<Picks>(); // picks that an answer has made: undoing it asks for another fit as well
@@ -90,10 +99,58 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
       };
       await (isLast ? keeper.saveLast : keeper.save)(scan, mine);
       const isAll = (state: State): boolean => state.picks.present === (adopted.get(now.picks) ?? now.picks) && state.certain === (adopted.get(now.certain) ?? now.certain);
+      if (store.get().scan?.info.id !== scan.id || isAll(store.get())) saved(scan.id);
       show((state) => (isAll(state) ? { saving: "saved", ...withoutMessage(state, "landmarks", unsaid) } : {}));
     } catch (error) {
       unsaid = messageOf(error);
       show((state) => ({ saving: "unsaved", ...withProblem(state, "landmarks", unsaid) }));
+      outbox.failed("landmarks", scan.id, error);
+    }
+  }
+
+  function saved(scan: string): void {
+    outbox.saved("landmarks", scan);
+    for (const follow of savers) follow(scan);
+  }
+
+  /** Keeps them until the service has them. */
+  function remember(scan: Scan): void {
+    const { self, landmarks } = scan.links;
+    const waits = { scan: { id: scan.id, links: { self, landmarks } as Scan["links"] }, base: keeper.base(scan.id), mine: keptOf(placed()) };
+    outbox.keep("landmarks", scan.id, scan.patient, waits satisfies Waiting);
+  }
+
+  /** A scan that is opened with landmarks that could not be saved. */
+  store.select(only("scan"), ({ scan }, before) => {
+    if (scan && scan.info.id !== before.scan?.info.id && outbox.kept("landmarks", scan.info.id)) queueMicrotask(() => void saveNow());
+  });
+
+  /** With what could not be saved of it before. */
+  async function read(scan: Scan): Promise<KeptPicks & Pick<LandmarksSlice, "saving">> {
+    const now = await keeper.read(scan);
+    const waiting = outbox.kept("landmarks", scan.id) as Waiting | null;
+    if (!waiting) return { ...now, saving: "saved" };
+    const both = together(waiting.base, waiting.mine, now);
+    outbox.keep("landmarks", scan.id, scan.patient, { ...waiting, base: keeper.base(scan.id), mine: { picks: both.picks, certain: both.certain } } satisfies Waiting);
+    if (both.taken.length + both.overruled.length > 0) {
+      const announcement = text.landmarks.changedElsewhere(both.taken.map(spoken), both.overruled.map(spoken));
+      setTimeout(() => store.set((state) => (state.scan?.info.id === scan.id ? { announcement, ...withProblem(state, "landmarks", announcement) } : {})), PAUSE_MS); // when it is shown
+    }
+    return { picks: both.picks, certain: both.certain, saving: "unsaved" };
+  }
+
+  /** Tries again to save what waits, of every scan. */
+  async function retry(): Promise<void> {
+    for (const id of outbox.scans("landmarks")) {
+      const waiting = outbox.kept("landmarks", id) as Waiting | null;
+      if (store.get().scan?.info.id === id) await saveNow();
+      else if (waiting) {
+        keeper.base(id, waiting.base);
+        await keeper.save(waiting.scan, () => (outbox.kept("landmarks", id) as Waiting | null)?.mine ?? waiting.mine).then(
+          () => saved(id),
+          (error: unknown) => outbox.failed("landmarks", id, error),
+        );
+      }
     }
   }
 
@@ -112,6 +169,7 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
     if (waiting && waiting.scan.id !== scan.info.id) void flush();
     clearTimeout(timer);
     waiting = { scan: scan.info, ...placed() };
+    remember(scan.info);
     store.set({ saving: "unsaved" });
     timer = setTimeout(() => void flush(), PAUSE_MS);
   }
@@ -249,7 +307,7 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
     takeOut: (name: string): void => answer(withoutPick(store.get().picks.present, name), text.questions.announceTakenOut(labelOf(name) ?? name)),
     exchange: (names: readonly string[]): void => answer(exchanged(store.get().picks.present, names), text.questions.announceExchanged(names.length > 2 ? text.questions.allSides : spokenOf(names))),
 
-    /** Picks that could not be saved before; what the service has is one undo away. */
+    /** Other picks instead, as one step to undo. */
     restore: (picks: Picks, certain: readonly string[] = []): void => change(picks, { certain: certainAt(picks, certain) }),
     remove: (name: string): void => change(withoutPick(store.get().picks.present, name)),
     clear: (): void => change({}, { active: null, skipped: new Set() }),
@@ -298,7 +356,10 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
     saveNow,
     flush,
     /** As the service has them now; from here on what is saved of this scan is a change of these. */
-    read: keeper.read,
+    read,
+    retry,
+    /** Called when what waited of a scan is saved. */
+    followSaved: (follow: (scan: string) => void): void => void savers.push(follow),
     /** Whether somebody else has placed landmarks since they were read here; then the page has them too. */
     async look(): Promise<void> {
       const { scan } = store.get();

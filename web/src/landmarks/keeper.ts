@@ -8,11 +8,14 @@ import { picksOf } from "./picks";
 import { type KeptPicks, NO_PICKS, type Together, together } from "./together";
 
 /** Somebody else has changed picks that began as `base`: what is shown has to follow.  False where the scan is not shown. */
-export type Elsewhere = (scan: Scan, base: KeptPicks, theirs: KeptPicks, both: Together) => boolean;
+export type Elsewhere = (scan: Named, base: KeptPicks, theirs: KeptPicks, both: Together) => boolean;
 
-interface Known extends KeptPicks {
+/** As the service had them when they were read or written last. */
+export interface Known extends KeptPicks {
   readonly seen: string | null; // their tag at the service; null where it gives none
 }
+
+type Named = Pick<Scan, "id" | "links">;
 
 const fileOf = ({ picks, certain }: KeptPicks): LandmarkFile => ({ schema: "breastrig/landmarks@1", unit: "mm", landmarks: { ...picks }, certain: [...certain] });
 
@@ -20,12 +23,12 @@ export function createPicksKeeper(client: Pick<Client, "landmarks" | "saveLandma
   const known = new Map<string, Known>(); // by scan: as the page knows them
   const { queued, isBusy } = createQueues();
 
-  async function fetched(scan: Scan): Promise<Known> {
+  async function fetched(scan: Named): Promise<Known> {
     const file = await client.landmarks(scan);
     return { picks: picksOf(file), certain: file.certain ?? [], seen: file.seen ?? null };
   }
 
-  async function write(scan: Scan, mine: KeptPicks): Promise<void> {
+  async function write(scan: Named, mine: KeptPicks): Promise<void> {
     const base = known.get(scan.id) ?? { ...NO_PICKS, seen: "" }; // that could not be read: what is there is none of mine
     const now: { theirs: Known | null; both: Together } = { theirs: null, both: { ...mine, taken: [], overruled: [] } };
     const { seen = null } = await writtenOver(
@@ -41,21 +44,27 @@ export function createPicksKeeper(client: Pick<Client, "landmarks" | "saveLandma
   }
 
   return {
-    read: (scan: Scan): Promise<KeptPicks> =>
+    read: (scan: Named): Promise<KeptPicks> =>
       queued(scan.id, async () => {
         const now = await fetched(scan);
         known.set(scan.id, now);
         return now;
       }),
+    /** What a change of the scan's picks begins with; of a scan that was not read here: as it was said to be. */
+    base: (scan: string, said: Known = { ...NO_PICKS, seen: "" }): Known => {
+      const found = known.get(scan) ?? said;
+      known.set(scan, found);
+      return found;
+    },
     /** `mine` is asked when its turn has come: what it puts back must be what is shown by then. */
-    save: (scan: Scan, mine: () => KeptPicks): Promise<void> => queued(scan.id, () => write(scan, mine())),
+    save: (scan: Named, mine: () => KeptPicks): Promise<void> => queued(scan.id, () => write(scan, mine())),
     /** Before the page goes: what waits behind another change would never be sent. */
-    saveLast: async (scan: Scan, mine: () => KeptPicks): Promise<void> => {
+    saveLast: async (scan: Named, mine: () => KeptPicks): Promise<void> => {
       if (isBusy(scan.id)) await client.saveLandmarks(scan, fileOf(mine()), null);
       else await write(scan, mine());
     },
     /** Takes over what somebody else has placed since, where nothing of the own is unsaved. */
-    look: (scan: Scan, mine: () => KeptPicks | null): Promise<void> =>
+    look: (scan: Named, mine: () => KeptPicks | null): Promise<void> =>
       queued(scan.id, async () => {
         const base = known.get(scan.id);
         if (typeof base?.seen !== "string") return;

@@ -15,13 +15,13 @@ export interface LandmarksSlice {
 }
 
 /** As it is for a scan on which these were placed before, `certain` among them. */
-export const startLandmarks = (picks: Picks = {}, certain: readonly string[] = []): LandmarksSlice => ({
+export const startLandmarks = (picks: Picks = {}, certain: readonly string[] = [], saving: LandmarksSlice["saving"] = "saved"): LandmarksSlice => ({
   picks: startHistory(picks),
   certain: certainAt(picks, certain),
   proposals: null,
   skipped: new Set(),
   active: null,
-  saving: "saved",
+  saving,
 });
 
 export const pickCount = (state: Pick<LandmarksSlice, "picks">): number => Object.keys(state.picks.present).length;

@@ -2,6 +2,7 @@
 import { ApiError, type Client } from "../api/client";
 import type { Patient } from "../api/types";
 import type { PageSlice } from "../store/page";
+import type { Outbox } from "../store/outbox";
 import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import { initialPatients, type Order, type PatientsSlice, type PatientsState } from "./state";
@@ -12,7 +13,7 @@ const PAUSE_MS = 250; // while somebody types
 
 type State = PageSlice & PatientsSlice;
 
-export function patientActions(store: Store<State>, client: Pick<Client, "patients" | "renamePatient" | "deletePatient">) {
+export function patientActions(store: Store<State>, client: Pick<Client, "patients" | "renamePatient" | "deletePatient">, outbox: Outbox) {
   const going = new Map<string, ReturnType<typeof setTimeout>>();
   let typing: ReturnType<typeof setTimeout> | undefined;
   let asked = 0; // the list asked for last wins
@@ -39,6 +40,7 @@ export function patientActions(store: Store<State>, client: Pick<Client, "patien
     const code = nameOf(id);
     clearTimeout(going.get(id));
     if (!going.delete(id)) return;
+    outbox.forget((_scan, patient) => patient === id);
     try {
       await client.deletePatient(id);
       store.set(({ patients }) => ({

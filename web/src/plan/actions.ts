@@ -1,114 +1,152 @@
 // The plan of the patient on the page: read with each scan, written when a line, a pattern or a tumour changes.
 import type { Client } from "../api/client";
 import type { PlanItem, PlanLesion, Scan, StoredPlan } from "../api/types";
-import type { OwnLine } from "../drawing/lines/lines";
 import { type DrawingSlice, type PlanStep, stepOf, withStep } from "../drawing/state";
 import { drawing as drawingText } from "../drawing/text";
 import type { FitSlice } from "../fit/state";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
+import type { Outbox } from "../store/outbox";
 import { messageOf, withoutMessage, withProblem } from "../store/problems";
 import { only, type Store } from "../store/store";
-import { depthOn, drawingOn, lesionsOn, linesOn, noteOn, stepOn, stepTogether, withDepth, withDrawing, withLesions, withLines, withNote, withStepOn } from "./items";
-import { createPlanKeeper, type Elsewhere } from "./keeper";
+import { type Contested, contestedOn, stepOn, stepTogether, withStepOn } from "./items";
+import { type Both, createPlanKeeper, type Elsewhere } from "./keeper";
 
 type State = PageSlice & ScanSlice & FitSlice & DrawingSlice;
 
 /** What the plan says about one scan. */
-export interface PlannedOnScan {
-  readonly lines: readonly OwnLine[];
-  /** pattern and tumour, see fit/requestedDrawing.ts */
-  readonly drawing: string;
-  readonly note: string;
-  readonly depthMm: number | null;
-  readonly lesions: readonly PlanLesion[];
+export interface PlannedOnScan extends PlanStep {
+  readonly contested: Contested | null;
+  readonly saving: "saved" | "unsaved";
 }
 
 type Shown = Pick<State, "drawing" | "drawn">;
 
-/** What is shown of a scan with what somebody else has planned on it meanwhile, as one step; null where that changes nothing. */
-export function withElsewhere(shown: Shown, scan: string, mine: Pick<StoredPlan, "items">, now: readonly PlanItem[]): Shown | null {
-  const step = stepOf(shown);
-  const { lines, drawing, note, depthMm, lesions } = stepTogether(mine.items, step, now, scan);
-  if (lines === step.lines && drawing === step.drawing && note === step.note && depthMm === step.depthMm && lesions === step.lesions) return null;
-  return { drawing, drawn: { ...shown.drawn, lines: { ...withStep(shown), present: lines }, note, depthMm, lesions } };
+/** What the outbox keeps of a plan that could not be saved: what it said of the scan, and what was made of that. */
+interface Waiting {
+  readonly link: string;
+  readonly base: readonly PlanItem[];
+  readonly step: PlanStep;
 }
 
-export function planActions(store: Store<State>, client: Client) {
-  const followers: Elsewhere[] = [];
-  const adopted = new WeakMap<readonly OwnLine[], readonly OwnLine[]>(); // the same lines with somebody else's
+/** What is shown of a scan with what somebody else has planned on it meanwhile, as one step; null where that changes nothing. */
+export function withElsewhere(shown: Shown, scan: string, mine: Pick<StoredPlan, "items">, now: readonly PlanItem[], both: Both | null = null): Shown | null {
+  const before = stepOf(shown);
+  const { step } = stepTogether(mine.items, before, now, scan);
+  const { lines, drawing, note, depthMm, lesions } = step;
+  const here = (items: readonly PlanItem[]): PlanItem[] => items.filter((item) => item.scan === scan);
+  const contested = both && contestedOn(here(both.base), here(both.mine), here(both.theirs), scan);
+  if (!contested && lines === before.lines && drawing === before.drawing && note === before.note && depthMm === before.depthMm && lesions === before.lesions) return null;
+  return { drawing, drawn: { ...shown.drawn, lines: { ...withStep(shown), present: lines }, note, depthMm, lesions, contested: contested ?? shown.drawn.contested } };
+}
 
-  const keeper = createPlanKeeper(client, (at, mine, now) => {
-    const { scan, drawn } = store.get();
-    const shown = scan && link(scan.info) === at ? withElsewhere(store.get(), scan.info.id, mine, now) : null;
-    if (shown) {
-      adopted.set(drawn.lines.present, shown.drawn.lines.present);
-      store.set((state) => ({ ...shown, announcement: drawingText.merged, ...withProblem(state, "drawing", drawingText.merged) }));
+export function planActions(store: Store<State>, client: Client, outbox: Outbox) {
+  const followers: Elsewhere[] = [];
+  const savers: ((scan: string) => void)[] = [];
+
+  const keeper = createPlanKeeper(client, (at, mine, now, both) => {
+    const { scan } = store.get();
+    for (const id of outbox.scans("lines")) {
+      const waiting = outbox.kept("lines", id) as Waiting | null;
+      if (waiting?.link === at && id !== scan?.info.id) outbox.keep("lines", id, patientOf(at), { ...waiting, base: onlyOn(now, id), step: stepTogether(mine.items, waiting.step, now, id).step });
     }
-    for (const follow of followers) follow(at, mine, now);
+    const shown = scan && link(scan.info) === at ? withElsewhere(store.get(), scan.info.id, mine, now, both) : null;
+    if (shown) store.set((state) => ({ ...shown, announcement: drawingText.merged, ...withProblem(state, "drawing", drawingText.merged) }));
+    for (const follow of followers) follow(at, mine, now, both);
   });
   let unsaid: string | null = null; // what saving has complained about last
   let ledTo: { link: string; version: number; text: string } | null = null; // the last step back beyond this page
   const link = (scan: Pick<Scan, "links">): string => scan.links.plan;
-
-  const onScan = (items: readonly PlanItem[], scan: string): PlannedOnScan => ({
-    lines: linesOn(items, scan),
-    drawing: drawingOn(items, scan),
-    note: noteOn(items, scan),
-    depthMm: depthOn(items, scan),
-    lesions: lesionsOn(items, scan),
-  });
+  const patientOf = (plan: string): string => plan.split("/").at(-2) ?? "";
+  const onlyOn = (items: readonly PlanItem[], scan: string): PlanItem[] => items.filter((item) => item.scan === scan);
+  const isShown = (scan: string): boolean => store.get().scan?.info.id === scan;
 
   /** As the page shows the scan by now: what somebody else has planned may have come since it was to be saved. */
-  const shownOf = (scan: Scan, otherwise: Shown): Shown => (store.get().scan?.info.id === scan.id ? store.get() : otherwise);
+  const latest = (scan: string): PlanStep | null => (isShown(scan) ? stepOf(store.get()) : ((outbox.kept("lines", scan) as Waiting | null)?.step ?? null));
 
-  async function change(scan: Scan, what: (items: readonly PlanItem[]) => readonly PlanItem[]): Promise<void> {
+  /** Keeps what the service does not have, until it has it. */
+  function remember(scan: Pick<Scan, "id" | "links">, step: PlanStep): void {
+    const seen = keeper.seen(link(scan));
+    if (!seen) return;
+    const { decided: _, ...rest } = step;
+    if (withStepOn(seen.items, scan.id, step) === seen.items) outbox.saved("lines", scan.id);
+    else outbox.keep("lines", scan.id, patientOf(link(scan)), { link: link(scan), base: onlyOn(seen.items, scan.id), step: rest } satisfies Waiting);
+  }
+
+  const say = (scan: string, part: (state: State) => Partial<State>): void => store.set((state) => (state.scan?.info.id === scan ? part(state) : {}));
+
+  /** All that is planned on the scan, as it is shown by then.  What is shown about saving concerns the scan on the page; another one is saved all the same. */
+  async function save(scan: Pick<Scan, "id" | "links">): Promise<void> {
+    if (!latest(scan.id)) return; // it is saved
+    say(scan.id, ({ drawn }) => ({ drawn: { ...drawn, saving: "saving" } }));
     try {
-      await keeper.save(link(scan), what);
-      store.set((state) => withoutMessage(state, "drawing", unsaid));
+      await keeper.save(link(scan), (items) => {
+        const step = latest(scan.id);
+        return step ? withStepOn(items, scan.id, step) : items;
+      });
+      const step = latest(scan.id);
+      if (step) remember(scan, step);
+      if (outbox.kept("lines", scan.id)) return;
+      say(scan.id, (state) => ({ drawn: { ...state.drawn, saving: "saved" }, ...withoutMessage(state, "drawing", unsaid) }));
+      for (const saved of savers) saved(scan.id);
     } catch (error) {
       unsaid = messageOf(error);
-      store.set((state) => withProblem(state, "drawing", unsaid));
+      say(scan.id, (state) => ({ drawn: { ...state.drawn, saving: "unsaved" }, ...withProblem(state, "drawing", unsaid) }));
+      outbox.failed("lines", scan.id, error);
     }
   }
 
-  function saveDrawing(scan: Scan): Promise<void> {
-    const asked = store.get();
-    return change(scan, (items) => withDrawing(items, scan.id, shownOf(scan, asked).drawing));
+  /** What a person changes is kept at once and written at once, but for lines: their pen says when it rests.  A scan that is opened with something unsaved is saved. */
+  store.select(only("scan", "drawing", "drawn"), ({ scan, drawing, drawn }, before) => {
+    if (!scan) return;
+    const { info } = scan;
+    if (info.id !== before.scan?.info.id) {
+      if (outbox.kept("lines", info.id)) queueMicrotask(() => void save(info));
+      return;
+    }
+    const isWritten = drawing !== before.drawing || drawn.note !== before.drawn.note || drawn.depthMm !== before.drawn.depthMm || drawn.lesions !== before.drawn.lesions;
+    if (!isWritten && drawn.lines.present === before.drawn.lines.present) return;
+    remember(info, stepOf({ drawing, drawn }));
+    if (isWritten && outbox.kept("lines", info.id)) queueMicrotask(() => void save(info));
+  });
+
+  /** Of a scan that is not on the page, and whose plan may not have been read there. */
+  async function saveWaiting(scan: string, { link: plan, base, step }: Waiting): Promise<void> {
+    try {
+      const { items } = keeper.seen(plan) ?? (await keeper.read(plan));
+      outbox.keep("lines", scan, patientOf(plan), { link: plan, base: onlyOn(items, scan), step: stepTogether(base, step, items, scan).step } satisfies Waiting);
+    } catch (error) {
+      outbox.failed("lines", scan, error);
+      return;
+    }
+    await save({ id: scan, links: { plan } as Scan["links"] });
   }
 
-  /** A pattern or tumour that a person changes is written at once. */
-  store.select(only("scan", "drawing"), ({ scan, drawing }, before) => {
-    if (scan && scan.info.id === before.scan?.info.id && drawing !== before.drawing) void saveDrawing(scan.info);
-  });
-
-  /** And words and numbers beside it, also when a step back puts them as they were. */
-  store.select(only("scan", "drawn"), ({ scan, drawn }, before) => {
-    if (!scan || scan.info.id !== before.scan?.info.id) return;
-    const asked = store.get();
-    const shown = (): Shown["drawn"] => shownOf(scan.info, asked).drawn;
-    if (drawn.note !== before.drawn.note) void change(scan.info, (items) => withNote(items, scan.info.id, shown().note));
-    if (drawn.depthMm !== before.drawn.depthMm) void change(scan.info, (items) => withDepth(items, scan.info.id, shown().depthMm));
-    if (drawn.lesions !== before.drawn.lesions) void change(scan.info, (items) => withLesions(items, scan.info.id, shown().lesions));
-  });
-
   return {
+    /** With what could not be saved of it before. */
     async read(scan: Scan): Promise<PlannedOnScan> {
-      const plan = await keeper.read(link(scan));
-      return onScan(plan.items, scan.id);
+      const { items } = await keeper.read(link(scan));
+      const waiting = outbox.kept("lines", scan.id) as Waiting | null;
+      if (!waiting) return { ...stepOn(items, scan.id), contested: null, saving: "saved" };
+      const { step, contested } = stepTogether(waiting.base, waiting.step, items, scan.id);
+      remember(scan, step);
+      return { ...step, contested, saving: outbox.kept("lines", scan.id) ? "unsaved" : "saved" };
     },
 
-    /** The scan's lines that are kept now: as the page shows them by then, with those that somebody else has drawn meanwhile. */
-    async saveLines(scan: Scan, lines: readonly OwnLine[]): Promise<readonly OwnLine[]> {
-      let written = lines;
-      await keeper.save(link(scan), (items) => {
-        const { id } = store.get().scan?.info ?? {};
-        written = id === scan.id ? store.get().drawn.lines.present : lines;
-        adopted.delete(written);
-        return withLines(items, scan.id, written);
-      });
-      return adopted.get(written) ?? written;
+    save,
+
+    /** Tries again to save what waits, of every scan. */
+    async retry(): Promise<void> {
+      const { scan } = store.get();
+      for (const id of outbox.scans("lines")) {
+        const waiting = outbox.kept("lines", id) as Waiting | null;
+        if (scan?.info.id === id) await save(scan.info);
+        else if (waiting) await saveWaiting(id, waiting);
+      }
     },
+
+    /** Called when what waited of a scan is saved. */
+    followSaved: (saved: (scan: string) => void): void => void savers.push(saved),
 
     /** Called when somebody else was found to have changed a plan, for scans that are shown beside the page's own. */
     followElsewhere: (follow: Elsewhere): void => void followers.push(follow),
@@ -153,6 +191,14 @@ export function planActions(store: Store<State>, client: Client) {
     isMoreThanLines(scan: Scan, isOtherFitted: boolean): boolean {
       const items = keeper.seen(link(scan))?.items ?? [];
       return items.some((item) => (item.scan === scan.id ? item.kind !== "line" : isOtherFitted));
+    },
+
+    /** The pattern, tumour and depth of the other tab, as one step; or those of this page, as they are. */
+    settle(isTheirs: boolean): void {
+      const { contested } = store.get().drawn;
+      if (!contested) return;
+      const { drawing, depthMm } = contested;
+      store.set((state) => ({ ...(isTheirs ? { drawing } : {}), drawn: { ...state.drawn, contested: null, ...(isTheirs ? { lines: withStep(state), depthMm } : {}) } }));
     },
 
     note(text: string): void {

@@ -30,15 +30,19 @@ export function drawingOn(items: Items, scan: string): string {
 const texts = (parameters: PlanPattern["parameters"]): Values => Object.fromEntries(Object.entries(parameters ?? {}).map(([name, value]) => [name, String(value)]));
 const valuesOf = ({ side, clock, distance_mm, radius_mm }: PlanTumour): Values => ({ side, clock: String(clock), distance_mm: String(distance_mm), radius_mm: String(radius_mm) });
 
-/** The items with these lines on the scan; a line without an id keeps that of the item with its name. */
-export function withLines(items: Items, scan: string, lines: readonly OwnLine[]): PlanItem[] {
+/** The items with these lines on the scan; a line without an id keeps that of the item with its name, one that says the same stays as it is. */
+export function withLines(items: Items, scan: string, lines: readonly OwnLine[]): Items {
   const before = items.filter(isLine).filter((item) => item.scan === scan);
+  const known = new Map(before.map((item) => [sorted(lineItem(linesOn([item], scan)[0]!, item.id, scan)), item]));
   const after = lines.map((line): PlanLine => {
-    const id = line.id ?? before.find(({ name }) => name === line.name)?.id ?? newId();
-    return { kind: "line", id, scan, name: line.name, label: "", closed: line.closed, color: line.color, points: line.points.map((point) => point.map(roundMm) as Vector), ...(line.bridged ? { bridged: [...line.bridged] } : {}), ...(line.ink ? { ink: [...line.ink] } : {}) };
+    const item = lineItem(line, line.id ?? before.find(({ name }) => name === line.name)?.id ?? newId(), scan);
+    return known.get(sorted(item)) ?? item;
   });
+  if (after.length === before.length && after.every((item, i) => item === before[i])) return items;
   return [...items.filter((item) => !(isLine(item) && item.scan === scan)), ...after];
 }
+
+const lineItem = (line: OwnLine, id: string, scan: string): PlanLine => ({ kind: "line", id, scan, name: line.name, label: "", closed: line.closed, color: line.color, points: line.points.map((point) => point.map(roundMm) as Vector), ...(line.bridged ? { bridged: [...line.bridged] } : {}), ...(line.ink ? { ink: [...line.ink] } : {}) });
 
 /** The items with this pattern and tumour on the scan, instead of the first ones; what they were keeps its id. */
 export function withDrawing(items: Items, scan: string, text: string): Items {
@@ -72,8 +76,9 @@ export function withNote(items: Items, scan: string, text: string): Items {
 /** mm below the skin, of the tumour that `drawingOn` names; null where it is not known. */
 export const depthOn = (items: Items, scan: string): number | null => items.filter(isTumour).find((item) => item.scan === scan)?.depth_mm ?? null;
 
-export function withDepth(items: Items, scan: string, mm: number | null): PlanItem[] {
+export function withDepth(items: Items, scan: string, mm: number | null): Items {
   const tumour = items.filter(isTumour).find((item) => item.scan === scan);
+  if ((tumour?.depth_mm ?? null) === mm || !tumour) return items;
   return items.map((item) => (item === tumour ? { ...tumour, depth_mm: mm } : item));
 }
 
@@ -91,10 +96,13 @@ export const withStepOn = (items: Items, scan: string, { lines, drawing, note, d
   withLesions(withDepth(withNote(withDrawing(withLines(items, scan, lines), scan, drawing), scan, note), scan, depthMm), scan, lesions);
 
 /**
- * What both wanted: `mine` and `theirs` each began with `base`.  Where both changed one item, mine stays and theirs is kept
- * beside it under another name, so that nothing anybody drew is lost; where one deleted what the other changed, the change stays.
+ * What both wanted: `mine` and `theirs` each began with `base`.  Where both changed one line or lesion, mine stays and theirs is
+ * kept beside it under another name, so that nothing anybody drew is lost; of notes both texts stay.  Of the one pattern and the
+ * one tumour that the page shows of a scan mine stays: who asks says so (`stepTogether`).  Where one deleted what the other
+ * changed, the change stays.
  */
-export function merged(base: Items, mine: Items, theirs: Items): PlanItem[] {
+export function merged(base: Items, myOwn: Items, theirs: Items): PlanItem[] {
+  const mine = asTheirs(base, myOwn, theirs);
   const find = (items: Items, id: string): PlanItem | undefined => items.find((item) => item.id === id);
   const same = (a: PlanItem | undefined, b: PlanItem | undefined): boolean => sorted(a) === sorted(b);
   const found: PlanItem[] = [];
@@ -104,6 +112,8 @@ export function merged(base: Items, mine: Items, theirs: Items): PlanItem[] {
       if (own) found.push(own); // they left it alone: as I have it, or gone
     } else if (same(own, before) || same(own, item)) found.push(item);
     else if (!own) found.push(item);
+    else if (own.kind === "note" && item.kind === "note") found.push({ ...own, text: bothTexts(own.text, item.text) });
+    else if (isOnly(own, mine)) found.push(own);
     else found.push(own, beside(item));
   }
   for (const item of mine) {
@@ -114,17 +124,45 @@ export function merged(base: Items, mine: Items, theirs: Items): PlanItem[] {
   return named(found);
 }
 
-/** What is shown of one scan, `step`, brought together with what the plan says `now`, where it said `mine`. */
-export function stepTogether(mine: Items, step: PlanStep, now: Items, scan: string): PlanStep {
-  const [before, then] = [stepOn(mine, scan), stepOn(now, scan)];
-  const linesIn = (items: Items): PlanItem[] => items.filter((item) => isLine(item) && item.scan === scan);
-  const both = merged(linesIn(mine), linesIn(withLines(mine, scan, step.lines)), linesIn(now));
-  const known = new Map(linesIn(withLines([], scan, step.lines)).map((item, i) => [sorted(item), step.lines[i]!]));
-  const lines = linesOn(both, scan).map((line, i) => known.get(sorted(both[i])) ?? line);
+const LONGEST_NOTE = 2000; // as the service takes it
+
+const bothTexts = (mine: string, theirs: string): string => (mine.includes(theirs) ? mine : theirs.includes(mine) ? theirs : `${mine}\n${theirs}`.slice(0, LONGEST_NOTE));
+
+/** The kinds of which the page shows one on each scan. */
+const isSingle = (item: PlanItem): boolean => isPattern(item) || isTumour(item) || (item.kind === "note" && item.point == null);
+const onlyOf = ({ kind, scan }: PlanItem, items: Items): PlanItem | undefined => items.find((item) => isSingle(item) && item.kind === kind && item.scan === scan);
+const isOnly = (item: PlanItem, items: Items): boolean => isSingle(item) && onlyOf(item, items) === item;
+
+/** Mine, where both began the one pattern, tumour or note of a scan: they are one item. */
+const asTheirs = (base: Items, mine: Items, theirs: Items): Items =>
+  mine.map((item) => {
+    const other = isOnly(item, mine) ? onlyOf(item, theirs) : undefined;
+    const isNewInBoth = other && other.id !== item.id && ![item.id, other.id].some((id) => base.some((each) => each.id === id));
+    return isNewInBoth ? { ...item, id: other.id } : item;
+  });
+
+/** The pattern, tumour and depth that were planned elsewhere, where they were changed here too, in another way. */
+export type Contested = Pick<PlanStep, "drawing" | "depthMm">;
+
+/** What is shown of one scan, `step`, brought together with what the plan says `now`, where it said `base` when it was shown; and what of `now` had to give way. */
+export function stepTogether(base: Items, step: PlanStep, now: Items, scan: string): { readonly step: PlanStep; readonly contested: Contested | null } {
+  const here = (items: Items): PlanItem[] => items.filter((item) => item.scan === scan);
+  const [before, mine, theirs] = [here(base), here(withStepOn(base, scan, step)), here(now)];
+  const both = merged(before, mine, theirs);
+  const contested = contestedOn(before, mine, theirs, scan);
+  const known = new Map(here(withLines([], scan, step.lines)).map((item, i) => [sorted(item), step.lines[i]!]));
+  const bothLines = both.filter(isLine);
+  const lines = linesOn(both, scan).map((line, i) => known.get(sorted(lineItem(line, bothLines[i]!.id, scan))) ?? line);
   const isSame = lines.length === step.lines.length && lines.every((line, i) => line === step.lines[i]);
-  const either = <Key extends "drawing" | "note" | "depthMm">(key: Key): PlanStep[Key] => (step[key] === before[key] ? then[key] : step[key]);
-  const lesions = sorted(step.lesions) === sorted(before.lesions) ? then.lesions : step.lesions;
-  return { ...step, lesions, lines: isSame ? step.lines : lines, drawing: either("drawing"), note: either("note"), depthMm: either("depthMm") };
+  const { drawing, note, depthMm, lesions } = stepOn(both, scan);
+  return { step: { ...step, lines: isSame ? step.lines : lines, drawing, note, depthMm: drawing === step.drawing && !both.some(isTumour) ? step.depthMm : depthMm, lesions: sorted(lesions) === sorted(step.lesions) ? step.lesions : lesions }, contested };
+}
+
+/** As it would be if theirs stayed, where that is another pattern, tumour or depth. */
+export function contestedOn(base: Items, mine: Items, theirs: Items, scan: string): Contested | null {
+  const [own, other] = [merged(base, mine, theirs), merged(base, theirs, mine)];
+  const [drawing, depthMm] = [drawingOn(other, scan), depthOn(other, scan)];
+  return drawing === drawingOn(own, scan) && depthMm === depthOn(own, scan) ? null : { drawing, depthMm };
 }
 
 const beside = (item: PlanItem): PlanItem => ({ ...item, id: newId() });

@@ -10,8 +10,15 @@ type Change = (items: readonly PlanItem[]) => readonly PlanItem[];
 
 type Items = readonly PlanItem[];
 
+/** What two have changed at once. */
+export interface Both {
+  readonly base: Items;
+  readonly mine: Items;
+  readonly theirs: Items;
+}
+
 /** Somebody else has changed the plan: what is shown as `mine`, or of a plan that nobody had begun, has to follow to what it is `now`. */
-export type Elsewhere = (link: string, mine: Pick<StoredPlan, "items" | "whole">, now: Items) => void;
+export type Elsewhere = (link: string, mine: Pick<StoredPlan, "items" | "whole">, now: Items, both: Both | null) => void;
 
 export function createPlanKeeper(client: Pick<Client, "plan" | "savePlan" | "planVersion">, elsewhere: Elsewhere = () => undefined) {
   const known = new Map<string, StoredPlan>(); // by link: as last read or written
@@ -21,7 +28,7 @@ export function createPlanKeeper(client: Pick<Client, "plan" | "savePlan" | "pla
     const plan = await client.plan(link);
     const before = known.get(link);
     known.set(link, plan);
-    if (before && before.version !== plan.version) elsewhere(link, before, plan.items);
+    if (before && before.version !== plan.version) elsewhere(link, before, plan.items, null);
     return plan;
   }
 
@@ -30,6 +37,7 @@ export function createPlanKeeper(client: Pick<Client, "plan" | "savePlan" | "pla
     const mine = { items: [...change(base.items)], whole: base.whole };
     let items = mine.items;
     const begun = base;
+    let both: Both | null = null;
     const stored = await writtenOver(
       async () => {
         const isThere = base.whole && JSON.stringify(items) === JSON.stringify(base.items);
@@ -37,12 +45,13 @@ export function createPlanKeeper(client: Pick<Client, "plan" | "savePlan" | "pla
       },
       async () => {
         const theirs = await client.plan(link);
+        both = { base: begun.items, mine: mine.items, theirs: theirs.items };
         items = merged(base.items, items, theirs.items);
         base = theirs;
       },
     );
     known.set(link, stored);
-    if (base !== begun) elsewhere(link, mine, stored.items);
+    if (base !== begun) elsewhere(link, mine, stored.items, both);
   }
 
   return {

@@ -1,9 +1,10 @@
 // Bringing a scan in: from a file, from the example, from the address; and turning it upright.
 import { ApiError, type Client } from "../api/client";
-import type { Cuts, ExampleScan, Frame, UnitChoice } from "../api/types";
+import type { Cut, Cuts, ExampleScan, Frame, Scan, UnitChoice } from "../api/types";
 import { type History, record, redo, startHistory, undo } from "../store/history";
 import type { PageSlice } from "../store/page";
-import { messageOf, withProblem } from "../store/problems";
+import type { Outbox } from "../store/outbox";
+import { messageOf, withoutMessage, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import { tidyFrame, type Turn, turned } from "../viewer/frame";
 import { fromFront, type ViewSlice } from "../viewer/state";
@@ -36,9 +37,17 @@ async function checkReadable(file: File): Promise<void> {
   }
 }
 
-export function scanActions(store: Store<State>, client: Client, contents: ScanContents, onLandmarks: () => void) {
+/** What the outbox keeps of cuts that could not be saved. */
+interface Waiting {
+  readonly scan: Pick<Scan, "id" | "links" | "patient">;
+  readonly before: Cuts; // that they were made from
+  readonly cuts: readonly Cut[];
+}
+
+export function scanActions(store: Store<State>, client: Client, contents: ScanContents, onLandmarks: () => void, outbox: Outbox) {
   let saving = Promise.resolve(); // one after the other: the last one stays
   let known: Cuts = { cuts: [], digest: "" }; // what the service was last seen to keep of the scan's cuts
+  let unsaid: string | null = null; // what saving cuts has complained about last
   let generation = 0; // the scan asked for last wins over slower, earlier ones
 
   /** Shows `info` as the page's scan; everything that belonged to the one before is dropped. */
@@ -49,6 +58,8 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     if (mine !== generation) return;
     contents.stop();
     known = { cuts, digest };
+    const waiting = outbox.kept("cuts", info.id) as Waiting | null;
+    const crops = waiting ? mergedCrops(cropsFrom(waiting.before.cuts), cropsFrom(waiting.cuts), cropsFrom(cuts)) : cropsFrom(cuts);
     store.set((state) => ({
       ...kept.state,
       meta,
@@ -60,14 +71,16 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
         file,
         ...(own ? { frame: tidyFrame(own), frameFrom: "person" } : kept.stands),
         example: info.example_landmarks ?? null,
-        crops: startHistory(cropsFrom(cuts)),
-        cuts: digest,
+        crops: startHistory(crops),
+        cuts: waiting ? null : digest,
       },
       step: "scan",
       overlay: "both",
       ...fromFront(state),
       problems: {},
     }));
+    const { scan } = store.get();
+    if (waiting && scan) saving = saving.then(() => saveCrops(scan));
   }
 
   async function bring(title: string, ask: () => Promise<{ info: ExampleScan; file: File | null; own: Frame | null; isNew?: boolean }>): Promise<boolean> {
@@ -93,6 +106,8 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     const { scan } = store.get();
     if (!scan || cropsOf(scan) === before) return;
     store.set({ scan: { ...scan, cuts: null } });
+    const { id, links, patient } = scan.info;
+    outbox.keep("cuts", id, patient, { scan: { id, links, patient }, before: known, cuts: cutsOf(cropsOf(scan)) } satisfies Waiting);
     saving = saving.then(() => saveCrops(scan));
   }
 
@@ -106,10 +121,39 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     try {
       const kept = await client.saveCuts(of.info, cutsOf(crops), before.digest);
       if (store.get().scan?.info.id === of.info.id) known = kept;
-      if (isNow()) store.set((state) => ({ scan: { ...state.scan!, cuts: kept.digest }, ...contents.cut() }));
+      if (isNow() || store.get().scan?.info.id !== of.info.id) outbox.saved("cuts", of.info.id); // else the next saving has more
+      if (isNow()) store.set((state) => ({ scan: { ...state.scan!, cuts: kept.digest }, ...contents.cut(), ...withoutMessage(state, "scan", unsaid) }));
     } catch (error) {
       if (error instanceof ApiError && error.status === 412 && isNow()) await bringTogether(of, before);
-      else if (isNow()) store.set((state) => withProblem(state, "scan", text.crop.unsaved(messageOf(error))));
+      else {
+        unsaid = text.crop.unsaved(messageOf(error));
+        if (isNow()) store.set((state) => withProblem(state, "scan", unsaid));
+        outbox.failed("cuts", of.info.id, error);
+      }
+    }
+  }
+
+  /** Tries again to save cuts that wait, of every scan. */
+  async function retry(): Promise<void> {
+    for (const id of outbox.scans("cuts")) {
+      const { scan } = store.get();
+      const waiting = outbox.kept("cuts", id) as Waiting | null;
+      if (scan?.info.id === id) {
+        saving = saving.then(() => saveCrops(scan));
+        await saving;
+      } else if (waiting) await saveWaiting(waiting);
+    }
+  }
+
+  /** Of a scan that is not on the page: brought together with what is there now. */
+  async function saveWaiting({ scan, before, cuts }: Waiting): Promise<void> {
+    try {
+      const now = await client.cuts(scan);
+      const both = mergedCrops(cropsFrom(before.cuts), cropsFrom(cuts), cropsFrom(now.cuts));
+      await client.saveCuts(scan, cutsOf(both), now.digest);
+      outbox.saved("cuts", scan.id);
+    } catch (error) {
+      outbox.failed("cuts", scan.id, error);
     }
   }
 
@@ -223,6 +267,7 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     },
 
     chooseUnits: (units: UnitChoice): void => store.set({ units }),
+    retry,
     showRelief: (showRelief: boolean): void => store.set({ showRelief }),
     showLoose: (showLoose: boolean): void => store.set({ showLoose }),
     showColours: (showColours: boolean): void => store.set({ showColours }),

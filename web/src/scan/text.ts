@@ -30,7 +30,7 @@ export const crop = {
   together: "Another tab has cut this scan too: both are cut away now.",
   shown: "Brought back.",
   tooMany: (most: number) => `More than ${most} cuts are not kept: bring some back and draw around larger parts.`,
-  unsaved: (why: string) => `What is cut away could not be kept, and fits do not know of it: ${why} Cut or undo once more to try again.`,
+  unsaved: (why: string) => `What is cut away is not saved yet, and fits do not know of it: ${why}`,
   nothingLeft: "The lasso goes around the whole scan, so nothing would be left: draw around the part that is in the way.",
 };
 

@@ -26,9 +26,9 @@ type State = PageSlice & ViewSlice & Workspace & LandmarksSlice & FitSlice & Sta
 interface Others {
   readonly scan: Pick<ScanActions, "upload" | "takeExample" | "open">;
   readonly fit: Pick<FitActions, "stop" | "open" | "start">;
-  readonly landmarks: Pick<LandmarkActions, "flush" | "read">;
+  readonly landmarks: Pick<LandmarkActions, "flush" | "read" | "followSaved">;
   readonly drawing: { flush(): Promise<void> };
-  readonly plan: Pick<PlanActions, "read" | "isMoreThanLines" | "settled" | "followElsewhere">;
+  readonly plan: Pick<PlanActions, "read" | "isMoreThanLines" | "settled" | "followElsewhere" | "followSaved">;
 }
 
 export function stancesActions(store: Store<State>, client: Client, others: Others) {
@@ -69,11 +69,15 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
   }
 
   /** The plan was written elsewhere: the one that waits shows what is planned on it now. */
-  others.plan.followElsewhere((link, mine, now) => {
+  others.plan.followElsewhere((link, mine, now, both) => {
     const scan = scannedOther(store.get().stances)?.scan;
     if (scan?.info.links.plan !== link) return;
-    change(scan.info.id, (workspace) => withElsewhere(workspace, scan.info.id, mine, now) ?? {});
+    change(scan.info.id, (workspace) => withElsewhere(workspace, scan.info.id, mine, now, both) ?? {});
   });
+
+  /** What could not be saved of the one that waits is saved by now. */
+  others.plan.followSaved((scan) => change(scan, ({ drawn }) => ({ drawn: { ...drawn, saving: "saved" } })));
+  others.landmarks.followSaved((scan) => change(scan, () => ({ saving: "saved" })));
 
   const { predict, leave } = predictActions(store, client, flush);
 

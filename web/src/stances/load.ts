@@ -74,7 +74,7 @@ export async function loadWorkspace(client: Client, landmarks: Pick<LandmarkActi
     drawn: startDrawn(planned.lines, planned),
     proposals: null,
     skipped: new Set(),
-    saving: "saved",
+    saving: saved.saving,
     stance: "auto",
     drawing: planned.drawing,
     fit: fitted,

@@ -1,6 +1,7 @@
 // The part of the state that belongs to the page as a whole: every feature reads it, and says in it which step is open,
 // what went wrong and what a screen reader announces.
 import type { Example, Meta, Model } from "../api/types";
+import type { Unsaved } from "./outbox";
 
 export type Step = "scan" | "landmarks" | "fit" | "drawing" | "result";
 
@@ -17,7 +18,8 @@ export interface PageSlice {
   readonly step: Step;
   readonly problems: Readonly<Partial<Record<Place, string>>>;
   readonly announcement: string; // for the live region
+  readonly unsaved: { readonly what: readonly Unsaved[]; readonly why: string; readonly isFull: boolean } | null; // what the service would not take when it was asked last
   readonly undone: { readonly says: string } | null; // what undo or redo has just changed: shown, and read out
 }
 
-export const initialPage: PageSlice = { meta: null, examples: [], models: {}, theme: "system", step: "scan", problems: {}, announcement: "", undone: null };
+export const initialPage: PageSlice = { meta: null, examples: [], models: {}, theme: "system", step: "scan", problems: {}, announcement: "", unsaved: null, undone: null };

@@ -28,8 +28,8 @@ test("lesions of one scan are put back, and what is the same is not written", ()
 test("what somebody else has added is there, what was changed here stays", () => {
   const step = stepOn(ITEMS, "a");
   const moved = { ...LESION, center: [4, 5, 6] as [number, number, number] };
-  expect(stepTogether(ITEMS, step, withLesions(ITEMS, "a", [moved]), "a").lesions).toEqual([moved]);
-  expect(stepTogether(ITEMS, { ...step, lesions: [] }, withLesions(ITEMS, "a", [moved]), "a").lesions).toEqual([]);
+  expect(stepTogether(ITEMS, step, withLesions(ITEMS, "a", [moved]), "a").step.lesions).toEqual([moved]);
+  expect(stepTogether(ITEMS, { ...step, lesions: [] }, withLesions(ITEMS, "a", [moved]), "a").step.lesions, "deleted here, changed there: it stays").toEqual([moved]);
 });
 
 test("a step of undoing holds the lesions", () => {

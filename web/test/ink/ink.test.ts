@@ -4,7 +4,6 @@ import { ApiError } from "../../src/api/client";
 import type { Ink, Scan, Vector } from "../../src/api/types";
 import { drawingActions } from "../../src/drawing/actions";
 import { startDrawn } from "../../src/drawing/state";
-import type { OwnLine } from "../../src/drawing/lines/lines";
 import { inkActions } from "../../src/ink/actions";
 import { asOwn, decidedBefore, nearestJoint, readInk } from "../../src/ink/lines";
 import { initialInk, mayShowInk, openLines } from "../../src/ink/state";
@@ -37,7 +36,7 @@ function page(answers: (Ink | { retryAfterS: number })[], info: Scan = SCAN) {
     },
   };
   const lengths = () => Promise.reject(new ApiError("There is no fit.", 404));
-  const plan = { saveLines: (_scan: Scan, lines: readonly OwnLine[]) => Promise.resolve(lines), earlier: () => Promise.resolve(null) };
+  const plan = { save: () => Promise.resolve(), earlier: () => Promise.resolve(null) };
   const drawing = drawingActions(store, { lengths }, plan);
   const actions = inkActions(store, client, drawing);
   const lines = () => openLines(store.get().ink[info.id], store.get().drawn.decided, cropsOf(store.get().scan));

@@ -4,6 +4,8 @@ import { withScan } from "../fakes";
 import { ApiError } from "../../src/api/client";
 import type { LandmarkFile, Scan, StoredLandmarks } from "../../src/api/types";
 
+type Named = Pick<Scan, "id" | "links">;
+
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => {
   vi.useRealTimers();
@@ -13,8 +15,8 @@ afterEach(() => {
 /** A service that keeps landmarks, and refuses those that were not changed from the newest. */
 function service() {
   const kept = new Map<string, StoredLandmarks>();
-  const landmarks = async ({ id }: Scan): Promise<StoredLandmarks> => structuredClone(kept.get(id) ?? { schema: "breastrig/landmarks@1", unit: "mm", landmarks: {}, certain: [], seen: "" });
-  const saveLandmarks = vi.fn(async (scan: Scan, file: LandmarkFile, seen: string | null): Promise<StoredLandmarks> => {
+  const landmarks = async ({ id }: Named): Promise<StoredLandmarks> => structuredClone(kept.get(id) ?? { schema: "breastrig/landmarks@1", unit: "mm", landmarks: {}, certain: [], seen: "" });
+  const saveLandmarks = vi.fn(async (scan: Named, file: LandmarkFile, seen: string | null): Promise<StoredLandmarks> => {
     if (seen !== null && seen !== (kept.get(scan.id)?.seen ?? "")) throw new ApiError("Somebody has changed these landmarks.", 412);
     const stored = { ...structuredClone(file), seen: JSON.stringify(file) };
     kept.set(scan.id, stored);

@@ -5,7 +5,7 @@ import { ApiError } from "../../src/api/client";
 import type { Fit, PlanItem } from "../../src/api/types";
 import { lineAlong } from "../../src/drawing/lines/edits";
 import { readDrawing, toText } from "../../src/drawing/lines/files";
-import { depthOn, drawingOn, linesOn, merged, noteOn, withDepth, withDrawing, withLines, withNote } from "../../src/plan/items";
+import { depthOn, drawingOn, linesOn, merged, noteOn, stepOn, stepTogether, withDepth, withDrawing, withLines, withNote } from "../../src/plan/items";
 import { createPlanKeeper } from "../../src/plan/keeper";
 import { type Workspace, workspaceOf } from "../../src/stances/state";
 
@@ -77,12 +77,25 @@ test("two tabs: the second reads the plan again and takes its change over", asyn
   const told = vi.fn();
   const [one, other] = [createPlanKeeper(client, told), createPlanKeeper(client, told)];
   await Promise.all([one.read("p"), other.read("p")]);
-  await one.save("p", (items) => [...items, note("a", "first")]);
+  const [first, second] = [line("a", "first"), line("b", "second")];
+  await one.save("p", (items) => [...items, first]);
   expect(told).not.toHaveBeenCalled();
-  await other.save("p", (items) => [...items, note("b", "second")]);
-  expect(told.mock.calls).toEqual([["p", { items: [note("b", "second")], whole: false }, [note("a", "first"), note("b", "second")]]]);
+  await other.save("p", (items) => [...items, second]);
+  expect(told.mock.calls).toEqual([["p", { items: [second], whole: false }, [first, second], { base: [], mine: [second], theirs: [first] }]]);
   expect(ids(other.seen("p")!.items)).toEqual(["a", "b"]);
   expect((await client.plan("p")).version).toBe(2);
+});
+
+test("two who begin or change the one pattern, tumour or note of a scan: both texts stay, and of the numbers it is said what had to give way", () => {
+  const pattern = (id: string, mm: number): PlanItem => ({ kind: "pattern", id, scan: "s1", name: "reduction", parameters: { areola_mm: mm } });
+  const tumour = (id: string, clock: number): PlanItem => ({ kind: "tumour", id, scan: "s1", side: "L", clock, distance_mm: 45, radius_mm: 12 });
+  expect(merged([], [note("n", "mine"), pattern("p", 40)], [note("m", "theirs"), pattern("q", 42)])).toEqual([note("m", "mine\ntheirs"), pattern("q", 40)]);
+  const base = [pattern("p", 40), tumour("t", 10)];
+  const step = stepOn([pattern("p", 44), tumour("t", 10)], "s1");
+  const both = stepTogether(base, step, [pattern("p", 40), tumour("t", 3)], "s1");
+  expect(both, "one changed the pattern, the other the tumour: nothing has to give way").toEqual({ step: { ...step, drawing: "reduction:areola_mm=44+tumour:side=L,clock=3,distance_mm=45,radius_mm=12" }, contested: null });
+  const asked = stepTogether(base, step, [pattern("p", 42), tumour("t", 10)], "s1");
+  expect(asked).toEqual({ step, contested: { drawing: "reduction:areola_mm=42+tumour:side=L,clock=10,distance_mm=45,radius_mm=12", depthMm: null } });
 });
 
 const KEPT_LINKS = { ...scanInfo("s1").links };
@@ -112,7 +125,7 @@ test("two tabs: what one writes over the other's change it shows from then on, s
   theirs.actions.drawing.choosePattern("reduction:areola_mm=42");
   theirs.actions.plan.note("smaller");
   await vi.advanceTimersByTimeAsync(1000);
-  await theirs.client.savePlan(KEPT_LINKS.plan, [...(await kept()), line("c", "beside", "s2")], 3);
+  await theirs.client.savePlan(KEPT_LINKS.plan, [...(await kept()), line("c", "beside", "s2")], (await theirs.client.plan(KEPT_LINKS.plan)).version);
   mine.actions.plan.depth(12); // of no tumour: nothing changes, and nothing is asked
   mine.actions.drawing.choosePattern("lumpectomy+tumour:side=R,clock=3,distance_mm=30,radius_mm=10");
   mine.actions.plan.depth(25);

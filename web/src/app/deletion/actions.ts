@@ -5,6 +5,7 @@ import type { FitActions } from "../../fit/actions";
 import type { ScanActions } from "../../scan/actions";
 import type { StancesActions } from "../../stances/actions";
 import { scannedOther } from "../../stances/state";
+import type { Outbox } from "../../store/outbox";
 import { messageOf, withProblem } from "../../store/problems";
 import type { Store } from "../../store/store";
 import type { Deletion, Session } from "../session";
@@ -19,7 +20,7 @@ interface Others {
   readonly patients: { read(): Promise<void> };
 }
 
-export function deletionActions(store: Store<Session>, client: Client, others: Others) {
+export function deletionActions(store: Store<Session>, client: Client, others: Others, outbox: Outbox) {
   let timer: ReturnType<typeof setTimeout> | undefined;
 
   /** Tells the service now what it would learn later. */
@@ -28,6 +29,7 @@ export function deletionActions(store: Store<Session>, client: Client, others: O
     const { deletion } = store.get();
     if (!deletion) return;
     store.set({ deletion: null });
+    outbox.forget((scan) => scan === deletion.scan.id);
     try {
       await client.deleteScan(deletion.scan);
       store.set({ announcement: text.deletion.announceDone });

@@ -106,8 +106,8 @@ export function handleActions(store: Store<State>, client: Pick<Client, "pattern
     store.set(({ drawn }) => ({ drawn: { ...drawn, live: { key, handles, held: null, values: null, limit: "", dragged: drawn.live?.dragged ?? null } } }));
   }
 
-  store.select(only("step", "fit", "drawing", "drawn", "meta"), ({ drawn }) => {
-    if (!drawn.live && !held) asked = "";
+  store.select(only("step", "fit", "drawing", "drawn", "meta"), ({ drawn }, before) => {
+    if (before.drawn.live && !drawn.live && !held) asked = "";
     queueMicrotask(() => void look());
   });
 
