@@ -13,7 +13,6 @@ import breastrig.scan.formats.glb as glb
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.core.glb import pack_glb, split_glb
 from breastrig.gltf.mesh_glb import mesh_glb
-from breastrig.scan.formats.glb import POSED
 from breastrig.scan.limits import GLTF_DEPTH, GLTF_ENTRIES, GLTF_JSON_BYTES, GLTF_NODES, GLTF_PRIMITIVES
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
@@ -261,9 +260,107 @@ def test_what_is_not_drawn_is_not_looked_at() -> None:
     assert len(read_scan(changed(spare)).faces) == len(RIG.faces)
 
 
-@pytest.mark.parametrize("pose", [{"skin": 0}, {"weights": [0.0, 0.5]}])
-def test_a_mesh_that_bones_or_shapes_pose_is_read_and_said(pose: dict[str, Any]) -> None:
-    assert read_scan(changed(lambda d: d["nodes"][0].update(pose))).notes == (POSED,)
+HALF = len(RIG.template) // 2
+
+
+def with_more(*arrays: np.ndarray, change: Callable[[dict[str, Any], list[int]], None]) -> bytes:
+    """Our own mesh with further arrays in it, whose accessors `change` is told."""
+    document, binary = split_glb(mesh_glb(RIG.template, RIG.faces))
+    kinds = {"f4": 5126, "u1": 5121}
+    numbers = []
+    for values in arrays:
+        binary += bytes(-len(binary) % 4)
+        view = {"buffer": 0, "byteOffset": len(binary), "byteLength": values.nbytes}
+        document["bufferViews"].append(view)
+        shape = "MAT4" if values.ndim == 3 else f"VEC{values.shape[1]}"
+        accessor = {"bufferView": len(document["bufferViews"]) - 1, "componentType": kinds[values.dtype.str[1:]]}
+        document["accessors"].append(accessor | {"count": len(values), "type": shape})
+        numbers.append(len(document["accessors"]) - 1)
+        binary += (values.transpose(0, 2, 1) if values.ndim == 3 else values).tobytes()
+    document["buffers"] = [{"byteLength": len(binary)}]
+    change(document, numbers)
+    return pack_glb(json.dumps(document).encode(), binary)
+
+
+def with_skin(nodes: list[dict[str, Any]], binds: np.ndarray | None, weights: np.ndarray | None = None) -> bytes:
+    """The lower half of the vertices on the first of the joints, which are the nodes 1 and 2, the others on the second.
+
+    The mesh is on node 0.
+    """
+    joints = np.zeros((len(RIG.template), 4), "u1")
+    joints[HALF:, 0] = 1
+    shares = np.tile(np.array([[1.0, 0.0, 0.0, 0.0]], "f4"), (len(joints), 1)) if weights is None else weights
+
+    def change(document: dict[str, Any], numbers: list[int]) -> None:
+        primitive = document["meshes"][0]["primitives"][0]
+        primitive["attributes"] |= {"JOINTS_0": numbers[0], "WEIGHTS_0": numbers[1]}
+        skin = {"joints": [1, 2]} | ({"inverseBindMatrices": numbers[2]} if binds is not None else {})
+        document |= {"skins": [skin], "nodes": nodes}
+        inner = {child for node in nodes for child in node.get("children", [])}
+        document["scenes"] = [{"nodes": [index for index in range(len(nodes)) if index not in inner]}]
+
+    return with_more(joints, shares, *([] if binds is None else [binds]), change=change)
+
+
+QUARTER = {"rotation": [0.5**0.5, 0.0, 0.0, 0.5**0.5], "scale": [0.01] * 3}  # Blender's armature of centimetres
+UNDONE = np.diag([100.0, 100.0, 100.0, 1.0]) @ np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]])
+
+
+@pytest.mark.parametrize("own", [{}, {"scale": [3.0] * 3}, {"translation": [0.0, 9.0, 0.0]}, QUARTER])
+def test_the_node_of_a_mesh_with_a_skin_does_not_move_it(own: dict[str, Any]) -> None:
+    nodes = [{"mesh": 0, "skin": 0, **own}, {}, {}, {"children": [0, 1, 2], **QUARTER}]
+    scan = read_scan(with_skin(nodes, np.stack([UNDONE, UNDONE]).astype("f4")))
+    np.testing.assert_allclose(scan.vertices, RIG.template, atol=1e-5)
+    assert scan.notes == ()
+
+
+def test_joints_place_the_vertices_that_hang_on_them() -> None:
+    nodes = [{"mesh": 0, "skin": 0}, {"translation": [0.5, 0, 0]}, {"translation": [0, 0, 0.25]}]
+    wanted = RIG.template.copy()
+    wanted[:HALF, 0] += 0.5
+    wanted[HALF:, 2] += 0.25
+    np.testing.assert_allclose(read_scan(with_skin(nodes, None)).vertices, wanted, atol=1e-6)
+    weights = np.zeros((len(RIG.template), 4), "f4")  # none at all: they hang on the first
+    weights[:HALF, 0], weights[HALF:, :2] = 3.0, 0.0  # which need not be normalised
+    np.testing.assert_allclose(read_scan(with_skin(nodes, None, weights)).vertices, wanted, atol=1e-6)
+
+
+def test_joints_that_mirror_turn_the_triangles() -> None:
+    nodes = [{"mesh": 0, "skin": 0}, {"scale": [-1.0, 1.0, 1.0]}, {"scale": [-1.0, 1.0, 1.0]}]
+    scan = read_scan(with_skin(nodes, None))
+    np.testing.assert_allclose(scan.vertices, RIG.template * [-1.0, 1.0, 1.0], atol=1e-6)
+    np.testing.assert_array_equal(scan.faces, RIG.faces[:, ::-1])
+
+
+def test_a_skin_of_joints_that_are_not_there_is_refused() -> None:
+    nodes = [{"mesh": 0, "skin": 0}, {}]
+    with pytest.raises(BadScan, match="joint of it is in no scene"):
+        read_scan(with_skin(nodes, None))
+    with pytest.raises(BadScan, match="no inverse bind matrix"):
+        read_scan(with_skin([*nodes, {}], UNDONE[None].astype("f4")))
+
+
+def test_shapes_are_followed_as_far_as_the_file_sets_them() -> None:
+    offsets = np.random.default_rng(1).normal(scale=0.01, size=(2, len(RIG.template), 3)).astype("f4")
+
+    def change(document: dict[str, Any], numbers: list[int]) -> None:
+        document["meshes"][0]["primitives"][0]["targets"] = [{"POSITION": number} for number in numbers]
+        document["meshes"][0]["weights"] = [1.0, 1.0]
+        document["nodes"][0]["weights"] = [0.0, 0.5]
+
+    scan = read_scan(with_more(*offsets, change=change))
+    np.testing.assert_allclose(scan.vertices, RIG.template + 0.5 * offsets[1], atol=1e-6)
+    assert scan.notes == ()
+
+
+def test_shapes_count_as_vertices(monkeypatch: pytest.MonkeyPatch) -> None:
+    def change(document: dict[str, Any], _: list[int]) -> None:
+        document["meshes"][0]["primitives"][0]["targets"] = [{"POSITION": POSITIONS}] * 40
+        document["meshes"][0]["weights"] = [1.0] * 40
+
+    monkeypatch.setattr(glb, "VERTICES", 30 * len(RIG.template))
+    with pytest.raises(TooLarge, match="triangles allowed"):
+        read_scan(with_more(change=change))
 
 
 def test_a_texture_is_placed_by_the_coordinates_that_its_material_names() -> None:

@@ -1,6 +1,7 @@
 """One body in every form that programs are known to write: the same triangles, size and colours, or a true sentence."""
 
 import json
+import re
 import unicodedata
 from collections.abc import Callable
 from dataclasses import fields
@@ -45,6 +46,7 @@ from breastrig.scan.pictures import companions
 from breastrig.scan.pictures.joined_textures import UNPAINTED
 from breastrig.scan.pictures.texture import LEFT_OUT, pixels_of
 from breastrig.scan.piece import PARTLY_COLOURED
+from breastrig.scan.point_clouds.point_table import table_points
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
 
@@ -155,6 +157,81 @@ def test_a_ply_is_read_with_its_colours(name: str) -> None:
     scan = read_scan(PLY[name])
     assert_same_body(scan)
     assert scan.notes == ()
+
+
+NO_NUMBERS = ["nan", "-nan(ind)", "nan(snan)", "-1.#IND00", "1.#QNAN", "1.#INF00", "-1.#J", "1,#IND", "inf", "-1.#IND"]
+
+
+@pytest.mark.parametrize("word", NO_NUMBERS)
+def test_words_for_no_number_cost_what_uses_them_only(word: str) -> None:
+    unused = f"v {word} {word} {word}\n".encode()
+    assert_same_body(read_scan(obj("", False) + unused), coloured=False)
+    place = f"vt {word} {word}".encode()
+    mesh = re.sub(rb"(?m)^vt .*$", place, obj("mtllib a.mtl"), count=1)
+    data = zipped({"a.obj": mesh, "a.mtl": f"{MTL}map_Kd a.jpg".encode(), "a.jpg": JPEG})
+    scan = read_scan(data)
+    assert len(scan.faces) == len(FACES)
+    assert scan.notes == (UNPAINTED,)
+    head, body = ply(form="ascii").split(b"end_header\n")
+    used = head + b"end_header\n" + re.sub(rb"^\S+", word.encode(), body)
+    assert len(read_scan(used).faces) == len(FACES) - int((FACES == 0).any(axis=1).sum())
+
+
+def test_points_where_a_camera_saw_nothing_are_no_sign_of_a_cut_file() -> None:
+    unused = b"v -1.#IND00 -1.#IND00 -1.#IND00\n" * len(VERTICES)
+    assert_same_body(read_scan(unused + obj("", False, corner="{1}").rstrip()), coloured=False)
+
+
+def test_a_table_of_points_may_begin_with_what_is_no_number() -> None:
+    rows = ["-1.#IND -1.#IND -1.#IND"] * 20 + [f"{x:.4f} {y:.4f} {z:.4f}" for x, y, z in VERTICES]
+    assert len(table_points("\n".join(rows).encode()).points) == 20 + len(VERTICES)
+
+
+REMARKED: dict[str, Callable[[str], str]] = {
+    "behind": lambda line: f"{line} # first, of 3.5",
+    "without a blank": lambda line: f"{line}#first",
+    "behind a tab": lambda line: f"{line}\t# C:\\scans\\",
+    "goes on": lambda line: " \\\n".join(line.rsplit(" ", 2)),
+    "goes on behind a blank": lambda line: " \\ \r\n\t".join(line.rsplit(" ", 2)),
+    "a folder before it": lambda line: f"# C:\\scans\\\n{line}",
+}
+
+
+@pytest.mark.parametrize("name", REMARKED)
+def test_remarks_in_an_obj_and_lines_that_go_on(name: str) -> None:
+    lines = obj("", False).decode().splitlines()
+    rows = [REMARKED[name](line) if line[:2] in ("v ", "f ") else line for line in lines]
+    scan = read_scan("\n".join(rows).encode() + b"\n")
+    assert_same_body(scan, coloured=False)
+    np.testing.assert_array_equal(scan.faces, FACES)
+    assert scan.notes == ()
+
+
+def test_names_of_materials_may_have_a_remark_behind_them_or_in_them() -> None:
+    files = {"scan.jpg": JPEG, "b.jpg": saved("JPEG", Image.new("RGB", (8, 8)))}
+    remarked = painted_obj("newmtl skin # of the body\nmap_Kd scan.jpg\nnewmtl other\nmap_Kd b.jpg\n", files)
+    assert_same_body(read_scan(remarked))
+    mesh = obj("mtllib scan.mtl # colours").replace(b"usemtl skin", b"usemtl skin # 1")
+    named = "newmtl skin # 2\nmap_Kd b.jpg\nnewmtl skin # 1\nmap_Kd scan.jpg\n"
+    assert_same_body(read_scan(zipped({"a.obj": mesh, "scan.mtl": named.encode(), **files})))
+
+
+@pytest.mark.parametrize("form", ["ascii", "binary_little_endian", "binary_big_endian"])
+@pytest.mark.parametrize("corners", [[], [5], [5, 6]])
+@pytest.mark.parametrize("at", [0, 100, len(FACES)])
+def test_faces_of_a_ply_with_too_few_corners_are_left_out_and_said(form: str, corners: list[int], at: int) -> None:
+    polygons = FACES.tolist()
+    polygons[at:at] = [corners]
+    colours = np.insert(OF_FACES, at, [255, 0, 255], axis=0)
+    scan = read_scan(ply(face=vertex_colours("uchar", colours), form=form, polygons=polygons))
+    assert_same_body(scan)
+    assert scan.notes == ("One face of this file has fewer than three corners and was left out.",)
+
+
+def test_faces_of_an_obj_with_too_few_corners_are_left_out_and_said() -> None:
+    scan = read_scan(obj("", False).replace(b"usemtl skin", b"f 1 2\nf 3\nf"))
+    assert_same_body(scan, coloured=False)
+    assert scan.notes == ("3 faces of this file have fewer than three corners and were left out.",)
 
 
 @pytest.mark.parametrize("data", [obj(uv=False, head=""), ply(form="ascii"), stl_text()], ids=["obj", "ply", "stl"])

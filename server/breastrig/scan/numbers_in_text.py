@@ -1,4 +1,4 @@
-"""Numbers in the text of scan files, whichever sign stands before their decimals."""
+"""Numbers in the text of scan files, whichever sign stands before their decimals, and words for what is no number."""
 
 import re
 import warnings
@@ -8,6 +8,8 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Integers
 
+# "Not a number" and "infinite" as C libraries on Windows write them (1.#IND00, -1.#QNAN, 1.#J, nan(ind)), also rounded.
+NO_NUMBER = re.compile(rb"(?<!\S)[-+]?(?:1[.,]?[#$]\w*|nan\(\w*\))(?!\S)", re.IGNORECASE)
 SPACED_COMMA = re.compile(rb",[ \t]|[ \t],")
 
 
@@ -24,8 +26,17 @@ def with_points(rows: Sequence[bytes]) -> Sequence[bytes]:
 
 
 def numbers(rows: Sequence[bytes]) -> tuple[Array, Integers]:
-    """(all numbers, how many each row has); ValueError for words that are none."""
-    rows = with_points(rows)
+    """(all numbers, how many each row has), nan for what says that it is none; ValueError for other words."""
+    try:
+        return _parsed(with_points(rows))
+    except ValueError:
+        mended = [NO_NUMBER.sub(b"nan", row) for row in rows]
+        if mended == list(rows):
+            raise
+        return _parsed(with_points(mended))
+
+
+def _parsed(rows: Sequence[bytes]) -> tuple[Array, Integers]:
     widths = np.fromiter((len(row.split()) for row in rows), np.int64, len(rows))
     total = int(widths.sum())
     if not total:

@@ -21,6 +21,7 @@ from breastrig.core.glb import parse_document, split_glb
 from breastrig.core.gltf_arrays import DTYPES, GltfArrays, entry, whole
 from breastrig.geometry.rotations import rotation_from_quaternion
 from breastrig.scan.formats.compressed import DRACO, MESHOPT, draco_mesh, unpacked_views
+from breastrig.scan.formats.gltf_pose import joint_matrices, skinned
 from breastrig.scan.formats.polygons import strip
 from breastrig.scan.limits import (
     GLTF_DEPTH,
@@ -48,7 +49,6 @@ ELSEWHERE = (
     "This {kind} keeps its data in another file, which is not beside it; pack both in a zip, or export one .glb with "
     "everything inside."
 )
-POSED = "The file poses its mesh with bones or shapes, which is not followed; if it looks wrong, export the posed mesh."
 POINTS, TRIANGLE_LIST, TRIANGLE_STRIP, TRIANGLE_FAN = 0, 4, 5, 6  # glTF's modes; 1 to 3 are lines
 TOO_LONG = (
     f"This {{kind}} describes itself in more than {GLTF_JSON_BYTES // MEBIBYTE} MB of text; "
@@ -160,66 +160,74 @@ class _Drawn:
         self._pictures: dict[int, bytes | None] = {}
         self._unpacked_primitives: dict[int, dict[str, Any]] = {}  # by the identity of what the document holds
         self._arrays: GltfArrays | None = None
+        self._world: dict[int, Array] = {}  # (4, 4) of each node
+        self._skins: dict[int, Array] = {}  # (J, 4, 4) of each skin that is drawn
 
     def pieces(self) -> Pieces:
-        placed = sorted(self._placed(), key=lambda place: place[:2])
-        primitives = [entry(self._document, "meshes", mesh)["primitives"] for mesh, _, _ in placed]
-        self._check_counts(primitives)
-        draws = [(place[2], primitive) for place, own in zip(placed, primitives, strict=True) for primitive in own]
+        placed = sorted(self._placed())
+        primitives = [entry(self._document, "meshes", mesh)["primitives"] for mesh, _ in placed]
+        shapes = [self._shapes(*place) for place in placed]
+        self._check_counts(primitives, shapes)
+        draws = [(node, primitive) for (_, node), own in zip(placed, primitives, strict=True) for primitive in own]
         self._binary = unpacked_views(self._document, self._binary)
         self._arrays = GltfArrays(self._document, self._binary)
         with np.errstate(all="ignore"):  # infinite numbers are found afterwards, in every kind of file
-            pieces = [piece for transform, drawn in draws if (piece := self._piece(drawn, transform)) is not None]
+            pieces = [piece for node, drawn in draws if (piece := self._piece(drawn, node)) is not None]
         has_points = any(
             _mode(primitive) not in (TRIANGLE_LIST, TRIANGLE_STRIP, TRIANGLE_FAN) for _, primitive in draws
         )
         return Pieces(tuple(pieces), has_points, tuple(dict.fromkeys((*self._notes, *self._files.notes()))))
 
-    def _placed(self) -> Iterator[tuple[int, int, Array]]:
-        """(mesh, node, 4 x 4 matrix) of each node of the scene that draws."""
+    def _placed(self) -> Iterator[tuple[int, int]]:
+        """(mesh, node) of each node of the scene that draws; places all nodes, for joints may be elsewhere."""
         nodes = self._document.get("nodes", [])
         parents = _parents(nodes)
         scenes = self._document.get("scenes", [])
         roots = [index for index in range(len(nodes)) if index not in parents]
+        wanted = set(roots)
         if scenes:
-            wanted = set(entry(self._document, "scenes", self._document.get("scene", 0)).get("nodes", []))
-            roots = [index for index in roots if index in wanted]
-        if nodes and not roots:
+            wanted &= set(entry(self._document, "scenes", self._document.get("scene", 0)).get("nodes", []))
+        if nodes and not wanted:
             raise ValueError("its scene is empty or contains itself")
-        waiting = [(root, np.eye(4), 1) for root in roots]
+        waiting = [(root, np.eye(4), 1, root in wanted) for root in roots]
         while waiting:
-            index, above, depth = waiting.pop()
+            index, above, depth, is_shown = waiting.pop()
             if depth > GLTF_DEPTH:
                 raise TooLarge(f"The scene of this GLB file is nested more than {GLTF_DEPTH} deep; join its meshes.")
             node = entry(self._document, "nodes", index)
-            transform = above @ _matrix(node)
-            waiting += [(child, transform, depth + 1) for child in node.get("children", [])]
-            if "mesh" in node:
-                mesh = entry(self._document, "meshes", node["mesh"])
-                if "skin" in node or any(node.get("weights", mesh.get("weights", []))):
-                    self._notes.append(POSED)
-                yield node["mesh"], index, transform
+            self._world[index] = above @ _matrix(node)
+            waiting += [(child, self._world[index], depth + 1, is_shown) for child in node.get("children", [])]
+            if "mesh" in node and is_shown:
+                yield whole(node["mesh"], "a mesh's number"), index
 
-    def _check_counts(self, drawn: list[list[dict[str, Any]]]) -> None:
-        """The sizes that the document announces for all that is drawn: primitives, node by node."""
+    def _shapes(self, mesh: int, node: int) -> dict[int, float]:
+        """Share of each shape (morph target) that the node, or else its mesh, asks for."""
+        own = self._document["nodes"][node].get("weights", entry(self._document, "meshes", mesh).get("weights", []))
+        return {number: float(share) for number, share in enumerate(own) if share}
+
+    def _check_counts(self, drawn: list[list[dict[str, Any]]], shapes: list[dict[int, float]]) -> None:
+        """The sizes that the document announces for all that is drawn: primitives, node by node, with their shapes."""
         pieces = sum(map(len, drawn))
         if pieces > GLTF_PRIMITIVES:
             raise TooLarge(
                 f"This GLB file draws {pieces:,} pieces, more than the {GLTF_PRIMITIVES:,} allowed; join its meshes."
             )
         triangles = vertices = 0
-        for primitive in chain.from_iterable(drawn):
+        each = (
+            (primitive, len(own)) for primitives, own in zip(drawn, shapes, strict=True) for primitive in primitives
+        )
+        for primitive, shaped in each:
             points = self._count(primitive["attributes"]["POSITION"])
             corners = self._count(primitive["indices"]) if "indices" in primitive else points
             triangles += corners // 3 if _mode(primitive) == TRIANGLE_LIST else corners
-            vertices += points
+            vertices += points * (1 + min(shaped, len(primitive.get("targets", []))))
         if triangles > TRIANGLES or vertices > VERTICES:
             raise TooLarge(TOO_MANY_TRIANGLES)
 
     def _count(self, accessor: Any) -> int:
         return whole(entry(self._document, "accessors", accessor).get("count"), "the length of an array")
 
-    def _piece(self, primitive: dict[str, Any], transform: Array) -> Piece | None:
+    def _piece(self, primitive: dict[str, Any], node: int) -> Piece | None:
         mode = _mode(primitive)
         if mode not in (TRIANGLE_LIST, TRIANGLE_STRIP, TRIANGLE_FAN):
             return None
@@ -233,13 +241,48 @@ class _Drawn:
         faces = _triangles(corners, mode)
         if not len(faces):
             return None
-        if not np.array_equal(transform, np.eye(4)):
-            vertices = vertices @ transform[:3, :3].T + transform[:3, 3]
-            if np.linalg.det(transform[:3, :3]) < 0:
-                faces = faces[:, ::-1]
+        vertices, is_mirrored = self._where(self._shaped(vertices, primitive, node), attributes, node)
+        if is_mirrored:
+            faces = faces[:, ::-1]
         colours = self._colours(attributes["COLOR_0"], len(vertices)) if "COLOR_0" in attributes else None
         uv, picture = self._painted(primitive, len(vertices))
         return Piece(vertices, faces, colours, uv, picture, self._tint(primitive))
+
+    def _shaped(self, vertices: Array, primitive: dict[str, Any], node: int) -> Array:
+        """(V, 3) with the shapes that the node gives its mesh."""
+        targets = primitive.get("targets", [])
+        for number, share in self._shapes(self._document["nodes"][node]["mesh"], node).items():
+            if number < len(targets) and "POSITION" in targets[number]:
+                offsets = self._values(targets[number]["POSITION"], (3,))
+                if len(offsets) != len(vertices):
+                    raise ValueError("one of its shapes has another number of vertices")
+                vertices = vertices + share * offsets
+        return vertices
+
+    def _where(self, vertices: Array, attributes: dict[str, Any], node: int) -> tuple[Array, bool]:
+        """((V, 3) in the scene, whether they are mirrored there): by the joints of its skin, else by the node."""
+        skin = self._document["nodes"][node].get("skin")
+        if skin is not None and "JOINTS_0" in attributes:
+            sets = [number for number in (0, 1) if f"JOINTS_{number}" in attributes]
+            joints = np.hstack([self._values(attributes[f"JOINTS_{number}"], (4,)) for number in sets])
+            weights = np.hstack([self._values(attributes[f"WEIGHTS_{number}"], (4,)) for number in sets])
+            if joints.dtype.kind != "i":
+                raise ValueError("its joints are no whole numbers")
+            return skinned(vertices, joints, weights.astype(np.float64), self._joints(skin))
+        transform = self._world[node]
+        if np.array_equal(transform, np.eye(4)):
+            return vertices, False
+        placed = vertices @ transform[:3, :3].T + transform[:3, 3]
+        return placed, bool(np.linalg.det(transform[:3, :3]) < 0)
+
+    def _joints(self, skin: Any) -> Array:
+        """(J, 4, 4)"""
+        found = entry(self._document, "skins", skin)
+        if skin not in self._skins:
+            binds = found.get("inverseBindMatrices")
+            matrices = None if binds is None else self._values(binds, (4, 4))
+            self._skins[skin] = joint_matrices(found, self._world, matrices)
+        return self._skins[skin]
 
     def _tint(self, primitive: dict[str, Any]) -> tuple[int, int, int] | None:
         """The one colour of its material."""

@@ -1,19 +1,18 @@
 """The materials of an OBJ: which picture each is painted with, how it is laid, and its one colour."""
 
-import re
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 from breastrig.core.errors import TooLarge
 from breastrig.scan.limits import MATERIAL_FILE_BYTES, MATERIALS
+from breastrig.scan.pictures.companions import REMARK
 
 # Words of a map before its file's name, and how many values follow them; those of places may have one to three.
 OPTIONS = {
     **{"-blendu": 1, "-blendv": 1, "-boost": 1, "-clamp": 1, "-cc": 1, "-bm": 1, "-imfchan": 1},
     **{"-type": 1, "-texres": 1, "-mm": 2, "-o": 3, "-s": 3, "-t": 3},
 }
-REMARK = re.compile(r"\s#")
 MAPS = ("map_kd", "map_ka", "map_ke")  # the picture of a scan stands behind one of them; the first has it mostly
 CHANGED = (
     "A material changes its picture (option -mm or -t), which is not followed; the picture's own colours are shown."
@@ -43,7 +42,8 @@ def read_materials(content: bytes) -> dict[str, Material]:
         elif rest.strip():
             current.setdefault(word.lower(), rest.strip())
     materials = {name: _material(lines) for name, lines in found.items()}
-    return {name.casefold(): each for name, each in materials.items()} | materials
+    bare = {REMARK.split(name)[0].rstrip(): each for name, each in reversed(materials.items())}
+    return {name.casefold(): each for name, each in materials.items()} | bare | materials
 
 
 def _decoded(content: bytes) -> str:

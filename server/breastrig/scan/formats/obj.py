@@ -9,22 +9,27 @@ triangle reaches far across the body.  A cut exactly between two lines in which 
 import re
 from array import array
 from collections import defaultdict
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.formats.mtl import Material, read_materials
-from breastrig.scan.formats.polygons import fans
+from breastrig.scan.formats.polygons import fans, few_corners
 from breastrig.scan.limits import MATERIALS, TOO_MANY_TRIANGLES, TRIANGLES, VERTICES
 from breastrig.scan.numbers_in_text import first_columns, numbers
 from breastrig.scan.pictures.companions import ONLY_PAINTING, UNPLACED, Companions
+from breastrig.scan.pictures.companions import REMARK as NAME_REMARK
 from breastrig.scan.piece import PARTLY_COLOURED, UNCOLOURED, Piece, Pieces, PointCloud, colour_bytes, part
 
 LEFT_OVER = 0.1  # share of the points that no triangle uses; scanning programs leave none or single ones
 COMPARED = 50  # triangles before the last
 FAR_REACHING = 3.0  # times the longest edge of those
 LONGEST_LINE = 20_000  # bytes of a polygon
+REMARK = re.compile(rb"(?<![.,])#.*")  # behind the numbers of a line; 1.#IND is none
+CONTINUED = re.compile(rb"\\ *\n")
+NUMBERED = (b"v", b"vt", b"f", b"fo")
 ANNOUNCED = re.compile(rb"(?m)^# *Faces: *(\d{1,9}) *$")  # in MeshLab's header
 LOOKED_AT = 4096  # bytes at the beginning, or the end
 CUT_OFF = "This OBJ file ends in the middle of its triangles, as one that was cut off; export it again."
@@ -36,6 +41,8 @@ LOOSE = (
 def read_obj(data: bytes, files: Companions, texture: bool) -> Pieces:
     """What the file draws.  Raises BadScan, TooLarge, or ValueError where it is damaged."""
     lines = _Lines(data)
+    if lines.few_corners:
+        files.note(few_corners(lines.few_corners))
     points, colours = _points(lines.points, files)
     if colours is None and lines.painted:
         colours = _zbrush_colours(lines.painted, len(points))
@@ -75,9 +82,12 @@ class _Lines:
         self.counts, self.polygons = array("q"), array("q")  # corners of each, and their numbers in `corners`
         self.corners: defaultdict[bytes, int] = defaultdict()
         self.corners.default_factory = self.corners.__len__
+        self.few_corners = 0  # polygons that were left out
         self._triangles = normals = 0
-        for line in _uniform(data).split(b"\n"):
+        for line in _lines(data):
             word, _, rest = line.lstrip().partition(b" ")
+            if b"#" in rest and word in NUMBERED:
+                rest = REMARK.sub(b"", rest)
             if word == b"v":
                 self.points.append(rest)
             elif word == b"vt":
@@ -104,6 +114,7 @@ class _Lines:
         if b"-" in rest:
             words = [_forwards(word, (len(self.points), len(self.places), normals)) for word in words]
         if len(words) < 3:
+            self.few_corners += 1
             return
         self.counts.append(len(words))
         self._triangles += len(words) - 2
@@ -113,9 +124,29 @@ class _Lines:
 
 
 def _uniform(data: bytes) -> bytes:
-    """With one kind of line ends and spaces, and without lines that go on in the next."""
-    data = data.removeprefix(b"\xef\xbb\xbf").replace(b"\r\n", b"\n").replace(b"\r", b"\n").replace(b"\t", b" ")
-    return data.replace(b"\\\n", b" ")
+    """With one kind of line ends and spaces."""
+    return data.removeprefix(b"\xef\xbb\xbf").replace(b"\r\n", b"\n").replace(b"\r", b"\n").replace(b"\t", b" ")
+
+
+def _lines(data: bytes) -> Iterable[bytes]:
+    """The lines, those that go on in the next as one; a remark ends with its line, also where it names a folder."""
+    data = _uniform(data)
+    lines = data.split(b"\n")
+    return _joined(lines) if CONTINUED.search(data) else lines
+
+
+def _joined(lines: list[bytes]) -> Iterator[bytes]:
+    begun = b""
+    for line in lines:
+        whole = begun + line
+        begun = b""
+        bare = whole.rstrip()
+        if bare.endswith(b"\\") and REMARK.search(whole) is None:
+            begun = bare[:-1] + b" "
+        else:
+            yield whole
+    if begun:
+        yield begun
 
 
 def _decoded(text: bytes) -> str:
@@ -179,7 +210,7 @@ def _painted(whole: Piece, lines: _Lines, polygons: Integers, files: Companions)
     names = ["", *(name for _, name in lines.materials)]
     number = {name: index for index, name in enumerate(dict.fromkeys(names))}
     whose = np.array([number[name] for name in names])[np.searchsorted(starts, polygons, side="right")]
-    used = {name: known.get(name, known.get(name.casefold())) for name in number}
+    used = {name: _named(name, known) for name in number}
     painting = {each for each in known.values() if each.picture}
     if len(painting) == 1 and not any(used.values()):  # the file names another material, or none
         files.note(ONLY_PAINTING)
@@ -196,6 +227,12 @@ def _painted(whole: Piece, lines: _Lines, polygons: Integers, files: Companions)
         piece = whole if chosen.all() else part(whole, chosen)
         found.append(_with_material(piece, material or Material(), files, unnamed))
     return found
+
+
+def _named(written: str, known: dict[str, Material]) -> Material | None:
+    """The material of this name, in any case, or of what stands before a remark."""
+    names = (written, written.casefold(), NAME_REMARK.split(written)[0].rstrip())
+    return next((known[name] for name in names if name in known), None)
 
 
 def _with_material(piece: Piece, material: Material, files: Companions, unnamed: bool) -> Piece:
@@ -220,15 +257,19 @@ def _check_end(data: bytes, lines: _Lines, points: Array, vertex: Integers, face
             raise BadScan(CUT_OFF)
         return
     end = _uniform(data[-LOOKED_AT:])
-    last = next((line for line in reversed(end.split(b"\n")) if line.strip()), b"").split()
+    bare = (REMARK.sub(b"", line).split() for line in reversed(list(_lines(end))))
+    last: list[bytes] = next((words for words in bare if words), [])
     if not last or last[0] != b"f":
         return
     if len(last) < 4 or len({tuple(map(bool, corner.split(b"/"))) for corner in last[1:]}) > 1:
         raise BadScan(CUT_OFF)
     used = len(np.unique(vertex[faces]))
-    if used < (1.0 - LEFT_OVER) * len(points):
+    placed = int(
+        np.isfinite(points).all(axis=1).sum()
+    )  # depth cameras write a point that is no number where they see nothing
+    if used < (1.0 - LEFT_OVER) * placed:
         raise BadScan(LOOSE)
-    if not end.endswith(b"\n") and (used < len(points) or _lacks_digits(points, vertex[faces[-COMPARED - 1 :]])):
+    if not end.endswith(b"\n") and (used < placed or _lacks_digits(points, vertex[faces[-COMPARED - 1 :]])):
         raise BadScan(CUT_OFF)
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan, TooLarge
-from breastrig.scan.formats.polygons import fans, split, strip
+from breastrig.scan.formats.polygons import fans, few_corners, split, strip
 from breastrig.scan.limits import PLY_HEADER_BYTES, TOO_MANY_TRIANGLES, TRIANGLES, VERTICES
 from breastrig.scan.numbers_in_text import numbers
 from breastrig.scan.pictures.companions import UNPLACED, Companions
@@ -80,8 +80,12 @@ def read_ply(data: bytes, files: Companions, texture: bool) -> Pieces:
         raise BadScan(NO_POINTS)
     vertices = _table(vertex, tuple("xyz"))
     faces, polygons = _faces(face, read.get("tristrips", {}))
+    drawn = _corners(face)
+    few = 0 if drawn is None else int((drawn.counts < 3).sum())
+    if few:
+        files.note(few_corners(few))
     if not len(faces):
-        return _cloud(vertex, vertices)
+        return replace(_cloud(vertex, vertices), notes=files.notes())
     if not 0 <= faces.min() <= faces.max() < len(vertices):
         raise BadScan("The triangles of this scan name vertices that do not exist; export it again.")
     return _Painted(vertex, face, vertices, faces, polygons, named).pieces(files, texture)
@@ -298,8 +302,6 @@ def _faces(face: Columns, strips: Columns) -> tuple[Integers, Integers]:
     if corners is not None:
         if len(corners.counts) and int(np.maximum(corners.counts - 2, 0).sum()) > TRIANGLES:
             raise TooLarge(TOO_MANY_TRIANGLES)
-        if (corners.counts < 3).any():
-            raise ValueError("a polygon of fewer than three corners")
         order, polygons = fans(corners.counts)
         faces = _whole(corners.values)[order]
     for each in strips.values():
@@ -367,7 +369,7 @@ class _Painted:
 
     def pieces(self, files: Companions, texture: bool) -> Pieces:
         painted = self._with_pictures(files) if texture else ()
-        return Pieces(painted or (self._with_colours(),), notes=files.notes() if texture else ())
+        return Pieces(painted or (self._with_colours(),), notes=files.notes())
 
     def _with_colours(self) -> Piece:
         colours = _colours(self._vertex)

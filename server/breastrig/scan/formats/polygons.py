@@ -4,6 +4,16 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Integers
 
+FEW_CORNERS = "{count} of this file {have} fewer than three corners and {were} left out."
+
+
+def few_corners(count: int) -> str:
+    """Says how many faces were left out because they are a line, a point or nothing."""
+    one = count == 1
+    return FEW_CORNERS.format(
+        count="One face" if one else f"{count:,} faces", have="has" if one else "have", were="was" if one else "were"
+    )
+
 
 def fans(counts: Integers) -> tuple[Integers, Integers]:
     """(F, 3) corners, counted through all polygons, of their triangles; and (F,) the polygon of each."""

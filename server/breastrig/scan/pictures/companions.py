@@ -5,6 +5,7 @@ letters for the same accents.  A name is looked up by its whole path first, then
 """
 
 import os
+import re
 import unicodedata
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
@@ -15,6 +16,7 @@ from urllib.parse import unquote
 from breastrig.scan.pictures.texture import LEFT_OUT, TURNED, is_turned, plain_picture
 
 PICTURES = ("jpg", "jpeg", "jpe", "jfif", "png", "webp", "tif", "tiff", "bmp", "tga", "gif", "avif")
+REMARK = re.compile(r"\s#")  # behind a name, if it is no part of it
 LOOKED_THROUGH = 100  # folders within that of a scan
 MISSING = "A picture that the scan names is not beside it, and the scan is shown without it."
 NO_MATERIAL = "The material file that the scan names is not beside it; colours may be missing."
@@ -57,7 +59,7 @@ class Companions:
 
     def material(self, written: str) -> list[bytes]:
         """The material files of this name, or of these names with spaces between, or the only one."""
-        one = self._place(written)
+        one = self._place(written) or self._place(REMARK.split(written)[0])
         found = [one] if one is not None else [self._place(word) for word in written.split()]
         places = [place for place in found if place is not None]
         if not places:

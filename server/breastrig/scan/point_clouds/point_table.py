@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.limits import POINTS
-from breastrig.scan.numbers_in_text import numbers, with_points
+from breastrig.scan.numbers_in_text import NO_NUMBER, numbers, with_points
 from breastrig.scan.piece import PointCloud, colour_bytes
 
 ROWS = 20  # lines in which a file shows that it is nothing but numbers
@@ -21,7 +21,9 @@ HEAD = 10  # lines of words before them, at most
 COLUMNS = 16  # at most: index, place, normal, colour, and what a scanner adds
 UNIT = 0.02  # that the length of a normal may differ from one: such files are rounded
 REMARKS = (b"#", b"//", b"%", b"!")
-NUMBER = re.compile(rb"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?$|[-+]?(?:nan|inf)$", re.IGNORECASE)
+NUMBER = re.compile(
+    rb"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?$|[-+]?(?:nan|inf)$|" + NO_NUMBER.pattern, re.IGNORECASE
+)
 NAMES = {
     **{name: name for name in ("x", "y", "z", "nx", "ny", "nz")},
     **{"normalx": "nx", "normaly": "ny", "normalz": "nz", "r": "r", "g": "g", "b": "b"},
