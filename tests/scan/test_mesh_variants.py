@@ -42,7 +42,7 @@ from scipy.spatial import cKDTree
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.formats import glb as glb_module
 from breastrig.scan.formats.stl import WRONG_COUNT
-from breastrig.scan.pictures import companions
+from breastrig.scan.pictures import companions, tiles
 from breastrig.scan.pictures.joined_textures import UNPAINTED
 from breastrig.scan.pictures.texture import LEFT_OUT, pixels_of
 from breastrig.scan.piece import PARTLY_COLOURED
@@ -295,6 +295,109 @@ def test_an_obj_is_read_with_its_colours(name: str) -> None:
     scan = read_scan(OBJ[name])
     assert_same_body(scan)
     assert scan.notes == ()
+
+
+ACROSS = np.floor(2.999 * UV[FACES].mean(axis=1)[:, 0])  # of each triangle: the tile that paints it
+
+
+def tiled_places(spread: float = 1.0) -> np.ndarray:
+    """(F, 3, 2): three tiles, the last one row up; each has a third of the triangles."""
+    return np.asarray(UV[FACES] + spread * np.stack([ACROSS, ACROSS // 2], axis=1)[:, None])
+
+
+def tiled_obj(spread: float = 1.0) -> bytes:
+    lines = ["mtllib scan.mtl", *(f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in VERTICES)]
+    lines += [f"vt {u:.6f} {v:.6f}" for u, v in tiled_places(spread).reshape(-1, 2)]
+    faces = [" ".join(f"{v + 1}/{3 * k + c + 1}" for c, v in enumerate(face)) for k, face in enumerate(FACES)]
+    return "\n".join([*lines, "usemtl skin", *(f"f {face}" for face in faces), ""]).encode()
+
+
+def tile_pictures(*names: str) -> dict[str, bytes]:
+    """Each with the colours that its triangles have, and others where only those of other tiles lie."""
+    found = {}
+    for tile, name in enumerate(names):
+        shown = pixels(192)
+        shown[:, np.abs((np.arange(192) + 0.5) / 64 - tile - 0.5) > 0.7] = [0, 0, 0] if tile else [255, 0, 255]
+        found[name] = saved("PNG", Image.fromarray(shown))
+    return found
+
+
+UDIM = ("s.1001.png", "s.1002.png", "s.1013.png")
+TILES = {
+    "udim": ("s.<UDIM>.png", UDIM),
+    "udim in small letters": ("maps/s.<udim>.png", UDIM),
+    "the first is named": ("s.1001.png", UDIM),
+    "another is named": ("s.1002.png", UDIM),
+    "with options": ("-clamp on s 2001 1001.png", ("s 2001 1001.png", "s 2001 1002.png", "s 2001 1013.png")),
+    "Mudbox": ("s_u1_v1.png", ("s_u1_v1.png", "s_u2_v1.png", "s_u3_v2.png")),
+    "ZBrush": ("s_u0_v0.png", ("s_u0_v0.png", "s_u1_v0.png", "s_u2_v1.png")),
+    "uvtile": ("s_<UVTILE>.png", ("s_u1_v1.png", "s_u2_v1.png", "s_u3_v2.png")),
+    "uvtile from nought": ("s_<uvtile>.png", ("s_u0_v0.png", "s_u1_v0.png", "s_u2_v1.png")),
+    "another ending": ("s.<UDIM>.exr", UDIM),
+}
+
+
+@pytest.mark.parametrize("name", TILES)
+def test_each_tile_of_a_texture_has_its_own_picture(name: str) -> None:
+    written, names = TILES[name]
+    files = {"scan.obj": tiled_obj(), "scan.mtl": f"{MTL}map_Kd {written}\n".encode(), **tile_pictures(*names)}
+    scan = read_scan(zipped(files))
+    assert_same_body(scan)
+    assert scan.notes == ((companions.OTHER_ENDING,) if name == "another ending" else ())
+
+
+@pytest.mark.parametrize("written", ["s.<UDIM>.png", "s.1001.png"])
+def test_a_tile_whose_picture_is_missing_is_said(written: str) -> None:
+    pictures = tile_pictures(*UDIM[:2])
+    scan = read_scan(zipped({"a.obj": tiled_obj(), "scan.mtl": f"{MTL}map_Kd {written}\n".encode(), **pictures}))
+    assert scan.notes == (tiles.MISSING.format(count=1), UNPAINTED)
+    found = shown_colours(scan)
+    assert found is not None
+    far, which = cKDTree(scan.vertices[scan.faces].mean(axis=1)).query(CENTRES)
+    assert far.max() < 2e-5
+    assert np.abs(found[which] - TRUE)[ACROSS < 2].mean() < 3.0
+    assert np.ptp(found[which][ACROSS == 2], axis=0).max() <= 1  # one colour
+
+
+@pytest.mark.parametrize("name", ["scan.png", "scan.1001.png", "scan.1024.png", "scan_u1_v1.png"])
+def test_a_picture_without_others_beside_it_is_no_tile(name: str) -> None:
+    scan = read_scan(zipped({"a.obj": tiled_obj(), "scan.mtl": f"{MTL}map_Kd {name}\n".encode(), name: saved("PNG")}))
+    assert scan.notes == ()
+    assert scan.uv is not None
+    assert scan.uv.max() > 2.0  # repeated, as ever
+
+
+def test_pictures_with_numbers_of_tiles_may_be_those_of_several_materials() -> None:
+    lines = tiled_obj(0.0).split(b"\n")
+    faces = [line for line in lines if line.startswith(b"f ")]
+    painted = [b"usemtl m%d\n%s" % (ACROSS[k], line) for k, line in enumerate(faces)]
+    mesh = [line for line in lines if not line.startswith((b"f ", b"usemtl"))] + painted
+    materials = "".join(f"newmtl m{k}\nmap_Kd s.{1002 + k}.png\n" for k in range(3))
+    files = {"a.obj": b"\n".join([*mesh, b""]), "scan.mtl": materials.encode()}
+    assert_same_body(read_scan(zipped({**files, **tile_pictures("s.1002.png", "s.1003.png", "s.1004.png")})))
+
+
+def test_tiles_of_a_ply_and_of_a_usd(monkeypatch: pytest.MonkeyPatch) -> None:
+    from breastrig.scan.formats import usd
+
+    places = tiled_places().astype("f4")
+    mesh = ply(face={"texcoord": ("list uchar float", places.reshape(-1, 6))}, head="comment TextureFile s.1001.png")
+    scan = read_scan(zipped({"a.ply": mesh, **tile_pictures(*UDIM)}))
+    assert_same_body(scan)
+    assert scan.notes == ()
+    monkeypatch.setattr("breastrig.scan.read.usd_pieces", usd.usd_pieces)
+    rows = ", ".join(f"({u:.6f}, {v:.6f})" for u, v in places.reshape(-1, 2))
+    layer = re.sub(r"(primvars:st = ).*", rf'\1[{rows}] (interpolation = "faceVarying")', usda("s.<UDIM>.png").decode())
+    scan = read_scan(usdz({"scan.usda": layer.encode(), **tile_pictures(*UDIM)}))
+    assert_same_body(Scan(**{**vars_of(scan), "vertices": scan.vertices - [0.25, 0.0, 0.0]}))
+
+
+def test_a_texture_of_more_tiles_than_there_may_be() -> None:
+    lines = obj().split(b"\n")
+    mesh = [b"vt %d.5 0.5" % k**2 if line[:3] == b"vt " else line for k, line in enumerate(lines)]
+    files = {"scan.mtl": f"{MTL}map_Kd s.<UDIM>.png".encode(), "s.1001.png": saved("PNG")}
+    with pytest.raises(TooLarge, match="tiles allowed"):
+        read_scan(zipped({"a.obj": b"\n".join(mesh), **files}))
 
 
 def test_a_picture_that_is_scaled_and_moved_by_its_material_lies_where_it_is_put() -> None:

@@ -9,7 +9,8 @@ triangle reaches far across the body.  A cut exactly between two lines in which 
 import re
 from array import array
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from breastrig.scan.limits import MATERIALS, TOO_MANY_TRIANGLES, TRIANGLES, VERT
 from breastrig.scan.numbers_in_text import first_columns, numbers
 from breastrig.scan.pictures.companions import ONLY_PAINTING, UNPLACED, Companions
 from breastrig.scan.pictures.companions import REMARK as NAME_REMARK
+from breastrig.scan.pictures.tiles import painted_by_tiles
 from breastrig.scan.piece import PARTLY_COLOURED, UNCOLOURED, Piece, Pieces, PointCloud, colour_bytes, part
 
 LEFT_OVER = 0.1  # share of the points that no triangle uses; scanning programs leave none or single ones
@@ -219,13 +221,13 @@ def _painted(whole: Piece, lines: _Lines, polygons: Integers, files: Companions)
     for name, index in number.items():
         pieces.setdefault(used[name], []).append(index)
     unnamed = not any(material and material.picture for material in pieces)
-    found = []
+    found: list[Piece] = []
     for material, own in pieces.items():
         chosen = np.isin(whose, own)
         if not chosen.any():
             continue
         piece = whole if chosen.all() else part(whole, chosen)
-        found.append(_with_material(piece, material or Material(), files, unnamed))
+        found += _with_material(piece, material or Material(), files, unnamed)
     return found
 
 
@@ -235,18 +237,17 @@ def _named(written: str, known: dict[str, Material]) -> Material | None:
     return next((known[name] for name in names if name in known), None)
 
 
-def _with_material(piece: Piece, material: Material, files: Companions, unnamed: bool) -> Piece:
-    picture = files.picture(material.picture) if material.picture else None
-    if unnamed and piece.uv is not None and piece.colours is None:
-        picture = files.only_picture()
-    if picture is not None and piece.uv is None:
-        files.note(UNPLACED)
+def _with_material(piece: Piece, material: Material, files: Companions, unnamed: bool) -> Sequence[Piece]:
     if material.left_out:
         files.note(material.left_out)
-    if picture is None or piece.uv is None:
-        return Piece(piece.vertices, piece.faces, piece.colours, tint=material.tint)
-    uv = piece.uv * material.scale + material.offset
-    return Piece(piece.vertices, piece.faces, piece.colours, uv, picture, material.tint)
+    if piece.uv is None:
+        if material.picture and files.picture(material.picture) is not None:
+            files.note(UNPLACED)
+        return [replace(piece, tint=material.tint)]
+    placed = replace(piece, uv=piece.uv * material.scale + material.offset, tint=material.tint)
+    if unnamed and piece.colours is None:
+        return [replace(placed, picture=files.only_picture())]
+    return painted_by_tiles(placed, material.picture, files) if material.picture else [placed]
 
 
 def _check_end(data: bytes, lines: _Lines, points: Array, vertex: Integers, faces: Integers) -> None:

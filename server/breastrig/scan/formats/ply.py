@@ -18,6 +18,7 @@ from breastrig.scan.formats.polygons import fans, few_corners, split, strip
 from breastrig.scan.limits import PLY_HEADER_BYTES, TOO_MANY_TRIANGLES, TRIANGLES, VERTICES
 from breastrig.scan.numbers_in_text import numbers
 from breastrig.scan.pictures.companions import UNPLACED, Companions
+from breastrig.scan.pictures.tiles import painted_by_tiles
 from breastrig.scan.piece import SEVERAL, Piece, Pieces, PointCloud, colour_bytes, part
 
 BYTE_ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
@@ -383,6 +384,9 @@ class _Painted:
     def _with_pictures(self, files: Companions) -> tuple[Piece, ...]:
         """A piece for each picture; none where there is no picture or no place in it."""
         found = self._with_places()
+        if found is not None and len(self._named) == 1:
+            painted = painted_by_tiles(found, self._named[0], files)
+            return painted if any(each.picture for each in painted) else ()
         pictures = [files.picture(name) for name in self._named]
         if found is None:
             if any(pictures):

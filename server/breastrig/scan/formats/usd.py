@@ -24,6 +24,7 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.scan.formats.polygons import fans, split
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TOO_MANY_TRIANGLES, TRIANGLES, USD_PRIMS, VERTICES, ZIP_ENTRIES
 from breastrig.scan.pictures.companions import PICTURES, UNPLACED, Companions, Reader
+from breastrig.scan.pictures.tiles import painted_by_tiles
 from breastrig.scan.piece import Piece, Pieces, srgb_bytes
 
 CRATE = b"PXR-USDC"
@@ -149,41 +150,27 @@ class _Scene:
             placed = np.column_stack([placed[:, 0], placed[:, 2], -placed[:, 1]])
         faces = indices[corners] if len(corners) else np.zeros((0, 3), np.int64)
         for prim, own in _parts(mesh, polygons):
-            yield self._piece(prim, mesh, placed, faces[own], corners[own], polygons[own])
+            yield from self._pieces(prim, mesh, placed, faces[own], corners[own], polygons[own])
 
-    def _piece(
+    def _pieces(
         self, prim: Any, mesh: Any, points: Array, faces: Integers, corners: Integers, polygons: Integers
-    ) -> Piece:
+    ) -> tuple[Piece, ...]:
         from pxr import UsdGeom
 
         variables = UsdGeom.PrimvarsAPI(mesh)
-        picture, name, tint = self._painted(prim) if self._texture else (None, None, None)
-        if picture is not None:
+        written, name, tint = self._painted(prim) if self._texture else (None, None, None)
+        if written is not None:
             uv = _values(variables, [name, "st", "st0", "UVMap"], 2)
-            if uv is not None and len(uv) == len(points):
-                return Piece(points, faces, uv=uv, picture=picture)
-            if uv is not None and len(uv) > corners.max(initial=-1):  # one for each corner
-                which, parted, values = split(faces, uv[corners])
-                return Piece(points[which], parted, uv=values, picture=picture)
-            self._files.note(UNPLACED)
-        linear = _values(variables, ["displayColor"], 3)
-        if linear is None or not len(linear):
-            return Piece(points, faces, tint=tint)
-        colours = srgb_bytes(linear)
-        if len(colours) == len(points):
-            return Piece(points, faces, colours)
-        if len(colours) == 1:
-            return Piece(points, faces, tint=_one(colours[0]))
-        of_corners = colours[polygons][:, None].repeat(3, axis=1) if len(colours) > polygons.max(initial=-1) else None
-        if len(colours) > corners.max(initial=-1):
-            of_corners = colours[corners]
-        if of_corners is None:
-            return Piece(points, faces, tint=tint)
-        which, parted, values = split(faces, of_corners.astype(np.float64))
-        return Piece(points[which], parted, values.astype(np.uint8))
+            placed = _placed(points, faces, corners, uv)
+            if placed is None and self._files.picture(written) is not None:
+                self._files.note(UNPLACED)
+            painted = () if placed is None else painted_by_tiles(placed, written, self._files)
+            if any(each.picture for each in painted):
+                return painted
+        return (_coloured(_values(variables, ["displayColor"], 3), points, faces, corners, polygons, tint),)
 
-    def _painted(self, prim: Any) -> tuple[bytes | None, str | None, tuple[int, int, int] | None]:
-        """(picture, name of its coordinates, one colour) of what the prim is painted with."""
+    def _painted(self, prim: Any) -> tuple[str | None, str | None, tuple[int, int, int] | None]:
+        """(the picture's name, name of its coordinates, one colour) of what the prim is painted with."""
         from pxr import UsdShade
 
         material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()
@@ -199,8 +186,42 @@ class _Scene:
             return None, None, None
         reader = shader.GetInput("st").GetConnectedSources()[0] if shader.GetInput("st") else []
         name = UsdShade.Shader(reader[0].source.GetPrim()).GetInput("varname") if reader else None
-        picture = self._files.picture(str(asked.path)) if asked.path else None
-        return picture, str(name.Get()) if name else None, None
+        return str(asked.path) or None, str(name.Get()) if name else None, None
+
+
+def _placed(points: Array, faces: Integers, corners: Integers, uv: Array | None) -> Piece | None:
+    """The triangles with their places in a picture, given for each vertex or corner; None where for neither."""
+    if uv is None or len(uv) == len(points):
+        return None if uv is None else Piece(points, faces, uv=uv)
+    if len(uv) <= corners.max(initial=-1):
+        return None
+    which, parted, values = split(faces, uv[corners])
+    return Piece(points[which], parted, uv=values)
+
+
+def _coloured(
+    linear: Array | None,
+    points: Array,
+    faces: Integers,
+    corners: Integers,
+    polygons: Integers,
+    tint: tuple[int, int, int] | None,
+) -> Piece:
+    """The triangles with the colours of vertices, polygons, corners or all of them; `linear` (N, 3)."""
+    if linear is None or not len(linear):
+        return Piece(points, faces, tint=tint)
+    colours = srgb_bytes(linear)
+    if len(colours) == len(points):
+        return Piece(points, faces, colours)
+    if len(colours) == 1:
+        return Piece(points, faces, tint=_one(colours[0]))
+    of_corners = colours[polygons][:, None].repeat(3, axis=1) if len(colours) > polygons.max(initial=-1) else None
+    if len(colours) > corners.max(initial=-1):
+        of_corners = colours[corners]
+    if of_corners is None:
+        return Piece(points, faces, tint=tint)
+    which, parted, values = split(faces, of_corners.astype(np.float64))
+    return Piece(points[which], parted, values.astype(np.uint8))
 
 
 def _one(colour: NDArray[np.uint8]) -> tuple[int, int, int]:

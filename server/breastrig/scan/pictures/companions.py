@@ -73,16 +73,23 @@ class Companions:
 
     def picture(self, written: str) -> bytes | None:
         """The JPEG or PNG of this name, without anything but its pixels.  TooLarge when it has too many."""
-        place = self._place(written)
+        place = self._place(written) or self._other_ending(written)
         if place is None:
-            stem = PurePosixPath(_usual(written)).stem
-            alike = [each for each in self._ending_in(PICTURES) if PurePosixPath(each).stem == stem]
-            if len(alike) != 1:
-                self.note(MISSING)
-                return None
-            (place,) = alike
+            self.note(MISSING)
+            return None
+        if self._place(written) is None:
             self.note(OTHER_ENDING)
         return self._picture(place)
+
+    def has_picture(self, written: str) -> bool:
+        """Whether `picture` finds a file of this name, readable or not."""
+        return (self._place(written) or self._other_ending(written)) is not None
+
+    def _other_ending(self, written: str) -> str | None:
+        """The only picture of this name with another ending."""
+        stem = PurePosixPath(_usual(written)).stem
+        alike = [each for each in self._ending_in(PICTURES) if PurePosixPath(each).stem == stem]
+        return alike[0] if len(alike) == 1 else None
 
     def only_picture(self) -> bytes | None:
         """The picture beside a scan that names none; None unless there is just one."""
