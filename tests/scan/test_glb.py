@@ -9,7 +9,7 @@ import pytest
 from helpers.scan_files import as_bytes, picture, tube
 from helpers.toy_rig import toy_rig
 
-import breastrig.scan.formats.glb as glb
+import breastrig.scan.formats.gltf.glb as glb
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.core.glb import pack_glb, split_glb
 from breastrig.gltf.mesh_glb import mesh_glb

@@ -40,7 +40,7 @@ from PIL import Image
 from scipy.spatial import cKDTree
 
 from breastrig.core.errors import BadScan, TooLarge
-from breastrig.scan.formats import glb as glb_module
+from breastrig.scan.formats.gltf import glb as glb_module
 from breastrig.scan.formats.stl import WRONG_COUNT
 from breastrig.scan.pictures import companions, tiles
 from breastrig.scan.pictures.joined_textures import UNPAINTED

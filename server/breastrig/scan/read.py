@@ -21,7 +21,7 @@ from breastrig.core.units import METRES_PER_UNIT, UNIT_CHOICES
 from breastrig.scan.clean import MIN_TRIANGLES
 from breastrig.scan.file_type import file_type_of, plain_text
 from breastrig.scan.formats.archive import unpacked
-from breastrig.scan.formats.glb import glb_pieces
+from breastrig.scan.formats.gltf.glb import glb_pieces
 from breastrig.scan.formats.obj import read_obj
 from breastrig.scan.formats.ply import read_ply
 from breastrig.scan.formats.stl import read_stl

@@ -19,7 +19,6 @@ from breastrig.scan.piece import Piece, part
 NUMBER = re.compile(r"<udim>|%\(udim\)d|(?<!\d)1\d{3}(?!\d)(?=[^/\\]*$)", re.IGNORECASE)
 PAIR = re.compile(r"<uvtile>|(?<![^\W_])u\d{1,2}_v\d{1,2}(?!\d)(?=[^/\\]*$)", re.IGNORECASE)
 FIRST, ACROSS = 1001, 10  # UDIM's first tile, and how many are in a row
-BORDER = 1e-4  # of a tile: coordinates are rounded
 MISSING = "The texture of this scan has several tiles, and not all of their pictures are beside it ({count} missing)."
 
 
@@ -48,9 +47,8 @@ def painted_by_tiles(piece: Piece, written: str, files: Companions) -> tuple[Pie
 def _on_tile(piece: Piece, tile: Integers, picture: str | None, files: Companions) -> Piece:
     if picture is None or piece.uv is None:
         return replace(piece, uv=None)
-    inside = piece.uv - tile
-    near = np.abs(inside - np.clip(inside, 0.0, 1.0)) < BORDER
-    return replace(piece, uv=np.where(near, np.clip(inside, 0.0, 1.0), inside), picture=files.picture(picture))
+    inside = np.clip(piece.uv - tile, 0.0, 1.0)  # a triangle that reaches onto the next tile is painted up to its edge
+    return replace(piece, uv=inside, picture=files.picture(picture))
 
 
 def _tiles(piece: Piece) -> Integers:

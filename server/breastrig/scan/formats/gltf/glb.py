@@ -20,8 +20,8 @@ from breastrig.core.errors import BadScan, TooLarge
 from breastrig.core.glb import parse_document, split_glb
 from breastrig.core.gltf_arrays import DTYPES, GltfArrays, entry, whole
 from breastrig.geometry.rotations import rotation_from_quaternion
-from breastrig.scan.formats.compressed import DRACO, MESHOPT, draco_mesh, unpacked_views
-from breastrig.scan.formats.gltf_pose import joint_matrices, skinned
+from breastrig.scan.formats.gltf.compressed import DRACO, MESHOPT, draco_mesh, unpacked_views
+from breastrig.scan.formats.gltf.pose import joint_matrices, skinned
 from breastrig.scan.formats.polygons import strip
 from breastrig.scan.limits import (
     GLTF_DEPTH,

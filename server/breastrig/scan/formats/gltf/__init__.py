@@ -1,0 +1,1 @@
+"""glTF and GLB, whole or compressed, in the pose that the file gives them."""
