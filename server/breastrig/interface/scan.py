@@ -105,8 +105,8 @@ def read_scan(
     frame: str | None = None,
     segments: Mapping[int, str] | None = None,
 ) -> Scan:
-    """Reads PLY, OBJ, STL, GLB, PCD, XYZ, USDZ, a label map (NIfTI, DICOM SEG), or a zip of one of them with its
-    pictures; or the bytes of such a file.
+    """Reads PLY, OBJ, STL, GLB, OFF, 3MF, PCD, XYZ, USDZ, a label map (NIfTI, DICOM SEG), or a zip of one of them with
+    its pictures; or the bytes of such a file.
 
     `units` is the file's: m, dm, cm, mm, in, ft, or auto to decide from the size (`Scan.unit_reason` says how).
     `texture=True` decodes the picture as well (`Scan.in_metres` then holds it, with its uv): fits and proposed

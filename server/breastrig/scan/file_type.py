@@ -5,9 +5,9 @@ import re
 from breastrig.core.errors import BadScan
 from breastrig.scan.point_clouds.point_table import is_point_table
 
-FILE_TYPES = ("ply", "obj", "stl", "glb", "gltf", "zip", "pcd", "xyz", "usd", "nifti", "dicom")
+FILE_TYPES = ("ply", "obj", "stl", "glb", "gltf", "zip", "pcd", "xyz", "usd", "off", "3mf", "nifti", "dicom")
 ENDINGS = (  # of names; the only list of them, which the service tells its page
-    *(".ply", ".obj", ".stl", ".glb", ".gltf", ".zip", ".usdz", ".usd", ".usda", ".usdc"),
+    *(".ply", ".obj", ".stl", ".glb", ".gltf", ".zip", ".usdz", ".usd", ".usda", ".usdc", ".off", ".3mf"),
     *(".nii", ".nii.gz", ".gz", ".dcm"),  # label maps
     *(".pcd", ".xyz", ".asc", ".pts", ".txt", ".csv", ".xyzn", ".xyzrgb"),  # points
 )
@@ -28,6 +28,11 @@ DICOM_ELEMENT = 8  # bytes before its value, where kinds of values are not writt
 META_IMAGE_START = re.compile(rb"\s*(?:ObjectType|NDims|Comment)\s*=", re.IGNORECASE)
 LOOKED_AT = 4096  # bytes in which a text file shows what it is
 PCD_START = re.compile(rb"^(?:\s*#[^\n]*\n|\s*\n)*\s*(?:VERSION|FIELDS|COLUMNS)\s", re.IGNORECASE)
+# Geomview's keyword: with places in a picture, colours, normals, more dimensions; remarks may stand before it.
+OFF_START = re.compile(
+    rb"(?:\s*#[^\r\n]*[\r\n])*\s*(?:ST)?(?P<colours>C)?(?P<normals>N)?(?P<more>4n?|n)?(?:OFF|off)(?=\s|$)"
+)
+THREE_MF = b"http://schemas.microsoft.com/3dmanufacturing/"  # namespace of a 3MF's model
 UTF_8_MARK, UTF_16_MARKS = b"\xef\xbb\xbf", (b"\xff\xfe", b"\xfe\xff")
 ANALYZE = (b"\x5c\x01\0\0", b"\0\0\x01\x5c")  # the header's own length, 348
 EXPORT_MAP = "export the segmentation as NIfTI (.nii.gz) or as DICOM SEG"
@@ -60,6 +65,10 @@ def file_type_of(data: bytes, named: str | None = None) -> str:
         raise BadScan(other)
     if is_binary_stl(data) or is_text_stl(data):
         return "stl"
+    if OFF_START.match(start):
+        return "off"
+    if THREE_MF in start and start.lstrip(UTF_8_MARK).lstrip().startswith(b"<"):
+        return "3mf"
     if PCD_START.match(start):
         return "pcd"
     if re.match(rb"\s*\{", start) and b'"asset"' in data:

@@ -10,6 +10,7 @@ from breastrig.core.arrays import Array, Integers
 
 # "Not a number" and "infinite" as C libraries on Windows write them (1.#IND00, -1.#QNAN, 1.#J, nan(ind)), also rounded.
 NO_NUMBER = re.compile(rb"(?<!\S)[-+]?(?:1[.,]?[#$]\w*|nan\(\w*\))(?!\S)", re.IGNORECASE)
+REMARK = re.compile(rb"(?<![.,])#.*")  # behind the numbers of a line; 1.#IND is none
 SPACED_COMMA = re.compile(rb",[ \t]|[ \t],")
 
 

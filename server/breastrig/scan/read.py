@@ -23,8 +23,10 @@ from breastrig.scan.file_type import file_type_of, plain_text
 from breastrig.scan.formats.archive import unpacked
 from breastrig.scan.formats.gltf.glb import glb_pieces
 from breastrig.scan.formats.obj import read_obj
+from breastrig.scan.formats.off import read_off
 from breastrig.scan.formats.ply import read_ply
 from breastrig.scan.formats.stl import read_stl
+from breastrig.scan.formats.threemf import read_3mf
 from breastrig.scan.formats.usd_process import usd_pieces
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TOO_MANY_TRIANGLES, TRIANGLES
 from breastrig.scan.pictures.companions import Companions, beside
@@ -55,8 +57,8 @@ def read_scan(
     for_display: bool = True,
     answers: VolumeAnswers = NOTHING_SAID,
 ) -> Scan:
-    """Reads PLY, OBJ, STL, GLB, glTF, USD, PCD, a table of points, a label map (NIfTI, DICOM SEG), or a zip of
-    one of them with what it names.
+    """Reads PLY, OBJ, STL, GLB, glTF, USD, OFF, 3MF, PCD, a table of points, a label map (NIfTI, DICOM SEG), or a zip
+    of one of them with what it names.
 
     `file_type` is the name's ending, only used to word errors, or STORED for a file that `write_stored` wrote;
     `units` is auto or m, dm, cm, mm, in, ft; `texture=False` saves the time of decoding the pictures,
@@ -79,6 +81,7 @@ def read_scan(
     found = file_type_of(mesh, file_type)
     if found == "zip":
         packed = unpacked(unpacked_data)
+        packed = unpacked(packed.mesh) if packed.ending == "3mf" else packed  # which is a zip itself
         mesh, files, sorting = plain_text(packed.mesh), packed.companions, packed.notes
         found = file_type_of(mesh, packed.ending)
         if found == "zip":
@@ -178,9 +181,9 @@ def _pieces(data: bytes, kind: str, files: Companions, texture: bool) -> Pieces:
     if kind in ("pcd", "xyz"):
         points = pcd_points if kind == "pcd" else table_points
         return _guarded(kind, lambda: Pieces((), has_points=True, cloud=points(data)))
-    if kind == "stl":
-        return _guarded(kind, lambda: read_stl(data))
-    return _guarded(kind, lambda: {"ply": read_ply, "obj": read_obj}[kind](data, files, texture))
+    if kind in ("stl", "off"):
+        return _guarded(kind, lambda: {"stl": read_stl, "off": read_off}[kind](data))
+    return _guarded(kind, lambda: {"3mf": read_3mf, "ply": read_ply, "obj": read_obj}[kind](data, files, texture))
 
 
 def _guarded(kind: str, parse: Callable[[], Pieces]) -> Pieces:

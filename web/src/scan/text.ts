@@ -2,7 +2,7 @@
 
 export const empty = {
   title: "Drop a 3D scan of the torso here",
-  formats: "PLY, OBJ, STL, GLB, USDZ, points (PCD, XYZ, PLY), an MRI's label map (NIfTI, DICOM SEG), or a zip as scanner apps make it.",
+  formats: "PLY, OBJ, STL, GLB, USDZ, OFF, 3MF, points (PCD, XYZ, PLY), an MRI's label map (NIfTI, DICOM SEG), or a zip as scanner apps make it.",
   limit: (megabytes: string) => `Up to ${megabytes} MB.`,
   choose: "Choose a scan file",
   units: "Unit of the file",

@@ -29,8 +29,10 @@ from breastrig.scan.pictures.companions import PICTURES, Companions
 from breastrig.scan.point_clouds.point_table import is_point_table
 from breastrig.scan.volumes.gzipped import GZIP_START, first_bytes, gunzipped
 
+MODEL, ROOT_MODEL = "model", "3d/3dmodel.model"  # of a 3MF, which is a zip; others of its models are parts of that
 # Of one scan in several formats the one that carries a picture is the best; a text is the scan if nothing else is.
 MESH_RANK = {"txt": -1, "csv": -1, "xyz": 0, "pcd": 0, "stl": 1, "ply": 2, "obj": 2, "usdz": 3, "gltf": 4, "glb": 4}
+MESH_RANK |= {"off": 1, "3mf": 2, MODEL: 2}
 MESH_RANK |= {"asc": 0, "pts": 0, "xyzn": 0, "xyzrgb": 0, "usd": 3, "usda": 3, "usdc": 3}
 LEFT_BY_MACOS = "__MACOSX"  # a folder added silently by the Finder; skipped unread
 UTF_8_FLAG = 0x800
@@ -187,6 +189,9 @@ class _Reader:
 def _taken(archive: zipfile.ZipFile) -> Unpacked:
     entries = _entries(archive)
     meshes = [entry for entry in entries if entry.ending in MESH_RANK]
+    meshes = [entry for entry in meshes if entry.path.lower() == ROOT_MODEL] or [
+        entry for entry in meshes if entry.ending != MODEL
+    ]
     reader = _Reader(archive)
     volumes = [entry for entry in entries if entry.ending in VOLUMES]
     if not any(MESH_RANK[entry.ending] >= 0 for entry in meshes):

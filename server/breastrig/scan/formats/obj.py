@@ -19,7 +19,7 @@ from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.formats.mtl import Material, read_materials
 from breastrig.scan.formats.polygons import fans, few_corners
 from breastrig.scan.limits import MATERIALS, TOO_MANY_TRIANGLES, TRIANGLES, VERTICES
-from breastrig.scan.numbers_in_text import first_columns, numbers
+from breastrig.scan.numbers_in_text import REMARK, first_columns, numbers
 from breastrig.scan.pictures.companions import ONLY_PAINTING, UNPLACED, Companions
 from breastrig.scan.pictures.companions import REMARK as NAME_REMARK
 from breastrig.scan.pictures.tiles import painted_by_tiles
@@ -29,7 +29,6 @@ LEFT_OVER = 0.1  # share of the points that no triangle uses; scanning programs 
 COMPARED = 50  # triangles before the last
 FAR_REACHING = 3.0  # times the longest edge of those
 LONGEST_LINE = 20_000  # bytes of a polygon
-REMARK = re.compile(rb"(?<![.,])#.*")  # behind the numbers of a line; 1.#IND is none
 CONTINUED = re.compile(rb"\\ *\n")
 NUMBERED = (b"v", b"vt", b"f", b"fo")
 ANNOUNCED = re.compile(rb"(?m)^# *Faces: *(\d{1,9}) *$")  # in MeshLab's header
@@ -138,17 +137,17 @@ def _lines(data: bytes) -> Iterable[bytes]:
 
 
 def _joined(lines: list[bytes]) -> Iterator[bytes]:
-    begun = b""
+    waiting = b""
     for line in lines:
-        whole = begun + line
-        begun = b""
+        whole = waiting + line
+        waiting = b""
         bare = whole.rstrip()
         if bare.endswith(b"\\") and REMARK.search(whole) is None:
-            begun = bare[:-1] + b" "
+            waiting = bare[:-1] + b" "
         else:
             yield whole
-    if begun:
-        yield begun
+    if waiting:
+        yield waiting
 
 
 def _decoded(text: bytes) -> str:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan, TooLarge
-from breastrig.scan.formats.polygons import fans, few_corners, split, strip
+from breastrig.scan.formats.polygons import fans, few_corners, ranges, split, strip, whole_numbers
 from breastrig.scan.limits import PLY_HEADER_BYTES, TOO_MANY_TRIANGLES, TRIANGLES, VERTICES
 from breastrig.scan.numbers_in_text import numbers
 from breastrig.scan.pictures.companions import UNPLACED, Companions
@@ -160,10 +160,10 @@ def _columns(element: Element, values: Array, at: Integers, ends: Integers) -> C
         column = values[at]
         at = at + 1
         if each.length is not None:
-            counts = _whole(column)
+            counts = whole_numbers(column)
             if (counts < 0).any() or (at + counts > ends).any():
                 raise ValueError("a list that is longer than its row")
-            column = values[_ranges(at, counts)]
+            column = values[ranges(at, counts)]
             at = at + counts
         with np.errstate(all="ignore"):  # numbers that their kind cannot hold are looked at like all others
             stored = column.astype(each.kind)
@@ -171,20 +171,6 @@ def _columns(element: Element, values: Array, at: Integers, ends: Integers) -> C
             column = stored  # else there are shares in what should be whole numbers
         found.setdefault(each.name, column if each.length is None else Ragged(counts, column))
     return found
-
-
-def _whole(values: NDArray[Any]) -> Integers:
-    with np.errstate(all="ignore"):
-        found = values.astype(np.int64)
-    if not np.array_equal(found, values):
-        raise ValueError("no whole number")
-    return found
-
-
-def _ranges(starts: Integers, counts: Integers) -> Integers:
-    """`counts` numbers from each of the `starts`, one after the other."""
-    before = np.cumsum(counts) - counts
-    return np.asarray(np.repeat(starts - before, counts) + np.arange(int(counts.sum())))
 
 
 def _binary(data: bytes, at: int, elements: list[Element], order: str) -> dict[str, Columns]:
@@ -277,7 +263,7 @@ def _walked(data: bytes, at: int, element: Element, order: str) -> tuple[Columns
             found[each.name] = content[cells[:, None] + np.arange(size)].view(order + each.kind).reshape(-1)
             continue
         first = starts[behind + 1] - size * counts[behind]
-        cells = np.repeat(first, counts[behind]) + size * _ranges(0 * counts[behind], counts[behind])
+        cells = np.repeat(first, counts[behind]) + size * ranges(0 * counts[behind], counts[behind])
         values = content[cells[:, None] + np.arange(size)].view(order + each.kind).reshape(-1)
         found[each.name] = Ragged(counts[behind], values)
     return found, at
@@ -304,12 +290,12 @@ def _faces(face: Columns, strips: Columns) -> tuple[Integers, Integers]:
         if len(corners.counts) and int(np.maximum(corners.counts - 2, 0).sum()) > TRIANGLES:
             raise TooLarge(TOO_MANY_TRIANGLES)
         order, polygons = fans(corners.counts)
-        faces = _whole(corners.values)[order]
+        faces = whole_numbers(corners.values)[order]
     for each in strips.values():
         if isinstance(each, Ragged):
             if len(each.values) > VERTICES:
                 raise TooLarge(TOO_MANY_TRIANGLES)
-            values = _whole(each.values)
+            values = whole_numbers(each.values)
             ends = np.union1d(np.cumsum(each.counts), np.flatnonzero(values == -1))
             more = [strip(part[part != -1]) for part in np.split(values, ends)]
             found = np.concatenate([*more, np.zeros((0, 3), np.int64)])
@@ -402,7 +388,7 @@ class _Painted:
         if not isinstance(number, np.ndarray) or not self._of_polygons:
             files.note(SEVERAL)
             return ()
-        numbered = _whole(number)[self._polygons]
+        numbered = whole_numbers(number)[self._polygons]
         return tuple(
             replace(part(found, numbered == index), picture=pictures[index] if 0 <= index < len(pictures) else None)
             for index in np.unique(numbered)

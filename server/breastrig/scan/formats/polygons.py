@@ -1,6 +1,9 @@
 """Polygons of any number of corners as triangles, and what is painted on faces or corners as colours of vertices."""
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Integers
 
@@ -13,6 +16,21 @@ def few_corners(count: int) -> str:
     return FEW_CORNERS.format(
         count="One face" if one else f"{count:,} faces", have="has" if one else "have", were="was" if one else "were"
     )
+
+
+def whole_numbers(values: NDArray[Any]) -> Integers:
+    """The same as integers; ValueError where one has a fraction or is too large."""
+    with np.errstate(all="ignore"):
+        found = values.astype(np.int64)
+    if not np.array_equal(found, values):
+        raise ValueError("no whole number")
+    return found
+
+
+def ranges(starts: Integers, counts: Integers) -> Integers:
+    """`counts` numbers from each of the `starts`, one after the other."""
+    before = np.cumsum(counts) - counts
+    return np.asarray(np.repeat(starts - before, counts) + np.arange(int(counts.sum())))
 
 
 def fans(counts: Integers) -> tuple[Integers, Integers]:
