@@ -76,7 +76,7 @@ def test_colours_of_an_off_that_are_left_out_are_said() -> None:
         (off("OFF\n99999999 99999999 0\n"), "triangles allowed"),
     ],
 )
-def test_an_off_that_cannot_be_read_is_told_so(data: bytes, word: str) -> None:
+def test_an_off_that_cannot_be_read_is_refused(data: bytes, word: str) -> None:
     with pytest.raises((BadScan, TooLarge), match=word):
         read_scan(data)
 
@@ -188,7 +188,7 @@ ENTITIES = b'<!DOCTYPE a [<!ENTITY b "bbbb"><!ENTITY c "&b;&b;&b;">]>'
         (zipped({"[Content_Types].xml": b"<a/>"}), "holds no mesh"),
     ],
 )
-def test_a_3mf_that_cannot_be_read_is_told_so(data: bytes, word: str) -> None:
+def test_a_3mf_that_cannot_be_read_is_refused(data: bytes, word: str) -> None:
     with pytest.raises((BadScan, TooLarge), match=word):
         read_scan(data)
 
