@@ -71,6 +71,30 @@ def test_skin_that_the_scan_does_not_show_is_said_to_be_a_guess_and_its_band_is_
     assert down.distances[0].margin == pytest.approx(0.003)
 
 
+def test_nine_of_ten_true_places_and_distances_are_held(ball: Rig) -> None:
+    """True centres drawn as the ellipsoid has them, and skin and chest wall off as is said of them."""
+    walled = replace(ball, known={"skin_map.toml": KNOWN + "[wall_error]\nstanding = 0.002\nsupine = 0.004\n"})
+    a, b = scanned(walled), scanned(walled, stance="supine")
+    given = PlannedScan("standing", a, [lesion([0.0, 70.0, 0.0])])
+    (found,) = LesionsOnScan(walled, b, 0.5 * walled.template).carried(given.scan, given.items)
+    assert found.error == pytest.approx(0.005)
+    assert found.covariance is not None
+    rng = np.random.default_rng(1)
+    off = rng.multivariate_normal(np.zeros(3), found.covariance, 50_000)
+    assert (np.linalg.norm(off, axis=1) <= found.error).mean() == pytest.approx(0.9, abs=0.02)
+    distances = {each.kind: each for each in found.distances}
+    for kind, known in (("skin", 0.003), ("chest_wall", 0.004)):
+        each = distances[kind]
+        along = (each.point - found.center) / each.length
+        changed = off @ along + known / 1.6449 * rng.normal(size=len(off))
+        assert each.margin is not None
+        assert (np.abs(changed) <= each.margin).mean() == pytest.approx(0.9, abs=0.01), kind
+    (standing,) = LesionsOnScan(walled, a, 0.5 * walled.template).own(given.items)
+    assert {each.kind: each.margin for each in standing.distances}["chest_wall"] == pytest.approx(0.002)
+    outline = LesionsOnScan(walled, b).outline(found)
+    assert outline.error == pytest.approx(np.full(len(outline.points), found.error))
+
+
 def test_slices_cut_the_skin_around_the_lesion(ball: Rig) -> None:
     (found,) = LesionsOnScan(ball, scanned(ball)).own([lesion([10.0, 60.0, -20.0])])
     assert [cut.plane for cut in found.slices] == ["axial", "sagittal", "coronal"]

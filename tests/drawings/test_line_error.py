@@ -50,3 +50,34 @@ def test_a_carried_point_adds_what_both_fits_and_the_skin_are_off(torso: Rig) ->
     assert errors == pytest.approx(np.full(len(points), expected))
     assert carried_errors(torso, replace(a, radii=None), b, points, points) is None
     assert carried_errors(replace(torso, known={}), a, b, points, points) is None
+
+
+def test_each_end_of_the_way_has_its_own_radius_and_a_predicted_one_counts_in_full(torso: Rig) -> None:
+    """Radii that grow to her left on A and upwards on B, and points that lie elsewhere on B."""
+    settings = skin_map_settings(torso)
+    assert settings.error_share is not None
+    assert settings.error_share < 1.0
+    target, share = ScanTarget(torso.template, torso.faces), settings.error_share
+    of_a, of_b = 0.02 + 0.05 * torso.template[:, 0], 0.02 + 0.02 * torso.template[:, 1]
+    a = FittedScan(target, torso.template, {}, "standing", of_a)
+    b = FittedScan(target, torso.template, {}, "supine", of_b)
+    on_a, on_b = np.arange(0, 2000, 50), np.arange(10, 2010, 50)
+    for from_a, to_b, (first, second) in (
+        (a, b, (share, share)),
+        (a, replace(b, predicted=True), (share, 1.0)),
+        (replace(a, predicted=True), b, (1.0, share)),
+    ):
+        errors = carried_errors(torso, from_a, to_b, torso.template[on_a], torso.template[on_b])
+        wanted = np.sqrt(settings.error_skin**2 + (first * of_a[on_a]) ** 2 + (second * of_b[on_b]) ** 2)
+        assert errors == pytest.approx(wanted, rel=1e-6)
+
+
+def test_each_line_has_the_radii_under_it(torso: Rig, fitted: ClosestPointSearch) -> None:
+    radii = np.random.default_rng(2).uniform(0.002, 0.02, len(torso.template))
+    parts = (np.arange(0, 40), np.arange(900, 907))
+    lines = [
+        Polyline(str(k), False, "#101010", torso.template[part], np.zeros(len(part), dtype=bool))
+        for k, part in enumerate(parts)
+    ]
+    for line, part in zip(with_errors(torso, fitted, radii, lines), parts, strict=True):
+        assert line.error == pytest.approx(radii[part], abs=1e-9)
