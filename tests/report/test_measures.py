@@ -74,7 +74,7 @@ def test_a_symmetric_model_has_ratios_of_1_and_differences_of_0(of_at_rest: dict
             assert row.value is not None
             assert row.value.value == pytest.approx(1.0, abs=1e-3)
         elif row.difference is not None:
-            assert row.difference == pytest.approx(0.0, abs=TOLERANCE[row.unit])
+            assert row.difference.value == pytest.approx(0.0, abs=TOLERANCE[row.unit])
 
 
 def test_a_mirrored_patient_exchanges_left_and_right(
@@ -101,7 +101,9 @@ def test_the_larger_breast_has_more_volume_and_a_longer_way_to_the_notch(
         assert side.high is not None
         assert 0.0 < side.low < side.value < side.high
     for kind in ("straight", "along the skin"):
-        assert (of_the_asymmetric["notch_nipple", kind].difference or 0.0) > 3.0
+        difference = of_the_asymmetric["notch_nipple", kind].difference
+        assert difference is not None
+        assert difference.value > 3.0
     ratios = [row.value.value for row in of_the_asymmetric.values() if row.kind == "ratio" and row.value]
     assert all(0.0 <= ratio <= 1.0 for ratio in ratios)
     assert min(ratios) < 0.95

@@ -12,8 +12,10 @@ from operator import not_
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
+from breastrig.core.arrays import Array
 from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput
 from breastrig.core.identity import CODE_CHARACTERS, random_code
@@ -162,6 +164,16 @@ class ResultPatient(Document):
     scanned: date | None = Field(default=None, exclude_if=not_)
 
 
+def joint_covariance(upper: Sequence[float], landmarks: int) -> Array | None:
+    """(3 L, 3 L) of landmark_covariance_mm2; None where there is none, or it is not of so many landmarks."""
+    size = 3 * landmarks
+    if not size or len(upper) != size * (size + 1) // 2:
+        return None
+    joint = np.zeros((size, size))
+    joint[np.triu_indices(size)] = upper
+    return np.asarray(joint + np.triu(joint, 1).T)
+
+
 class ResultFile(Document):
     """result.json; also the `result` of a done event."""
 
@@ -207,6 +219,12 @@ class ResultFile(Document):
     landmark_uncertainty_mm: dict[str, FiniteFloat] = Field(
         {},
         description="radius that holds the landmark's true place with 90 %, by name; of a fit of this version",
+    )
+    landmark_covariance_mm2: list[FiniteFloat] = Field(
+        [],
+        exclude_if=not_,
+        description="of the errors of the landmarks of landmark_uncertainty_mm together, in their order and the scan's "
+        "axes (x, y, z of the first, then of the next): the upper triangle, row by row",
     )
     line_error_mm: FiniteFloat | None = Field(
         None,

@@ -47,14 +47,23 @@ class Posterior:
         """(N, P) rows of a Jacobian -> (N, P) whose products with each other are the covariances of what they move."""
         return solve_lower(self._factor, rows.T).T
 
+    def joint_landmark_covariance(self, names: tuple[str, ...]) -> Array:
+        """(3 L, 3 L) m², of where the model has these landmarks, together: x, y, z of the first, then of the next."""
+        white = self._white_landmarks(names).reshape(3 * len(names), -1)
+        return np.asarray(white @ white.T)
+
     def landmark_covariances(self, names: tuple[str, ...]) -> Array:
-        """(L, 3, 3) m², of where the model has these landmarks."""
+        """(L, 3, 3) m², of where the model has each of these landmarks."""
+        white = self._white_landmarks(names)
+        return np.asarray(white @ white.transpose(0, 2, 1))
+
+    def _white_landmarks(self, names: tuple[str, ...]) -> Array:
+        """(L, 3, P), whitened rows of their Jacobian."""
         points = self.task.rig.landmark_points(names)
         corners = self.task.rig.faces[points.faces].ravel()  # (3 L,)
         shares = [(points.barycentric[:, :, None] * axis).reshape(-1, 3) for axis in np.eye(3)]
         moved = [self.state.posed.rows(corners, share) for share in shares]
-        white = np.stack([self.whitened(rows[0::3] + rows[1::3] + rows[2::3]) for rows in moved], axis=1)  # (L, 3, P)
-        return np.asarray(white @ white.transpose(0, 2, 1))
+        return np.stack([self.whitened(rows[0::3] + rows[1::3] + rows[2::3]) for rows in moved], axis=1)
 
     def landmark_variances(self, names: tuple[str, ...]) -> Array:
         """(L,) m², over all three axes, of where the model has these landmarks."""

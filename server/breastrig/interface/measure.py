@@ -45,11 +45,13 @@ class Measure:
     landmarks: tuple[str, ...]  # what it is measured between, each with its source: picked, seen, or model
     method: str  # also why something is not seen
     not_seen: tuple[str, ...] = ()  # of left, right, value: None there, as the scan does not show that breast
+    not_known: tuple[str, ...] = ()  # of these and difference: None there, as the band would say nothing
+    difference_margin: float | None = None  # half the band of the difference: both sides share part of their errors
 
     @property
     def difference(self) -> float | None:
         """Left less right, in `unit`; grades are no numbers to be subtracted."""
-        if self.left is None or self.right is None or self.unit == "grade":
+        if self.left is None or self.right is None or self.unit == "grade" or "difference" in self.not_known:
             return None
         return self.left.value - self.right.value
 
@@ -82,6 +84,8 @@ def measure(fit: Fit | str | Path, model: Model = None) -> tuple[Measure, ...]:
             landmarks=row.landmarks,
             method=row.method,
             not_seen=row.not_seen,
+            not_known=row.not_known,
+            difference_margin=None if row.difference is None else _float(row.difference.margin),
         )
         for row in rows
     )

@@ -2,18 +2,26 @@
 
 An end's radius holds its true place with 90 % in all directions; along one of them three quarters of it would do where
 the place is the model's.  A picked landmark is measured from where it was picked, which the radius does not know of: a
-whole one then.  Two ends are wrong independently.  Ratios move less, for both sides' ends are wrong alike.
+whole one then.  Picks are wrong independently; places of the
+model share most of what they are wrong by, so that their covariance says what a length, or a difference of two, leaves
+open.  Ratios move less, for both sides' ends are wrong alike.
 
 Tried on whole scans of warped bodies (evaluate --warped: studies/measures.py), exact picks, picks 5 mm off and none.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from breastrig.report.table import Value
+from breastrig.core.arrays import Array
+from breastrig.report.stance import MODEL, Place
+from breastrig.report.table import Row, Value
+
+Joint = tuple[tuple[str, ...], Array]  # landmarks and the (3 L, 3 L) m² of the model's errors there
 
 KNOWN_MM = 60.0  # a larger radius is that of a breast or more: nothing is known of the place
+OF_90 = 1.645  # standard deviations to either side that hold nine of ten numbers
 OF_LENGTH = 1.0  # of the radii; 0.72 held 65 to 85 % of lengths between picks 5 mm off
 OF_RATIO = 0.72  # held 92 % and more, but for picks 5 mm off (77 to 100 %)
 
@@ -45,9 +53,56 @@ def half_width(radii: Sequence[float | None], share: float = OF_LENGTH) -> float
     return share * float(np.linalg.norm(known)) if len(known) == len(radii) and known else None
 
 
+def shared_half_width(ends: Sequence[tuple[Place, Array]], joint: Joint | None) -> float | None:
+    """m, of a number that changes by the (3,) direction with each place, of which one may stand several times.
+
+    None where a radius is not known.  Without `joint` places of the model count as picked ones do.
+    """
+    moved: dict[str, tuple[Place, Array]] = {}
+    for place, way in ends:
+        moved[place.name] = (place, way + (moved[place.name][1] if place.name in moved else 0.0))
+    names: tuple[str, ...] = () if joint is None else joint[0]
+    alone, together = [0.0], np.zeros(3 * len(names))
+    for place, way in moved.values():
+        if place.radius is None:
+            return None
+        if place.source == MODEL and place.name in names:
+            first = 3 * names.index(place.name)
+            together[first : first + 3] = way
+        else:
+            alone.append(OF_LENGTH * place.radius * float(np.linalg.norm(way)))
+    variance = 0.0 if joint is None else float(together @ joint[1] @ together)
+    return float(np.hypot(np.linalg.norm(alone), OF_90 * np.sqrt(max(variance, 0.0))))
+
+
 def banded(value: float, half: float | None, least: float = 0.0, most: float = np.inf) -> Value:
     """The value with its band, which cannot leave what is possible."""
     return Value(value) if half is None else Value(value, max(value - half, least), min(value + half, most))
+
+
+def without_unknown(row: Row) -> Row:
+    """Without the numbers of which their bands say nothing."""
+    if row.unit == "grade":
+        return row
+    cells = {name: value for name in ("left", "right", "value") if (value := getattr(row, name)) is not None}
+    gone = [name for name, value in cells.items() if _says_nothing(row, value)]
+    kept = row.with_values(lambda value: value if not _says_nothing(row, value) else None)
+    difference = kept.difference
+    if difference is not None and difference.margin is not None:
+        limit = KNOWN_MM if row.unit == "mm" else min(abs(each.value) for each in cells.values())
+        gone += ["difference"] if difference.margin >= limit else []
+    elif {"left", "right"} & {*gone}:
+        gone.append("difference")
+    return replace(kept, not_known=tuple(gone)) if gone else row
+
+
+def _says_nothing(row: Row, value: Value) -> bool:
+    """Whether it holds nothing and twice the number, all that a ratio can be, or heights beyond KNOWN_MM."""
+    if value.margin is None:
+        return False
+    if row.unit == "1":
+        return value.low == 0.0 and value.high == 1.0
+    return value.margin > KNOWN_MM if row.kind == "in height" else value.value - value.margin <= 0.0
 
 
 def ratio_half_width(pair: Sequence[float], halves: Sequence[float | None]) -> float | None:

@@ -17,11 +17,11 @@ from breastrig.core.stances import SIDES
 from breastrig.geometry.geodesic import Geodesics
 from breastrig.geometry.polyline import length, resampled
 from breastrig.geometry.surface_points import SurfacePoints, joined
-from breastrig.report.bands import banded, half_width
+from breastrig.report.bands import banded, half_width, shared_half_width, without_unknown
 from breastrig.report.body_frame import BodyFrame, body_frame
 from breastrig.report.calibration import measure_calibration
-from breastrig.report.ptosis import MODEL, STANDING, ptosis
-from breastrig.report.stance import Place, Stance, places
+from breastrig.report.ptosis import STANDING, ptosis
+from breastrig.report.stance import MODEL, Place, Stance, places
 from breastrig.report.symmetry import MODEL_PART, symmetry
 from breastrig.report.table import NOT_SEEN, Row, Value
 from breastrig.report.volume import METHOD as VOLUME_METHOD
@@ -45,7 +45,7 @@ def measures(stance: Stance) -> tuple[Row, ...]:
     table = _Table(stance)
     rows = [row for part in PARTS if stance.rig.has_landmarks(part.needs) for row in part.rows(table)]
     unseen = {side: seen for side in SIDES if (seen := seen_share(stance, side)) is not None and seen < SEEN}
-    return tuple(_without_unseen(row, unseen) for row in rows)
+    return tuple(without_unknown(_without_unseen(row, unseen)) for row in rows)
 
 
 def _without_unseen(row: Row, unseen: Mapping[str, float]) -> Row:
@@ -143,7 +143,7 @@ class _Table:
 
     def _one(self, name: str, label: str, ends: Sequence[Place]) -> Iterator[Row]:
         """Two rows of a length without sides, straight and along the skin."""
-        half, landmarks = half_width([place.radius for place in ends]), _named(ends)
+        half, landmarks = self._half(ends), _named(ends)
         for kind, line, method in zip((STRAIGHT, ALONG_SKIN), self._apart(ends), (CHORD, TAPE), strict=True):
             value = _mm(length(line), half)
             yield Row(name, label, kind, "mm", None, None, value, landmarks, method, {"value": line})
@@ -157,13 +157,35 @@ class _Table:
         methods: tuple[str, str] = (CHORD, TAPE),
     ) -> Iterator[Row]:
         """Two rows, straight and along the skin."""
-        halves = {side: half_width([place.radius for place in ends[side]]) for side in SIDES}
+        halves = {side: self._half(ends[side]) for side in SIDES}
+        between = self._half_between(ends["L"], ends["R"])
         lines = {side: measured(side) for side in SIDES}
         landmarks = _named([place for side in SIDES for place in ends[side]])
         for index, kind in enumerate((STRAIGHT, ALONG_SKIN)):
             left, right = (_mm(length(lines[side][index]), halves[side]) for side in SIDES)
             paths = {"left": lines["L"][index], "right": lines["R"][index]}
-            yield Row(name, label, kind, "mm", left, right, None, landmarks, methods[index], paths)
+            yield Row(name, label, kind, "mm", left, right, None, landmarks, methods[index], paths, between=between)
+
+    def _half(self, ends: Sequence[Place]) -> float | None:
+        """m, of a length between two places, or of the distance of one to the midline."""
+        if len(ends) == 2:
+            return shared_half_width(self._ways(ends), self.stance.joint)
+        return half_width([place.radius for place in ends])
+
+    def _half_between(self, left: Sequence[Place], right: Sequence[Place]) -> float | None:
+        """mm, of the difference of two lengths; None of distances to the midline, which share nothing."""
+        if len(left) != 2 or len(right) != 2:
+            return None
+        ways = [*self._ways(left), *((place, -way) for place, way in self._ways(right))]
+        half = shared_half_width(ways, self.stance.joint)
+        return None if half is None else 1e3 * half
+
+    @staticmethod
+    def _ways(ends: Sequence[Place]) -> list[tuple[Place, Array]]:
+        """By how much the length between two places changes with each."""
+        (a, b) = ends
+        way = (b.point - a.point) / max(float(np.linalg.norm(b.point - a.point)), 1e-9)
+        return [(a, -way), (b, way)]
 
     def _between(self, ends: Mapping[str, Sequence[Place]], side: str) -> tuple[Array, Array]:
         return self._apart(ends[side])

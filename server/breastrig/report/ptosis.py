@@ -21,12 +21,12 @@ from breastrig.core.stances import SIDES
 from breastrig.report.bands import half_width
 from breastrig.report.body_frame import BodyFrame
 from breastrig.report.calibration import Heights, measure_calibration
-from breastrig.report.stance import Place, Stance
+from breastrig.report.stance import MODEL, Place, Stance
 from breastrig.report.table import Row, Value
 from breastrig.report.volume import vertices_within
 
 STANDING = "standing"
-PICKED, MODEL = "picked", "model"  # sources of places, stance.py
+PICKED = "picked"  # source of a place, stance.py
 SLIGHT, MODERATE = 0.010, 0.030  # m of the nipple below the fold: Regnault's I and II end there
 AT_CONTOUR = 0.010  # m of the nipple above the breast's lowest point: it is at the lowest contour
 GLANDULAR_DROP = 0.020  # m of the lowest point below the fold; a breast that hangs over its fold by less is usual

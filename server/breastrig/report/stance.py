@@ -32,6 +32,7 @@ class Stance:
     seen: dict[str, Array] = field(default_factory=dict)  # (3,) m, landmarks that the scan's colours show
     lines: tuple[Polyline, ...] = ()  # on the scan
     landmark_radii: Mapping[str, float] = field(default_factory=dict)  # m; 90 % of true places are within
+    joint: tuple[tuple[str, ...], Array] | None = None  # L landmarks and (3 L, 3 L) m² of the model's errors there
     areolae: Mapping[str, ObservedAreola | None] = field(default_factory=dict)  # by side; None: not seen
     radii: Array | None = None  # (V,) m, likewise of the vertices; None: not known
 
@@ -62,6 +63,9 @@ class Stance:
         return next((shapes[name] for name in names if name in shapes), None)
 
 
+MODEL = "model"  # source of a place
+
+
 @dataclass(frozen=True, eq=False)
 class Place:
     """Where a landmark is on this patient, and who says so."""
@@ -84,7 +88,7 @@ def places(stance: Stance) -> dict[str, Place]:
     model = dict(zip(rig.landmark_names, rig.landmark_points().positions(stance.vertices, rig.faces), strict=True))
     found = {}
     for name in rig.landmark_names:
-        said = (("picked", stance.picked), ("seen", stance.seen), ("model", model))
+        said = (("picked", stance.picked), ("seen", stance.seen), (MODEL, model))
         source, point = next((source, points[name]) for source, points in said if name in points)
         found[name] = Place(name, np.asarray(point), source, stance.landmark_radii.get(name))
     return found

@@ -15,8 +15,9 @@ Lines = dict[str, list[list[float]]]
 Cell = str | float | Lines | None
 COLUMNS = (
     "stance", "measure", "kind", "unit",
-    "left", "left_low", "left_high", "right", "right_low", "right_high", "difference",
-    "value", "value_low", "value_high", "not_seen",
+    "left", "left_low", "left_high", "right", "right_low", "right_high",
+    "difference", "difference_low", "difference_high",
+    "value", "value_low", "value_high", "not_seen", "not_known",
     "landmarks", "method",
 )  # fmt: skip
 VERDICT = "verdict"  # the last column
@@ -26,6 +27,7 @@ FILE_DIGITS = {"mm": 2, "ml": 1, "1": 4, "grade": 0}  # a hundredth of a millime
 # In print, where nothing is known of a band, and the coarsest.
 STEPS = {"mm": (0.1, 1.0), "ml": (1.0, 10.0), "1": (0.01, 0.1)}
 GRADES = ("none", "I", "II", "III", "glandular")  # of ptosis.py
+NOT_KNOWN = "not known"  # in print, of what a band would say nothing
 NOT_SEEN = "not seen"  # in print, where the scan does not show what would be measured
 
 
@@ -65,23 +67,28 @@ class Row:
     method: str
     paths: Mapping[str, Array] = field(default_factory=dict)  # left, right or value: (M, 3) m, what was measured
     not_seen: tuple[str, ...] = ()  # of left, right, value: those that have no number, as the scan does not show them
+    not_known: tuple[str, ...] = ()  # of these and the difference: those of which the band would say nothing
+    between: float | None = None  # half the band of the difference; None: both sides are wrong independently
 
     @property
     def key(self) -> tuple[str, str]:
         """One in a stance: most lengths are there straight and along the skin."""
         return self.measure, self.kind
 
-    def with_values(self, changed: Callable[[Value], Value]) -> "Row":
+    def with_values(self, changed: Callable[[Value], Value | None]) -> "Row":
         """With each of its numbers changed."""
         left, right, value = (None if each is None else changed(each) for each in (self.left, self.right, self.value))
         return replace(self, left=left, right=right, value=value)
 
     @property
-    def difference(self) -> float | None:
-        """Left less right; grades are no numbers to be subtracted."""
-        if self.left is None or self.right is None or self.unit == "grade":
+    def difference(self) -> Value | None:
+        """Left less right, with what their errors do not share; grades are no numbers to be subtracted."""
+        if self.unit == "grade" or "difference" in self.not_known:
             return None
-        return self.left.value - self.right.value
+        found = less(self.right, self.left)
+        if found is None or found.margin is None or self.between is None:
+            return found
+        return Value(found.value, found.value - self.between, found.value + self.between)
 
 
 def rounded_once(row: Row) -> Row:
@@ -162,7 +169,11 @@ def _change(a: Row, b: Row) -> Row:
     landmarks = tuple(dict.fromkeys((*a.landmarks, *b.landmarks)))
     left, right, value = (less(*pair) for pair in ((a.left, b.left), (a.right, b.right), (a.value, b.value)))
     not_seen = tuple(dict.fromkeys((*a.not_seen, *b.not_seen)))
-    return replace(a, left=left, right=right, value=value, landmarks=landmarks, paths={}, not_seen=not_seen)
+    not_known = tuple(dict.fromkeys((*a.not_known, *b.not_known)))
+    halves = [each.margin for each in (a.difference, b.difference) if each is not None and each.margin is not None]
+    between = float(np.linalg.norm(halves)) if len(halves) == 2 else None  # two fits are wrong independently
+    found = replace(a, left=left, right=right, value=value, landmarks=landmarks, paths={}, not_seen=not_seen)
+    return replace(found, not_known=not_known, between=between)
 
 
 def _flat(stance: str, row: Row, step: float) -> dict[str, Cell]:
@@ -177,8 +188,12 @@ def _flat(stance: str, row: Row, step: float) -> dict[str, Cell]:
         cells[side] = cut(value.value) if value else None
         cells[f"{side}_low"] = cut(value.low) if value else None
         cells[f"{side}_high"] = cut(value.high) if value else None
-    cells["difference"] = cut(row.difference)
+    difference = row.difference
+    cells["difference"] = None if difference is None else cut(difference.value)
+    cells["difference_low"] = None if difference is None else cut(difference.low)
+    cells["difference_high"] = None if difference is None else cut(difference.high)
     cells["not_seen"] = "; ".join(row.not_seen)
+    cells["not_known"] = "; ".join(row.not_known)
     cells["printed_step"] = step
     paths = {side: np.round(1e3 * line, PATH_DIGITS).tolist() for side, line in row.paths.items()}
     return cells | {"landmarks": "; ".join(row.landmarks), "method": row.method, "paths": paths or None}

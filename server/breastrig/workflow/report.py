@@ -7,13 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.colour.areolae import areolae_of
+from breastrig.core.arrays import Array
 from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadDrawing, BadInput
 from breastrig.core.identity import Identity
 from breastrig.core.private_files import read_ordinary, write_files
 from breastrig.drawings.drawing_file import FILE_BYTES, lines_on_scan, planned_on_scan
 from breastrig.drawings.plan_schema import PLAN_SCHEMA, checked_plan
-from breastrig.files.result import Distances, ResultFile, damaged, folder_name
+from breastrig.files.result import Distances, ResultFile, damaged, folder_name, joint_covariance
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.document import PlannedItem, Reported, report_document, stance_names, stance_said
@@ -96,9 +97,16 @@ def stance_of(fit: FitFolder, lines: tuple[Polyline, ...] = ()) -> Stance:
         seen=fit.seen,
         lines=lines,
         landmark_radii={name: 1e-3 * radius for name, radius in fit.result.landmark_uncertainty_mm.items()},
+        joint=_joint(fit.result),
         areolae=areolae_of(fit.result, fit.metres_per_unit),
         radii=fit.radii,
     )
+
+
+def _joint(result: ResultFile) -> tuple[tuple[str, ...], Array] | None:
+    names = tuple(result.landmark_uncertainty_mm)
+    found = joint_covariance(result.landmark_covariance_mm2, len(names))
+    return None if found is None else (names, 1e-6 * found)
 
 
 def reported(job: ReportJob) -> list[Reported]:

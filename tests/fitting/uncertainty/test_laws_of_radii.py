@@ -108,7 +108,7 @@ def asked(forearm: Posterior, monkeypatch: pytest.MonkeyPatch) -> Asked:
                 **{name: getattr(forearm.task, name) for name in ("rig", "stance", "recipe", "target")}
             ),
             state=forearm.state,
-            landmark_variances=forearm.landmark_variances,
+            joint_landmark_covariance=forearm.joint_landmark_covariance,
             vertex_variances=forearm.vertex_variances,
         )
         posed.task.picked, posed.task.given = forearm.task.picked, forearm.task.given

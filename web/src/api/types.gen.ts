@@ -531,6 +531,9 @@ export type Measure = {
   right_high: number | null;
   /** left less right; none of grades */
   difference: number | null;
+  /** low end of its band: both sides share part of their errors */
+  difference_low?: number | null;
+  difference_high?: number | null;
   /** of a measure without sides */
   value: number | null;
   /** low end of its band, where one is known */
@@ -539,6 +542,8 @@ export type Measure = {
   value_high: number | null;
   /** left, right, value: those that have no number, as the scan does not show that breast */
   not_seen?: string;
+  /** of these and difference: those whose band says nothing */
+  not_known?: string;
   /** in which steps its numbers are shown, so that differences agree */
   printed_step?: number;
   /** what it was measured between, each with its source: picked, seen by colour, or the model's */
@@ -1108,6 +1113,8 @@ export type ResultFile = {
   median_plane?: MedianPlane | null;
   /** radius that holds the landmark's true place with 90 %, by name; of a fit of this version */
   landmark_uncertainty_mm?: Record<string, number>;
+  /** of the errors of the landmarks of landmark_uncertainty_mm together, in their order and the scan's axes (x, y, z of the first, then of the next): the upper triangle, row by row */
+  landmark_covariance_mm2?: number[];
   /** how far off nine of ten places of lines on the breasts are, measured across the line; null where it is not known */
   line_error_mm?: number | null;
   /** names of those that were proposed and only agreed to */

@@ -89,6 +89,8 @@ export const stances = {
     report: "report.pdf",
     busy: "Measuring …",
     notSeen: "not seen",
+    notKnown: "not known",
+    notKnownHint: "What it may be off by is as large as the number itself; landmarks placed by hand make it surer.",
     notSeenHint: "The scan shows less than half of this breast.",
     band: (low: string, high: string) => `${low} to ${high}`,
   },

@@ -58,12 +58,15 @@ class Measure(Document):
     right_low: float | None
     right_high: float | None
     difference: float | None = Field(description="left less right; none of grades")
+    difference_low: float | None = Field(None, description="low end of its band: both sides share part of their errors")
+    difference_high: float | None = None
     value: float | None = Field(description="of a measure without sides")
     value_low: float | None = Field(description="low end of its band, where one is known")
     value_high: float | None = Field(description="high end of its band, where one is known")
     not_seen: str = Field(
         "", description="left, right, value: those that have no number, as the scan does not show that breast"
     )
+    not_known: str = Field("", description="of these and difference: those whose band says nothing")
     printed_step: float = Field(1.0, description="in which steps its numbers are shown, so that differences agree")
     landmarks: str = Field(
         description="what it was measured between, each with its source: picked, seen by colour, or the model's"

@@ -28,6 +28,7 @@ class Radii:
     landmarks: dict[str, float]
     vertices: Array  # (V,)
     lines: float  # of nine of ten places of lines on the breast of which less is known, across the line
+    joint: Array  # (3 L, 3 L) m², of the landmarks' errors together, a radius being HOLDS_90 deviations
 
 
 PLANNED_ON = "breast"  # beginnings of the names of regions on which lines are planned; of a rig without, all of it
@@ -58,12 +59,15 @@ def radii(posterior: Posterior, margin: float | None = None, *, expected: bool =
     lost = 0.0 if margin is None or by_colour >= BOTH else HOLDS_90 * known.without_picks.lost(margin)
     scatter, names = known.enlarged(scatter_of(posterior)), tuple(rig.landmark_names)
     factors = scatter * landmark_factors(posterior, known.of_stance(task.stance), expected=expected)
-    at_landmarks = np.hypot(factors * np.sqrt(posterior.landmark_variances(names)), lost)
+    larger = np.repeat(factors / HOLDS_90, 3)
+    joint = larger[:, None] * posterior.joint_landmark_covariance(names) * larger
+    joint += (lost / HOLDS_90) ** 2 / 3.0 * np.eye(len(joint))  # where else each lies is not known
+    at_landmarks = HOLDS_90 * np.sqrt(np.diag(joint).reshape(-1, 3).sum(axis=1))
     seen = seen_vertices(posterior)
     factors = np.where(seen, scatter, max(scatter, 1.0)) * skin_factors(posterior, known.of_stance(task.stance), seen)
     at_vertices = np.hypot(factors * np.sqrt(posterior.vertex_variances()), lost)
     landmarks = dict(zip(names, at_landmarks.tolist(), strict=True))
-    return Radii(landmarks, at_vertices, line_error(rig, at_vertices, seen))
+    return Radii(landmarks, at_vertices, line_error(rig, at_vertices, seen), joint)
 
 
 def landmark_factors(posterior: Posterior, factors: StanceFactors, *, expected: bool = False) -> Array:

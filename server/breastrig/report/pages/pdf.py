@@ -30,13 +30,13 @@ from breastrig.report.pictures import (
 )
 from breastrig.report.stance import places
 from breastrig.report.table import (
+    NOT_KNOWN,
     NOT_SEEN,
     Row,
     Value,
     as_printed,
     changes,
     grade_text,
-    less,
     printed_step,
     with_margin,
 )
@@ -272,14 +272,14 @@ def _cells(row: Row, step: float, is_change: bool) -> list[str]:
     """Left, right and their difference; or one text for both breasts."""
 
     def text(side: str, value: Value | None) -> str:
-        if value is None and side in row.not_seen:
-            return NOT_SEEN
+        if value is None and side in (*row.not_seen, *row.not_known):
+            return NOT_SEEN if side in row.not_seen else NOT_KNOWN
         return grade_text(value) if row.unit == "grade" else with_margin(value, row.unit, step, is_change)
 
-    if row.value is not None or "value" in row.not_seen:
+    if row.value is not None or "value" in (*row.not_seen, *row.not_known):
         return [text("value", row.value)]
-    difference = None if row.difference is None else less(row.right, row.left)
-    between = "" if difference is None else with_margin(difference, row.unit, step, True)
+    between = "" if row.difference is None else with_margin(row.difference, row.unit, step, True)
+    between = NOT_KNOWN if "difference" in row.not_known else between
     return [text("left", row.left), text("right", row.right), between]
 
 

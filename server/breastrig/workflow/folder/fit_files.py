@@ -62,6 +62,10 @@ def _in_mm(values: Mapping[str, float]) -> dict[str, float]:
     return {name: round(1e3 * value, 2) for name, value in values.items()}
 
 
+def _upper_mm2(joint: Array) -> list[float]:
+    return _rounded(1e6 * joint[np.triu_indices(len(joint))], 3)
+
+
 @cache
 def library_versions() -> dict[str, str]:
     """Of the libraries that results name, from the heads of their descriptions, which are long."""
@@ -117,6 +121,7 @@ def result_of(outcome: FitOutcome) -> ResultFile:
         not_calibrated=None if outcome.radii else f"{NOT_CALIBRATED}: how far off its fits are is not known.",
         median_plane=_median_plane(outcome),
         landmark_uncertainty_mm={} if outcome.radii is None else _in_mm(outcome.radii.landmarks),
+        landmark_covariance_mm2=[] if outcome.radii is None else _upper_mm2(outcome.radii.joint),
         line_error_mm=None if outcome.radii is None else round(1e3 * outcome.radii.lines, 1),
         landmarks_agreed=list(ready.agreed),
         landmarks={name: _rounded(place / per_unit) for name, place in (model_landmarks | seen).items()},

@@ -15,8 +15,17 @@ from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput
 from breastrig.core.stances import Stance
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.files.result import BODY, FIT_FILES, RESULT, UNCERTAINTY, MedianPlane, ResultFile, Verdict
-from breastrig.fitting.uncertainty.radii import line_error
+from breastrig.files.result import (
+    BODY,
+    FIT_FILES,
+    RESULT,
+    UNCERTAINTY,
+    MedianPlane,
+    ResultFile,
+    Verdict,
+    joint_covariance,
+)
+from breastrig.fitting.uncertainty.radii import HOLDS_90, line_error
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.gltf.replay import fitted_glb
 from breastrig.report.body_frame import body_frame
@@ -97,6 +106,16 @@ def predict_steps(
     return {name: made[name] for name in FIT_FILES}
 
 
+def _enlarged(upper: list[float], radii: Array) -> list[float]:
+    """What landmarks share of the fit's errors, each with an error of its own up to its (L,) mm radius."""
+    joint = joint_covariance(upper, len(radii))
+    if joint is None:
+        return []
+    more = (radii / HOLDS_90) ** 2 - np.diag(joint).reshape(-1, 3).sum(axis=1)
+    joint = joint + np.diag(np.repeat(np.maximum(more, 0.0) / 3.0, 3))
+    return [round(float(value), 3) for value in joint[np.triu_indices(len(joint))]]
+
+
 def _result(
     rig: Rig,
     given: ResultFile,
@@ -111,6 +130,7 @@ def _result(
     within = 1e3 * radii[rig.faces[points.faces]]
     frame = body_frame(rig, vertices)
     normal = frame.axes[:, 0]
+    radii_mm = np.einsum("lc,lc->l", within, points.barycentric)
     per_unit = METRES_PER_UNIT[given.scan.unit]
     plane = MedianPlane(normal=normal.tolist(), offset=float(normal @ frame.middle) / per_unit)
     seen = np.ones(len(vertices), dtype=np.bool_)
@@ -126,9 +146,10 @@ def _result(
                 zip(given.landmarks_picked, moved(list(given.landmarks_picked.values())), strict=True)
             ),
             "landmark_uncertainty_mm": {
-                name: round(float(at @ share), 2)
-                for name, at, share in zip(given.landmark_uncertainty_mm, within, points.barycentric, strict=True)
+                name: round(float(radius), 2)
+                for name, radius in zip(given.landmark_uncertainty_mm, radii_mm, strict=True)
             },
+            "landmark_covariance_mm2": _enlarged(given.landmark_covariance_mm2, radii_mm),
             "line_error_mm": round(1e3 * line_error(rig, radii, seen), 1),
             "areolae": {},
             "lesions": [],

@@ -124,14 +124,15 @@ function row(line: MeasureLine, groups: number, labels: ReadonlyMap<string, stri
   );
   const cells = line.groups.flatMap((group, g) => {
     const isChange = groups > 1 && g === groups - 1;
-    const write = (cell: Cell, isSigned: boolean, isUnseen: boolean, attributes: { class: string; colspan?: number }): HTMLElement => {
-      if (isUnseen) return el("td", { ...attributes, title: words.notSeenHint }, words.notSeen);
+    const write = (cell: Cell, isSigned: boolean, column: string, attributes: { class: string; colspan?: number }): HTMLElement => {
+      if (group.notSeen.includes(column)) return el("td", { ...attributes, title: words.notSeenHint }, words.notSeen);
+      if (group.notKnown.includes(column)) return el("td", { ...attributes, title: words.notKnownHint }, words.notKnown);
       const ends = [cell.low, cell.high].map((value) => formatCell({ ...cell, value }, line.unit, isSigned));
       return el("td", { ...attributes, ...(cell.low === null ? {} : { title: words.band(ends[0]!, ends[1]!) }) }, formatCell(cell, line.unit, isSigned, line.step), el("span", { class: "margin" }, formatMargin(cell, line.unit)));
     };
-    const isUnseen = group.notSeen.includes("value");
-    if (group.whole.value !== null || isUnseen) return [write(group.whole, isChange, isUnseen, { class: "group whole", colspan: COLUMNS.length })]; // one value for both sides
-    return COLUMNS.map((column, i) => write(group[column], isChange || column === "difference", group.notSeen.includes(column), { class: i === 0 ? "group" : "" }));
+    const isGone = group.notSeen.includes("value") || group.notKnown.includes("value");
+    if (group.whole.value !== null || isGone) return [write(group.whole, isChange, "value", { class: "group whole", colspan: COLUMNS.length })]; // one value for both sides
+    return COLUMNS.map((column, i) => write(group[column], isChange || column === "difference", column, { class: i === 0 ? "group" : "" }));
   });
   const [at, away] = [(): void => pointAt(line.key), (): void => pointAt(null)];
   return [el("tr", { "data-measure": line.measure, "data-kind": line.kind, onpointerenter: at, onpointerleave: away, onfocusin: at, onfocusout: away }, el("th", { scope: "row" }, open), ...cells), more];

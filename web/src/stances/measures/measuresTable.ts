@@ -16,7 +16,7 @@ export interface MeasureLine {
   readonly unit: Measure["unit"];
   readonly step: number; // in which its numbers are shown
   /** for each stance and then the change: the cells that the columns name */
-  readonly groups: readonly { readonly left: Cell; readonly right: Cell; readonly difference: Cell; readonly whole: Cell; readonly notSeen: readonly string[] }[];
+  readonly groups: readonly { readonly left: Cell; readonly right: Cell; readonly difference: Cell; readonly whole: Cell; readonly notSeen: readonly string[]; readonly notKnown: readonly string[] }[];
   readonly method: string;
   readonly landmarks: readonly { readonly stance: string; readonly words: string }[];
 }
@@ -36,12 +36,11 @@ const NONE: Cell = { value: null, low: null, high: null };
 /** The larger side of the band; null where none is known. */
 const marginOf = ({ value, low, high }: Cell): number | null => (value === null || low === null || high === null ? null : Math.max(high - value, value - low));
 
-/** Left less right as they are shown, where `given` says that there is one; they are wrong independently: margins add up as squares. */
-function differenceOf(given: number | null, left: Cell, right: Cell): Cell {
-  const [a, b] = [marginOf(left), marginOf(right)];
-  const value = given === null || left.value === null || right.value === null ? null : left.value - right.value;
-  if (value === null || a === null || b === null) return { value, low: null, high: null };
-  const half = Math.hypot(a, b);
+/** Left less right as they are shown, where `given` is a number, with its band: what both are wrong by they share in part. */
+function differenceOf(given: Cell, left: Cell, right: Cell): Cell {
+  const half = marginOf(given);
+  const value = given.value === null || left.value === null || right.value === null ? null : left.value - right.value;
+  if (value === null || half === null) return { value, low: null, high: null };
   return { value, low: value - half, high: value + half };
 }
 
@@ -62,6 +61,10 @@ function changed(of: Cell, from: Cell | undefined, to: Cell | undefined): Cell {
   const value = to.value - from.value;
   return { value, low: of.low === null ? null : of.low + value - of.value, high: of.high === null ? null : of.high + value - of.value };
 }
+
+const givenDifference = (row: Measure | null | undefined): Cell => ({ value: row?.difference ?? null, low: row?.difference_low ?? null, high: row?.difference_high ?? null });
+
+const named = (cells: string | undefined): string[] => (cells ?? "").split("; ");
 
 export function measuresTable(file: Pick<MeasuresFile, "measures" | "stances">): MeasuresTable {
   const groups = [...new Set(file.measures.map(({ stance }) => stance))];
@@ -87,7 +90,7 @@ export function measuresTable(file: Pick<MeasuresFile, "measures" | "stances">):
       kind: first.kind,
       unit: first.unit,
       step,
-      groups: all.map((cell, i) => ({ ...cell, difference: differenceOf(rows[i]?.difference ?? null, cell.left, cell.right), notSeen: (rows[i]?.not_seen ?? "").split("; ") })),
+      groups: all.map((cell, i) => ({ ...cell, difference: differenceOf(givenDifference(rows[i]), cell.left, cell.right), notSeen: named(rows[i]?.not_seen), notKnown: named(rows[i]?.not_known) })),
       method: rows.findLast((row) => row !== null && (row.not_seen ?? "") !== "")?.method ?? first.method,
       landmarks: rows.flatMap((row) => (row && row.landmarks !== "" && file.stances.some(({ name }) => name === row.stance) ? [{ stance: row.stance, words: row.landmarks }] : [])),
     };
@@ -123,7 +126,7 @@ export function formatMargin(cell: Cell, unit: Measure["unit"]): string {
   return margin === null || unit === "grade" ? "" : `\u00a0±${rounded(margin, stepOf(margin, unit))}`;
 }
 
-const COLUMNS = ["stance", "measure", "kind", "unit", "left", "left_low", "left_high", "right", "right_low", "right_high", "difference", "value", "value_low", "value_high", "not_seen", "landmarks", "method"] as const satisfies readonly (keyof Measure)[];
+const COLUMNS = ["stance", "measure", "kind", "unit", "left", "left_low", "left_high", "right", "right_low", "right_high", "difference", "difference_low", "difference_high", "value", "value_low", "value_high", "not_seen", "not_known", "landmarks", "method"] as const satisfies readonly (keyof Measure)[];
 
 const quoted = (cell: string): string => (/[",\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell);
 

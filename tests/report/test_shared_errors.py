@@ -1,0 +1,141 @@
+"""Lengths and differences leave open what their ends do not share; a band that says nothing is no number."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from breastrig.core.arrays import Array
+from breastrig.core.stances import SIDES
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.report.bands import KNOWN_MM, without_unknown
+from breastrig.report.measures import measures
+from breastrig.report.stance import Stance, places
+from breastrig.report.table import Row, Value, changes, csv_bytes, flat_rows
+from breastrig.rig.model import Rig
+
+RADIUS = 1.5  # times the deviation over all three axes
+OF_90 = 1.645
+
+
+@pytest.fixture(scope="module")
+def rig() -> Rig:
+    return read_rig(default_rig_path())
+
+
+def covariance(rig: Rig, seed: int) -> Array:
+    """(3 L, 3 L) m²: all landmarks move together by 20 mm, and each by a few for itself."""
+    rng, size = np.random.default_rng(seed), 3 * len(rig.landmark_names)
+    together = np.tile(np.eye(3), (len(rig.landmark_names), 1)) * 0.02
+    own = np.diag(rng.uniform(0.001, 0.004, size))
+    return np.asarray(together @ together.T + own @ own)
+
+
+def stance(rig: Rig, joint: Array | None, **changes: object) -> Stance:
+    spread = covariance(rig, 1) if joint is None else joint
+    radii = RADIUS * np.sqrt(np.diag(spread).reshape(-1, 3).sum(axis=1))
+    names = tuple(rig.landmark_names)
+    found = Stance(
+        rig,
+        rig.template,
+        rig.template,
+        rig.faces,
+        "standing",
+        landmark_radii=dict(zip(names, radii.tolist(), strict=True)),
+        radii=np.full(len(rig.template), 0.004),
+        joint=None if joint is None else (names, joint),
+    )
+    return replace(found, **changes)
+
+
+def straight(found: Stance) -> dict[str, Row]:
+    return {row.measure: row for row in measures(found) if row.kind == "straight"}
+
+
+@pytest.mark.parametrize("name", ["notch_nipple", "midclavicle_nipple", "nipple_fold"])
+def test_nine_of_ten_true_lengths_and_differences_are_held(name: str, rig: Rig) -> None:
+    """True places drawn with the model's own covariance; what the ends share cancels."""
+    joint = covariance(rig, 1)
+    row = straight(stance(rig, joint)).get(name)
+    asked = next((each for each in rig.lengths if each.name == name), None)
+    if row is None or asked is None:
+        pytest.skip("the rig measures no such length")
+    at = {place.name: place.point for place in places(stance(rig, joint)).values()}
+    names = list(rig.landmark_names)
+    drawn = np.random.default_rng(2).multivariate_normal(np.zeros(len(joint)), joint, 20_000).reshape(-1, len(names), 3)
+
+    def length(side: str) -> Array:
+        a, b = (end if end in at else f"{end}_{side}" for end in (asked.start, asked.end))
+        return np.asarray(np.linalg.norm(at[b] + drawn[:, names.index(b)] - at[a] - drawn[:, names.index(a)], axis=1))
+
+    left, right = (length(side) for side in SIDES)
+    assert row.left is not None
+    assert row.difference is not None
+    for true, value in ((1e3 * left, row.left), (1e3 * (left - right), row.difference)):
+        assert value.low is not None
+        assert value.high is not None
+        assert np.mean((true >= value.low) & (true <= value.high)) == pytest.approx(0.9, abs=0.02)
+    alone = straight(stance(rig, None))[name]
+    assert alone.between is not None
+    assert row.difference.margin is not None
+    assert row.difference.margin < 0.3 * alone.between
+
+
+def test_of_picked_ends_the_one_that_both_sides_share_counts_by_what_it_changes(rig: Rig) -> None:
+    at = dict(zip(rig.landmark_names, rig.landmark_points().positions(rig.template, rig.faces), strict=True))
+    found = stance(rig, covariance(rig, 1), picked=at, landmark_radii=dict.fromkeys(at, 0.005))
+    row = straight(found)["notch_nipple"]
+    assert row.difference is not None
+    ways = {side: at[f"nipple_{side}"] - at["suprasternal_notch"] for side in SIDES}
+    left, right = (ways[side] / np.linalg.norm(ways[side]) for side in SIDES)
+    wanted = 5.0 * np.sqrt(2.0 + float((left - right) @ (left - right)))
+    assert row.difference.margin == pytest.approx(wanted, rel=1e-6)
+    assert row.difference.margin < np.hypot(5.0 * np.sqrt(2.0), 5.0 * np.sqrt(2.0))
+
+
+def test_two_fits_are_wrong_independently(rig: Rig) -> None:
+    rows = measures(stance(rig, covariance(rig, 1)))
+    other = measures(stance(rig, 4.0 * covariance(rig, 1)))
+    one, two = (next(row for row in each if row.key == ("notch_nipple", "straight")) for each in (rows, other))
+    (change,) = (row for row in changes(rows, other) if row.key == one.key)
+    assert one.difference is not None
+    assert two.difference is not None
+    assert change.difference is not None
+    assert two.difference.margin == pytest.approx(2.0 * (one.difference.margin or 0.0))
+    halves = [each.difference.margin or 0.0 for each in (one, two) if each.difference is not None]
+    assert change.difference.margin == pytest.approx(np.hypot(*halves))
+
+
+def row_of(value: float, half: float, kind: str = "straight", unit: str = "mm") -> Row:
+    least, most = (0.0, 1.0) if unit == "1" else (-np.inf, np.inf) if kind == "in height" else (0.0, np.inf)
+    number = Value(value, max(value - half, least), min(value + half, most))
+    return Row("a", "A", kind, unit, number, number, None, (), "")
+
+
+@pytest.mark.parametrize(
+    ("row", "gone"),
+    [
+        (row_of(63.0, 63.0), ("left", "right", "difference")),  # 0 to 126
+        (row_of(63.0, 62.0), ("difference",)),  # 1 to 125; their difference 0 ± 88
+        (row_of(63.0, 20.0), ()),
+        (row_of(290.0, 280.0, "volume", "ml"), ("difference",)),
+        (row_of(290.0, 300.0, "volume", "ml"), ("left", "right", "difference")),
+        (row_of(0.4, 0.7, "ratio", "1"), ("left", "right", "difference")),
+        (row_of(0.9, 0.05, "ratio", "1"), ()),
+        (row_of(-5.0, 20.0, "in height"), ()),
+        (row_of(-5.0, KNOWN_MM + 1.0, "in height"), ("left", "right", "difference")),
+    ],
+)
+def test_a_band_that_says_nothing_is_no_number_anywhere(row: Row, gone: tuple[str, ...]) -> None:
+    found = without_unknown(row)
+    assert found.not_known == gone
+    assert (found.left is None) == ("left" in gone)
+    assert (found.difference is None) == ("difference" in gone)
+    (flat,) = flat_rows([("standing", [found])])
+    assert flat["not_known"] == "; ".join(gone)
+    assert (flat["left"] is None, flat["left_low"] is None) == ("left" in gone, "left" in gone)
+    assert (flat["difference"] is None, flat["difference_high"] is None) == ("difference" in gone, "difference" in gone)
+    head, line = csv_bytes([flat], {}).decode().strip().splitlines()
+    assert dict(zip(head.split(","), line.split(","), strict=True))["left_high"] == (
+        "" if "left" in gone else str(flat["left_high"])
+    )
