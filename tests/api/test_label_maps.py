@@ -7,7 +7,21 @@ import json
 import numpy as np
 import pytest
 from flask.testing import FlaskClient
-from helpers.label_maps import LESION, RADIUS, SIZES, body_labels, nifti, placed_nifti
+from helpers.label_maps import (
+    BODY_WORDS,
+    LESION,
+    PLAIN,
+    RADIUS,
+    SIZES,
+    body_labels,
+    file_of,
+    masks,
+    nifti,
+    placed_nifti,
+    seg,
+)
+
+from breastrig.service.service import Service
 
 
 @pytest.mark.slow
@@ -34,6 +48,7 @@ def test_the_side_is_asked_and_the_answer_sent_with_the_file(client: FlaskClient
     """Nothing is kept of a file about which something has to be asked first."""
     labels = np.asfortranarray(body_labels()[::-1, ::-1])
     data = gzip.compress(placed_nifti(labels, (np.diag([*SIZES, 1.0]), 0), (np.diag([*SIZES, 1.0]), 0)))
+    before = client.get("/api/scans").json
     asked = client.post("/api/scans", data={"file": (io.BytesIO(data), "a.nii")})
     assert (asked.status_code, asked.mimetype) == (422, "application/problem+json")
     assert asked.json is not None
@@ -42,7 +57,7 @@ def test_the_side_is_asked_and_the_answer_sent_with_the_file(client: FlaskClient
     assert question["field"] == "frame"
     assert [each["value"] for each in question["choices"]][:4] == ["RAS", "LAS", "RAI", "LAI"]
     assert question["choices"][0]["lesions"][0]["side"] == "L"
-    assert client.get("/api/scans").json == {"scans": [], "next": None}
+    assert client.get("/api/scans").json == before
     for frame, side in (("RAS", 1.0), ("LAS", -1.0)):
         answer = client.post("/api/scans", data={"file": (io.BytesIO(data), "a.nii"), "frame": frame})
         assert answer.status_code == 201, answer.json
@@ -78,3 +93,26 @@ def test_segments_are_answered_and_can_be_chosen(client: FlaskClient) -> None:
         assert refused.status_code == 422, wrong
         assert refused.json is not None
         assert "segment" in refused.json["detail"].lower()
+
+
+def test_the_files_words_are_answered_once_and_kept_nowhere(
+    client: FlaskClient, service: Service, caplog: pytest.LogCaptureFixture
+) -> None:
+    """A segment may bear the patient's name."""
+    caplog.set_level("DEBUG")
+    name = "Zoe Quixote"
+    data = gzip.compress(file_of(seg(masks(), {1: BODY_WORDS, 2: (name, *PLAIN[1:])})))
+    answer = client.post("/api/scans", data={"file": (io.BytesIO(data), "a.dcm.gz")})
+    assert answer.status_code == 201, answer.json
+    assert answer.json is not None
+    assert [each["label"] for each in answer.json["segments"]] == ["Body Breast", f"{name} Tissue"]
+    scan = client.get(answer.json["links"]["self"])
+    assert scan.json is not None
+    assert scan.json["segments"] == [
+        {key: value for key, value in each.items() if key != "label"} for each in answer.json["segments"]
+    ]
+    plan = client.get(answer.json["links"]["plan"])
+    assert name not in scan.get_data(as_text=True) + plan.get_data(as_text=True) + caplog.text
+    stored = [file for file in service.storage.root.rglob("*") if file.is_file()]
+    assert len(stored) > 3
+    assert not [file for file in stored if b"Quixote" in file.read_bytes()]

@@ -6,6 +6,7 @@ from breastrig.batch.manifest import BadManifest, BatchRow, read_manifest
 from breastrig.core.assets import asset_folder
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
+from breastrig.scan.volumes.answers import VolumeAnswers
 
 EXAMPLE = asset_folder("example") / "standing"
 
@@ -153,3 +154,11 @@ def test_a_file_that_is_no_text_or_not_there_is_one_sentence(folder: Path, rig: 
         read_manifest(folder / "m.csv", rig, folder)
     with pytest.raises(BadManifest, match="cannot be read"):
         read_manifest(folder / "none.csv", rig, folder)
+
+
+def test_a_label_maps_answers_are_columns(folder: Path, rig: Rig) -> None:
+    first, second = rows(folder, rig, "scan,frame,segments", "a.ply,ras,2=lesion 3=unused", "b.ply,,")
+    assert first.answers == VolumeAnswers("RAS", {2: "lesion", 3: "unused"})
+    assert not second.answers
+    assert "This is no frame" in faults(folder, rig, "scan,frame", "a.ply,up")[0]
+    assert "can be lesion, tissue or unused" in faults(folder, rig, "scan,segments", "a.ply,2=skin")[0]

@@ -67,7 +67,7 @@ def _read(job: UploadJob) -> dict[str, Any]:
 
 def _key(job: UploadJob) -> str:
     """Of everything that the answer depends on."""
-    total = hashlib.sha256(f"{job.scan.suffix} {job.units} {job.triangles} {job.frame} {job.segments} ".encode())
+    total = hashlib.sha256(f"{job.scan.suffix} {job.units} {job.triangles} {job.answers} ".encode())
     model = job.model or asset_folder("model") / "torso.glb"
     for file in (model, model.with_suffix(".json"), job.scan):
         total.update(hashlib.sha256(file.read_bytes()).digest())

@@ -2,15 +2,16 @@
 
 import gzip
 
+import nibabel
 import numpy as np
 import pytest
-from helpers.label_maps import BREASTS, CHEST, LESION, RADIUS, body_labels, dicom_segmentation, nifti, places
+from helpers.label_maps import BREASTS, CHEST, LESION, RADIUS, body_labels, dicom_segmentation, nifti, places, to_ras
 
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.geometry.normals import vertex_normals
 from breastrig.scan import read
 from breastrig.scan.read import read_scan
-from breastrig.scan.volumes import gzipped, volume
+from breastrig.scan.volumes import gzipped, segments, volume
 from breastrig.scan.volumes.volume import IMAGE
 
 
@@ -106,3 +107,77 @@ def test_what_is_no_label_map_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -
     with pytest.raises(BadScan, match=r'need "breastrig\[mri\]"; install it'):
         read_scan(good)
     assert gzip.compress(b"")[:2] == read.GZIP_START
+
+
+def stored(labels: np.ndarray, dtype: type, kind: type = nibabel.Nifti1Image, order: str = "<") -> bytes:
+    header = kind.header_class(endianness=order)  # type: ignore[attr-defined]
+    image = kind(labels.astype(dtype), to_ras(), header)
+    image.header.set_xyzt_units("mm")
+    return bytes(image.to_bytes())
+
+
+def scaled(labels: np.ndarray, dtype: type) -> bytes:
+    """Floats that nibabel stretches over all numbers of a kind."""
+    image = nibabel.Nifti1Image(labels.astype(np.float64), to_ras())
+    image.set_data_dtype(dtype)
+    return bytes(image.to_bytes())
+
+
+def test_labels_are_read_however_they_are_stored() -> None:
+    labels = body_labels()
+    noise = np.random.default_rng(0).normal(0.0, 1e-4, labels.shape)
+    with_nan = np.where(labels == 0, np.nan, labels)
+    for data in (
+        stored(labels, np.int8),
+        stored(labels, np.uint16, order=">"),
+        stored(labels, np.float64, nibabel.Nifti2Image),
+        stored(labels, np.int32, nibabel.Nifti2Image, ">"),
+        stored(labels[..., None], np.uint8),
+        stored(labels + noise, np.float32),
+        stored(with_nan, np.float32),
+        scaled(labels, np.int16),
+        scaled(labels, np.uint8),
+        scaled(200.0 * (labels == 2) + 3.0 * (labels > 0), np.uint8),
+    ):
+        (lesion,) = read_scan(data).lesions
+        assert 1e3 * lesion.center == pytest.approx(LESION, abs=0.2)
+        assert 1e3 * lesion.radius == pytest.approx(RADIUS, abs=0.1)
+    members = gzip.compress(stored(labels, np.uint8)[:5000]) + gzip.compress(stored(labels, np.uint8)[5000:])
+    assert read_scan(members + bytes(512)).lesions
+    assert "Voxels without a number (NaN) were taken for air." in read_scan(stored(with_nan, np.float32)).notes
+
+
+def test_an_image_is_none_whatever_it_is_stored_as() -> None:
+    rng = np.random.default_rng(0)
+    body = body_labels()
+    grey = np.clip(rng.normal(100.0, 30.0, body.shape), 1, 255) * (body > 0)
+    colours = np.zeros(body.shape, [("R", "u1"), ("G", "u1"), ("B", "u1")])
+    for data in (
+        stored(grey, np.uint8),  # of no more values than labels may have
+        stored(grey, np.float32),
+        scaled(grey, np.uint8),
+        stored(np.where(body == 2, np.inf, body), np.float32),
+        bytes(nibabel.Nifti1Image(body.astype(np.complex64), to_ras()).to_bytes()),
+        bytes(nibabel.Nifti1Image(colours, to_ras()).to_bytes()),
+    ):
+        with pytest.raises(BadScan, match="This is an image, not a label map"):
+            read_scan(data)
+
+
+def test_small_files_do_not_ask_for_much(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Voxels of a micrometre, and labels that are scattered everywhere."""
+    for size in (1e-3, 1e-6, 500.0):
+        with pytest.raises(BadScan, match="which those of no body are; check its unit"):
+            read_scan(nifti(body_labels(), sizes=np.full(3, size)))
+    labels = body_labels()
+    for number in range(4, 60):
+        labels[number * 3 % 260, 120 + number % 30, :] = number
+    looked_at = []
+    parts = segments._parts
+    monkeypatch.setattr(segments, "LOOKED_AT", 200_000)
+    monkeypatch.setattr(segments, "_parts", lambda inside, *rest: looked_at.append(inside.size) or parts(inside, *rest))
+    scan = read_scan(nifti(labels))
+    assert sum(looked_at) <= 200_000
+    assert len(scan.segments) == 59
+    assert any("The other" in note and "were taken for tissue" in note for note in scan.notes)
+    assert len(scan.notes) < 10

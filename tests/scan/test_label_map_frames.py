@@ -7,7 +7,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.label_maps import LESION, LOW, RADIUS, SIZES, body_labels, dicom_segmentation, nifti, placed_nifti, to_ras
+from helpers.label_maps import (
+    BODY_WORDS,
+    LESION,
+    LOW,
+    PLAIN,
+    RADIUS,
+    SIZES,
+    body_labels,
+    dicom_segmentation,
+    file_of,
+    masks,
+    nifti,
+    placed_nifti,
+    seg,
+    to_ras,
+)
 from PIL import Image
 
 import breastrig
@@ -52,7 +67,7 @@ def test_the_side_that_no_header_names_is_asked() -> None:
         assert shown["y"] == pytest.approx(y if up > 0 else 1.0 - y, abs=0.01)
         scan = read_scan(unplaced(labels), answers=checked_answers(value))
         (lesion,) = scan.lesions
-        found = 1e3 * lesion.center[0] - 0.0
+        found = 1e3 * lesion.center[0]
         assert found == pytest.approx((LESION - middle)[0] * (1.0 if side == "L" else -1.0), abs=0.5)
         assert any("was said by a person" in note for note in scan.notes)
 
@@ -143,6 +158,23 @@ def test_the_command_line_names_the_option_that_answers(
     assert not out.exists()
     assert main([command, str(tmp_path / "map.nii"), "-o", str(out), "--frame", "RXS"]) == 2
     assert "This is no frame" in capsys.readouterr().err
+    assert main([command, str(tmp_path / "map.nii"), "-o", str(out), "--frame", "RAS", "--segment", "9=lesion"]) == 2
+    assert "There is no segment 9 in this label map; it has 1, 2, 3." in capsys.readouterr().err
+
+
+def test_the_terminal_shows_what_the_file_calls_its_segments(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """For choosing; nothing that is written has these words."""
+    words = {1: BODY_WORDS, 2: ("Zoe Quixote", *PLAIN[1:])}
+    (tmp_path / "IM000001").write_bytes(file_of(seg(masks(), words)))
+    monkeypatch.setattr("breastrig.cli.landmarks_command.propose_landmarks", lambda scan, model: {})
+    assert (
+        main(["landmarks", str(tmp_path / "IM000001"), "-o", str(tmp_path / "out.json"), "--segment", "2=tissue"]) == 0
+    )
+    said = capsys.readouterr().err
+    assert 'segment 2 "Zoe Quixote Tissue": tissue (Tissue 2). A person said so.' in said
+    assert "Quixote" not in (tmp_path / "out.json").read_text()
 
 
 @pytest.mark.parametrize(("unit", "factor"), [("mm", 1.0), ("meter", 1e-3), ("micron", 1e3)])

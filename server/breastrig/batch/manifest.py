@@ -21,10 +21,12 @@ from breastrig.drawings.patterns import asked_drawing, tumour_text
 from breastrig.fitting.recipe import load_recipe
 from breastrig.rig.model import Rig
 from breastrig.scan.landmarks.landmark_files import certain_landmarks, landmark_confidences, read_landmarks
+from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers, checked_answers, segments_of_words
 from breastrig.workflow.jobs import FIRST
 from breastrig.workflow.scan_fit import check_prior, checked_landmarks, named_drawing
 
-COLUMNS = ("scan", "landmarks", "name", "units", "stance", "preset", "drawing", "tumour", "refine")
+VOLUME_COLUMNS = ("frame", "segments")  # of a label map: as --frame, and as --segment split by blanks
+COLUMNS = ("scan", "landmarks", "name", "units", "stance", "preset", "drawing", "tumour", "refine", *VOLUME_COLUMNS)
 YES_NO = {"": True, "no": False, "false": False, "0": False, "yes": True, "true": True, "1": True}
 MANIFEST_BYTES = 100_000_000  # half a million long rows
 NAME_BYTES = 200  # file systems take 255, and a folder that is being written has a longer name
@@ -55,6 +57,7 @@ class BatchRow:
     preset: str  # a name, or the path of a TOML file
     drawing: str | None
     refine: bool
+    answers: VolumeAnswers = NOTHING_SAID  # of a label map
 
 
 def read_manifest(
@@ -163,6 +166,7 @@ def _row(
         stance=_one_of("stance", cells.get("stance") or "auto", STANCES),
         preset=preset,
         drawing=drawing,
+        answers=checked_answers(cells.get("frame"), segments_of_words(cells.get("segments", "").split())),
         refine=YES_NO[_one_of("value of refine", cells.get("refine", "").lower(), tuple(YES_NO))],
     )
 

@@ -35,6 +35,7 @@ from breastrig.execution.limits import FitLimits
 from breastrig.files.result import FIT_FILES, RESULT, RESULT_SCHEMA
 from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES
 from breastrig.scan.limits import FILE_BYTES
+from breastrig.scan.volumes.answers import VolumeAnswers
 
 SPARE = 8  # scans at most that wait beside the workers; a large cluster needs no more to be kept busy
 LOOK_S = 0.2  # between two looks whether to stop
@@ -172,6 +173,7 @@ def _fit_of(batch: Batch, row: BatchRow) -> FitOfBytes:
         refine=row.refine,
         model=batch.model,
         prior=batch.prior,
+        answers=row.answers,
     )
 
 
@@ -190,7 +192,13 @@ def _inputs(batch: Batch, task: FitOfBytes) -> dict[str, Any]:
         "model_sha256": batch.model_sha256,
         "prior_sha256": _sha256(task.prior),
         "breastrig": __version__,
-    }
+    } | _said(task.answers)
+
+
+def _said(answers: VolumeAnswers) -> dict[str, Any]:
+    """What a person says of a label map; nothing of other scans."""
+    segments = {str(number): what for number, what in answers.segments.items()}
+    return {"frame": answers.frame, "segments": segments} if answers else {}
 
 
 def _output(batch: Batch, row: BatchRow) -> Output:

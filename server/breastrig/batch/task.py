@@ -11,6 +11,7 @@ from breastrig.core.private_files import write_private
 from breastrig.core.scratch import scratch_folder
 from breastrig.scan.landmarks.landmark_files import landmarks_of_file
 from breastrig.scan.read import read_scan
+from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 from breastrig.workflow.events import Event
 from breastrig.workflow.jobs import FitJob, ReportJob
 from breastrig.workflow.report import measures_csv_of
@@ -35,6 +36,7 @@ class FitOfBytes:
     refine: bool
     model: str | None = None  # a packaged one's name or a path on this machine; None: the torso
     prior: bytes | None = None  # a file of `breastrig cohort`
+    answers: VolumeAnswers = NOTHING_SAID  # of a label map
 
     def picks(self) -> Picks:
         """Those without a unit of their own have the scan's."""
@@ -43,7 +45,7 @@ class FitOfBytes:
         return landmarks_of_file(self.landmarks, self._measured, self.landmarks_ending)
 
     def _measured(self) -> tuple[float, tuple[Array, Array]]:
-        return read_scan(self.scan, self.ending, self.units, texture=False).measured
+        return read_scan(self.scan, self.ending, self.units, texture=False, answers=self.answers).measured
 
 
 def measured_fit(job: FitJob) -> Iterator[Event]:
@@ -75,6 +77,7 @@ def fit_of_bytes(task: FitOfBytes, runner: Runner) -> dict[str, bytes]:
             refine=task.refine,
             model=None if task.model is None else model_path(task.model),
             prior=task.prior,
+            answers=task.answers,
         )
         for _ in runner(job):
             pass  # the files say it all

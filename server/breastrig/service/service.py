@@ -194,8 +194,7 @@ class Service:
                     small,
                     self._uploads.triangles,
                     self._choice.of(chosen),
-                    answers.frame,
-                    dict(answers.segments),
+                    answers,
                 )
                 facts = self._read(scan_id, job)
                 upload.unlink()

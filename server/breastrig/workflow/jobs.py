@@ -7,6 +7,7 @@ from typing import Any
 
 from breastrig.core.identity import UNNAMED, Identity
 from breastrig.core.stances import AUTO, Stance
+from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 
 DEFAULT = "default"  # the preset
 FIRST = "first"  # as a drawing: the first one of the rig, none where it has none
@@ -48,6 +49,7 @@ class FitJob(FitSettings):
     model: Path | None = None  # None: the torso of the package
     cuts: tuple[dict[str, Any], ...] = ()  # by hand, see scan/hand_cuts.py
     prior: bytes | None = None  # a file of `breastrig cohort`
+    answers: VolumeAnswers = NOTHING_SAID  # of a label map
 
 
 @dataclass(frozen=True)
@@ -73,8 +75,7 @@ class UploadJob:
     thumbnail: Path  # where a small picture is written
     triangles: int  # at most
     model: Path | None = None  # that the service fits with; None: the torso of the package
-    frame: str | None = None  # of a label map whose file does not say it; see scan/volumes/answers.py
-    segments: Mapping[int, str] = field(default_factory=dict)  # of a label map: number -> as what it is to be taken
+    answers: VolumeAnswers = NOTHING_SAID  # of a label map
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,6 @@ from breastrig.report.pictures import thumbnail_png
 from breastrig.scan.read import read_scan
 from breastrig.scan.stored_scan import write_stored
 from breastrig.scan.units import extent, size_doubt
-from breastrig.scan.volumes.answers import checked_answers
 from breastrig.workflow.jobs import UploadJob
 from breastrig.workflow.kept_scan import prepared_scan
 
@@ -39,7 +38,7 @@ def read_upload(job: UploadJob) -> dict[str, Any]:
 
 
 def _read(job: UploadJob) -> dict[str, Any]:
-    scan = read_scan(job.scan, job.scan.suffix.lstrip("."), job.units, answers=checked_answers(job.frame, job.segments))
+    scan = read_scan(job.scan, job.scan.suffix.lstrip("."), job.units, answers=job.answers)
     if len(scan.faces) > job.triangles:
         raise TooLarge(
             f"This scan has {len(scan.faces):,} triangles, more than the {job.triangles:,} allowed; simplify it first."

@@ -213,7 +213,8 @@ def _only_proposed(landmarks: Collection[str], confidence: Mapping[str, float]) 
 def scan_of_job(job: FitJob) -> tuple[Scan, float]:
     """The job's scan, and the seconds that reading it took; a BadInput says what is wrong with it."""
     clock = Clock()
-    return without_hand_cuts(coloured_scan(job.scan, job.file_type, job.units), job.cuts), clock.lap()
+    scan = coloured_scan(job.scan, job.file_type, job.units, job.answers)
+    return without_hand_cuts(scan, job.cuts), clock.lap()
 
 
 def prepare_fit(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:

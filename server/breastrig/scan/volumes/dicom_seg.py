@@ -44,7 +44,8 @@ COMPRESSED = "The pixels of this DICOM file are compressed in a way that is not 
 NAME = 60  # characters of a segment's words that are shown
 ALIKE = 1e-3  # of direction cosines, and of pixel sizes in their own size
 FARTHEST_OFF = 0.3  # of the distance between slices that one may lie off its place; writers round, and patients breathe
-SAME_SLICE = 0.1  # of the largest distance between neighbours, below which frames lie on one slice
+SAME_SLICE = 0.3  # of the distance between slices, below which frames lie on one
+NO_STEP = 0.1  # of the largest distance between neighbours: less is no distance between slices
 NEARLY = 0.1  # of the named distance between slices: how far a multiple of it may be off
 
 # Codes of concepts by their names: SNOMED CT, and the same in files of before 2018 (SRT).
@@ -204,13 +205,13 @@ def _check_class(dataset: Any) -> None:
 
 
 def _frames(dataset: Any) -> _Frames:
-    count, rows, columns = int(dataset.get("NumberOfFrames", 1) or 1), int(dataset.Rows), int(dataset.Columns)
+    own = list(dataset.get("PerFrameFunctionalGroupsSequence", None) or [])
+    count, rows, columns = int(dataset.get("NumberOfFrames", None) or len(own)), int(dataset.Rows), int(dataset.Columns)
     if int(dataset.get("SamplesPerPixel", 1)) != 1:
         raise BadScan(IMAGE)
     if count > DICOM_FRAMES or count * rows * columns > 16 * LABEL_MAP_VOXELS or rows * columns > LABEL_MAP_VOXELS:
         pixels = f"{count:,} frames of {rows} x {columns} pixels"
         raise TooLarge(f"This DICOM segmentation has {pixels}, more than is read; crop it.")
-    own = list(dataset.get("PerFrameFunctionalGroupsSequence", None) or [])
     shared: Any = next(iter(dataset.get("SharedFunctionalGroupsSequence", None) or []), {})
     if count < 1 or rows < 1 or columns < 1 or len(own) < count:
         raise BadScan(NO_PLACE if rows > 0 and columns > 0 and count > 0 else DAMAGED)
@@ -324,9 +325,9 @@ def _slices(frames: _Frames) -> tuple[Integers, Array, Booleans]:
     steps = np.diff(along[order])
     if not len(steps) or steps.max() <= 0.0:
         raise BadScan("This label map is a single slice; export the whole volume.")
-    apart = steps > SAME_SLICE * steps.max()
+    named, step = frames.named_step, float(np.median(steps[steps > NO_STEP * steps.max()]))
+    apart = steps > SAME_SLICE * min(step, named or step)
     step = float(np.median(steps[apart]))
-    named = frames.named_step
     if named is not None and named < step and abs(step / named - round(step / named)) < NEARLY:
         step = named
     index = np.zeros(len(along), np.int64)

@@ -8,8 +8,6 @@ in the DICOM patient frame (LPS: to the patient's left, back, head), in mm, as m
 import importlib.util
 import warnings
 
-import numpy as np
-
 from breastrig.core.errors import BadScan, BadSettings
 from breastrig.scan.piece import BallInside, Piece, Pieces, TakenSegment
 from breastrig.scan.volumes.answers import VolumeAnswers
@@ -45,7 +43,7 @@ def label_map_pieces(data: bytes, kind: str, answers: VolumeAnswers) -> Pieces:
             raise needs_answer(volume, bodies, answers.segments)
         affine = volume.readings[0].affine
         body = bodies.body(affine)
-        taken = taken_segments(volume, body, abs(float(np.linalg.det(affine[:3, :3]))), answers.segments)
+        taken = taken_segments(volume, body, affine, answers.segments)
         vertices, faces = skin(body, affine, volume.gaps)
     lesions = tuple(BallInside(each.name, (affine @ [*each.center, 1.0])[:3], each.radius) for each in taken.lesions)
     notes = (FRAME, *volume.notes, *_said(taken.segments))

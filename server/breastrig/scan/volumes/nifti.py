@@ -19,16 +19,20 @@ from breastrig.scan.volumes.answers import FORMS
 from breastrig.scan.volumes.slices import bridged_labels, gaps_said
 from breastrig.scan.volumes.volume import IMAGE, Reading, Segment, Volume, check_affine, check_shape
 
-WHOLE = 0.02  # farthest from a whole number: what is left of labels that were scaled to 255 or 65,535 levels
+WHOLE = 0.02  # farthest from a whole number that a label is stored as
+FARTHEST = 0.4  # the same of labels that were scaled to 255 or 65,535 levels, half a level at most
+FEW = 20  # labels; of more it is asked whether they are areas
+AREAS = 0.5  # share of neighbours within the body that have the same label; 0.9 in label maps, 0.1 in images
 LARGEST_LABEL = 65_535
 SLAB = 2**22  # voxels looked at together
 RAS_TO_LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 MM = {"meter": 1e3, "mm": 1.0, "micron": 1e-3}
+BROKEN = "Its {} claims to hold, but has no meaning; it was not used."
 NO_UNIT = "The file names no unit of length; it was read in mm, as NIfTI means it."
 EMPTY = "{} between others was filled from the neighbours."
 NO_NUMBER = "Voxels without a number (NaN) were taken for air."
 WORDS = {"L": "left", "R": "right", "A": "front", "P": "back", "S": "head", "I": "feet"}
-NEITHER = "This NIfTI file does not say which side is left (sform and qform both have code 0)"
+NEITHER = "This NIfTI file does not say which side is left (neither its sform nor its qform holds)"
 CONTRADICTION = "The sform and the qform of this NIfTI file contradict each other by {}, and both claim to hold"
 SAID = "Where the voxels lie was said by a person ({}), for the file does not say it{}."
 
@@ -50,6 +54,7 @@ def read_nifti(data: bytes, frame: str | None) -> Volume:
         check_affine(each.affine)
     stored = image.dataobj  # the header has lost these numbers
     labels, values, has_nan = _labels(_raw(data, stored.dtype, stored.offset, shape), stored.slope, stored.inter)
+    _check_areas(labels, len(values))
     count, gaps = bridged_labels(labels, _slice_axis(header))
     boxes = ndimage.find_objects(labels, max_label=len(values) - 1)
     counts = np.bincount(labels.ravel(order="K"), minlength=len(values))
@@ -83,6 +88,7 @@ def _raw(data: bytes, kind: np.dtype[Any], start: int, shape: tuple[int, ...]) -
 
 def _labels(raw: NDArray[Any], slope: float, intercept: float) -> tuple[NDArray[np.uint8], list[int], bool]:
     """(I, J, K) codes, the label of each code, the first of them 0, and whether there was NaN; BadScan for an image."""
+    near = float(np.clip(0.51 * abs(slope), WHOLE, FARTHEST)) if raw.dtype.kind in "iu" else WHOLE
     is_whole = raw.dtype.kind in "iu" and slope == 1.0 and intercept == 0.0
     codes = np.zeros(raw.shape, np.uint8, order="F")
     values, has_nan = [0], False
@@ -95,7 +101,7 @@ def _labels(raw: NDArray[Any], slope: float, intercept: float) -> tuple[NDArray[
             if missing.any():
                 has_nan, numbers[missing] = True, 0.0
             slab = np.rint(numbers)
-            if not np.abs(numbers - slab).max() <= WHOLE:  # true for what is infinite, too
+            if not np.abs(numbers - slab).max() <= near:  # true for what is infinite, too
                 raise BadScan(IMAGE)
         here = np.unique(slab)
         if len(here) > LABELS or max(-float(here[0]), float(here[-1])) > LARGEST_LABEL:
@@ -108,6 +114,14 @@ def _labels(raw: NDArray[Any], slope: float, intercept: float) -> tuple[NDArray[
     return codes, values, has_nan
 
 
+def _check_areas(labels: NDArray[np.uint8], count: int) -> None:
+    """BadScan for an image of no more grey values than a label map may have."""
+    one, other = labels[1:], labels[:-1]
+    both = (one > 0) & (other > 0)
+    if count > FEW and np.count_nonzero(both & (one == other)) < AREAS * np.count_nonzero(both):
+        raise BadScan(IMAGE)
+
+
 def _readings(
     header: Any, shape: tuple[int, ...], frame: str | None
 ) -> tuple[tuple[Reading, ...], str, tuple[str, ...]]:
@@ -116,7 +130,8 @@ def _readings(
         mm = MM.get(header.get_xyzt_units()[0])
     except KeyError:  # a number that stands for nothing
         mm = None
-    notes = () if mm is not None else (NO_UNIT,)
+    notes: tuple[str, ...] = () if mm is not None else (NO_UNIT,)
+    notes += tuple(BROKEN.format(name) for name in FORMS if header[f"{name}_code"] > 0 and _form(header, name) is None)
     to_lps = np.diag([1.0 if mm is None else mm] * 3 + [1.0]) @ RAS_TO_LPS
     forms = {name: to_lps @ form for name in FORMS if (form := _form(header, name)) is not None}
     if not forms:

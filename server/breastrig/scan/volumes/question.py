@@ -43,7 +43,7 @@ def needs_answer(volume: Volume, bodies: Bodies, chosen: Mapping[int, TakenAs]) 
 def _choice(reading: Reading, volume: Volume, bodies: Bodies, chosen: Mapping[int, TakenAs]) -> dict[str, Any]:
     affine = reading.affine
     body = bodies.body(affine)
-    taken = taken_segments(volume, body, abs(float(np.linalg.det(affine[:3, :3]))), chosen)
+    taken = taken_segments(volume, body, affine, chosen)
     turn, seen = _seen(body, affine)
     lesions = [_lesion(each, affine, seen, turn, reading.value in FORMS) for each in taken.lesions]
     text = reading.text

@@ -28,6 +28,7 @@ SMALLEST_LESION = 1.0  # mm radius; less is noise
 LESIONS = 20
 MOST_CHARACTERS = 100  # of a list of numbers in a sentence
 COMPACT = 0.4  # share of the ellipsoid in its bounding box that a lesion fills; vessels and glands fill less
+LONGEST = 3.0  # extent over the diameter of a ball as large; four times as long as broad has 2.5, a wire far more
 LOOKED_AT = 4 * LABEL_MAP_VOXELS  # voxels of all segments' boxes together, about 20 s of work
 HINT = re.compile(
     r"lesi|lasion|tumou?r|tumeur|mass\b|neoplas|cancer|krebs|carcinom|karzinom|malign|cyst|zyste|fibroadenom|nodul|"
@@ -51,6 +52,7 @@ class _Part:
     centre: Array  # (3,) voxel indices
     radius: float  # mm, of a ball with as many voxels
     fills: float  # of the ellipsoid in its bounding box
+    longest: float  # its longest extent, over the diameter of that ball
 
 
 def check_chosen(volume: Volume, chosen: Mapping[int, TakenAs]) -> None:
@@ -62,20 +64,22 @@ def check_chosen(volume: Volume, chosen: Mapping[int, TakenAs]) -> None:
             raise BadSettings(f"There is no segment {number} in this label map; it has {there}.")
 
 
-def taken_segments(volume: Volume, body: Booleans, cell: float, chosen: Mapping[int, TakenAs]) -> Taken:
+def taken_segments(volume: Volume, body: Booleans, affine: Array, chosen: Mapping[int, TakenAs]) -> Taken:
     """Each segment with what it is taken for, and the lesions.
 
-    `body` (I, J, K) is all that is not air, `cell` a voxel's mm³.  Raises BadScan for too many lesions, and where a
+    `body` (I, J, K) is all that is not air, `affine` (4, 4) to mm.  Raises BadScan for too many lesions, and where a
     segment that a person calls a lesion can be none.
     """
     most = max((each.count for each in volume.segments), default=0)
+    steps = np.linalg.norm(affine[:3, :3], axis=0)
+    cell = abs(float(np.linalg.det(affine[:3, :3])))
     work = LOOKED_AT
     taken: list[TakenSegment] = []
     lesions: list[BallInside] = []
     count: Counter[str] = Counter()
     for each in sorted(volume.segments, key=lambda each: each.number):
         size = int(np.prod([side.stop - side.start for side in each.box], dtype=np.float64))
-        what, why, parts = _decided(each, chosen.get(each.number), body, cell, each.count == most, size <= work)
+        what, why, parts = _decided(each, chosen.get(each.number), body, cell, steps, each.count == most, size <= work)
         work -= size if parts is not None else 0
         count[what] += 1
         name = f"{what.capitalize()} {count[what]}"
@@ -94,7 +98,13 @@ def taken_segments(volume: Volume, body: Booleans, cell: float, chosen: Mapping[
 
 
 def _decided(
-    segment: Segment, said: TakenAs | None, body: Booleans, cell: float, is_largest: bool, is_looked_at: bool
+    segment: Segment,
+    said: TakenAs | None,
+    body: Booleans,
+    cell: float,
+    steps: Array,
+    is_largest: bool,
+    is_looked_at: bool,
 ) -> tuple[TakenAs, str, list[_Part] | None]:
     """What it is, why, and its parts where they were looked at."""
     if said in ("tissue", "unused"):
@@ -111,7 +121,7 @@ def _decided(
     if not is_looked_at and said is None:
         return "tissue", "It is scattered through the whole volume.", None
     inside = segment.inside()
-    parts = _parts(inside, segment.box, cell)
+    parts = _parts(inside, segment.box, cell, steps)
     fitting = [part for part in parts if part.radius <= LARGEST_NAMED]
     if is_named:
         too = "large" if parts else "small"
@@ -127,14 +137,14 @@ def _decided(
         return "tissue", f"It is too {too} for a lesion.", parts
     if not parts:
         return "tissue", "It is too small for a lesion.", parts
-    if not all(part.fills >= COMPACT for part in parts):
+    if not all(part.fills >= COMPACT and part.longest <= LONGEST for part in parts):
         return "tissue", "It is not compact as a lesion is.", parts
     if not _lies_inside(inside, segment.box, body):
         return "tissue", "It reaches the skin.", parts
     return "lesion", "It is small, compact and inside the body.", parts
 
 
-def _parts(inside: Booleans, box: Box, cell: float) -> list[_Part]:
+def _parts(inside: Booleans, box: Box, cell: float, steps: Array) -> list[_Part]:
     """Its connected parts, without noise."""
     numbers: NDArray[Any]
     numbers, count = ndimage.label(inside)
@@ -146,7 +156,8 @@ def _parts(inside: Booleans, box: Box, cell: float) -> list[_Part]:
             continue
         part = numbers[around] == number
         centre = corner + [side.start for side in around] + ndimage.center_of_mass(part)
-        found.append(_Part(centre, float(radii[number]), float(part.mean()) / (np.pi / 6.0)))
+        longest = float((steps * part.shape).max()) / (2.0 * radii[number])
+        found.append(_Part(centre, float(radii[number]), float(part.mean()) / (np.pi / 6.0), longest))
     return found
 
 
