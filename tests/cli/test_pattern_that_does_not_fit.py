@@ -19,7 +19,7 @@ ROWS = {"usual": "reduction", "long": TOO_LONG}
 SAID = "Not drawn: Reduction (Wise pattern). The limbs of 80 mm reach the fold of the left breast; choose shorter"
 
 
-def fitted(out: Path, *options: str, code: int = 2) -> dict[str, object]:
+def fitted(out: Path, *options: str, code: int = 4) -> dict[str, object]:
     """The result.json of `breastrig fit` of the example."""
     assert main(["fit", *GIVEN, *options, "-o", str(out)]) == code
     return dict(json.loads((out / "result.json").read_text("utf-8")))
@@ -56,7 +56,7 @@ def test_alone_it_leaves_an_empty_drawing_that_the_report_and_a_program_explain(
     fit = breastrig.Fit.load(out)
     assert fit.drawing_missing == (missing,)
     assert fit.drawing.lines == ()
-    assert main(["report", str(out), "-o", str(report)]) == 0
+    assert main(["report", str(out), "-o", str(report)]) == 4
     [pdf] = report.glob("*_report.pdf")
     printed = " ".join(page.extract_text() for page in pypdf.PdfReader(pdf).pages)
     assert plainly(missing) in " ".join(printed.split())
@@ -93,7 +93,7 @@ def test_a_row_of_a_batch_is_done_once_and_its_line_says_what_is_missing(
     manifest, out = tmp_path / "manifest.csv", tmp_path / "out"
     rows = (f'{EXAMPLE}/scan.ply,{EXAMPLE}/landmarks.json,{name},"{drawing}"' for name, drawing in ROWS.items())
     manifest.write_text("\n".join(("scan,landmarks,name,drawing", *rows)) + "\n", "utf-8")
-    assert main(["batch", str(manifest), "-o", str(out)]) == 1
+    assert main(["batch", str(manifest), "-o", str(out)]) == 4
     found = {row["name"]: row for row in fake_batch.table(out)}
     assert {name: row["state"] for name, row in found.items()} == {"usual": "done", "long": "done"}
     assert found["usual"]["drawing_missing"] == ""
@@ -101,6 +101,6 @@ def test_a_row_of_a_batch_is_done_once_and_its_line_says_what_is_missing(
     assert missing.startswith(SAID)
     assert capsys.readouterr().err == f"breastrig: long: {missing}\n"
     written = (out / "long" / "result.json").stat().st_mtime_ns
-    assert main(["batch", str(manifest), "-o", str(out)]) == 1
+    assert main(["batch", str(manifest), "-o", str(out)]) == 4
     assert capsys.readouterr().err == f"breastrig: long: {missing}\n"
     assert (out / "long" / "result.json").stat().st_mtime_ns == written

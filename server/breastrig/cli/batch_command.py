@@ -22,7 +22,7 @@ from breastrig.batch.manifest import INPUTS, BadManifest, BatchRow, read_manifes
 from breastrig.batch.run import SPARE, Batch, exclusive, run_batch
 from breastrig.batch.table import FILE, MEASURES, Outcome, is_table, write_table
 from breastrig.batch.task import measured_fit
-from breastrig.cli.output_options import add_output_options, files_of_model, output_folder
+from breastrig.cli.output_options import MISFIT, add_output_options, files_of_model, output_folder
 from breastrig.core.assets import model_path, packaged_models
 from breastrig.core.errors import BadSettings
 from breastrig.core.output_files import OutputSet, check_inputs_kept, check_output
@@ -112,7 +112,9 @@ def run(options: argparse.Namespace) -> int:
     failed = sum(outcome.reason is not None for outcome in outcomes)
     if sys.stdout.isatty():
         print(f"Done: {len(outcomes) - failed} of {len(outcomes)}; {options.output / FILE} has the numbers.")
-    return 1 if failed or any(outcome.missing for outcome in outcomes) else 0
+    if failed:
+        return 1
+    return MISFIT if any(outcome.missing for outcome in outcomes) else 0
 
 
 def _in_order(rows: Sequence[BatchRow], done: dict[str, Outcome]) -> list[Outcome]:

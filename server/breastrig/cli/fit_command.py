@@ -14,7 +14,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from breastrig.cli.interruption import raise_if_asked
-from breastrig.cli.output_options import add_output_options, files_of_model, output_folder
+from breastrig.cli.output_options import MISFIT, add_output_options, files_of_model, output_folder
 from breastrig.cli.scan_options import add_scan_options, scan_of, scan_source
 from breastrig.core.assets import model_path
 from breastrig.core.errors import BadSettings
@@ -168,7 +168,7 @@ def _to_check(reason: str) -> str:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Fits and writes; returns 0, 3 where that is of no use, or 2 where a pattern does not fit on this patient."""
+    """Fits and writes; returns 0, 3 where that is of no use, or 4 where a pattern does not fit on this patient."""
     files = options.with_landmarks or options.with_cuts
     given = files or not options.alike or (options.with_units, options.with_stance) != ("auto", "auto")
     if options.other is None and given:
@@ -206,7 +206,7 @@ def run(options: argparse.Namespace) -> int:
             print(f"{scan}{summary(result)}; patient {code}, results in {options.output}")
     if any(fit.verdict.level == "unusable" for fit in fits):
         return UNUSABLE
-    return 2 if any(fit.drawing_missing for fit in fits) else 0
+    return MISFIT if any(fit.drawing_missing for fit in fits) else 0
 
 
 def _mm(distance: float | None) -> str:

@@ -1,12 +1,23 @@
 """What every command that writes results has in common: -o, --force, and which files are never written over."""
 
 import argparse
+import sys
 from collections.abc import Iterable
 from pathlib import Path
 
 from breastrig.cli.interruption import raise_if_asked
 from breastrig.core.output_files import Output, OutputSet, single_file
 from breastrig.files.result import FIT_FILES
+
+MISFIT = 4  # exit code: all is written, but a pattern or an item does not fit on this patient
+
+
+def say_misfits(reasons: Iterable[str]) -> int:
+    """Says on stderr what is not drawn and why; the exit code, 0 where there is nothing to say."""
+    said = tuple(reasons)
+    for reason in said:
+        print(f"breastrig: {reason}", file=sys.stderr)
+    return MISFIT if said else 0
 
 
 def add_output_options(parser: argparse.ArgumentParser, metavar: str, what: str) -> None:

@@ -14,7 +14,7 @@ from tqdm import tqdm
 
 from breastrig.cli.earlier_fits import say_unchecked
 from breastrig.cli.interruption import raise_if_asked
-from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
+from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder, say_misfits
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.stances import Stance
@@ -39,7 +39,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Predicts and writes; returns 0."""
+    """Predicts and writes; returns 0, or 4 where a pattern does not fit on the predicted body."""
     inputs = [*files_of_fit(options.fit), *files_of_fit(options.other), *files_of_model(options.model)]
     quiet = options.no_progress or not sys.stderr.isatty()
     with (
@@ -56,4 +56,4 @@ def run(options: argparse.Namespace) -> int:
     say_unchecked(options.fit, options.other)
     if sys.stdout.isatty():
         print(f"{found.verdict.reasons[0]}  Lines on the breasts within {found.in_metres.result.line_error_mm:.0f} mm.")
-    return 0
+    return say_misfits(found.drawing_missing)

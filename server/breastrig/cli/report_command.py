@@ -6,7 +6,7 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from breastrig.cli.earlier_fits import unchecked
-from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
+from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder, say_misfits
 from breastrig.core import wall_clock
 from breastrig.core.assets import model_path
 from breastrig.core.identity import SAYS_NOTHING, Identity, file_name, random_code
@@ -39,7 +39,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Writes report.json, measures.csv and the PDF under the patient's code; returns 0."""
+    """Writes report.json, measures.csv and the PDF; returns 0, or 4 where something is not drawn."""
     fit, other = _stances(options)
     inputs = [options.plan, *files_of_fit(fit), *files_of_fit(other), *files_of_model(options.model)]
     plan = None if options.plan is None else drawing_document(options.plan)
@@ -58,8 +58,8 @@ def run(options: argparse.Namespace) -> int:
     files = OutputSet(Path(), (MEASURES_TABLE, pdf, REPORT_RECORD), REPORT_RECORD, SCHEMA, varying=True)
     with threadpool_limits(1), all_or_nothing(output_folder(options, [files], inputs)) as out:
         job = ReportJob(fit, other, options.model, plan=plan, identity=identity, doubts=doubts)
-        write_report(job, out, pdf)
-    return 0
+        missing = write_report(job, out, pdf)
+    return say_misfits(missing)
 
 
 def _stances(options: argparse.Namespace) -> tuple[Path, Path | None]:

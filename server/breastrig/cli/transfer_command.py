@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 from breastrig.cli.earlier_fits import say_unchecked
-from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_file
+from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_file, say_misfits
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import all_or_nothing
 from breastrig.interface.transfer import transfer
@@ -30,7 +30,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Carries and writes; returns 0."""
+    """Carries and writes; returns 0, or 4 where an item does not fit on scan B."""
     fits = [*files_of_fit(options.from_fit), *files_of_fit(options.to_fit)]
     inputs = [options.drawing, *fits, *files_of_model(options.model)]
     with all_or_nothing(output_file(options, inputs)) as out:
@@ -47,4 +47,4 @@ def run(options: argparse.Namespace) -> int:
     bridged, count = sum(sum(shape["bridged"]) for shape in shapes), sum(len(shape["points"]) for shape in shapes)
     if sys.stdout.isatty():
         print(f"{count} points, {bridged} of them over holes of the scan; drawing in {options.output}")
-    return 0
+    return say_misfits([str(each["reason"]) for each in drawing.document.get("missing", ())])

@@ -28,6 +28,7 @@ class Line:
     bridged: Booleans | None = None  # (M,) where the scan has a hole and the line goes over it; None: nowhere
     distance_from_mm: Array | None = None  # (M,) of a carried line: from its first scan to the model there; or nan
     distance_to_mm: Array | None = None  # (M,) and from the scan that it is on now to the model there
+    error_mm: Array | None = None  # (M,) the radius that holds each point's true place with 90 %, nan where not known
 
     def __repr__(self) -> str:
         over = 0 if self.bridged is None else int(np.count_nonzero(self.bridged))
@@ -78,6 +79,7 @@ class _Shape(BaseModel):
     bridged: list[bool] | None = None
     distance_from_mm: list[float | None] | None = None
     distance_to_mm: list[float | None] | None = None
+    error_mm: list[float | None] | None = None
 
 
 class _Distance(BaseModel):
@@ -122,7 +124,7 @@ def drawing_of(document: Any, inputs: tuple[Path, ...] = ()) -> Drawing:
 
 def _line(shape: _Shape) -> Line:
     points = np.array(shape.points, dtype=np.float64).reshape(-1, 3)
-    per_point = (shape.bridged, shape.distance_from_mm, shape.distance_to_mm)
+    per_point = (shape.bridged, shape.distance_from_mm, shape.distance_to_mm, shape.error_mm)
     if any(values is not None and len(values) != len(points) for values in per_point):
         raise BadDrawing(f'"{shape.name[:60]}" does not say the same of each of its points; fit the scan again.')
     bridged = np.zeros(len(points), np.bool_) if shape.bridged is None else np.array(shape.bridged, np.bool_)
@@ -134,6 +136,7 @@ def _line(shape: _Shape) -> Line:
         frozen(bridged, np.bool_),
         _distances(shape.distance_from_mm),
         _distances(shape.distance_to_mm),
+        _distances(shape.error_mm),
     )
 
 
@@ -168,5 +171,7 @@ def document_of(lines: Sequence[Line]) -> dict[str, Any]:
         shape["points"] = points.tolist()
         if line.bridged is not None:
             shape["bridged"] = np.asarray(line.bridged, np.bool_).tolist()
+        if line.error_mm is not None:
+            shape["error_mm"] = [None if np.isnan(each) else float(each) for each in np.asarray(line.error_mm)]
         shapes.append(shape)
     return {"schema": "breastrig/drawing@1", "shapes": shapes}

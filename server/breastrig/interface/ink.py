@@ -30,7 +30,7 @@ def find_ink(scan: Scan | str | Path, *, units: str = "auto") -> Ink:
     """Lines that were drawn with a marker on the skin, read from the scan's colours; perhaps none.
 
     Each line's `points` (M, 3) are on the skin, in the scan's unit and frame.  A scan that was read before needs its
-    picture: `read_scan(file, texture=True)`.  `units` belongs to a path, as in `read_scan`.
+    picture, as `read_scan` brings it.  `units` belongs to a path, as in `read_scan`.
 
     Raises BadScan, with one sentence, for a scan without colours or with colours too coarse for a pen's line.
     """

@@ -101,7 +101,7 @@ def read_scan(
     source: str | Path | bytes,
     units: str = "auto",
     *,
-    texture: bool = False,
+    texture: bool = True,
     frame: str | None = None,
     segments: Mapping[int, str] | None = None,
 ) -> Scan:
@@ -109,8 +109,9 @@ def read_scan(
     its pictures; or the bytes of such a file.
 
     `units` is the file's: m, dm, cm, mm, in, ft, or auto to decide from the size (`Scan.unit_reason` says how).
-    `texture=True` decodes the picture as well (`Scan.in_metres` then holds it, with its uv): fits and proposed
-    landmarks then look for the areolae in it.
+    A picture comes with it (`Scan.in_metres` has it, with its uv): fits and proposed landmarks look for areolae and
+    navel in it, as they do where they are given the file.  `texture=False` leaves it out, which saves its decoding.
+    A picture over a limit is left out, and `notes` say so.
     The scan's `vertices` (V, 3) are in the file's unit and frame; those of a label map in mm, LPS.
 
     frame      of a NIfTI label map that does not say where it lies, or says it twice: sform, qform, or three letters
@@ -124,7 +125,9 @@ def read_scan(
     file = None if isinstance(source, bytes) else existing(source)
     answers = checked_answers(frame, segments)
     given = source if isinstance(source, bytes) else Path(source)
-    return _scan(scan_files.read_scan(given, None, units, texture, answers=answers), file)
+    if texture:
+        return _scan(coloured_scan(given, None, units, answers), file)
+    return _scan(scan_files.read_scan(given, None, units, texture=False, answers=answers), file)
 
 
 def read_coloured(source: str | Path, units: str = "auto", answers: VolumeAnswers = NOTHING_SAID) -> Scan:

@@ -42,6 +42,11 @@ from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 from breastrig.scan.volumes.gzipped import GZIP_START, gunzipped
 from breastrig.scan.volumes.label_map import label_map_pieces
 
+PICTURE_TOO_LARGE = "The picture of this scan is over a limit and was left out; scale it down to have its colours."
+UNPAINTED_ARRAYS = (
+    "The triangles were given without colours, so areolae, navel and pen lines are not looked for; "
+    "give colours, or the scan's file."
+)
 BEYOND = 1e30  # no unit has such numbers; their squares are beyond single precision
 BROKEN = 0.05  # share of the triangles that may have such corners
 FARTHEST = 1e7  # m from the origin; coordinates of the Earth reach 6.4e6 m, and double precision is 2e-9 m there
@@ -123,12 +128,15 @@ def read_scan(
     return replace(scan, from_label_map=True, lesions=inside, segments=pieces.segments)
 
 
-def coloured_scan(source: Path, file_type: str | None, units: str, answers: VolumeAnswers = NOTHING_SAID) -> Scan:
-    """As `read_scan`; a scan whose picture alone is over a limit comes without colours."""
+def coloured_scan(
+    source: Path | bytes, file_type: str | None, units: str, answers: VolumeAnswers = NOTHING_SAID
+) -> Scan:
+    """As `read_scan`; a scan whose picture alone is over a limit comes without it, and says so."""
     try:
         return read_scan(source, file_type, units, for_display=False, answers=answers)
     except TooLarge:
-        return read_scan(source, file_type, units, texture=False, answers=answers)
+        found = read_scan(source, file_type, units, texture=False, answers=answers)
+        return replace(found, notes=(*found.notes, PICTURE_TOO_LARGE))
 
 
 def scan_of_arrays(vertices: Array, faces: Integers, colours: NDArray[np.uint8] | None, units: str) -> Scan:
@@ -137,8 +145,9 @@ def scan_of_arrays(vertices: Array, faces: Integers, colours: NDArray[np.uint8] 
     whole, left_out = _without_bad_vertices(joined)
     _check(whole, has_points=False)
     unit, reason = decide_unit(_extent(whole.vertices, whole.faces), units)
+    plain = () if colours is not None else (UNPAINTED_ARRAYS,)
     content = hashlib.sha256(vertices.tobytes() + faces.tobytes() + (b"" if colours is None else colours.tobytes()))
-    return _scan(whole, unit, reason, content.hexdigest(), (*notes, *left_out))
+    return _scan(whole, unit, reason, content.hexdigest(), (*notes, *left_out, *plain))
 
 
 def _scan(

@@ -25,7 +25,7 @@ from breastrig.rig.model import Rig
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of, still_visible
 from breastrig.workflow.jobs import PlanLines, ReportJob
 from breastrig.workflow.lines.plan_on_fit import plan_document, plan_on_folders
-from breastrig.workflow.lines.plan_words import planned_items
+from breastrig.workflow.lines.plan_words import NOT_DRAWN, planned_items
 from breastrig.workflow.one_body import body_doubt
 
 REPORT_RECORD = "report.json"
@@ -152,11 +152,14 @@ def _pdf(stances: list[Reported], identity: Identity) -> bytes:
 
 def report_files(job: ReportJob, pdf_name: str = "report.pdf") -> dict[str, bytes]:
     """report.json, measures.csv and the PDF."""
-    stances = reported(job)
+    return _files(reported(job), job.identity, pdf_name)
+
+
+def _files(stances: list[Reported], identity: Identity, pdf_name: str) -> dict[str, bytes]:
     return {
         REPORT_RECORD: json_bytes(report_document(stances)),
         MEASURES_TABLE: _measures_csv(stances),
-        pdf_name: _pdf(stances, job.identity),
+        pdf_name: _pdf(stances, identity),
     }
 
 
@@ -170,9 +173,15 @@ def _measures_csv(stances: list[Reported]) -> bytes:
     return csv_bytes(flat_rows([(each.name, each.rows) for each in stances]), verdicts)
 
 
-def write_report(job: ReportJob, folder: Path, pdf_name: str) -> None:
-    """Writes the three files; BadInput when the folder cannot be written."""
-    write_files(report_files(job, pdf_name), folder)
+def write_report(job: ReportJob, folder: Path, pdf_name: str) -> tuple[str, ...]:
+    """Writes the three files; returns why patterns and items are not drawn, a sentence each.
+
+    BadInput when the folder cannot be written.
+    """
+    stances = reported(job)
+    write_files(_files(stances, job.identity, pdf_name), folder)
+    planned = (each.text for stance in stances for each in stance.plan if each.text.startswith(NOT_DRAWN))
+    return tuple(dict.fromkeys((*(why for stance in stances for why in stance.result.drawing_missing), *planned)))
 
 
 def report_pdf_of(job: ReportJob) -> bytes:

@@ -13,6 +13,8 @@ from breastrig.workflow.folder.fit_folder import FitFolder
 
 UNITS = {"mm": " mm", "deg": "°"}
 
+NOT_DRAWN = "Not drawn: "
+
 
 def planned_items(
     items: Sequence[PlanItem], shown: Mapping[str, Any], missing: Mapping[str, str], fit: FitFolder
@@ -78,7 +80,7 @@ def _as_drawn(item: PlanPattern, fit: FitFolder) -> tuple[tuple[str, str], ...]:
 
 
 def _text(item: PlanItem, missing: Mapping[str, str]) -> str:
-    why = f"Not drawn: {plainly(missing[item.id])}" if item.id in missing else ""
+    why = f"{NOT_DRAWN}{plainly(missing[item.id])}" if item.id in missing else ""
     if isinstance(item, PlanPattern) and item.name in PATTERNS:
         for parameter in parameters_of(PATTERNS[item.name]).values():
             why = why.replace(f"{parameter.name} of {item.name}", parameter.label)

@@ -1,0 +1,67 @@
+"""What a scan's colours are to a program: the same whether it gives the file or what it has read of it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.mesh_variants import (
+    BASE,
+    FACES,
+    JPEG,
+    OF_VERTICES,
+    UV_FLIPPED,
+    VERTICES,
+    glb,
+    painted_obj,
+    ply,
+    vertex_colours,
+)
+
+import breastrig
+from breastrig.interface.drawing import Line, document_of, drawing_of
+from breastrig.interface.scan import ScanSource
+from breastrig.scan.read import PICTURE_TOO_LARGE, UNPAINTED_ARRAYS
+
+FILES = {
+    "scan.ply": ply(vertex_colours("uchar", OF_VERTICES)),
+    "scan.zip": painted_obj("newmtl skin\nmap_Kd skin.jpg\n", {"skin.jpg": JPEG}),
+    "scan.glb": glb({"TEXCOORD_0": UV_FLIPPED}, material=BASE, image=(JPEG, "image/jpeg")),
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_scan_that_was_read_has_all_that_a_fit_sees_of_its_file(name: str, tmp_path: Path) -> None:
+    file = tmp_path / name
+    file.write_bytes(FILES[name])
+    wanted, _ = ScanSource(file, "auto").read()
+    assert wanted.shows_colour
+    for source in (file, FILES[name]):
+        found = breastrig.read_scan(source).in_metres
+        np.testing.assert_array_equal(found.vertices, wanted.vertices)
+        np.testing.assert_array_equal(found.faces, wanted.faces)
+        assert found.picture == wanted.picture
+        for own, other in ((found.uv, wanted.uv), (found.colours, wanted.colours)):
+            assert (own is None) == (other is None)
+            if own is not None and other is not None:
+                np.testing.assert_array_equal(own, other)
+
+
+def test_a_picture_over_a_limit_is_left_out_and_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("breastrig.scan.pictures.texture.IMAGE_PIXELS", 100)
+    scan = breastrig.read_scan(FILES["scan.zip"])
+    assert scan.notes == (PICTURE_TOO_LARGE,)
+    assert not scan.in_metres.shows_colour
+
+
+def test_triangles_without_colours_say_what_is_not_looked_for() -> None:
+    assert breastrig.Scan.from_arrays(VERTICES, FACES).notes == (UNPAINTED_ARRAYS,)
+    assert breastrig.Scan.from_arrays(VERTICES, FACES, OF_VERTICES).notes == ()
+
+
+def test_a_line_has_the_radius_of_each_point_and_keeps_it() -> None:
+    shape = {"name": "a", "points": [[0, 0, 0], [1, 0, 0]], "error_mm": [7.5, None]}
+    (line,) = drawing_of({"schema": "breastrig/drawing@1", "unit": "mm", "shapes": [shape]}).lines
+    np.testing.assert_array_equal(line.error_mm, [7.5, np.nan])
+    (written,) = document_of([line])["shapes"]
+    assert written["error_mm"] == [7.5, None]
+    assert Line("b", np.zeros((1, 3))).error_mm is None
