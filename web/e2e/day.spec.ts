@@ -100,8 +100,13 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     await pattern.locator("summary").click();
     await pattern.locator("select").first().selectOption("reduction");
     await pattern.getByLabel("Tumour by the clock").check();
-    await pattern.locator("[data-parameter=clock]").fill("10");
-    await pattern.locator("[data-parameter=clock]").press("Tab");
+    expect((await state(page)).drawing, "a tumour that nobody has said").toBe("reduction");
+    await expect(pattern.getByText("Nothing is entered yet: say Side, Hour, From the nipple, Radius.")).toBeVisible();
+    await pattern.locator("[data-parameter=side]").last().selectOption("L");
+    for (const [name, value] of Object.entries({ clock: "10", distance_mm: "40", radius_mm: "15" })) {
+      await pattern.locator(`[data-parameter=${name}]`).last().fill(value);
+      await pattern.locator(`[data-parameter=${name}]`).last().press("Tab");
+    }
     expect((await state(page)).drawing).toBe(PATTERN);
     await pattern.locator("[data-parameter=depth_mm]").fill("20");
     await pattern.locator("[data-parameter=depth_mm]").press("Tab");

@@ -301,8 +301,11 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   await pattern.locator("[data-parameter=opening_deg]").fill("95.5");
   await pattern.locator("[data-parameter=opening_deg]").press("Tab");
   await pattern.getByLabel("Tumour by the clock").check();
-  await pattern.locator("[data-parameter=clock]").fill("10");
-  await pattern.locator("[data-parameter=clock]").press("Tab");
+  await pattern.locator("[data-parameter=side]").last().selectOption("L");
+  for (const [name, value] of Object.entries({ clock: "10", distance_mm: "40", radius_mm: "15" })) {
+    await pattern.locator(`[data-parameter=${name}]`).last().fill(value);
+    await pattern.locator(`[data-parameter=${name}]`).last().press("Tab");
+  }
   const wanted = "reduction:areola_mm=44.5,opening_deg=95.5+tumour:side=L,clock=10,distance_mm=40,radius_mm=15";
   expect((await page.evaluate(() => window.__breastrig!.state())).drawing).toBe(wanted);
   const names = ["wise_L", "wise_R", "areola_L", "tumour_L"];

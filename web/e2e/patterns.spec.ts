@@ -129,6 +129,11 @@ test("while the service draws, only the newest place waits; Escape puts everythi
   });
   await page.locator(".pattern select").first().selectOption("");
   await page.getByLabel("Tumour by the clock").check();
+  await page.locator(".pattern").locator("[data-parameter=side]").last().selectOption("L");
+  for (const [name, value] of Object.entries({ clock: "12", distance_mm: "40", radius_mm: "15" })) {
+    await page.locator(".pattern").locator(`[data-parameter=${name}]`).last().fill(value);
+    await page.locator(".pattern").locator(`[data-parameter=${name}]`).last().press("Tab");
+  }
   const name = "tumour/centre_L";
   const start = await middle(page, name);
   const asked: Vector[] = [];

@@ -7,6 +7,7 @@ on a scan is computed (plan_on_scan.py).  A drawing file is a plan too: its line
 
 from collections import Counter
 from collections.abc import Hashable, Mapping, Sequence
+from operator import not_
 from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import Field, FiniteFloat, ValidationError, model_validator
@@ -52,6 +53,11 @@ class PlanLine(DrawnShape, _Item):
         max_length=INKS,
         description="names of the shapes of the scan's ink that it was made from, also when it was changed since",
         exclude_if=_is_empty,
+    )
+    mirrored: bool = Field(
+        False,
+        exclude_if=not_,
+        description="not drawn by hand: the line of the other side, mirrored, however it was changed since",
     )
 
 
@@ -162,7 +168,7 @@ def checked_plan(document: dict[str, Any]) -> Plan:
 
 def line_item(shape: dict[str, Any], item_id: str, scan: str) -> PlanLine:
     """A shape of a drawing file as an item."""
-    fields = ("name", "label", "closed", "color", "points", "bridged", "error_mm")
+    fields = ("name", "label", "closed", "color", "points", "bridged", "error_mm", "mirrored")
     return PlanLine.model_validate({key: shape[key] for key in fields if key in shape} | {"id": item_id, "scan": scan})
 
 

@@ -882,6 +882,8 @@ export type PlanLine = {
   kind?: "line";
   /** names of the shapes of the scan's ink that it was made from, also when it was changed since */
   ink?: string[];
+  /** not drawn by hand: the line of the other side, mirrored, however it was changed since */
+  mirrored?: boolean;
 };
 
 /** A sentence, of the whole or of one place, mm. */
@@ -1000,6 +1002,8 @@ export type PlannedShape = {
   carried: boolean;
   /** of a tumour, below the skin */
   depth_mm?: number | null;
+  /** the line of the other side, mirrored */
+  mirrored?: boolean;
 };
 
 /** A stance that no scan shows. */

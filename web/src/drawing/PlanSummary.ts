@@ -13,7 +13,7 @@ import * as text from "./text";
 const words = text.summary;
 
 type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "step" | "fit" | "drawing" | "drawn">;
-type Shape = Pick<Laid["shapes"][number], "name" | "error_mm"> & { readonly label?: string; readonly kind?: string };
+type Shape = Pick<Laid["shapes"][number], "name" | "error_mm"> & { readonly label?: string; readonly kind?: string; readonly mirrored?: boolean };
 
 /** mm: the radius that holds nine of ten places of all of it; null where it is not known. */
 export function marginOfAll(shapes: readonly Pick<Shape, "error_mm">[]): number | null {
@@ -30,12 +30,13 @@ export function createPlanSummary(): Panel<Shown> {
   function rows(state: Shown): readonly [name: string, value: string][] {
     const { drawn, fit } = state;
     const labels = drawingLabels(state);
-    const own = drawn.lines.present.map(({ name }): [string, string] => [name, words.own]);
+    const own = drawn.lines.present.map(({ name, mirrored }): [string, string] => [name, mirrored ? words.mirrored : words.own]);
     const laid = (shapes: readonly Shape[], drawing: string, where: string): [string, string][] => {
       const itemOf = (shape: Shape): string => (["pattern", "tumour"].includes(shape.kind ?? "pattern") ? plannedLabel(shape.kind ?? "pattern", drawing, labels) : lineName(shape));
       return [...new Set(shapes.map(itemOf))].map((name) => {
         const mm = marginOfAll(shapes.filter((shape) => itemOf(shape) === name));
-        return [name, [mm === null ? "" : mm === 0 ? words.given : marginOf(mm), where].filter((part) => part !== "").join(", ")];
+        const mirrored = shapes.some((shape) => itemOf(shape) === name && shape.mirrored) ? [words.mirrored] : [];
+        return [name, [...mirrored, mm === null ? "" : mm === 0 ? words.given : marginOf(mm), where].filter((part) => part !== "").join(", ")];
       });
     };
     const drawing = drawn.onScan ? state.drawing : (fit?.drawingName ?? "");

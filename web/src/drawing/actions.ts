@@ -194,7 +194,7 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
       if (!line || !on || !plane) return;
       const other = mirroredLine(on, plane, line);
       store.set((state) => withProblem(state, "drawing", other ? null : words.noOtherSide(name)));
-      if (other) add({ ...other, name: freeName(lines(), words.mirrored(name)) }, words.announceDrawn(words.mirrored(name)));
+      if (other) add({ ...other, mirrored: true, name: freeName(lines(), words.mirrored(name)) }, words.announceDrawn(words.mirrored(name)));
     },
 
     /** A circle of true radius along the skin. */

@@ -161,6 +161,7 @@ export const drawing = {
     titleWithoutTumour: "Drawing and notes",
     base: "Drawing",
     tumour: "Tumour by the clock",
+    stillNeeded: (labels: readonly string[]) => `Nothing is entered yet: say ${labels.join(", ")}.`,
     depth: "Depth below the skin",
     depthHint: "of the tumour; leave it empty where it is not known",
     note: "Notes",
@@ -173,7 +174,7 @@ export const drawing = {
     stopsAt: (amount: string) => `Drawn at ${amount}: her breast ends there, and the nipple is not moved down.`,
     sides: { L: "left", R: "right" },
     amount: (value: string, unit: string) => `${value}${unit === "deg" ? "°" : unit === "mm" ? "\u00a0mm" : ""}`,
-    choices: { L: "Patient's left", R: "Patient's right", both: "Both" } as Record<string, string>,
+    choices: { "": "choose", L: "Patient's left", R: "Patient's right", both: "Both" } as Record<string, string>,
     range: (min: number, max: number, unit: string) => `${min} to ${max} ${unit}`.trim(),
   },
   handles: {
@@ -207,6 +208,7 @@ export const summary = {
   hint: "± holds nine of ten places of a line, in whichever direction they are off.  What was drawn on this scan is where it was drawn.",
   none: "Nothing is drawn yet.",
   own: "as drawn",
+  mirrored: "mirrored from the other side",
   given: "as given",
   carried: "carried here",
 };

@@ -39,15 +39,11 @@ export function readRequest(text: string): DrawingRequest {
   return { base: base?.name ?? "", values: base?.values ?? {}, tumour: parts.find(({ name }) => name === TUMOUR)?.values ?? null };
 }
 
-/** What a field shows before anybody has touched it; the needed ones get a value in the middle of what is usual. */
-export function startValue(parameter: PatternParameter): string {
-  if (parameter.default !== null) return String(parameter.default);
-  if (!parameter.needed) return "";
-  const USUAL: Record<string, string> = { clock: "12", distance_mm: "40", radius_mm: "15" };
-  return parameter.choices?.[0] ?? USUAL[parameter.name] ?? String(parameter.min ?? 0);
-}
+/** What a field shows before anybody has touched it; what is needed is the patient's, and nobody but a person knows it. */
+export const startValue = (parameter: PatternParameter): string => (parameter.default === null ? "" : String(parameter.default));
 
-export const startValues = (pattern: PatternInfo): Values => Object.fromEntries(pattern.parameters.filter(({ needed }) => needed).map((each) => [each.name, startValue(each)]));
+/** What has to be given still, before there is anything to draw. */
+export const stillNeeded = (pattern: PatternInfo, values: Values): readonly PatternParameter[] => pattern.parameters.filter(({ name, needed }) => needed && (values[name] ?? "") === "");
 
 const OTHER: Readonly<Record<string, string>> = { L: "R", R: "L" };
 

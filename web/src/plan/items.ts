@@ -16,7 +16,7 @@ const isTumour = (item: PlanItem): item is PlanTumour => item.kind === "tumour";
 
 /** The pen's lines on a scan. */
 export const linesOn = (items: Items, scan: string): OwnLine[] =>
-  items.filter(isLine).filter((item) => item.scan === scan).map(({ id, name, color, points, closed, bridged, ink }) => ({ ...lineAlong(name, color ?? INK, points, closed ?? false, bridged), id, ...(ink?.length ? { ink } : {}) }));
+  items.filter(isLine).filter((item) => item.scan === scan).map(({ id, name, color, points, closed, bridged, ink, mirrored }) => ({ ...lineAlong(name, color ?? INK, points, closed ?? false, bridged), id, ...(ink?.length ? { ink } : {}), ...(mirrored ? { mirrored } : {}) }));
 
 /** What a fit of the scan is asked to bring along: its first pattern and its first tumour, as one text. */
 export function drawingOn(items: Items, scan: string): string {
@@ -42,7 +42,7 @@ export function withLines(items: Items, scan: string, lines: readonly OwnLine[])
   return [...items.filter((item) => !(isLine(item) && item.scan === scan)), ...after];
 }
 
-const lineItem = (line: OwnLine, id: string, scan: string): PlanLine => ({ kind: "line", id, scan, name: line.name, label: "", closed: line.closed, color: line.color, points: line.points.map((point) => point.map(roundMm) as Vector), ...(line.bridged ? { bridged: [...line.bridged] } : {}), ...(line.ink ? { ink: [...line.ink] } : {}) });
+const lineItem = (line: OwnLine, id: string, scan: string): PlanLine => ({ kind: "line", id, scan, name: line.name, label: "", closed: line.closed, color: line.color, points: line.points.map((point) => point.map(roundMm) as Vector), ...(line.bridged ? { bridged: [...line.bridged] } : {}), ...(line.ink ? { ink: [...line.ink] } : {}), ...(line.mirrored ? { mirrored: true } : {}) });
 
 /** The items with this pattern and tumour on the scan, instead of the first ones; what they were keeps its id. */
 export function withDrawing(items: Items, scan: string, text: string): Items {
@@ -54,7 +54,7 @@ export function withDrawing(items: Items, scan: string, text: string): Items {
   const parameters = parametersOf(values);
   const pattern: PlanPattern[] = base === "" ? [] : [{ kind: "pattern", id: oldPattern?.id ?? newId(), scan, name: base, parameters }];
   const number = (name: string): number => Number(tumour?.[name]);
-  const circle: PlanTumour[] = tumour
+  const circle: PlanTumour[] = tumour && ["L", "R"].includes(tumour.side ?? "") && ["clock", "distance_mm", "radius_mm"].every((name) => tumour[name])
     ? [{ ...oldTumour, kind: "tumour", id: oldTumour?.id ?? newId(), scan, side: tumour.side === "R" ? "R" : "L", clock: number("clock"), distance_mm: number("distance_mm"), radius_mm: number("radius_mm") }]
     : [];
   return [...rest, ...pattern, ...circle];

@@ -1,7 +1,7 @@
 // Pattern and tumour as one text.
 import { expect, test } from "vitest";
 import type { PatternInfo, PatternParameter } from "../../src/api/types";
-import { mirroredValues, readRequest, requestLabel, requestText, startValues } from "../../src/fit/requestedDrawing";
+import { mirroredValues, readRequest, requestLabel, requestText, startValue, stillNeeded } from "../../src/fit/requestedDrawing";
 
 const parameter = (part: Partial<PatternParameter>): PatternParameter => ({ name: "areola_mm", label: "New areola", about: "", unit: "mm", default: 42, needed: false, min: 30, max: 55, choices: null, ...part });
 
@@ -18,9 +18,12 @@ test("defaults are left out, and nothing is asked for by an empty text", () => {
   expect(readRequest("lumpectomy")).toEqual({ base: "lumpectomy", values: {}, tumour: null });
 });
 
-test("what is needed starts with a value", () => {
+test("what is needed starts without a value: nobody guesses a patient's tumour", () => {
   const pattern: PatternInfo = { name: "tumour", label: "Tumour", parameters: [parameter({ name: "side", default: null, needed: true, choices: ["L", "R"] }), parameter({ name: "clock", default: null, needed: true }), parameter({})] };
-  expect(startValues(pattern)).toEqual({ side: "L", clock: "12" });
+  expect(pattern.parameters.map(startValue)).toEqual(["", "", "42"]);
+  expect(stillNeeded(pattern, {}).map(({ name }) => name)).toEqual(["side", "clock"]);
+  expect(stillNeeded(pattern, { side: "L", clock: "" }).map(({ name }) => name)).toEqual(["clock"]);
+  expect(stillNeeded(pattern, { side: "L", clock: "10" })).toEqual([]);
 });
 
 test("people read labels", () => {

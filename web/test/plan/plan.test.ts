@@ -322,3 +322,13 @@ test("the stance that waits takes over what was planned on it elsewhere", async 
   await vi.advanceTimersByTimeAsync(10);
   expect(made.store.get().stances.other!.drawn.lines.present.map(({ name }) => name)).toEqual(["Line 2"]);
 });
+
+test("a mirrored line stays one in the plan, and half a tumour is none", () => {
+  const line = { ...lineAlong("Line 1, mirrored", "#101010", [[0, 0, 0], [9, 0, 0]], false), id: "m", mirrored: true };
+  const items = withLines([], "scan", [line]);
+  expect(items[0]).toMatchObject({ kind: "line", mirrored: true });
+  expect(linesOn(items, "scan")[0]!.mirrored).toBe(true);
+  expect(linesOn(withLines([], "scan", [{ ...line, mirrored: undefined }]), "scan")[0]!.mirrored).toBeUndefined();
+  expect(withDrawing([], "scan", "tumour:clock=12,distance_mm=40,radius_mm=15")).toEqual([]);
+  expect(withDrawing([], "scan", "tumour:side=L,distance_mm=40,radius_mm=15")).toEqual([]);
+});

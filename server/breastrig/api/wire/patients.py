@@ -100,6 +100,7 @@ class PlannedShape(DrawnShape):
     kind: Literal["line", "pattern", "tumour", "lesion", "note"]
     carried: bool = Field(description="whether it was made on another scan")
     depth_mm: float | None = Field(None, description="of a tumour, below the skin")
+    mirrored: bool = Field(False, description="the line of the other side, mirrored", exclude_if=lambda is_so: not is_so)
 
 
 class LesionDistance(Wire):

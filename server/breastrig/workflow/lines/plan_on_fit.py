@@ -19,6 +19,7 @@ from breastrig.drawings.plan_schema import (
     Plan,
     PlanItem,
     PlanLesion,
+    PlanLine,
     PlanNote,
     PlanTumour,
     checked_plan,
@@ -156,4 +157,5 @@ def _shape(each: PlannedLine, metres_per_unit: float) -> dict[str, Any]:
         "kind": item.kind,
         "carried": each.is_carried,
         **({} if depth is None else {"depth_mm": depth}),
+        **({"mirrored": True} if isinstance(item, PlanLine) and item.mirrored else {}),
     }

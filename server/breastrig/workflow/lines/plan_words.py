@@ -11,6 +11,7 @@ from breastrig.report.document import PlannedItem
 from breastrig.report.pages.names import plainly, spoken
 from breastrig.workflow.folder.fit_folder import FitFolder
 
+MIRRORED = "mirrored from the other side"
 UNITS = {"mm": " mm", "deg": "°"}
 
 NOT_DRAWN = "Not drawn: "
@@ -57,6 +58,8 @@ def _values(item: PlanItem, fit: FitFolder | None) -> tuple[tuple[str, str], ...
             ("Radius", f"{item.radius_mm:g} mm"),
             ("Below the skin", depth),
         )
+    if isinstance(item, PlanLine) and item.mirrored:
+        return (("Drawn", MIRRORED),)
     if isinstance(item, PlanLesion):
         return (("Radius", f"{item.radius_mm:.3g} mm"),)
     if not isinstance(item, PlanPattern) or item.name not in PATTERNS:

@@ -14,6 +14,8 @@ export interface OwnLine extends Readonly<Required<Pick<DrawnShape, "name" | "cl
   readonly bridged?: readonly boolean[];
   /** what of the scan's ink it was made from, however it was changed since; the service's names */
   readonly ink?: readonly string[];
+  /** it was not drawn by hand but is the other side's line, mirrored, however it was changed since */
+  readonly mirrored?: boolean;
   /** indices into points, rising; an open line has its two ends among them */
   readonly corners: readonly number[];
 }
