@@ -216,8 +216,8 @@ def test_the_plan_is_shown_with_its_numbers(fits: dict[str, Path], tmp_path: Pat
     assert main([*both, "-o", str(out)]) == 0
     texts = [" ".join(page.extract_text().split()) for page in pypdf.PdfReader(pdf_of(out)).pages]
     for words in (
-        "Reduction (Wise pattern), left breast New areola 44 mm Angle between the limbs 60°",
-        "As drawn left keyhole and short limbs of ",
+        "Reduction (Wise pattern), left breast New areola 44 mm Vertical limbs ",
+        "mm (asked for: 0 mm; a nipple is not moved down)",
         "Tumour, right breast Hour 10:30 From the nipple 45 mm Radius 12 mm Below the skin not known",
         "Note Keep the scar of 2019.",
     ):

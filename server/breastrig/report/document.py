@@ -29,6 +29,7 @@ class PlannedItem:
     name: str  # Reduction (Wise pattern), both sides
     values: tuple[tuple[str, str], ...] = ()  # (New areola, 44 mm)
     text: str = ""  # of a note, or why it cannot be shown
+    is_drawn: bool = True  # here, so that its values are those of its lines; carried ones are as asked for
 
 
 @dataclass(frozen=True, eq=False)

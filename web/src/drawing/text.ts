@@ -171,6 +171,7 @@ export const drawing = {
     mirror: "Mirror to the other side",
     byItself: "auto",
     byItselfAt: (amount: string) => `auto: ${amount}`,
+    drawnAt: (amount: string, asked: string) => `Drawn: ${amount}, measured on this skin; asked for: ${asked}.`,
     stopsAt: (amount: string) => `Drawn at ${amount}: her breast ends there, and the nipple is not moved down.`,
     sides: { L: "left", R: "right" },
     amount: (value: string, unit: string) => `${value}${unit === "deg" ? "°" : unit === "mm" ? "\u00a0mm" : ""}`,

@@ -1,5 +1,6 @@
 """The JSON shapes of patients and their plans."""
 
+from operator import not_
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -100,7 +101,7 @@ class PlannedShape(DrawnShape):
     kind: Literal["line", "pattern", "tumour", "lesion", "note"]
     carried: bool = Field(description="whether it was made on another scan")
     depth_mm: float | None = Field(None, description="of a tumour, below the skin")
-    mirrored: bool = Field(False, description="the line of the other side, mirrored", exclude_if=lambda is_so: not is_so)
+    mirrored: bool = Field(False, exclude_if=not_, description="the line of the other side, mirrored")
 
 
 class LesionDistance(Wire):

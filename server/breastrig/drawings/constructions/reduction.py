@@ -182,7 +182,7 @@ class Reduction(AroundAreola):
 
     def new_nipple(self, skin: FittedSkin, side: str, nipple: SurfacePoints, meridian: Array) -> SurfacePoints:
         """Where the (M, 3) m meridian, from the collarbone to the nipple, comes to the fold's height; or beside it."""
-        on_meridian = self._on_meridian(skin, side, nipple, meridian)
+        on_meridian = self.on_meridian(skin, side, nipple, meridian)
         outward = 1e-3 * self.nipple_outward_mm
         if abs(outward) < NO_SHIFT:
             return on_meridian
@@ -190,7 +190,8 @@ class Reduction(AroundAreola):
         skin.geodesics.look_from(on_meridian, MARGIN * abs(outward))
         return on_clock(skin, on_meridian, abs(outward), np.array([0.5 * np.pi if to_left else 1.5 * np.pi]))
 
-    def _on_meridian(self, skin: FittedSkin, side: str, nipple: SurfacePoints, meridian: Array) -> SurfacePoints:
+    def on_meridian(self, skin: FittedSkin, side: str, nipple: SurfacePoints, meridian: Array) -> SurfacePoints:
+        """Where it comes to the new nipple's height; the nipple itself where that is not lower."""
         heights: Array = meridian @ skin.axes[:, 1]
         wanted = skin.height(f"inframammary_fold_{side}") + 1e-3 * self.nipple_above_fold_mm
         if wanted <= heights[-1]:

@@ -64,9 +64,7 @@ class Vertical(AroundAreola):
 
     def _constructed(self, skin: FittedSkin) -> dict[str, "VerticalBreast"]:
         sides = sides_of(self.side)
-        wise = Reduction.model_validate(
-            self.model_dump(include={"areola_mm", "nipple_above_fold_mm", "nipple_outward_mm"})
-        )
+        wise = self._wise
         found = {}
         for side in sides:
             nipple = skin.landmark(f"nipple_{side}")
@@ -77,6 +75,16 @@ class Vertical(AroundAreola):
             way, lowest = self._lowest(skin, side, nipple)
             found[side] = VerticalBreast(nipple, meridian, new, arc, way, lowest)
         return found
+
+    @property
+    def _wise(self) -> Reduction:
+        """Whose new nipple and keyhole it has."""
+        shared = self.model_dump(include={"areola_mm", "nipple_above_fold_mm", "nipple_outward_mm"})
+        return Reduction.model_validate(shared)
+
+    def on_meridian(self, skin: FittedSkin, side: str, nipple: SurfacePoints, meridian: Array) -> SurfacePoints:
+        """As the Wise pattern's."""
+        return self._wise.on_meridian(skin, side, nipple, meridian)
 
     def _lowest(self, skin: FittedSkin, side: str, nipple: SurfacePoints) -> tuple[Array, SurfacePoints]:
         """The (M, 3) m way from the fold to the nipple, and where the limbs meet on it."""

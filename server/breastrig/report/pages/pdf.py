@@ -83,6 +83,7 @@ METHODS = (  # a sentence, and the measure that it is about; none for what holds
         "ptosis",
     ),
 )
+ASKED = "These numbers were asked for on another scan; what is drawn there is measured in that scan's report."
 UNSEEN = "The scan shows no skin next to it: its depth is the model's guess."
 PIXELS_PER_MM = 7.0  # 180 to the inch
 LARGE = (88.0, 92.0)  # mm, the scan with the plan
@@ -176,7 +177,8 @@ def _plan(stances: Sequence[Reported]) -> list[Table]:
 def _planned(shown: Sequence[tuple[str, PlannedItem]]) -> Table:
     """One item as (stance, item) show it."""
     found: dict[str, dict[str, str]] = {}  # of what, value, stance that has it first
-    for stance, item in shown:
+    where_drawn = [each for each in shown if each[1].is_drawn] or shown
+    for stance, item in where_drawn:
         for what, value in item.values:
             found.setdefault(what, {}).setdefault(value, stance)
     values: list[tuple[str, str]] = []
@@ -186,6 +188,8 @@ def _planned(shown: Sequence[tuple[str, PlannedItem]]) -> Table:
         else:
             values.append((what, ", ".join(f"{value} {stance}" for value, stance in each.items())))
     text = " ".join(dict.fromkeys(item.text for _, item in shown if item.text))
+    if values and not any(item.is_drawn for _, item in shown):
+        text = f"{ASKED} {text}".rstrip()
     return {"name": shown[0][1].name, "values": values, "text": text}
 
 

@@ -3,15 +3,19 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from breastrig.core.errors import BadDrawing
 from breastrig.core.stances import SIDES
+from breastrig.drawings.clock import FittedSkin
+from breastrig.drawings.handles.as_drawn import as_drawn, differs
 from breastrig.drawings.pattern_parameters import PatternParameter, parameters_of
-from breastrig.drawings.patterns import LABELS, PATTERNS, drawing_with
+from breastrig.drawings.patterns import LABELS, PATTERNS, pattern_of
 from breastrig.drawings.plan_schema import PlanItem, PlanLesion, PlanLine, PlanNote, PlanPattern, PlanTumour, asked_of
 from breastrig.report.document import PlannedItem
 from breastrig.report.pages.names import plainly, spoken
 from breastrig.workflow.folder.fit_folder import FitFolder
 
 MIRRORED = "mirrored from the other side"
+REASONS = {"nipple_above_fold_mm": "; a nipple is not moved down", "width_mm": "; the skin bends between the limbs"}
 UNITS = {"mm": " mm", "deg": "°"}
 
 NOT_DRAWN = "Not drawn: "
@@ -28,6 +32,7 @@ def planned_items(
             _name(item, fit),
             _values(item, fit if item.id in here else None),
             _text(item, missing),
+            item.id in here or not isinstance(item, PlanPattern | PlanTumour),
         )
         for item in items
     )
@@ -50,24 +55,39 @@ def _name(item: PlanItem, fit: FitFolder) -> str:
 
 
 def _values(item: PlanItem, fit: FitFolder | None) -> tuple[tuple[str, str], ...]:
-    if isinstance(item, PlanTumour):
-        depth = "not known" if item.depth_mm is None else f"{item.depth_mm:g} mm"
-        return (
-            ("Hour", clock(item.clock)),
-            ("From the nipple", f"{item.distance_mm:g} mm"),
-            ("Radius", f"{item.radius_mm:g} mm"),
-            ("Below the skin", depth),
-        )
+    """`fit` where the item was made on its scan, and is drawn there: then the numbers are those of its lines."""
     if isinstance(item, PlanLine) and item.mirrored:
         return (("Drawn", MIRRORED),)
     if isinstance(item, PlanLesion):
         return (("Radius", f"{item.radius_mm:.3g} mm"),)
-    if not isinstance(item, PlanPattern) or item.name not in PATTERNS:
+    if not isinstance(item, PlanPattern | PlanTumour) or (isinstance(item, PlanPattern) and item.name not in PATTERNS):
         return ()
-    parameters = [each for each in parameters_of(PATTERNS[item.name]).values() if each.name != "side"]
-    given = [(each.label, _value(each, item.parameters.get(each.name, each.default))) for each in parameters]
-    known = tuple((label, value) for label, value in given if value)
-    return known if fit is None or len(known) == len(given) else (*known, *_as_drawn(item, fit))
+    name, given = asked_of(item)
+    drawn = {} if fit is None else _as_drawn(name, given, fit)
+    parameters = [each for each in parameters_of(PATTERNS[name]).values() if each.name != "side"]
+    said = [
+        (each.label, _said(each, given.get(each.name, each.default), drawn.get(each.name, {}))) for each in parameters
+    ]
+    if isinstance(item, PlanTumour):
+        said.append(("Below the skin", "not known" if item.depth_mm is None else f"{item.depth_mm:g} mm"))
+    return tuple((label, value) for label, value in said if value)
+
+
+def _said(parameter: PatternParameter, asked: float | str | None, drawn: Mapping[str, float]) -> str:
+    """What is drawn; beside it what was asked for, where that is something else."""
+    if not isinstance(asked, float | int | None) or not drawn:
+        return _value(parameter, asked)
+    values = [*drawn.values()]
+    if asked is not None and not differs(asked, values, parameter.unit):
+        return _value(parameter, asked)
+    if differs(values[0], values, parameter.unit):
+        text = ", ".join(f"{_value(parameter, round(value, 1))} {SIDES[side]}" for side, value in drawn.items())
+    else:
+        text = _value(parameter, round(sum(values) / len(values), 1))
+    if asked is None:
+        return text
+    why = REASONS.get(parameter.name, "")
+    return f"{text} (asked for: {_value(parameter, asked)}{why})"
 
 
 def _value(parameter: PatternParameter, value: float | str | None) -> str:
@@ -76,10 +96,12 @@ def _value(parameter: PatternParameter, value: float | str | None) -> str:
     return "" if value is None else str(value)
 
 
-def _as_drawn(item: PlanPattern, fit: FitFolder) -> tuple[tuple[str, str], ...]:
-    """What a pattern chose itself, which its lines are labelled with: limbs of 46.5 mm."""
-    drawn = drawing_with(fit.rig, *asked_of(item)).on_model(fit.rig, fit.vertices, fit.seen | fit.landmarks)
-    return tuple(("As drawn", shape.label) for shape in drawn.shapes if any(map(str.isdigit, shape.label)))
+def _as_drawn(name: str, given: Mapping[str, float | str], fit: FitFolder) -> dict[str, dict[str, float]]:
+    """The numbers of its lines; none where it does not fit, which is said elsewhere."""
+    try:
+        return as_drawn(pattern_of(name, given), FittedSkin(fit.rig, fit.vertices, fit.seen | fit.landmarks))
+    except BadDrawing:
+        return {}
 
 
 def _text(item: PlanItem, missing: Mapping[str, str]) -> str:

@@ -149,7 +149,7 @@ function createFields(part: LivePart, changed: (values: Values) => void) {
         if (asked === null && parameter.needed) field.set(null, "");
         else if (asked === null) field.set(null, drawn.length > 0 ? words.byItselfAt(sidesSaid(drawn, parameter.unit)) : words.byItself);
         else if (drawn.every(({ value }) => Math.abs(value - asked) < SAME)) field.set(asked);
-        else field.set(Math.round(10 * Math.min(...drawn.map(({ value }) => value))) / 10, "", words.stopsAt(sidesSaid(drawn, parameter.unit)));
+        else field.set(Math.round(10 * Math.min(...drawn.map(({ value }) => value))) / 10, "", (parameter.name === "nipple_above_fold_mm" ? words.stopsAt : words.drawnAt)(sidesSaid(drawn, parameter.unit), words.amount(writtenNumber(asked, parameter.unit), parameter.unit)));
       }
     },
   };
