@@ -22,7 +22,6 @@ from breastrig.drawings.constructions.periareolar import Periareolar
 from breastrig.drawings.constructions.reduction import Reduction
 from breastrig.drawings.constructions.tumour import Tumour
 from breastrig.drawings.constructions.vertical import Vertical
-from breastrig.drawings.handles.as_drawn import as_drawn, differs
 from breastrig.drawings.handles.handle import Handle
 from breastrig.drawings.handles.reductions import vertical_handles, wise_handles
 from breastrig.drawings.handles.rings import ellipse_handles, periareolar_handles, tumour_handles
@@ -112,10 +111,7 @@ class LiveSkin:
         """
         pattern = pattern_of(name, parameters)
         if drag is None:
-            held = _on_side(pattern, side)
-            found = self._live(held, parameters, "")
-            measured = as_drawn(held, self._skin)
-            return replace(found, handles=tuple(_measured(handle, measured) for handle in found.handles))
+            return self._live(_on_side(pattern, side), parameters, "")
         return self._dragged(name, pattern, parameters, drag)
 
     def ways(self, places: Array) -> list[Array]:
@@ -234,15 +230,6 @@ def _described(pattern: Pattern, handle: Handle, place: Array) -> HandleOnScan:
         field = _field(pattern, parameter)
         numbers.append(HandleNumber(parameter, field.label, field.unit, float(value), field.min, field.max))
     return HandleOnScan(handle, place, f"{numbers[0].label}, {SIDES[handle.side]}", tuple(numbers))
-
-
-def _measured(handle: HandleOnScan, measured: Mapping[str, Mapping[str, float]]) -> HandleOnScan:
-    """With the numbers that are drawn, where those are others than the construction was given."""
-    side, numbers = handle.handle.side, []
-    for number in handle.numbers:
-        drawn = measured.get(number.parameter, {}).get(side, number.value)
-        numbers.append(replace(number, value=drawn) if differs(number.value, drawn, number.unit) else number)
-    return replace(handle, numbers=tuple(numbers))
 
 
 def _within(pattern: Pattern, handle: Handle, values: Mapping[str, float]) -> tuple[dict[str, float], str]:
