@@ -16,9 +16,10 @@ from steps.assemble import build_rig
 from steps.recipe import read_recipe
 from steps.source import fetch, read_source
 
-from breastrig.gltf.write_rig import write_rig
+from breastrig.gltf.write_rig import GENERATOR, write_rig
 
 HERE = Path(__file__).resolve().parent
+GENERATORS = {"recipe.toml": "BreastRig 0.1.0", "male.toml": "BreastRig 0.2.0"}  # their hashes cover it, so it stays
 
 
 def sha256(path: Path) -> str:
@@ -44,7 +45,8 @@ def build(out: Path, recipe_path: Path = HERE / "recipe.toml") -> None:
         "recipe_sha256": sha256(recipe_path),
         "built_by": "model_assets/build.py",
     }
-    write_rig(rig, out, license="CC0-1.0", provenance=provenance)
+    generator = GENERATORS.get(recipe_path.name, GENERATOR)
+    write_rig(rig, out, license="CC0-1.0", provenance=provenance, generator=generator)
     outputs = sorted(p for p in out.rglob("*") if p.is_file() and p.name != "MANIFEST.json")
     manifest = {
         "schema": "breastrig/manifest@1",

@@ -8,7 +8,11 @@ import numpy as np
 import pytest
 from scipy import sparse
 
+from breastrig.core.assets import packaged_models
+from breastrig.core.glb import split_glb
+from breastrig.gltf import container
 from breastrig.gltf.read_rig import read_rig
+from breastrig.gltf.write_rig import rig_glb
 
 
 def _sphere(rings: int = 16, sectors: int = 24) -> tuple[np.ndarray, np.ndarray]:
@@ -179,3 +183,15 @@ def test_two_builds_give_the_same_bytes(model_assets: Path, tmp_path: Path) -> N
         assert np.abs(tracked.template - anew.template).max() < 2e-6
         assert np.abs(tracked.blendshapes - anew.blendshapes).max() < 2e-6
         assert np.array_equal(tracked.faces, anew.faces)
+
+
+@pytest.mark.parametrize(("recipe", "model"), [("recipe.toml", "torso"), ("male.toml", "male")])
+def test_another_version_of_the_program_builds_the_same_file(
+    recipe: str, model: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from build import GENERATORS
+
+    monkeypatch.setattr(container, "GENERATOR", "BreastRig 99.0.0")
+    built = packaged_models()[model]
+    header, _ = split_glb(built.read_bytes())
+    assert split_glb(rig_glb(read_rig(built), GENERATORS[recipe]))[0] == header

@@ -22,22 +22,33 @@ from breastrig.gltf.skinned import add_skinned_rig, set_pose
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import rest_parameters
 
+GENERATOR = "BreastRig"  # without a version: the hash of a rig covers it, and is the same whatever version writes it
 
-def write_rig(rig: Rig, folder: Path, *, license: str = "CC0-1.0", provenance: Mapping[str, Any] | None = None) -> None:
+
+def write_rig(
+    rig: Rig,
+    folder: Path,
+    *,
+    license: str = "CC0-1.0",
+    provenance: Mapping[str, Any] | None = None,
+    generator: str = GENERATOR,
+) -> None:
     """Writes <name>.glb, <name>.json and drawings/<drawing>.json into `folder` (made when missing).
 
+    `generator` stands in the .glb's header.
     Raises BadModel when glTF cannot hold the rig (more than four bones on a vertex, several root bones).
     """
     (folder / "drawings").mkdir(parents=True, exist_ok=True)
-    (folder / f"{rig.name}.glb").write_bytes(rig_glb(rig))
+    (folder / f"{rig.name}.glb").write_bytes(rig_glb(rig, generator))
     (folder / f"{rig.name}.json").write_bytes(_readable(_side_file(rig, license, provenance or {})))
     for drawing in rig.drawings:
         (folder / "drawings" / f"{drawing.name}.json").write_bytes(_readable(_drawing_file(drawing)))
 
 
-def rig_glb(rig: Rig) -> bytes:
+def rig_glb(rig: Rig, generator: str = GENERATOR) -> bytes:
     """The rig at rest as one .glb."""
     document = new_document()
+    document.asset.generator = generator
     buffer = BufferWriter(document)
     rig = rig.with_correctives_as_shapes
     skinned = add_skinned_rig(document, buffer, rig)
