@@ -9,11 +9,12 @@ import pytest
 from helpers.toy_rig import toy_rig
 
 from breastrig.fitting.task import Doubt
-from breastrig.fitting.verdicts.fit_signals import FitSignals, near_breasts
+from breastrig.fitting.verdicts.fit_signals import FitSignals
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, Reason, of_agreed, of_doubts, picked_names
 from breastrig.fitting.verdicts.verdict import Verdict, shows_a_part, verdict, verdict_limits
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
+from breastrig.rig.near_breasts import near_breasts
 
 RIGHT = FitSignals(
     clearness=0.15,

@@ -22,9 +22,9 @@ from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.drawings.transfer import transferred
 from breastrig.geometry.polyline import Polyline
 from breastrig.rig.model import Rig
+from breastrig.rig.near_breasts import OUTSIDE
 
 NOTE_COLOR = "#2c5282"
-OUTSIDE = 0.01  # m over the fitted skin; what lies farther out is in another frame or unit
 
 
 @dataclass(frozen=True, eq=False)

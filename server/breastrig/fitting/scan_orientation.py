@@ -14,7 +14,7 @@ from breastrig.core.stances import PRONE
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.stance import found_stance
-from breastrig.fitting.starts.orientation import prone_start, start_from_scan
+from breastrig.fitting.starts.orientation import contradicted, prone_start, start_from_scan
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
@@ -36,6 +36,7 @@ class ScanOrientation:
     stance_reason: str
     fitted: RigParameters | None = None  # where the fit without landmarks ended; None: the stance took none
     hanging: tuple[str, ...] = ()  # shapes by which breasts were seen to hang in that fit
+    contradicted: bool = False  # whether the scan clearly shows its body another way round than the file says
 
     def body_frame(self) -> dict[str, Any]:
         """Up and front of the body as the model found them, for the page's camera."""
@@ -73,7 +74,7 @@ def scan_orientation(
     rig: Rig, scan: PreparedScan, recipe: Recipe
 ) -> tuple[ScanOrientation, FitTask, tuple[FitIterate, ...]]:
     """The orientation, the task of fitting the scan without landmarks, and its iterates where the stance took a fit."""
-    start = start_from_scan(rig, scan.target, scan.frame.fronts)
+    start = start_from_scan(rig, scan.target, scan.frame.fronts, scan.frame.known)
     task = FitTask(rig, scan.target, start.parameters, recipe, {})
     found = found_stance(task, scan.frame, start.opening)
     if found.stance == PRONE:
@@ -89,6 +90,7 @@ def scan_orientation(
         found.reason,
         None if last is None else last.parameters,
         () if last is None else last.hanging,
+        contradicted(rig, scan.target, scan.frame, found.stance),
     )
     return orientation, replace(task, stance=found.stance), found.iterates
 

@@ -26,7 +26,7 @@ class Frame:
 
     up: Array  # (3,) unit, to the head
     front: Array  # (3,) unit, perpendicular to up
-    confidence: float  # 0..1
+    confidence: float  # 0..1; 1 where the file says it
     reason: str
     stance: str  # standing | supine | prone
     stance_reason: str
@@ -38,6 +38,11 @@ class Frame:
     def rotation(self) -> Array:
         """(3, 3): columns are the patient's left, up and front in the scan's axes."""
         return np.column_stack([np.cross(self.up, self.front), self.up, self.front])
+
+    @property
+    def known(self) -> Array | None:
+        """`rotation` where the file says it, and no look at the scan; None elsewhere."""
+        return self.rotation if self.confidence == 1.0 else None
 
 
 LABEL_MAP_FRAME = Frame(

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from breastrig.core.errors import BadScan
 from breastrig.scan.pictures.texture import written_anew
+from breastrig.scan.piece import BallInside
 from breastrig.scan.scan import Scan
 
 STORED = "stored"  # the file type, for which no upload can pass
@@ -23,6 +24,8 @@ FACTS = ("unit", "metres_per_unit", "unit_reason", "sha256", "notes", "from_poin
 def write_stored(scan: Scan, path: Path) -> None:
     """Writes the scan to the file `path`.  Raises OSError."""
     facts = {name: getattr(scan, name) for name in FACTS}
+    if scan.from_label_map:
+        facts |= {"from_label_map": True, "lesions": [[e.name, e.center.tolist(), e.radius] for e in scan.lesions]}
     arrays: dict[str, NDArray[Any]] = {
         "facts": np.frombuffer(json.dumps(facts).encode(), np.uint8),
         "vertices": scan.vertices,
@@ -55,6 +58,8 @@ def read_stored(path: Path, texture: bool = True, for_display: bool = True) -> S
                 texture=jpeg,
                 picture=None if jpeg is None else picture,
                 **{name: facts[name] for name in FACTS} | {"notes": tuple(facts["notes"])},
+                from_label_map=facts.get("from_label_map", False),
+                lesions=tuple(BallInside(name, np.array(at), r) for name, at, r in facts.get("lesions", [])),
             )
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
         raise BadScan("The stored scan is damaged; upload it again.") from error

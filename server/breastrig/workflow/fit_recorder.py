@@ -125,6 +125,8 @@ class FitRecorder:
             ready.given,
             doubtful,
             ready.clearness,
+            lesions=ready.scan.lesions,
+            contradicted=ready.contradicted,
             unclear_stance=ready.stance_reason in UNCLEAR,
             repeats=self._only_repeats,
         )

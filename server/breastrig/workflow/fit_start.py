@@ -9,13 +9,25 @@ from dataclasses import replace
 
 from breastrig.core.errors import BadSettings
 from breastrig.core.stances import AUTO, PRONE
+from breastrig.fitting.body.hanging import body_axes
 from breastrig.fitting.body.hanging_start import hanging_shapes
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.scan_orientation import ScanOrientation
 from breastrig.fitting.stance import FoundStance, found_stance
-from breastrig.fitting.starts.orientation import MIN_LANDMARKS, agree, best_start, prone_start, start_from_scan
+from breastrig.fitting.starts.orientation import (
+    MIN_LANDMARKS,
+    SURE_LANDMARKS,
+    agree,
+    best_start,
+    contradicted,
+    prone_start,
+    start_from_landmarks,
+    start_from_scan,
+)
+from breastrig.fitting.starts.rigid_search import OBLIQUE, turned_from
 from breastrig.fitting.task import FitTask
 from breastrig.gltf.pose_nodes import posed_by_nodes
+from breastrig.rig.skinning import pose
 from breastrig.workflow.jobs import EarlierFit
 
 
@@ -25,10 +37,11 @@ def with_start(task: FitTask, scan: PreparedScan, orientation: ScanOrientation |
     None where landmarks placed it.  `orientation` is that of the scan when it is known already.
     """
     if orientation is None and len(task.landmarks) < MIN_LANDMARKS:
-        found = start_from_scan(task.rig, task.target, scan.frame.fronts)
+        found = start_from_scan(task.rig, task.target, scan.frame.fronts, scan.frame.known)
         return replace(task, start=found.parameters), found.margin
     known = None if orientation is None else orientation.start
-    start = best_start(task.rig, task.target, dict(task.landmarks), lambda: scan.frame.fronts, known)
+    frame = scan.frame
+    start = best_start(task.rig, task.target, dict(task.landmarks), lambda: frame.fronts, known, frame.known)
     clear = orientation.margin if orientation is not None and len(task.landmarks) < MIN_LANDMARKS else None
     return replace(task, start=start), clear
 
@@ -53,6 +66,19 @@ def with_stance(
     if found.start is None and (orientation is None or orientation.stance != PRONE):
         found = replace(found, start=prone_start(task.rig, task.target, scan.frame))
     return (task if found.start is None else replace(task, start=found.start.parameters)), found
+
+
+def contradiction(task: FitTask, scan: PreparedScan, orientation: ScanOrientation | None) -> bool:
+    """Whether the scan, or so many landmarks that they place a body, show it another way round than the file says."""
+    if scan.frame.known is None:
+        return False
+    if len(task.picked) >= SURE_LANDMARKS:
+        picked = pose(task.rig, start_from_landmarks(task.rig, dict(task.landmarks)))
+        if turned_from(body_axes(task.rig, picked), scan.frame.known, OBLIQUE):
+            return True
+    if orientation is not None:
+        return orientation.contradicted
+    return contradicted(task.rig, task.target, scan.frame, task.stance)
 
 
 def _found(task: FitTask, orientation: ScanOrientation) -> bool:

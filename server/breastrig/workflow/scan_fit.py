@@ -40,7 +40,7 @@ from breastrig.scan.landmarks.names import by_known_names, known_name
 from breastrig.scan.read import coloured_scan
 from breastrig.scan.scan import Scan
 from breastrig.workflow.events import Started
-from breastrig.workflow.fit_start import with_earlier_start, with_stance, with_start
+from breastrig.workflow.fit_start import contradiction, with_earlier_start, with_stance, with_start
 from breastrig.workflow.jobs import DEFAULT, FIRST, FitJob, FitSettings
 from breastrig.workflow.kept_scan import prepared_scan
 
@@ -124,6 +124,7 @@ class ReadyScan:
     drawing: AskedDrawing | None
     orientation: ScanOrientation | None  # as the upload has found it
     stance_reason: str
+    contradicted: bool  # whether scan or landmarks show the body another way round than the file says
     task: FitTask
     clearness: float | None  # of the start, where the scan alone placed it
     shown: Mapping[str, Observation] | None  # what colours show of the landmarks; None: not looked at
@@ -231,7 +232,7 @@ def prepare_fit(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
     errors = {name: expected_error(share) for name, share in settings.landmark_confidence.items() if name in landmarks}
     _warm(target)
     timing["prepare"] = clock.lap()
-    exchanged = _exchanged(rig, plan.recipe, landmarks, target, settings.certain)
+    exchanged = _exchanged(rig, plan.recipe, landmarks, target, settings.certain, ready.frame.known)
     doubted = {name for doubt in exchanged for name in doubt.names}
     followed = {name: place for name, place in landmarks.items() if name not in doubted}
     task = FitTask(
@@ -273,6 +274,7 @@ def prepare_fit(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
         drawing=plan.drawing,
         orientation=orientation,
         stance_reason=stance.reason,
+        contradicted=contradiction(task, ready, orientation),
         task=task,
         clearness=clearness,
         shown=shown,
@@ -333,11 +335,16 @@ def _words(shown: Mapping[str, Observation] | None) -> tuple[str, ...]:
 
 
 def _exchanged(
-    rig: Rig, recipe: Recipe, landmarks: dict[str, Array], target: ScanTarget, certain: Collection[str]
+    rig: Rig,
+    recipe: Recipe,
+    landmarks: dict[str, Array],
+    target: ScanTarget,
+    certain: Collection[str],
+    known: Array | None,
 ) -> tuple[Doubt, ...]:
     """The doubt that all sides are exchanged; none where a person is certain of a side."""
     knows_sides = any(landmark.name in certain and landmark.mirror != landmark.name for landmark in rig.landmarks)
-    if knows_sides or not sides_exchanged(rig, landmarks, target, recipe.outliers):
+    if knows_sides or not sides_exchanged(rig, landmarks, target, recipe.outliers, known):
         return ()
     return (Doubt(tuple(name for name in landmarks if name not in certain), ALL_EXCHANGED, exchanged=True),)
 

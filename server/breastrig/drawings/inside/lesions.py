@@ -31,6 +31,7 @@ from breastrig.geometry.closest_point import ClosestPointSearch, closest_barycen
 from breastrig.geometry.normals import unit_vectors, vertex_normals
 from breastrig.geometry.polyline import Polyline
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
+from breastrig.rig.near_breasts import near_breasts
 
 Kind = Literal["skin", "nipple", "chest_wall", "line"]
 
@@ -96,7 +97,10 @@ class LesionsOnScan:
         self._normals = vertex_normals(scan.vertices, rig.faces)
 
     def own(self, items: Iterable[PlanItem]) -> list[PlacedLesion]:
-        """Those that were given on this scan; a tumour by the clock is as far off as the skin there."""
+        """Those that were given on this scan; a tumour by the clock is as far off as the skin there.
+
+        How far off one is that lies far from the fitted breasts is not known, nor are its distances.
+        """
         return [
             self._placed(item, _center(item), self._radius(_center(item)) if is_by_clock else 0.0)
             for item, is_by_clock in _lesions(self._rig, self._scan, items)
@@ -109,14 +113,22 @@ class LesionsOnScan:
             return []
         there = np.array([_center(item) for item in lesions])
         centers = InteriorMap(self._rig, other, self._scan).moved(there)
-        errors = carried_errors(self._rig, other, self._scan, there, centers)
+        nearest = FittedSkin(self._rig, other.vertices, other.known).nearest(there)
+        is_known = near_breasts(self._rig)[self._rig.faces[nearest.faces]].any(axis=1)
+        found = carried_errors(self._rig, other, self._scan, there, centers)
+        errors = [None if found is None or not known else float(found[k]) for k, known in enumerate(is_known)]
         return [
-            replace(self._placed(item, center, None if errors is None else float(errors[k])), is_carried=True)
+            replace(
+                self._placed(item, center, float(errors[k]) if errors is not None and is_known[k] else None),
+                is_carried=True,
+            )
             for k, (item, center) in enumerate(zip(lesions, centers, strict=True))
         ]
 
     def _placed(self, item: PlanLesion, center: Array, error: float | None) -> PlacedLesion:
         nearest = self._skin.nearest(center[None])
+        if not near_breasts(self._rig)[self._rig.faces[nearest.faces]].any():
+            error = None
         (skin,) = self._skin.at(nearest)
         (outwards,) = nearest.directions(self._normals, self._rig.faces)
         covariance = None if error is None else self._covariance(error, outwards)

@@ -22,16 +22,21 @@ from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
 
+FRAME = 10.0  # nats, times the cosine of the turn from known axes: 30 degrees cost 1.3, the wrong way round 20
+
 
 def partner(rig: Rig, name: str) -> str:
     """The landmark on the other side."""
     return next(landmark.mirror for landmark in rig.landmarks if landmark.name == name)
 
 
-def sides_exchanged(rig: Rig, landmarks: dict[str, Array], target: ScanTarget, outliers: Outliers) -> bool:
+def sides_exchanged(
+    rig: Rig, landmarks: dict[str, Array], target: ScanTarget, outliers: Outliers, known: Array | None = None
+) -> bool:
     """Whether the picks ((3,) m by name) as a whole make sense only with left and right exchanged.
 
-    Few picks nearly in one plane fit the model's back as well as its front; which way the skin under them faces tells.
+    Few picks nearly in one plane fit the model's back as well as its front; which way the skin under them faces tells,
+    and (3, 3) `known` axes of the body.
     """
     names = tuple(landmarks)
     if len(names) < MIN_LANDMARKS:
@@ -44,6 +49,8 @@ def sides_exchanged(rig: Rig, landmarks: dict[str, Array], target: ScanTarget, o
         found, away = trusted_similarity(points.positions(rig.template, rig.faces), picked)
         cosines = np.einsum("mi,mi->m", normals[points.faces] @ found.rotation.T, skin)
         nats.append(float(log_student(away / outliers.template, 3).sum() + outliers.facing * cosines.sum()))
+        if known is not None:
+            nats[-1] += FRAME * 0.5 * (float(np.sum(found.rotation * known)) - 1.0)
     return bool(softmax([nats[0], np.log(outliers.slip) + nats[1]])[1] > outliers.sure)
 
 

@@ -15,8 +15,9 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.stances import PRONE
 from breastrig.correspondence.target import ScanTarget
+from breastrig.fitting.body.hanging import body_axes
 from breastrig.fitting.starts.hypotheses import Opening, ranked
-from breastrig.fitting.starts.rigid_search import rest_place, turns_about, turns_to
+from breastrig.fitting.starts.rigid_search import OBLIQUE, rest_place, turned_from, turns_about, turns_beside, turns_to
 from breastrig.geometry.rotations import exp_so3
 from breastrig.relief.prone import seen_from
 from breastrig.rig.model import Rig
@@ -37,6 +38,7 @@ TRUNK = (0.47, 0.9)  # shares of the stature: from the crotch to the chin
 HEIGHTS = (0.0, 0.03, -0.03)  # m along a part of a body; half of the basin
 TILT = 0.22  # rad, by which the mean normal of a prone front is turned to the head: 0.09 to 0.36
 PRONE_SCALE = 1.05  # of the trunk; hanging breasts say nothing of it
+CONTRADICTED = 0.15  # share by which another position is better: right maps have up to 0.11, reversed ones 0.12 to 0.95
 AGREED = 0.08  # m, mean distance of the landmarks to a start that they agree with; the dev scans' are under 5 cm
 
 
@@ -76,25 +78,28 @@ class Start:
         return similar_parameters(self.rig, self.similarity)
 
 
-def trunks(target: ScanTarget, fronts: Array) -> Iterator[tuple[ScanTarget, Array, float]]:
-    """The scan, the body axes to try and the model's scale; where it may be a person from head to feet also where her
-    trunk is, either way up."""
-    yield target, turns_to(fronts), 1.0
+def trunks(target: ScanTarget, fronts: Array, known: Array | None = None) -> Iterator[tuple[ScanTarget, Array, float]]:
+    """The scan, the body axes to try and the model's scale; where it may be a person from head to feet also where the
+    trunk is, either way up, or as (3, 3) `known` axes have it."""
+    turns = turns_to(fronts) if known is None else turns_beside(known)
+    yield target, turns, 1.0
     middle = target.vertices.mean(axis=0)
     axis = np.linalg.eigh(np.cov((target.vertices - middle).T))[1][:, -1]
     heights = target.vertices @ axis
-    for up in (axis, -axis) if np.ptp(heights) > PERSON else ():
+    ups = (axis, -axis) if known is None else (axis * np.sign(axis @ known[:, 1]),)
+    for up in ups if np.ptp(heights) > PERSON else ():
         share = (target.vertices @ up - (target.vertices @ up).min()) / np.ptp(heights)
         kept = ((share > TRUNK[0]) & (share < TRUNK[1]))[target.faces].all(axis=1)
         if np.count_nonzero(kept) > MIN_TRIANGLES:
             part = ScanTarget(*compact(target.vertices, target.faces[kept]))
-            yield part, turns_about(up), np.ptp(heights) / STATURE
+            yield part, turns_about(up) if known is None else turns, np.ptp(heights) / STATURE
 
 
-def start_from_scan(rig: Rig, target: ScanTarget, fronts: Array) -> Start:
-    """The best rest pose for a scan whose front is about one of (N, 3) unit directions."""
+def start_from_scan(rig: Rig, target: ScanTarget, fronts: Array, known: Array | None = None) -> Start:
+    """The best rest pose for a scan whose front is about one of (N, 3) unit directions, or near (3, 3) `known` axes."""
     place = min(
-        (rest_place(rig.template, rig.faces, *part) for part in trunks(target, fronts)), key=lambda each: each.uncovered
+        (rest_place(rig.template, rig.faces, *part, known) for part in trunks(target, fronts, known)),
+        key=lambda each: each.uncovered,
     )
     if not place.shows_a_part:
         return Start(rig, place.similarity, place.margin)
@@ -106,12 +111,16 @@ def start_from_scan(rig: Rig, target: ScanTarget, fronts: Array) -> Start:
 
 
 def prone_start(rig: Rig, target: ScanTarget, frame: Frame) -> Start:
-    """The prone rest pose on what the hanging breasts of a scan show, whose way up counts where it is certain."""
-    body = rig.template + np.tensordot(mean_weights(rig, PRONE), rig.blendshapes, axes=1)
-    turns = turns_to(frame.fronts)
-    if frame.confidence == 1.0:
-        turns = turns[turns[:, :, 1] @ frame.up > 0.0]
-    found = rest_place(body, rig.faces, target, turns)
+    """The prone rest pose on what the hanging breasts of a scan show.
+
+    Beside known axes of the body, which may lie obliquely in the scanner, it is where the search has it: within 2 cm on
+    maps cut in many ways, where the two foremost places need not be breasts.
+    """
+    body, known = _prone_body(rig), frame.known
+    if known is not None:
+        found = rest_place(body, rig.faces, target, turns_beside(known), known=known)
+        return Start(rig, found.similarity, found.margin)
+    found = rest_place(body, rig.faces, target, turns_to(frame.fronts))
     side, _, towards = found.similarity.rotation.T
     front = frame.fronts[(frame.fronts @ towards).argmax()]
     left = side - (side @ front) * front
@@ -126,12 +135,29 @@ def prone_start(rig: Rig, target: ScanTarget, frame: Frame) -> Start:
     return Start(rig, Similarity(PRONE_SCALE, axes, seen - PRONE_SCALE * axes @ model), found.margin)
 
 
+def _prone_body(rig: Rig) -> Array:
+    """(V, 3) m, at rest."""
+    return rig.template + np.tensordot(mean_weights(rig, PRONE), rig.blendshapes, axes=1)
+
+
+def contradicted(rig: Rig, target: ScanTarget, frame: Frame, stance: str) -> bool:
+    """Whether the scan shows its body clearly another way round than the axes that its file says."""
+    if frame.known is None:
+        return False
+    body = _prone_body(rig) if stance == PRONE else rig.template
+    axes = np.concatenate([frame.known.T, -frame.known.T])
+    here = rest_place(body, rig.faces, target, turns_beside(frame.known), known=frame.known)
+    anywhere = rest_place(body, rig.faces, target, turns_to(axes))
+    return here.score > (1.0 + CONTRADICTED) * anywhere.score
+
+
 def best_start(
     rig: Rig,
     target: ScanTarget,
     landmarks: dict[str, Array],
     fronts: Callable[[], Array],
     known: Similarity | None = None,
+    axes: Array | None = None,
 ) -> RigParameters:
     """The start for these landmarks ((3,) m by name) on a scan whose front is about one of (N, 3) directions.
 
@@ -140,14 +166,19 @@ def best_start(
 
     Six and more landmarks place the body alone.  Three to five may lie nearly on a line (the breastbone, both
     collar bones and the notch) and leave a turn open: then the scan's own start is taken, if the landmarks agree.
+    Landmarks that turn the body away from (3, 3) known `axes` do not place it.
     """
 
     def from_scan() -> RigParameters:
-        return start_from_scan(rig, target, fronts()).parameters if known is None else similar_parameters(rig, known)
+        if known is not None:
+            return similar_parameters(rig, known)
+        return start_from_scan(rig, target, fronts(), axes).parameters
 
     if len(landmarks) < MIN_LANDMARKS:
         return from_scan()
     by_landmarks = start_from_landmarks(rig, landmarks)
+    if axes is not None and turned_from(body_axes(rig, pose(rig, by_landmarks)), axes, OBLIQUE):
+        return from_scan()
     if len(landmarks) >= SURE_LANDMARKS:
         return by_landmarks
     by_scan = from_scan()

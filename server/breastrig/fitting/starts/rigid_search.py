@@ -8,6 +8,7 @@ placed right (docs/decisions/0009).
 """
 
 from dataclasses import dataclass
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -36,6 +37,8 @@ MIDDLE = 0.12  # m to the sides of it, where her front is looked for
 SHIFTS = (-0.09, 0.0, 0.09)  # m to the sides; half of half a body's width
 UNCOVERED = 0.034  # m, model to scan; whole scans have 0.021 to 0.031, partial ones 0.037 to 0.049
 OTHER_TURN = 0.7  # rad; a try turned farther than this is another position
+OBLIQUE = 1.05  # rad; patients lie up to 0.5 turned in a scanner, and beyond this left, up or front may be reversed
+ASIDE = (-0.5, 0.0, 0.5)  # rad, about each axis, of tries beside axes that are known
 OTHERS_KEPT = 3  # tries in other positions, so that the margin is measured as well as the score
 
 
@@ -152,10 +155,12 @@ def _nearest(points: cKDTree, places: Array, reach: float) -> tuple[Array, Integ
     return np.minimum(gaps, 2.0 * reach), np.where(np.isfinite(gaps), nearest, 0)
 
 
-def rest_place(body: Array, faces: Integers, target: ScanTarget, turns: Array, scale: float = 1.0) -> Place:
+def rest_place(
+    body: Array, faces: Integers, target: ScanTarget, turns: Array, scale: float = 1.0, known: Array | None = None
+) -> Place:
     """The best place of a rest pose (V, 3) m for a scan of a body whose axes are about one of (T, 3, 3).
 
-    She is about `scale` times as large.
+    The body is about `scale` times as large, and lies at most OBLIQUE from its (3, 3) axes where they are `known`.
     """
     thinned = target.vertices[:: max(1, len(target.vertices) // 2000)]
     tries = Similarities.of(_starts(body, thinned, turns, scale))
@@ -164,7 +169,8 @@ def rest_place(body: Array, faces: Integers, target: ScanTarget, turns: Array, s
     for level in LEVELS:
         comparison = _Comparison(body, faces, target, level)
         for _ in range(level.steps):
-            tries = comparison.moved(tries, level.reach, scales)
+            moved = comparison.moved(tries, level.reach, scales)
+            tries = moved if known is None else tries.where(turned_from(moved.rotations, known, OBLIQUE), moved)
         scores, uncovered = comparison.scores(tries)
         kept = _kept(tries, scores, int(level.kept * share))
         tries, scores, uncovered = tries.chosen(kept), scores[kept], uncovered[kept]
@@ -178,6 +184,16 @@ def turns_to(fronts: Array) -> Array:
     """(T, 3, 3) body axes (left, up, front as columns) all around (N, 3) fronts, and turned a little to their sides."""
     yawed = [exp_so3(np.array([0.0, yaw, 0.0])) for yaw in YAWS]
     return np.array([turn @ yaw for front in fronts for turn in _turns(front) for yaw in yawed])
+
+
+def turns_beside(known: Array) -> Array:
+    """(T, 3, 3) body axes at known (3, 3) ones and obliquely beside them."""
+    return np.array([known @ exp_so3(np.array(aside)) for aside in product(ASIDE, repeat=3)])
+
+
+def turned_from(rotations: Array, axes: Array, angle: float) -> Booleans:
+    """(...,) which of (..., 3, 3) rotations are turned from (3, 3) axes by more than an angle in rad."""
+    return np.asarray(np.einsum("...ij,ij->...", rotations, axes) < 1.0 + 2.0 * np.cos(angle))
 
 
 def turns_about(up: Array) -> Array:
@@ -200,6 +216,7 @@ def _starts(body: Array, scan: Array, rotations: Array, scale: float) -> list[Si
     low, high = np.percentile(local[1], [1, 99], axis=1)  # (T) each, of heights
     middles = np.median(local[0], axis=1)
     near = np.abs(local[0] - middles[:, None]) < MIDDLE  # not the hands before her
+    near |= ~near.any(axis=1, keepdims=True)  # a surface may have no vertex in its middle
     depths = np.sort(np.where(near, local[2], -np.inf), axis=1)
     fronts = depths[np.arange(len(depths)), len(scan) - 1 - near.sum(axis=1) // 100]
     body_low, body_high = scale * body.min(axis=0), scale * body.max(axis=0)
@@ -223,5 +240,4 @@ def _kept(tries: Similarities, scores: Array, count: int) -> Integers:
 
 def _turned_away(tries: Similarities, first: int) -> Booleans:
     """(T,) which of the tries are another position than the first."""
-    traces = np.einsum("tij,ij->t", tries.rotations, tries.rotations[first])
-    return np.asarray(traces < 1.0 + 2.0 * np.cos(OTHER_TURN))
+    return turned_from(tries.rotations, tries.rotations[first], OTHER_TURN)

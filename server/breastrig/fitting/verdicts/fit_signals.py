@@ -19,9 +19,7 @@ from breastrig.rig.parameters import RigParameters
 
 SCAN_POINTS = 4000  # of the scan; more change the shares by less than 1 %
 BEYOND = 0.005  # m; scanner and model's limits together explain less than this on nearly all skin
-NEAR = 0.08  # m from the breasts, on the model at rest: breastbone, folds, armpits' front, where plans are made
 HANGING, HANGS = "ptosis", 1.0  # the shape by which a breast hangs, and its weight from which on it does
-CARRIES = 0.05  # of the breasts' skin, mean weight of a bone of the trunk; arms only come near
 BONES = 0.3  # share of what a bone moves that is near the breasts, for it to count there
 EXPLAINED = 0.008  # m; a scan point this near to the model, facing as it does, is explained by it
 
@@ -40,17 +38,6 @@ class FitSignals:
     stretch: float  # root mean square of the logarithms of the bones' scales, over those of the mean of bodies
     limits: float  # share of the shapes that ended at a limit
     hanging: float = 0.0  # weight of the shape by which breasts hang, of the one that hangs more
-
-
-def near_breasts(rig: Rig) -> Booleans:
-    """(V,) the model's vertices where plans are made; all of a rig without breasts."""
-    regions = [rig.regions[name] for name in (f"breast_{side}" for side in SIDES) if name in rig.regions]
-    if not regions:
-        return np.ones(len(rig.template), dtype=np.bool_)
-    breasts = np.concatenate(regions)
-    away, _ = cKDTree(rig.template[breasts]).query(rig.template, distance_upper_bound=NEAR)
-    trunk = rig.skin_weights[breasts].mean(axis=0) > CARRIES
-    return np.asarray(np.isfinite(away) & (rig.skin_weights[:, trunk].sum(axis=1) > 0.5))
 
 
 def fit_signals(

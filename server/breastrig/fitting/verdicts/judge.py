@@ -3,17 +3,25 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from breastrig.correspondence.distances import Comparison
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.task import Doubt
 from breastrig.fitting.uncertainty.radii import Radii, radii, seen_vertices
-from breastrig.fitting.verdicts.fit_signals import fit_signals, near_breasts
+from breastrig.fitting.verdicts.fit_signals import fit_signals
+from breastrig.fitting.verdicts.lesions import of_lesions
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, Reason, of_doubts
 from breastrig.fitting.verdicts.verdict import Verdict, shows_a_part, unusual_size, verdict, verdict_limits
 from breastrig.least_squares.newton import Status
+from breastrig.rig.near_breasts import near_breasts
 from breastrig.rig.stance_priors import in_stance
+from breastrig.scan.piece import BallInside
 
 UNCLEAR_STANCE = Reason("The scan does not show clearly whether she stands or lies", ("say which it is",))
+CONTRADICTED = Reason(
+    "The body looks turned another way round than the file says", ("check left, head and front in the file",)
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,11 +41,15 @@ def judge(
     doubts: Sequence[Doubt] = (),
     clearness: float | None = None,
     *,
+    lesions: Sequence[BallInside] = (),
     unclear_stance: bool = False,
+    contradicted: bool = False,
     repeats: Callable[[], bool] = lambda: False,
 ) -> Judged:
     """`clearness`: Start.margin; `repeats`: whether the landmarks are proposals that a person has only agreed to.
 
+    `lesions`: that the scan shows inside; `contradicted`: whether scan or landmarks show the body another way round
+    than its file says.  Where that is so, or a lesion lies outside, no place of the fit is known.
     The stance is a question only where no landmarks place the fit: they are what moves the breasts.
     """
     rig, task, vertices = posterior.task.rig, posterior.task, posterior.state.vertices
@@ -49,12 +61,14 @@ def judge(
     given = replace(given, left=_to_be_placed(posterior))
     if given.placed and shows_a_part(signals, limits):
         given = replace(given, repeated=repeats())
-    known = radii(posterior, clearness)
+    inside, outside = of_lesions(rig, vertices, lesions)
+    known = radii(posterior, -np.inf if contradicted or outside else clearness)
     corners = rig.faces[rig.landmark_points().faces]
     far = {name for name, at in zip(rig.landmark_names, corners, strict=True) if not near[at].any()}
     stance = (UNCLEAR_STANCE,) if unclear_stance and not given.on_their_own else ()
     size = unusual_size(limits, rig, vertices, task.target, task.stance)
-    asked = (*of_doubts(doubts, far), *stance, *size)
+    turned = (CONTRADICTED,) if contradicted else ()
+    asked = (*turned, *inside, *of_doubts(doubts, far), *stance, *size)
     lines = None if known is None else known.lines
     said = verdict(signals, status, limits, given, asked, lines, task.stance, signals_near)
     refusal = "" if said.is_torso else said.refusal(rig.name, given, unusual_size=bool(size))
