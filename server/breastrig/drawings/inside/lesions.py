@@ -16,7 +16,7 @@ from typing import Any, Literal
 import numpy as np
 from scipy.special import chdtri, ndtri
 
-from breastrig.core.arrays import Array
+from breastrig.core.arrays import Array, Booleans
 from breastrig.core.errors import BadDrawing
 from breastrig.core.stances import SIDES, split_side
 from breastrig.drawings.clock import FittedSkin
@@ -114,15 +114,12 @@ class LesionsOnScan:
         there = np.array([_center(item) for item in lesions])
         centers = InteriorMap(self._rig, other, self._scan).moved(there)
         nearest = FittedSkin(self._rig, other.vertices, other.known).nearest(there)
-        is_known = near_breasts(self._rig)[self._rig.faces[nearest.faces]].any(axis=1)
+        is_known: Booleans = np.any(near_breasts(self._rig)[self._rig.faces[nearest.faces]], axis=1)
         found = carried_errors(self._rig, other, self._scan, there, centers)
         errors = [None if found is None or not known else float(found[k]) for k, known in enumerate(is_known)]
         return [
-            replace(
-                self._placed(item, center, float(errors[k]) if errors is not None and is_known[k] else None),
-                is_carried=True,
-            )
-            for k, (item, center) in enumerate(zip(lesions, centers, strict=True))
+            replace(self._placed(item, center, error), is_carried=True)
+            for item, center, error in zip(lesions, centers, errors, strict=True)
         ]
 
     def _placed(self, item: PlanLesion, center: Array, error: float | None) -> PlacedLesion:

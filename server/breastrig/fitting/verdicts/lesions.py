@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from breastrig.core.arrays import Array
+from breastrig.core.arrays import Array, Booleans
 from breastrig.fitting.verdicts.reasons import Reason
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import face_normals
@@ -23,7 +23,7 @@ def of_lesions(rig: Rig, vertices: Array, lesions: Sequence[BallInside]) -> tupl
     nearest = ClosestPointSearch(vertices, rig.faces).query(centers)
     above = np.einsum("li,li->l", centers - nearest.points, face_normals(vertices, rig.faces)[nearest.faces])
     outside = (above > 0.0) & (nearest.distances > OUTSIDE)
-    is_near = near_breasts(rig)[rig.faces[nearest.faces]].any(axis=1)
+    is_near: Booleans = np.any(near_breasts(rig)[rig.faces[nearest.faces]], axis=1)
     reasons = [
         Reason(f"{each.name} lies {1e3 * distance:.0f} mm outside the fitted skin", COMPARE)
         for each, distance, out in zip(lesions, nearest.distances, outside, strict=True)
