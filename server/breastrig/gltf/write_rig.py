@@ -35,7 +35,7 @@ def write_rig(
 ) -> None:
     """Writes <name>.glb, <name>.json and drawings/<drawing>.json into `folder` (made when missing).
 
-    `generator` stands in the .glb's header.
+    `generator` is named in the header of the .glb.
     Raises BadModel when glTF cannot hold the rig (more than four bones on a vertex, several root bones).
     """
     (folder / "drawings").mkdir(parents=True, exist_ok=True)
