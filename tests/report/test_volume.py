@@ -5,7 +5,11 @@ import pytest
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.geometry.normals import face_areas
-from breastrig.report.volume import Axis, volume_above
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.report.stance import Stance
+from breastrig.report.volume import METHOD, Axis, breast_volume, volume_above
+from breastrig.rig.parameters import rest_parameters
+from breastrig.volume.tetrahedra import volume_mesh
 
 UP = np.array([0.0, 1.0, 0.0])
 FAR_AXIS = Axis(np.array([0.0, 0.0, -1e4]), UP)  # around it a plane is as good as flat
@@ -100,3 +104,16 @@ def test_the_outline_farther_in_leaves_less() -> None:
 def test_nothing_inside_has_no_volume() -> None:
     vertices, faces, inside = dome(0.06)
     assert volume_above(vertices, faces, inside, FAR_AXIS, level=1.0) == (0.0, 0.0)
+
+
+def test_the_mesh_of_the_same_body_goes_on_to_the_muscle_by_the_layer_that_is_said() -> None:
+    """Two walls: what lies between them is one layer of fat, which the table's method and the command name."""
+    rig = read_rig(default_rig_path())
+    found = Stance(rig, rig.template, rig.template, rig.faces, "standing")
+    mesh = volume_mesh(rig, rest_parameters(rig), rig.template)
+    for side in "LR":
+        ours = breast_volume(found, side)
+        assert ours is not None
+        layer = (mesh.volumes[mesh.inside(f"breast_{side}")].sum() - ours.value) / ours.area
+        assert layer == pytest.approx(0.012, abs=0.001)
+    assert "`breastrig volume` go on to the pectoral muscle, some 12 mm deeper" in METHOD

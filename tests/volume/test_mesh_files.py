@@ -118,7 +118,12 @@ def test_the_command_writes_the_same_and_says_what(
 ) -> None:
     assert main(["volume", str(fits / "standing"), "-o", str(tmp_path / "torso.feb")]) == 0
     assert (tmp_path / "torso.feb").read_bytes() == (saved / "torso.feb").read_bytes()
-    assert "breast_L 0." in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "breast_L 0." in said
+    (row,) = (each for each in breastrig.measure(fits / "standing") if each.name == "volume")
+    assert row.left is not None
+    assert row.right is not None
+    assert f"; {row.left.value:.0f} and {row.right.value:.0f} ml in a report, down to where the skin would be" in said
 
 
 def test_other_endings_and_a_missing_extra_are_sentences(

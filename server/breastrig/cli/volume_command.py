@@ -13,7 +13,7 @@ from breastrig.core.private_files import write_private
 from breastrig.volume.mesh_files import check_name
 from breastrig.volume.volume_mesh import REGIONS, SOUND
 from breastrig.workflow.folder.fit_folder import read_fit_folder
-from breastrig.workflow.volume import volume_file, volume_of
+from breastrig.workflow.volume import breasts_said, volume_file, volume_of
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -30,12 +30,14 @@ def run(options: argparse.Namespace) -> int:
         fit = read_fit_folder(options.fit, options.model)
         mesh = volume_of(fit)
         write_private(out / options.output.name, volume_file(fit, mesh, options.output.name))
+        breasts = breasts_said(fit, mesh)
     say_unchecked(options.fit)
     litres = ", ".join(f"{name} {1e3 * mesh.volumes[mesh.inside(name)].sum():.2f} l" for name in REGIONS)
     print(
         f"{len(mesh.points)} nodes, {len(mesh.tetrahedra)} tetrahedra: {litres}; "
         f"scaled Jacobian from {mesh.scaled_jacobian.min():.2f}."
     )
+    print(breasts, end="\n" if breasts else "")
     unsound = int((mesh.scaled_jacobian < SOUND).sum())
     if unsound:
         inverted = int((mesh.volumes <= 0.0).sum())

@@ -21,7 +21,8 @@ class Volume:
     points: Array  # (N, 3); the first V are the model's vertices, on the skin
     tetrahedra: Integers  # (M, 4) positive by the right hand rule
     region: Integers  # (M,) indices of `regions`
-    regions: tuple[str, ...]  # skin (with the fat under it), breast_L, breast_R, chest_wall, trunk
+    regions: tuple[str, ...]  # skin (with the fat under it), breast_L, breast_R, chest_wall, trunk; breasts down to
+    # the pectoral muscle, some 12 mm deeper than the volumes of `measure`
     surface: Integers  # (F, 3) the skin's triangles, those of the model
     wall: Integers  # (F, 3) the chest wall's face, counter-clockwise from outside
     model_vertex: Integers  # (N,) the model's vertex, -1 for nodes that are not on the skin

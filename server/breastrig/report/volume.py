@@ -30,7 +30,8 @@ SPACING = 0.003  # m between points of the outline: well below the mesh's edges
 SMOOTHING = 1e-5  # of the spline, in units of the chest's radius: keeps points on top of each other solvable
 METHOD = (
     "between the fitted skin inside the breast base outline and a thin-plate spline through the skin on, 10 mm and "
-    "20 mm outside it; band: the outline's error in and out, and the mean distance of fit and scan over the whole area"
+    "20 mm outside it, as if there were no breast (meshes of `breastrig volume` go on to the pectoral muscle, some "
+    "12 mm deeper); band: the outline's error in and out, and the mean distance of fit and scan over the whole area"
 )
 
 
