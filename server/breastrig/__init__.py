@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from breastrig.interface.drawing import Drawing, Lesion, Line
     from breastrig.interface.fit_result import Fit
     from breastrig.interface.ink import Ink, InkLine, find_ink
-    from breastrig.interface.landmarks import Proposal, propose_landmarks
+    from breastrig.interface.landmarks import Proposal, Proposals, propose_landmarks
     from breastrig.interface.measure import Measure, Number, measure
     from breastrig.interface.model import Rig, load_model
     from breastrig.interface.pair import FitPair, fit_pair, pair_iterates
@@ -66,6 +66,7 @@ __all__ = [
     "Parameters",
     "Posterior",
     "Proposal",
+    "Proposals",
     "Rig",
     "Scan",
     "TooLarge",
@@ -91,7 +92,7 @@ _MODULES = {
     "interface.drawing": "Drawing Lesion Line",
     "interface.fit_result": "Fit",
     "interface.ink": "Ink InkLine find_ink",
-    "interface.landmarks": "Proposal propose_landmarks",
+    "interface.landmarks": "Proposal Proposals propose_landmarks",
     "interface.measure": "Measure Number measure",
     "interface.model": "Rig load_model",
     "interface.pair": "FitPair fit_pair pair_iterates",

@@ -284,6 +284,7 @@ def test_landmarks_are_proposed_and_not_stored_as_picked(client: FlaskClient, sc
                 "reason": "areola seen",
             }
         },
+        "not_proposed": {"umbilicus": "The scan shows no skin where it is expected."},
     }
     assert answers[1].json == answers[0].json
     assert client.get(place).json["landmarks"] == {}

@@ -1,16 +1,18 @@
 """`breastrig landmarks`: proposals on the example patient, both stances."""
 
+import gzip
 import json
 from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.label_maps import front_labels, nifti
 
 from breastrig.cli import landmarks_command
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
-from breastrig.fitting.propose import Proposal
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.interface.landmarks import Proposal, Proposals, propose_landmarks
 from breastrig.scan.landmarks.landmark_files import landmark_confidences, read_landmarks
 
 EXAMPLE = asset_folder("example")
@@ -36,6 +38,29 @@ def test_all_landmarks_are_proposed_near_their_places_and_sides_are_right(stance
     assert max(gap[name] / error[name] for name in true) < 2.0  # none is far beyond its label
 
 
+def test_what_an_mri_does_not_show_is_not_proposed_and_it_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its field of view ends above the navel, and before the shoulders."""
+    rig = read_rig(default_rig_path())
+    labels, low, size = front_labels(rig, rig.template.mean(axis=0), 0.0)
+    mri = tmp_path / "mri.nii.gz"
+    mri.write_bytes(gzip.compress(nifti(labels, low=low, sizes=np.full(3, size))))
+    proposals = propose_landmarks(mri, units="mm")
+    unseen = "The scan shows no skin where it is expected."
+    unsure = "It may lie more than 100 mm from where it is expected."
+    missing = {"umbilicus": unseen, "acromion_L": unsure, "acromion_R": unsure}
+    assert dict(proposals.not_proposed) == missing
+    assert {*proposals, *missing} == set(rig.landmark_names)
+    assert all(each.on_scan and each.error is not None and each.error <= 100.0 for each in proposals.values())
+    assert main(["landmarks", str(mri), "--units", "mm", "-o", str(tmp_path / "guess.json")]) == 0
+    document = json.loads((tmp_path / "guess.json").read_text())
+    assert (set(document["landmarks"]), document["not_proposed"]) == (set(proposals), missing)
+    said = capsys.readouterr().err
+    assert f"not proposed: umbilicus. {unseen}" in said
+    assert f"not proposed: acromion_L, acromion_R. {unsure}" in said
+
+
 def test_a_wrong_ending_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["landmarks", str(EXAMPLE / "standing" / "scan.ply"), "-o", str(tmp_path / "guess.doc")]
     assert main(arguments) == 2
@@ -46,7 +71,7 @@ def test_a_wrong_ending_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixtur
 def test_a_file_without_confidences_says_that_its_points_count_as_picked(
     ending: str, says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    guess = {"xiphoid": Proposal(np.array([0.0, 1.0, 2.0]), 0.3, True, 0.02)}
+    guess = Proposals({"xiphoid": Proposal(np.array([0.0, 1.0, 2.0]), 0.3, True, 0.02)}, {})
     monkeypatch.setattr(landmarks_command, "propose_landmarks", lambda *_, **__: guess)
     out = tmp_path / f"guess.{ending}"
     assert main(["landmarks", str(EXAMPLE / "standing" / "scan.ply"), "-o", str(out)]) == 0

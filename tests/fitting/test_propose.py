@@ -131,7 +131,7 @@ def test_areolae_where_the_form_has_them_confirm_how_the_body_lies() -> None:
 
 def test_only_what_the_form_shows_is_on_the_scan_for_being_near_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """Beside a scan's border there is skin near, but not that of the landmark."""
-    monkeypatch.setattr(propose, "_is_near", lambda *_: True)
+    monkeypatch.setattr(propose, "_to_skin", lambda *_: 0.0)
     scan = read_scan(STANDING / "scan.ply", "ply", "auto", texture=False)
     left = (scan.vertices[:, 0] > np.median(scan.vertices[:, 0]))[np.asarray(scan.faces)].all(axis=1)
     half = replace(scan, faces=np.asarray(scan.faces)[left])

@@ -20,7 +20,8 @@ def at_the_nipple(job: ProposeJob) -> dict[str, Any]:
         time.sleep(0.005)
     confidence = 0.25 if job.cuts else 0.5
     found = {"point": [70.0, 350.0, 120.0], "confidence": confidence, "on_scan": True, "error_mm": 16.0}
-    return {"nipple_L": found | {"reason": "areola seen"}}
+    unseen = found | {"on_scan": False, "to_skin_mm": 105.0, "reason": None}
+    return {"nipple_L": found | {"reason": "areola seen"}, "umbilicus": unseen}
 
 
 def failing(_job: ProposeJob) -> dict[str, Any]:

@@ -24,7 +24,15 @@ FOUND = {
         "on_scan": True,
         "error_mm": 16.0,
         "reason": "areola seen",
-    }
+    },
+    "umbilicus": {
+        "point": [70.0, 350.0, 120.0],
+        "confidence": 0.5,
+        "on_scan": False,
+        "error_mm": 16.0,
+        "to_skin_mm": 105.0,
+        "reason": None,
+    },
 }
 
 

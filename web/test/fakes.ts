@@ -107,7 +107,7 @@ export function page(answers: Partial<Client> = {}, tab: Storage = memory()) {
     ...fakePlans(),
     patient: async (id: string) => ({ id, code: "K7M-4QX", scans: [] }),
     patients: async () => ({ patients: [], next: null }),
-    proposed: async () => ({ landmarks: {} }),
+    proposed: async () => ({ landmarks: {}, not_proposed: {} }),
     landmarkFile: async (_scan: Scan, file: File) => JSON.parse(await file.text()) as LandmarkFile,
     saveLandmarks: vi.fn(async (_scan: Scan, file: unknown) => file),
     scan: async (id: string) => scanInfo(id),

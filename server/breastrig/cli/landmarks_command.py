@@ -1,4 +1,4 @@
-"""`breastrig landmarks SCAN -o FILE`: proposes all landmarks of the model on a scan, to be checked by a person."""
+"""`breastrig landmarks SCAN -o FILE`: proposes the landmarks that a scan shows, to be checked by a person."""
 
 import argparse
 import json
@@ -44,6 +44,9 @@ def _proposed(options: argparse.Namespace) -> bytes:
     """The landmark file."""
     scan = scan_of(options, options.scan)
     proposals = propose_landmarks(scan, model=options.model)
+    for sentence in sorted(set(proposals.not_proposed.values())):
+        names = ", ".join(name for name, why in proposals.not_proposed.items() if why == sentence)
+        print(f"breastrig: not proposed: {names}. {sentence}", file=sys.stderr)
     places = {name: proposal.point for name, proposal in proposals.items()}
     kind = _kind(options.output)
     confidence = {name: proposal.confidence for name, proposal in proposals.items()}
@@ -56,5 +59,6 @@ def _proposed(options: argparse.Namespace) -> bytes:
         document = json.loads(content) | {"proposed": True, "error_mm": errors}
         reasons = {name: each.reason for name, each in proposals.items() if each.reason}
         document |= {"reason": reasons} if reasons else {}
+        document |= {"not_proposed": dict(proposals.not_proposed)} if proposals.not_proposed else {}
         content = (json.dumps(document, indent=1) + "\n").encode()
     return content

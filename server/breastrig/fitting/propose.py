@@ -48,6 +48,7 @@ class Proposal:
     error: float | None = None  # m, radius that holds the true place with 90 %; None: nobody knows it for this model
     reason: str | None = None  # what shows it beside the form of the body, in a few words
     areola: ObservedAreola | None = None  # around a nipple that colour shows
+    to_skin: float = 0.0  # m, to the nearest of the scan's vertices
 
 
 def confidence_of(error: float) -> float:
@@ -62,7 +63,7 @@ def propose_landmarks(
     orientation: ScanOrientation | None = None,
     coloured: Scan | None = None,
 ) -> dict[str, Proposal]:
-    """All landmarks of the rig on a scan; `orientation` when it is known already.
+    """All landmarks of the rig on a scan, those too that it does not show; `orientation` when it is known already.
 
     `coloured` is the scan as it was read, of which only the colours are looked at (observed/landmarks.py).
     """
@@ -94,11 +95,13 @@ def propose_landmarks(
             proposals[name] = Proposal(each.place, sure, True, HOLDS_90 * each.error, each.reason, areola_of(each))
             continue
         observation = posterior.relief.get(name)
-        on_scan = _is_near(scan, places[k]) if name in by_form else bool(seen[k])
+        to_skin = _to_skin(scan, places[k])
+        is_near = to_skin <= ON_SKIN.max_distance  # a shoulder's edge tells of its tip
+        on_scan = is_near if name in by_form else bool(seen[k])
         radius = None if known is None else known.landmarks[name]
         confidence = confidence_of(UNKNOWN if radius is None else radius / HOLDS_90)
         reason = None if observation is None else observation.reason
-        proposals[name] = Proposal(places[k], round(confidence, 2), on_scan, radius, reason)
+        proposals[name] = Proposal(places[k], round(confidence, 2), on_scan, radius, reason, to_skin=to_skin)
     return proposals
 
 
@@ -115,9 +118,9 @@ def expected_places(posterior: Posterior, by_colour: Mapping[str, Array]) -> Arr
     return np.array([*expected.values()])
 
 
-def _is_near(scan: PreparedScan, place: Array) -> bool:
-    """A shoulder's edge tells where its tip is even where the scan ends before it."""
-    return bool(np.isfinite(scan.target.vertex_tree.query(place, distance_upper_bound=ON_SKIN.max_distance)[0]))
+def _to_skin(scan: PreparedScan, place: Array) -> float:
+    """m, to the nearest of the scan's vertices."""
+    return float(scan.target.vertex_tree.query(place)[0])
 
 
 def _fitted(task: FitTask) -> tuple[FitTask, RigParameters]:

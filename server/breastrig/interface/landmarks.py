@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,6 +11,7 @@ from numpy.typing import ArrayLike
 from breastrig.core.arrays import Array, frozen
 from breastrig.core.errors import BadLandmarks
 from breastrig.core.picks import Picks
+from breastrig.core.proposed import why_not_proposed
 from breastrig.interface.model import Model, loaded
 from breastrig.interface.one_thread import one_thread
 from breastrig.interface.scan import Scan, ScanSource
@@ -23,27 +25,37 @@ class Proposal:
 
     point: Array  # (3,) in the scan's unit and frame
     confidence: float  # 0 to 1; a person's own pick is 1
-    on_scan: bool  # on skin that the scan shows
+    on_scan: bool  # on skin that the scan shows; false where a breast or the scan's end hides it, and skin is near
     error: float | None = None  # in the scan's unit: the radius that holds the true place with 90 %; None: not known
     reason: str | None = None  # what shows it beside the body's form, as "areola seen"
+
+
+class Proposals(dict[str, Proposal]):
+    """Name -> Proposal; `not_proposed` says of every other landmark of the model why it is not there, in a sentence."""
+
+    def __init__(self, proposed: Mapping[str, Proposal], not_proposed: Mapping[str, str]) -> None:
+        super().__init__(proposed)
+        self.not_proposed = MappingProxyType(dict(not_proposed))
 
 
 Landmarks = Mapping[str, ArrayLike | Proposal] | str | Path | None
 
 
-def propose_landmarks(scan: Scan | str | Path, *, units: str = "auto", model: Model = None) -> dict[str, Proposal]:
-    """A first guess of every landmark of the model, to be checked by a person: name -> Proposal.
+def propose_landmarks(scan: Scan | str | Path, *, units: str = "auto", model: Model = None) -> Proposals:
+    """A first guess of every landmark that the scan shows, to be checked by a person: name -> Proposal.
 
     Each `point` (3,) and its `error` are in the scan's unit and frame.  `units` belongs to a path, as in `read_scan`.
     `fit` takes the answer, whole or in part, as its landmarks, but is not pulled by what is only proposed: it comes
     from the same scan.  What a person has checked is given as a place: `proposal.point`.
+    The answer's `not_proposed` names the other landmarks, each with a sentence why.
 
     Raises BadScan or another BadInput with one sentence.
     """
     found, _ = ScanSource(scan, units).read()
     with one_thread():
-        proposals = propose_on_scan(loaded(model), found)
-    return {
+        guesses = propose_on_scan(loaded(model), found)
+    why = {name: why_not_proposed(each.to_skin, each.error) for name, each in guesses.items()}
+    proposed = {
         name: Proposal(
             frozen(each.point / found.metres_per_unit),
             each.confidence,
@@ -51,8 +63,10 @@ def propose_landmarks(scan: Scan | str | Path, *, units: str = "auto", model: Mo
             None if each.error is None else each.error / found.metres_per_unit,
             each.reason,
         )
-        for name, each in proposals.items()
+        for name, each in guesses.items()
+        if why[name] is None
     }
+    return Proposals(proposed, {name: reason for name, reason in why.items() if reason is not None})
 
 
 def landmarks_in_mm(given: Landmarks, scan: ScanSource, certain: Sequence[str] = ()) -> Picks:

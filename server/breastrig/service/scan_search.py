@@ -197,7 +197,7 @@ Proposer = Callable[[ProposeJob], dict[str, Any]]
 
 
 class Proposals(ScanSearch):
-    """{name: {point (mm), confidence, on_scan, error_mm}} of each scan, by model and by what is cut out by hand."""
+    """What `propose_on_file` found on each scan, by model and by what is cut out by hand."""
 
     what = "Finding landmarks"
     instead = "Place them by hand."

@@ -79,7 +79,7 @@ proposals = Table(
     metadata,
     Column("scan", String(32), ForeignKey("scans.id", ondelete="CASCADE"), primary_key=True),
     Column("model_sha256", String(64), nullable=False),  # of the model that proposed, and the cuts
-    Column("json", Json, nullable=False),  # {name: {point, confidence, on_scan, error_mm}}, mm, scan frame
+    Column("json", Json, nullable=False),  # {name: {point, confidence, on_scan, error_mm, ...}}, mm, scan frame
 )
 
 ink = Table(

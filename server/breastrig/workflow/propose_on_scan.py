@@ -27,7 +27,7 @@ def propose_on_scan(rig: Rig, scan: Scan, orientation: ScanOrientation | None = 
 
 
 def propose_on_file(job: ProposeJob) -> dict[str, Any]:
-    """{name: {point (mm), confidence, on_scan, error_mm, reason}}, ready for JSON.
+    """{name: {point (mm), confidence, on_scan, error_mm, reason, to_skin_mm}}, ready for JSON.
 
     Raises a BreastRigError with a sentence.
     """
@@ -44,6 +44,7 @@ def propose_on_file(job: ProposeJob) -> dict[str, Any]:
             "on_scan": proposal.on_scan,
             "error_mm": None if proposal.error is None else round(1e3 * proposal.error, 1),
             "reason": proposal.reason,
+            "to_skin_mm": round(1e3 * proposal.to_skin, 1),
         }
         for name, proposal in proposals.items()
     }

@@ -1040,7 +1040,7 @@ export type ProposedLandmark = {
   point: [number, number, number];
   /** 1 is sure; one half is about 10 mm off */
   confidence: number;
-  /** false where the scan shows no skin and only the model knows */
+  /** on skin that the scan shows, as all are that are proposed */
   on_scan: boolean;
   /** radius that holds the true place with 90 %; null where it is not known */
   error_mm?: number | null;
@@ -1051,6 +1051,8 @@ export type ProposedLandmark = {
 export type ProposedLandmarks = {
   unit?: "mm";
   landmarks: Record<string, ProposedLandmark>;
+  /** names of the model's other landmarks, each with why, a sentence */
+  not_proposed: Record<string, string>;
 };
 
 /** What a person has to say; the request is sent again with that field. */

@@ -165,15 +165,23 @@ function makeProposals(actions: LandmarkActions, search: ProposalSearch) {
   let seen: readonly string[] = [];
   const take = button("", () => actions.confirm(seen), "quiet outlined");
   const again = button(text.proposals.again, () => void search.look(), "quiet outlined");
-  const element = el("div", { class: "proposals", hidden: true }, el("p", {}, words, room), take, again);
+  const missing = el("div", { class: "muted small" });
+  const element = el("div", { class: "proposals", hidden: true }, el("p", {}, words, room), take, again, missing);
   return {
     element,
     update({ meta, proposals, active }: Shown, open: readonly OpenProposal[]): void {
       const isNone = proposals?.state === "none";
       seen = open.filter(isSeen).map(({ name }) => name);
+      const absent = proposals?.state === "found" ? Object.entries(proposals.not_proposed) : [];
       const rough = open.filter((proposal) => !isLikely(proposal)).length;
-      show(element, proposals?.state === "looking" || isNone || open.length > 0);
-      const found = text.proposals.found(open.length, rough);
+      show(element, proposals?.state === "looking" || isNone || open.length > 0 || absent.length > 0);
+      fill(missing, absent, () =>
+        [...new Set(absent.map(([, why]) => why))].map((reason) => {
+          const names = new Set(absent.filter(([, why]) => why === reason).map(([name]) => name));
+          return el("p", {}, text.proposals.notProposed((meta?.landmarks ?? []).filter(({ name }) => names.has(name)).map(text.landmarks.spoken), reason));
+        }),
+      );
+      const found = open.length === 0 ? "" : text.proposals.found(open.length, rough);
       setText(room, text.proposals.found(meta?.landmarks.length ?? 0, 1));
       setText(words, proposals?.state === "none" ? text.proposals.none(proposals.reason) : proposals?.state === "looking" ? text.proposals.looking : found);
       show(take, seen.length > 0 && active !== null); // else the large button offers it

@@ -88,6 +88,7 @@ export const proposals = {
     const doubtful = rough === 0 ? "" : rough === 1 ? " One is a rough guess: check it by itself." : ` ${rough} are rough guesses: check each.`;
     return `${plural(count, "proposal", "proposals")}, dashed; ± mm holds 90 of 100 true places. One that you agree to keeps its error until you move it, or confirm it close up.${doubtful}`;
   },
+  notProposed: (labels: readonly string[], reason: string) => `Not proposed: ${labels.join("; ")}. ${reason}`,
   none: (reason: string) => `No proposals: ${reason}`,
   late: "The service is still busy with it.",
   again: "Ask again",

@@ -5,7 +5,7 @@ import { startHistory } from "../../src/store/history";
 
 const proposal = { point: [1, 2, 3], error_mm: 12, on_scan: true } as ProposedLandmark;
 const nothing = { active: "nipple_L", picks: startHistory({}), proposals: null, fit: null };
-const proposals = { state: "found", landmarks: { nipple_L: proposal } } as const;
+const proposals = { state: "found", landmarks: { nipple_L: proposal }, not_proposed: {} } as const;
 const fit = { started: null, picks: null, result: { landmarks: { nipple_L: [0.1, 0.2, 0.3] as [number, number, number] }, scan: { unit: "m" } } };
 
 test("a landmark is expected where it was placed, else where the fit has it, else where it is proposed, else nowhere", () => {

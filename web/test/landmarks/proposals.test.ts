@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { page } from "../fakes";
 import { ApiError } from "../../src/api/client";
-import type { ProposedLandmark, Vector } from "../../src/api/types";
+import type { ProposedLandmark, ProposedLandmarks, Vector } from "../../src/api/types";
 import { nextStep } from "../../src/app/nextStep";
 import { certainNames } from "../../src/landmarks/certain";
 import { isLookedAt, onlyAgreed } from "../../src/landmarks/proposals/agreed";
@@ -17,7 +17,7 @@ const at = (point: Vector, error_mm: number | null = 16, on_scan = true): Propos
 const landmarks = { nipple_L: at([90, 0, 0]), nipple_R: at([-90, 0, 0]), umbilicus: at([0, -200, 0], 58), suprasternal_notch: at([0, 200, 0], 12, false) };
 
 async function found(...rest: Parameters<typeof page>) {
-  const made = page({ proposed: async () => ({ landmarks }), ...rest[0] });
+  const made = page({ proposed: async () => ({ landmarks, not_proposed: {} }), ...rest[0] });
   await made.actions.scan.open("s1", null);
   made.actions.page.goTo("landmarks");
   await vi.advanceTimersByTimeAsync(0);
@@ -45,7 +45,7 @@ test("proposals come when landmarks are the matter, stay open, and go into no fi
 
 test("the primary button takes those that colour shows; then it fits, and whoever wants to checks the others one by one", async () => {
   const seen = { ...landmarks, nipple_L: at([90, 0, 0], 4), nipple_R: at([-90, 0, 0], 5) };
-  const { store, actions } = await found({ proposed: vi.fn().mockResolvedValue({ landmarks: seen }) });
+  const { store, actions } = await found({ proposed: vi.fn().mockResolvedValue({ landmarks: seen, not_proposed: {} }) });
   const next = nextStep(store.get());
   expect(next).toEqual({ kind: "confirm", names: ["nipple_L", "nipple_R"] });
   if (next.kind === "confirm") actions.landmarks.confirm(next.names);
@@ -106,10 +106,10 @@ test("a refusal is shown with its reason, not asked again by itself, but on requ
 });
 
 test("proposals for a scan that has gone are dropped", async () => {
-  let late: (answer: { landmarks: typeof landmarks }) => void = () => undefined;
+  let late: (answer: ProposedLandmarks) => void = () => undefined;
   const { store, actions } = await found({ proposed: () => new Promise((done) => (late = done)) });
   await actions.scan.open("s2", null);
-  late({ landmarks });
+  late({ unit: "mm", landmarks, not_proposed: {} });
   await vi.advanceTimersByTimeAsync(0);
   expect(store.get().proposals).toBeNull();
 });
@@ -117,7 +117,7 @@ test("proposals for a scan that has gone are dropped", async () => {
 test("proposals that come late say only what is open still, and nothing over what was said meanwhile", async () => {
   const proposed = async () => {
     await new Promise((done) => setTimeout(done, 3000));
-    return { landmarks };
+    return { landmarks, not_proposed: {} };
   };
   const made = page({ proposed });
   await made.actions.scan.open("s1", null);
@@ -153,7 +153,7 @@ test("agreeing is weak: the pick stays unsure until it is moved, or confirmed wh
 });
 
 test("a point that is felt and not seen stays agreed to however near the eye is", async () => {
-  const { store, actions } = await found({ proposed: async () => ({ landmarks: { acromion_L: at([150, 200, 0]), nipple_L: at([90, 0, 0]) } }) });
+  const { store, actions } = await found({ proposed: async () => ({ landmarks: { acromion_L: at([150, 200, 0]), nipple_L: at([90, 0, 0]) }, not_proposed: {} }) });
   actions.landmarks.seenBy(() => true);
   actions.landmarks.confirm(["acromion_L", "nipple_L"]);
   expect(onlyAgreed(store.get())).toEqual({ acromion_L: 0.5 });

@@ -14,6 +14,7 @@ from breastrig.api.place_checks import check_landmarks, picks_of_file
 from breastrig.api.wire import common as wire
 from breastrig.core.errors import NotFound
 from breastrig.core.picks import Picks
+from breastrig.core.proposed import why_not_proposed
 from breastrig.scan.file_type import ENDINGS, UNKNOWN
 from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES
 from breastrig.scan.volumes.answers import checked_answers, segments_of_json
@@ -217,7 +218,7 @@ def replace_cuts(scan_id: str, json_data: wire.CutsFile, headers_data: wire.Cuts
     responses={202: "Still being looked for; ask again after Retry-After seconds", 422: "None can be proposed"},
 )
 def propose_landmarks(scan_id: str) -> wire.ProposedLandmarks | Response:
-    """Landmarks that the model proposes on this scan, mm
+    """Landmarks that the model proposes on this scan, mm; what the scan does not show is not proposed
 
     The first call answers once they are found, most often within a second; later calls answer at once.
     A large scan on a busy machine may take longer than a request should: then 202 comes first.  Proposals are for
@@ -230,7 +231,7 @@ def propose_landmarks(scan_id: str) -> wire.ProposedLandmarks | Response:
     found = context.service.proposals.of(row, context.model_of(row.facts).rig.sha256, context.config.proposal_wait_s)
     if found is None:
         return Response(status=202, headers={"Retry-After": "1"})
-    return wire.ProposedLandmarks(landmarks=found)
+    return _proposed(found)
 
 
 @scans.get("/<scan_id>/ink")
@@ -268,6 +269,19 @@ def drop_ink(scan_id: str, json_data: wire.InkChange) -> wire.Ink:
     They stay among the found lines, marked as dropped, until this is taken back.
     """
     return wire.Ink.model_validate(app_context().service.ink.mark_dropped(scan_id, json_data.dropped))
+
+
+def _proposed(found: dict[str, Any]) -> wire.ProposedLandmarks:
+    """Without those that the scan does not show."""
+    landmarks, not_proposed = {}, {}
+    for name, each in found.items():
+        to_skin_mm = each.get("to_skin_mm", 0.0)  # earlier versions have not kept it
+        why = why_not_proposed(1e-3 * to_skin_mm, None if each["error_mm"] is None else 1e-3 * each["error_mm"])
+        if why is None:
+            landmarks[name] = {key: value for key, value in each.items() if key != "to_skin_mm"}
+        else:
+            not_proposed[name] = why
+    return wire.ProposedLandmarks.model_validate({"landmarks": landmarks, "not_proposed": not_proposed})
 
 
 def _tag(if_match: str | None) -> str | None:

@@ -223,7 +223,9 @@ class CutsHeaders(Headers):
 class ProposedLandmark(Wire):
     point: Three = Field(description="millimetres, the scan's own frame")
     confidence: float = Field(ge=0, le=1, description="1 is sure; one half is about 10 mm off")
-    on_scan: bool = Field(description="false where the scan shows no skin and only the model knows")
+    on_scan: bool = Field(
+        description="false where the scan shows skin near it only, as at a fold under a breast or beside the scan's end"
+    )
     error_mm: float | None = Field(
         None, description="radius that holds the true place with 90 %; null where it is not known"
     )
@@ -235,6 +237,7 @@ class ProposedLandmark(Wire):
 class ProposedLandmarks(Wire):
     unit: Literal["mm"] = "mm"
     landmarks: dict[str, ProposedLandmark]
+    not_proposed: dict[str, str] = Field(description="names of the model's other landmarks, each with why, a sentence")
 
 
 class InkShape(DrawnShape):

@@ -27,7 +27,7 @@ export function createProposalSearch(store: Store<State>, client: Client) {
       for (let tried = 0; tried < TRIES && isCurrent(); tried += 1) {
         const answer = await client.proposed(scan.info);
         if ("landmarks" in answer) {
-          const found: Proposals = { state: "found", landmarks: answer.landmarks };
+          const found: Proposals = { state: "found", landmarks: answer.landmarks, not_proposed: answer.not_proposed };
           const open = openProposals(found, store.get().picks.present);
           show(found, open.length > 0 ? text.proposals.announceFound(open.length) : undefined); // what is placed is no news
           return;

@@ -10,7 +10,7 @@ export type OpenProposal = ProposedLandmark & { readonly name: string };
 
 export type Proposals =
   | { readonly state: "looking" }
-  | { readonly state: "found"; readonly landmarks: Proposed }
+  | { readonly state: "found"; readonly landmarks: Proposed; readonly not_proposed: Readonly<Record<string, string>> }
   | { readonly state: "none"; readonly reason: string };
 
 const LIKELY_MM = 25; // of the body's fixed points nearly all; shoulder tips and navel want a look each
