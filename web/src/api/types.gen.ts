@@ -1040,7 +1040,7 @@ export type ProposedLandmark = {
   point: [number, number, number];
   /** 1 is sure; one half is about 10 mm off */
   confidence: number;
-  /** on skin that the scan shows, as all are that are proposed */
+  /** false where the scan shows skin near it only, as at a fold under a breast or beside the scan's end */
   on_scan: boolean;
   /** radius that holds the true place with 90 %; null where it is not known */
   error_mm?: number | null;
