@@ -54,7 +54,7 @@ def test_the_side_is_asked_and_the_answer_sent_with_the_file(client: FlaskClient
     assert asked.json is not None
     assert "does not say which side is left" in asked.json["detail"]
     question = asked.json["question"]
-    assert question["field"] == "frame"
+    assert (question["field"], question["problem"] in asked.json["detail"]) == ("frame", True)
     assert [each["value"] for each in question["choices"]][:4] == ["RAS", "LAS", "RAI", "LAI"]
     assert question["choices"][0]["lesions"][0]["side"] == "L"
     assert client.get("/api/scans").json == before

@@ -16,7 +16,7 @@ test("a file that is no scan is refused with the service's own sentence, and a g
   const text = info.outputPath("notes.doc");
   writeFileSync(text, "no scan at all\n");
   await page.locator("#scan-file").setInputFiles(text);
-  await expect(page.getByRole("alert").filter({ hasText: "“notes.doc” is not a 3D scan" })).toBeVisible();
+  await expect(page.getByRole("alert").filter({ hasText: "This file is no 3D scan that can be read" })).toBeVisible();
   await page.locator("#scan-file").setInputFiles(SCAN_FILE);
   await hook.ready(page);
   await expect(page.getByRole("alert").filter({ visible: true })).toHaveCount(0);

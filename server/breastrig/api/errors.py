@@ -100,7 +100,7 @@ def _title(status: int) -> str:
 def _breastrig_error(error: errors.BreastRigError) -> Response:
     status = next(status for kind, status in STATUS if isinstance(error, kind))
     headers = {"Retry-After": str(error.retry_after_s)} if isinstance(error, errors.TooMany) else {}
-    question = error.question if isinstance(error, errors.NeedsAnswer) else None
+    question = {"problem": error.problem, **error.question} if isinstance(error, errors.NeedsAnswer) else None
     return problem(status, str(error), headers=headers, question=question)
 
 

@@ -28,6 +28,7 @@ import type {
   PredictionRequest,
   Problem,
   ProposedLandmarks,
+  Question,
   Result,
   Scan,
   Share,
@@ -38,12 +39,21 @@ import type {
   StoredPlan,
   UnitChoice,
   Vector,
+  VolumeAnswers,
 } from "./types";
+
+/** What is sent with a scan's file: its unit, for which model, of which patient where it is no new one. */
+export interface UploadFields extends VolumeAnswers {
+  readonly units: UnitChoice;
+  readonly model: string | undefined;
+  readonly patient?: string | undefined;
+}
 
 export class ApiError extends Error {
   constructor(
     message: string,
     readonly status: number,
+    readonly question: Question | null = null, // what a person has to say before it is taken
   ) {
     super(message);
   }
@@ -61,7 +71,7 @@ function problemOf(status: number, body: string): ApiError {
   try {
     const problem = JSON.parse(body) as Partial<Problem>;
     const sentence = problem.detail ?? problem.title;
-    if (sentence) return new ApiError(problem.errors?.length ? text.notTaken(sentence) : sentence, status);
+    if (sentence) return new ApiError(problem.errors?.length ? text.notTaken(sentence) : sentence, status, problem.question ?? null);
   } catch {
     // not JSON: a proxy or a crash answered, and its page would help nobody
   }
@@ -229,11 +239,12 @@ export const client = {
 export type Client = typeof client;
 
 /** Sends a scan; `progress` gets the share that has left this machine (fetch does not report it, hence XMLHttpRequest). */
-function upload(file: File, units: UnitChoice, model: string | undefined, progress: (share: number) => void): Promise<Scan> {
+function upload(file: File, said: UploadFields, progress: (share: number) => void): Promise<Scan> {
   return new Promise((resolve, reject) => {
     const form = new FormData();
-    form.append("units", units);
-    if (model !== undefined) form.append("model", model);
+    const { segments, ...words } = said;
+    for (const [name, value] of Object.entries(words)) if (value !== undefined) form.append(name, value);
+    if (segments !== undefined) form.append("segments", JSON.stringify(segments));
     form.append("file", file);
     const request = new XMLHttpRequest();
     request.open("POST", "/api/scans");

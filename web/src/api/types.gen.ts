@@ -1057,6 +1057,8 @@ export type ProposedLandmarks = {
 
 /** What a person has to say; the request is sent again with that field. */
 export type Question = {
+  /** what the file does not say, without the choices */
+  problem: string;
   /** name of the field that answers */
   field: string;
   choices: Choice[];

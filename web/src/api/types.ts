@@ -64,6 +64,16 @@ export type StoredLandmarks = wire.LandmarkFile & { readonly seen?: string | nul
 export type Stance = wire.ResultFile["stance"];
 export type StanceChoice = wire.Fit["stance"];
 export type Frame = Pick<wire.Frame, "up" | "front">;
+export type Question = NonNullable<wire.Problem["question"]>;
+export type Segment = NonNullable<wire.Scan["segments"]>[number];
+export type TakenAs = Segment["taken_as"];
+
+/** What a person says of a label map where its file does not: which way it lies, and what its segments are. */
+export interface VolumeAnswers {
+  readonly frame?: string;
+  readonly segments?: Readonly<Record<number, TakenAs>>;
+}
+
 /** A scan from the example also brings the example's landmarks. */
 export type ExampleScan = wire.Scan & Partial<Pick<wire.ExampleScan, "example_landmarks">>;
 export type Example = wire.ExampleEntry;

@@ -113,6 +113,11 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
     (state: Pick<Session, "problems" | "share">) => state.share.isOpen,
     async () => (await import("../share/ShareDialog")).createShareDialog(actions.share, () => dismiss("share")),
   );
+  const question = later(
+    only("asked"),
+    ({ asked }: Pick<Session, "asked">) => asked !== null,
+    async () => (await import("../scan/QuestionDialog")).createQuestionDialog(actions.scan),
+  );
   const leave = createLeaveDialog(actions.leaving);
   const deleting = later(
     only("isAskingToDelete", "scan", "picks", "drawn", "drawing", "fit", "meta", "stances"),
@@ -144,7 +149,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const footer = el("footer", { class: "footer" }, el("strong", {}, notice), el("span", { class: "spring" }), version);
 
   return {
-    elements: [top.element, steps.element, host, other.element, aside, timeline.element, footer, help.element, share.element, adding.element, measures.element, leave.element, deleting.element, unsaved.element, live],
+    elements: [top.element, steps.element, host, other.element, aside, timeline.element, footer, help.element, share.element, adding.element, measures.element, question.element, leave.element, deleting.element, unsaved.element, live],
     ink,
     stages: { main: { host, canvas, overlay }, other: other.stage, picture: guide.canvas, light: guide.light },
     follow(store): void {
@@ -190,6 +195,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(adding);
       on(measures);
       on(other);
+      on(question);
       on(leave);
       on(deleting);
       on(deleted);

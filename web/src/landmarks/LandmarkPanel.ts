@@ -178,7 +178,7 @@ function makeProposals(actions: LandmarkActions, search: ProposalSearch) {
       fill(missing, absent, () =>
         [...new Set(absent.map(([, why]) => why))].map((reason) => {
           const names = new Set(absent.filter(([, why]) => why === reason).map(([name]) => name));
-          return el("p", {}, text.proposals.notProposed((meta?.landmarks ?? []).filter(({ name }) => names.has(name)).map(text.landmarks.spoken), reason));
+          return el("p", {}, text.proposals.notProposed((meta?.landmarks ?? []).filter(({ name }) => names.has(name)).map((entry) => text.landmarks.spoken(entry)), reason));
         }),
       );
       const found = open.length === 0 ? "" : text.proposals.found(open.length, rough);

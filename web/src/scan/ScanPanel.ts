@@ -8,6 +8,7 @@ import { formatCm, formatCount } from "../ui/units";
 import { sizeIn, type Turn } from "../viewer/frame";
 import type { ScanActions } from "./actions";
 import { createCropRow } from "./CropRow";
+import { createSegmentList } from "./SegmentList";
 import type { ScanSlice } from "./state";
 import * as text from "./text";
 
@@ -30,6 +31,7 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
     made.title = text.scan.turnHints[turn];
     return made;
   });
+  const segments = createSegmentList(actions);
   const crop = createCropRow(actions);
   const check = el("p", { class: "look-here", hidden: true }, text.scan.check);
   const doubt = el("p", { class: "look-here", role: "status", hidden: true });
@@ -42,6 +44,7 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
     wrong.element,
     check,
     doubt,
+    segments.element,
     facts,
     el("details", { class: "why" }, el("summary", {}, text.scan.why), reasons),
     again.element,
@@ -77,6 +80,7 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
         const sentences = [info.unit_reason, info.stance.reason, facing, ...info.notes].filter((sentence) => sentence !== "");
         return sentences.map((sentence) => el("p", {}, sentence));
       });
+      segments.update(state.scan, state.isUnconfirmed);
       crop.update(state);
       show(check, state.isUnconfirmed);
       setText(doubt, info.size_doubt ?? "");

@@ -1,6 +1,6 @@
 // Bringing a scan in: from a file, from the example, from the address; and turning it upright.
-import { ApiError, type Client } from "../api/client";
-import type { Cut, Cuts, ExampleScan, Frame, Scan, UnitChoice } from "../api/types";
+import { ApiError, type Client, type UploadFields } from "../api/client";
+import type { Cut, Cuts, ExampleScan, Frame, Question, Scan, TakenAs, UnitChoice, VolumeAnswers } from "../api/types";
 import { type History, record, redo, startHistory, undo } from "../store/history";
 import type { PageSlice } from "../store/page";
 import type { Outbox } from "../store/outbox";
@@ -44,6 +44,15 @@ interface Waiting {
   readonly cuts: readonly Cut[];
 }
 
+/** What has been brought, and what else is known of it. */
+interface Brought {
+  readonly info: ExampleScan;
+  readonly file: File | null;
+  readonly own: Frame | null;
+  readonly answers?: VolumeAnswers;
+  readonly isNew?: boolean;
+}
+
 export function scanActions(store: Store<State>, client: Client, contents: ScanContents, onLandmarks: () => void, outbox: Outbox) {
   let saving = Promise.resolve(); // one after the other: the last one stays
   let known: Cuts = { cuts: [], digest: "" }; // what the service was last seen to keep of the scan's cuts
@@ -51,7 +60,7 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
   let generation = 0; // the scan asked for last wins over slower, earlier ones
 
   /** Shows `info` as the page's scan; everything that belonged to the one before is dropped. */
-  async function adopt(info: ExampleScan, title: string, file: File | null, own: Frame | null, isNew: boolean, mine: number): Promise<void> {
+  async function adopt({ info, file, own, answers = {}, isNew = false }: Brought, title: string, mine: number): Promise<void> {
     const before = store.get().meta;
     const ofModel = before !== null && before.model.name !== info.model ? client.meta(info.model) : before;
     const [mesh, kept, { cuts, digest }, meta] = await Promise.all([client.mesh(info), contents.read(info, isNew), client.cuts(info), ofModel]);
@@ -69,6 +78,7 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
         title,
         mesh,
         file,
+        answers,
         ...(own ? { frame: tidyFrame(own), frameFrom: "person" } : kept.stands),
         example: info.example_landmarks ?? null,
         crops: startHistory(crops),
@@ -83,13 +93,17 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     if (waiting && scan) saving = saving.then(() => saveCrops(scan));
   }
 
-  async function bring(title: string, ask: () => Promise<{ info: ExampleScan; file: File | null; own: Frame | null; isNew?: boolean }>): Promise<boolean> {
+  /** `ask` gives null when a person has called it off. */
+  async function bring(title: string, ask: () => Promise<Brought | null>): Promise<boolean> {
+    answer(null); // of what was being brought until now
     const mine = ++generation;
     store.set((state) => ({ loading: { phase: "preparing", share: 0, title }, ...withProblem(state, "scan", null) }));
     try {
-      const { info, file, own, isNew = false } = await ask();
-      if (mine === generation) await adopt(info, title, file, own, isNew, mine);
-      return mine === generation;
+      const brought = await ask();
+      if (mine !== generation) return false;
+      if (brought) await adopt(brought, title, mine);
+      else store.set({ ...contents.interrupted(), loading: null });
+      return brought !== null && mine === generation;
     } catch (error) {
       if (mine === generation) {
         const gone = error instanceof ApiError && error.status === 404;
@@ -172,7 +186,35 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
 
   let chosen = Promise.resolve(); // until the model of what is brought next is known
 
-  function upload(file: File, units: UnitChoice = store.get().units): Promise<boolean> {
+  let answered: (value: string | null) => void = () => undefined; // whoever waits for the answer to what is asked
+
+  function answer(value: string | null): void {
+    store.set({ asked: null });
+    answered(value);
+  }
+
+  const askPerson = (asked: Question): Promise<string | null> =>
+    new Promise((done) => {
+      answered = done;
+      store.set({ asked });
+    });
+
+  /** With what a person answers where the file leaves something open; null when that is called off. */
+  async function send(file: File, said: UploadFields, progress: (share: number) => void, mine: number): Promise<Brought | null> {
+    try {
+      const info = await client.upload(file, said, progress);
+      const { units: _units, model: _model, patient: _patient, ...answers } = said;
+      return { info, file, own: null, answers, isNew: true };
+    } catch (error) {
+      const question = error instanceof ApiError ? error.question : null;
+      if (question?.field !== "frame" || mine !== generation) throw error;
+      const frame = await askPerson(question);
+      return frame === null ? null : send(file, { ...said, frame }, progress, mine);
+    }
+  }
+
+  /** `instead`: that scan, with which nothing has been done, is read anew and deleted. */
+  function upload(file: File, units: UnitChoice = store.get().units, answers: VolumeAnswers = {}, instead: Scan | null = null): Promise<boolean> {
     const title = text.uploaded;
     store.set({ units });
     return bring(title, async () => {
@@ -184,7 +226,10 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
       progress(0);
       await chosen;
       await checkReadable(file);
-      return { info: await client.upload(file, units, store.get().meta?.model.name, progress), file, own: null, isNew: true };
+      const said: UploadFields = { units, model: store.get().meta?.model.name, patient: instead?.patient, ...answers };
+      const brought = await send(file, said, progress, mine);
+      if (brought && instead && mine === generation) await client.deleteScan(instead);
+      return brought;
     });
   }
 
@@ -203,6 +248,17 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
       const isThere = await upload(file);
       if (isThere && files.length > 1) store.set((state) => withProblem(state, "scan", text.errors.oneOf(files.length)));
       return isThere;
+    },
+
+    /** What the file does not say, as a person knows it; null calls the upload off. */
+    answer,
+
+    /** By their numbers, as what segments of the label map are to be taken: its file is read again so. */
+    takeSegments(chosen: Readonly<Record<number, TakenAs>>): Promise<boolean> {
+      const { scan, units } = store.get();
+      if (!scan?.file) return Promise.resolve(false);
+      const segments = { ...scan.answers?.segments, ...chosen };
+      return upload(scan.file, units, { ...scan.answers, segments }, scan.info);
     },
 
     takeExample(name: string): Promise<boolean> {
@@ -234,6 +290,7 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
 
     /** Back to the empty page; the scan itself stays with the service. */
     leave(): Promise<boolean> {
+      answer(null);
       generation += 1;
       contents.stop();
       store.set({ ...contents.none(), scan: null, loading: null, step: "scan", problems: {} });

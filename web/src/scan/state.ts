@@ -1,5 +1,5 @@
 // The scan on the page, and how it came there.
-import type { Frame, LandmarkFile, Scan, UnitChoice } from "../api/types";
+import type { Frame, LandmarkFile, Question, Scan, UnitChoice, VolumeAnswers } from "../api/types";
 import type { History } from "../store/history";
 import type { Crops } from "./crop";
 
@@ -10,6 +10,7 @@ export interface ScanState {
   readonly frame: Frame;
   readonly frameFrom: "service" | "landmarks" | "fit" | "person"; // who says so; the last of these wins
   readonly file: File | null; // kept, so that another unit needs no second choosing
+  readonly answers?: VolumeAnswers; // with which that file was read
   readonly example: LandmarkFile | null;
   readonly crops?: History<Crops>; // what is cut away by hand
   readonly cuts?: string | null; // which cuts the service keeps, as fits say with which they were made; null: not known yet
@@ -18,6 +19,7 @@ export interface ScanState {
 
 export interface ScanSlice {
   readonly loading: { readonly phase: "sending" | "preparing"; readonly share: number; readonly title: string } | null;
+  readonly asked: Question | null; // what its file does not say: nothing is uploaded before a person has
   readonly scan: ScanState | null;
   readonly confirmed: string | null; // the scan whose size and direction a person has called right
   readonly showColours: boolean;
@@ -28,7 +30,7 @@ export interface ScanSlice {
   readonly units: UnitChoice;
 }
 
-export const initialScan: ScanSlice = { loading: null, scan: null, confirmed: null, showColours: true, showLoose: false, showRelief: true, isCropping: false, pointedCut: null, units: "auto" };
+export const initialScan: ScanSlice = { loading: null, asked: null, scan: null, confirmed: null, showColours: true, showLoose: false, showRelief: true, isCropping: false, pointedCut: null, units: "auto" };
 
 const plain = (words: string): string => words.normalize("NFKD").replace(/[^\x20-\x7e]/g, "").replace(/[^A-Za-z0-9]+/g, "-").replace(/^-|-$/g, "");
 

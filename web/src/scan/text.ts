@@ -50,6 +50,26 @@ export const units = {
   ft: "Feet",
 };
 
+export const question = {
+  title: "Which side is the patient's left?",
+  how: "The patient faces you in each picture, lesions are ringed. Choose the picture that shows the patient as you know the patient; if you do not know, cancel and look at the original images.",
+  left: "patient's left",
+  right: "patient's right",
+  cancel: "Cancel, upload nothing",
+};
+
+export const segments = {
+  title: "Segments of this label map",
+  taken: { lesion: "Lesion", tissue: "Tissue", unused: "Not used" },
+  takeAs: (name: string) => `Take ${name} as`,
+  own: (label: string) => `“${label}”`,
+  across: (mm: string) => `${mm} mm across`,
+  again: "Read the file again with these choices",
+  fixed: "To take its segments otherwise, load the file again.",
+  none: "This label map shows no lesion: none of its segments was taken for one. If one is, choose it below.",
+  noneAnyMore: "This label map shows no lesion: none of its segments was taken for one. If one is, load the file again and choose it.",
+};
+
 export const loading = {
   sending: (title: string) => `Sending ${title}`,
   preparing: (title: string) => `Reading and checking ${title}`,

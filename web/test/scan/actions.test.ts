@@ -1,8 +1,8 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { page, scanInfo, withScan } from "../fakes";
 import * as text from "../../src/scan/text";
-import { ApiError } from "../../src/api/client";
-import type { Meta, Scan } from "../../src/api/types";
+import { ApiError, type UploadFields } from "../../src/api/client";
+import type { Meta, Question, Scan } from "../../src/api/types";
 
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => {
@@ -15,7 +15,7 @@ const file = (name = "scan.ply"): File => new File(["ply"], name);
 test("an upload brings the scan, and its progress is shown on the way", async () => {
   const phases: (string | undefined)[] = [];
   const { store, actions } = page({
-    upload: async (_file, _units, _model, progress) => {
+    upload: async (_file, _said, progress) => {
       progress(0.5);
       progress(1);
       return scanInfo("s2");
@@ -36,7 +36,7 @@ test("a scan of another model brings what that model has; it is uploaded for the
       asked.push(name);
       return male;
     },
-    upload: async (_file, _units, model = "") => ({ ...scanInfo("s2"), model }),
+    upload: async (_file, { model = "" }) => ({ ...scanInfo("s2"), model }),
     scan: async (id) => ({ ...scanInfo(id), model: "male" }),
   });
   await actions.scan.open("s1", null);
@@ -97,4 +97,75 @@ test("the scan asked for last wins over a slower, earlier one", async () => {
   slow(scanInfo("late"));
   await first;
   expect(store.get().scan?.info.id).toBe("s9");
+});
+
+const question = { problem: "This file does not say which side is left", field: "frame", choices: [{ value: "RAS", text: "left" }, { value: "LAS", text: "right" }] } as unknown as Question;
+
+/** A service that asks before it takes the file. */
+function asking() {
+  const said: UploadFields[] = [];
+  const upload = vi.fn(async (_file: File, fields: UploadFields) => {
+    said.push(fields);
+    if (fields.frame === undefined) throw new ApiError("say which it is", 422, question);
+    return scanInfo(`s${said.length}`);
+  });
+  return { said, upload };
+}
+
+test("which side is left is asked; the answer goes with the same file, and nothing is taken for granted", async () => {
+  const { said, upload } = asking();
+  const { store, actions } = page({ upload });
+  const mri = file("mri.nii.gz");
+  const going = actions.scan.drop([mri]);
+  await vi.waitFor(() => expect(store.get().asked).toBe(question));
+  expect([said.length, store.get().scan]).toEqual([1, null]);
+  actions.scan.answer("LAS");
+  expect(await going).toBe(true);
+  expect(said.map(({ frame }) => frame)).toEqual([undefined, "LAS"]);
+  expect(upload.mock.calls.map(([sent]) => sent)).toEqual([mri, mri]);
+  expect([store.get().asked, store.get().scan?.info.id]).toEqual([null, "s2"]);
+});
+
+test("a question that is called off uploads nothing, and what was open stays", async () => {
+  const { said, upload } = asking();
+  const { store, actions } = await withScan({ upload });
+  const going = actions.scan.upload(file("mri.nii.gz"));
+  await vi.waitFor(() => expect(store.get().asked).toBe(question));
+  actions.scan.answer(null);
+  expect(await going).toBe(false);
+  expect([said.length, store.get().scan?.info.id, store.get().loading, store.get().asked, store.get().problems]).toEqual([1, "s1", null, null, {}]);
+});
+
+test("another scan that is opened meanwhile calls the question off", async () => {
+  const { said, upload } = asking();
+  const { store, actions } = page({ upload });
+  const going = actions.scan.upload(file("mri.nii.gz"));
+  await vi.waitFor(() => expect(store.get().asked).toBe(question));
+  await actions.scan.open("s9", null);
+  expect(await going).toBe(false);
+  expect([said.length, store.get().scan?.info.id, store.get().asked]).toEqual([1, "s9", null]);
+});
+
+test("segments taken otherwise: the file is read again with all that was said, for the same patient, and the first upload goes", async () => {
+  const { said, upload } = asking();
+  const { store, client, actions } = page({ upload });
+  const going = actions.scan.upload(file("mri.nii.gz"), "mm");
+  await vi.waitFor(() => expect(store.get().asked).toBe(question));
+  actions.scan.answer("RAS");
+  await going;
+  await actions.scan.takeSegments({ 2: "lesion" });
+  expect(said.at(-1)).toEqual({ units: "mm", model: "torso", patient: "of-s2", frame: "RAS", segments: { 2: "lesion" } });
+  expect(vi.mocked(client.deleteScan).mock.calls.map(([scan]) => scan.id)).toEqual(["s2"]);
+  await actions.scan.takeSegments({ 3: "unused" });
+  expect(said.at(-1)?.segments).toEqual({ 2: "lesion", 3: "unused" });
+  expect(store.get().scan?.info.id).toBe("s4");
+});
+
+test("segments that cannot be taken so leave the first upload where it is", async () => {
+  const upload = vi.fn().mockResolvedValueOnce(scanInfo("s2")).mockRejectedValueOnce(new ApiError("Segment 2 can be no lesion.", 422));
+  const { store, client, actions } = page({ upload });
+  await actions.scan.upload(file("mri.nii.gz"));
+  await actions.scan.takeSegments({ 2: "lesion" });
+  expect(client.deleteScan).not.toHaveBeenCalled();
+  expect([store.get().scan?.info.id, store.get().problems.scan]).toEqual(["s2", "Segment 2 can be no lesion."]);
 });

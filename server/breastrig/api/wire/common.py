@@ -489,6 +489,7 @@ class Choice(Wire):
 class Question(Wire):
     """What a person has to say; the request is sent again with that field."""
 
+    problem: str = Field(description="what the file does not say, without the choices")
     field: str = Field(description="name of the field that answers")
     choices: list[Choice]
 
