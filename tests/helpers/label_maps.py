@@ -204,7 +204,7 @@ def masks() -> dict[int, np.ndarray]:
     return {1: labels > 0, 2: labels == 2}
 
 
-def dicom_segmentation(labels: np.ndarray) -> bytes:
+def dicom_segmentation(labels: np.ndarray, low: np.ndarray = LOW, sizes: np.ndarray = SIZES) -> bytes:
     """DICOM SEG of body and lesion over an axial series with rows to the left and columns to the back."""
     study, series, frame = generate_uid(), generate_uid(), generate_uid()
     sources = []
@@ -217,9 +217,9 @@ def dicom_segmentation(labels: np.ndarray) -> bytes:
         each.PatientID = each.PatientName = each.PatientBirthDate = each.PatientSex = each.AccessionNumber = ""
         each.StudyID = each.StudyDate = each.StudyTime = each.ReferringPhysicianName = ""
         each.Modality, each.InstanceNumber, each.PositionReferenceIndicator = "MR", number + 1, ""
-        each.ImagePositionPatient = [*LOW[:2], LOW[2] + SIZES[2] * number]
+        each.ImagePositionPatient = [*low[:2], low[2] + sizes[2] * number]
         each.ImageOrientationPatient = [1, 0, 0, 0, 1, 0]
-        each.PixelSpacing, each.SliceThickness = [SIZES[1], SIZES[0]], SIZES[2]
+        each.PixelSpacing, each.SliceThickness = [sizes[1], sizes[0]], sizes[2]
         each.Rows, each.Columns = labels.shape[1], labels.shape[0]
         sources.append(each)
     described = [

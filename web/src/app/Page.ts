@@ -116,7 +116,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const question = later(
     only("asked"),
     ({ asked }: Pick<Session, "asked">) => asked !== null,
-    async () => (await import("../scan/QuestionDialog")).createQuestionDialog(actions.scan),
+    async () => (await import("../scan/volumes/QuestionDialog")).createQuestionDialog(actions.scan),
   );
   const leave = createLeaveDialog(actions.leaving);
   const deleting = later(

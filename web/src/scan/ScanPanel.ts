@@ -8,7 +8,7 @@ import { formatCm, formatCount } from "../ui/units";
 import { sizeIn, type Turn } from "../viewer/frame";
 import type { ScanActions } from "./actions";
 import { createCropRow } from "./CropRow";
-import { createSegmentList } from "./SegmentList";
+import { createSegmentList } from "./volumes/SegmentList";
 import type { ScanSlice } from "./state";
 import * as text from "./text";
 

@@ -1,11 +1,11 @@
 // What a file does not say about the patient and a person knows: which side is left.  Nothing is uploaded before the answer.
-import { only } from "../store/store";
-import { button } from "../ui/controls";
-import { el, fill, setText } from "../ui/dom";
-import type { Panel } from "../ui/Panel";
-import type { ScanActions } from "./actions";
-import type { ScanSlice } from "./state";
-import * as text from "./text";
+import { only } from "../../store/store";
+import { button } from "../../ui/controls";
+import { el, fill, setText } from "../../ui/dom";
+import type { Panel } from "../../ui/Panel";
+import type { ScanActions } from "../actions";
+import type { ScanSlice } from "../state";
+import * as text from "../text";
 
 const words = text.question;
 

@@ -1,12 +1,12 @@
 // What became of each segment of a label map.  While the page has the file, and nothing was done with the scan, a person may
 // say otherwise: the file is then read again.  The file's own words are shown only then, and kept nowhere.
-import type { Segment, TakenAs } from "../api/types";
-import { button, select } from "../ui/controls";
-import { el, fill, setText, show } from "../ui/dom";
-import { formatMmWhole } from "../ui/units";
-import type { ScanActions } from "./actions";
-import type { ScanState } from "./state";
-import * as text from "./text";
+import type { Segment, TakenAs } from "../../api/types";
+import { button, select } from "../../ui/controls";
+import { el, fill, setText, show } from "../../ui/dom";
+import { formatMmWhole } from "../../ui/units";
+import type { ScanActions } from "../actions";
+import type { ScanState } from "../state";
+import * as text from "../text";
 
 const words = text.segments;
 const OPTIONS = (["lesion", "tissue", "unused"] as const).map((value) => ({ value, label: words.taken[value] }));
