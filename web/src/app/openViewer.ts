@@ -24,7 +24,7 @@ import { ModelPicture } from "../landmarks/ModelPicture";
 import { ProposalPins } from "../landmarks/proposals/ProposalPins";
 import { Ruler } from "../scan/Ruler";
 import { type CutByService, cutByService, NOTHING_CUT } from "../scan/body";
-import { listenToLasso } from "../scan/CropTool";
+import { listenToLasso } from "../scan/cropping/CropTool";
 import { ScanMesh } from "../scan/ScanMesh";
 import { withLoose } from "../scan/state";
 import { errors as scanErrors } from "../scan/text";

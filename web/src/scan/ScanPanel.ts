@@ -7,7 +7,7 @@ import type { Panel } from "../ui/Panel";
 import { formatCm, formatCount } from "../ui/units";
 import { sizeIn, type Turn } from "../viewer/frame";
 import type { ScanActions } from "./actions";
-import { createCropRow } from "./CropRow";
+import { createCropRow } from "./cropping/CropRow";
 import { createSegmentList } from "./volumes/SegmentList";
 import type { ScanSlice } from "./state";
 import * as text from "./text";

@@ -1,11 +1,11 @@
 // Step 1: parts of the scan that are cut away by hand, and brought back: all, the last one, or any of them.
-import { button, iconButton } from "../ui/controls";
-import { el, fill, setText, show } from "../ui/dom";
-import type { Panel } from "../ui/Panel";
-import type { ScanActions } from "./actions";
-import { cropsOf } from "./crop";
-import type { ScanSlice } from "./state";
-import * as text from "./text";
+import { button, iconButton } from "../../ui/controls";
+import { el, fill, setText, show } from "../../ui/dom";
+import type { Panel } from "../../ui/Panel";
+import type { ScanActions } from "../actions";
+import { cropsOf } from "../crop";
+import type { ScanSlice } from "../state";
+import * as text from "../text";
 
 const words = text.crop;
 

@@ -1,17 +1,17 @@
 // The lasso on the canvas: drawn with the first button, a pen or one finger; what it goes around is hidden when it is let go.
 // Without a pointer: arrows move a cross, Enter sets a corner, and Enter at the same place again hides what lies within.
 import { Matrix4 } from "three";
-import type { PageSlice } from "../store/page";
-import type { Store } from "../store/store";
-import { svg } from "../ui/dom";
-import type { Crosshair } from "../viewer/Crosshair";
-import { ARROWS, onCanvasKey } from "../viewer/keys";
-import type { Viewer } from "../viewer/Viewer";
-import type { ScanActions } from "./actions";
-import { type Crop, MOST, shareWithin } from "./crop";
-import type { ScanMesh } from "./ScanMesh";
-import type { ScanSlice } from "./state";
-import * as text from "./text";
+import type { PageSlice } from "../../store/page";
+import type { Store } from "../../store/store";
+import { svg } from "../../ui/dom";
+import type { Crosshair } from "../../viewer/Crosshair";
+import { ARROWS, onCanvasKey } from "../../viewer/keys";
+import type { Viewer } from "../../viewer/Viewer";
+import type { ScanActions } from "../actions";
+import { type Crop, MOST, shareWithin } from "../crop";
+import type { ScanMesh } from "../ScanMesh";
+import type { ScanSlice } from "../state";
+import * as text from "../text";
 
 const STEP_PX = 3; // between corners: a hand's tremble is less
 const LEAST_CORNERS = 6; // less is a click
