@@ -24,6 +24,7 @@ log = logging.getLogger(__name__)
 STATUS: tuple[tuple[type[errors.BreastRigError], int], ...] = (  # the first that fits counts
     (errors.NotFound, 404),
     (errors.Conflict, 409),
+    (errors.NeedsYes, 409),
     (errors.TooLarge, 413),
     (errors.TooMany, 429),
     (errors.BadModel, 503),  # the model is the service's own, the caller cannot mend it

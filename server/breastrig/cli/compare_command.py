@@ -10,7 +10,13 @@ import sys
 from pathlib import Path
 
 from breastrig.cli.earlier_fits import say_unchecked
-from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
+from breastrig.cli.output_options import (
+    add_output_options,
+    add_same_patient,
+    files_of_fit,
+    files_of_model,
+    output_folder,
+)
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import OutputSet, all_or_nothing
 from breastrig.workflow.lines.compare import COMPARE_FILES, COMPARE_RECORD, SCHEMA, CompareJob, compare
@@ -21,6 +27,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("second", type=Path, metavar="SECOND", help="another one; white")
     parser.add_argument("--on", dest="fit", type=Path, required=True, metavar="OUT", help="the scan's fit")
     parser.add_argument("--model", type=model_path, metavar="MODEL", help="the rig of the fit, when not the package's")
+    add_same_patient(parser)
     add_output_options(parser, "DIR", "folder for the results")
 
 
@@ -29,7 +36,9 @@ def run(options: argparse.Namespace) -> int:
     inputs = [options.first, options.second, *files_of_fit(options.fit), *files_of_model(options.model)]
     files = OutputSet(Path(), COMPARE_FILES, COMPARE_RECORD, SCHEMA)
     with all_or_nothing(output_folder(options, [files], inputs)) as out:
-        document = compare(CompareJob(options.fit, options.first, options.second, out, options.model))
+        document = compare(
+            CompareJob(options.fit, options.first, options.second, out, options.model, options.same_patient)
+        )
     say_unchecked(options.fit)
     if sys.stdout.isatty():
         for row in document["distances"]:

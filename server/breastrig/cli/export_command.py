@@ -5,7 +5,13 @@ import argparse
 from pathlib import Path
 
 from breastrig.cli.earlier_fits import say_unchecked
-from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
+from breastrig.cli.output_options import (
+    add_output_options,
+    add_same_patient,
+    files_of_fit,
+    files_of_model,
+    output_folder,
+)
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import OutputSet, all_or_nothing
 from breastrig.core.private_files import write_files
@@ -27,6 +33,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="fit of the same patient from which the plan is carried too",
     )
     parser.add_argument("--model", type=model_path, metavar="MODEL", help="the rig that the fit was made with")
+    add_same_patient(parser)
     add_output_options(parser, "DIR", "folder for the files")
 
 
@@ -37,6 +44,6 @@ def run(options: argparse.Namespace) -> int:
         output_folder(options, [OutputSet(Path(), EXPORT_FILES, EXPORT_RECORD, SET_FORMAT)], inputs)
     ) as out:
         plan = None if options.plan is None else drawing_document(options.plan)
-        write_files(export_files(options.fit, options.model, plan, options.other), out)
+        write_files(export_files(options.fit, options.model, plan, options.other, options.same_patient), out)
     say_unchecked(options.fit, options.other)
     return 0

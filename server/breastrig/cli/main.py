@@ -12,7 +12,7 @@ from typing import Any
 
 from breastrig.cli import interruption
 from breastrig.cli.commands import COMMANDS, further_commands, further_module, own_module
-from breastrig.core.errors import BadInput, BreastRigError, NeedsAnswer
+from breastrig.core.errors import BadInput, BreastRigError, NeedsAnswer, NeedsYes
 from breastrig.core.notice import LIMITS_OF_USE, RESEARCH_USE_ONLY
 from breastrig.core.private_files import shown
 from breastrig.core.version import __version__
@@ -51,7 +51,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         interruption.work_begins()
         return int(_module(options.command).run(options))
     except BreastRigError as error:
-        said = error.on_command_line() if isinstance(error, NeedsAnswer) else error
+        said = error.on_command_line() if isinstance(error, NeedsAnswer | NeedsYes) else error
         print(f"breastrig: {said}", file=sys.stderr)
         return 2 if isinstance(error, BadInput) else 1
     except BrokenPipeError:

@@ -27,6 +27,14 @@ def add_output_options(parser: argparse.ArgumentParser, metavar: str, what: str)
     )
 
 
+def add_same_patient(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--same-patient",
+        action="store_true",
+        help="plan or drawing is this patient's, though its file names another",
+    )
+
+
 def output_folder(options: argparse.Namespace, sets: Iterable[OutputSet], inputs: Iterable[Path | None]) -> Output:
     """The command's folder for results; `inputs` that were not given are None."""
     return Output(options.output, tuple(sets), _given(inputs), options.force, raise_if_asked)

@@ -6,7 +6,14 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from breastrig.cli.earlier_fits import unchecked
-from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder, say_misfits
+from breastrig.cli.output_options import (
+    add_output_options,
+    add_same_patient,
+    files_of_fit,
+    files_of_model,
+    output_folder,
+    say_misfits,
+)
 from breastrig.core import wall_clock
 from breastrig.core.assets import model_path
 from breastrig.core.identity import SAYS_NOTHING, Identity, file_name, random_code
@@ -35,6 +42,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="the patient's code, never a name, on every page and in the PDF's name; by default that of the fit",
     )
     parser.add_argument("--model", type=model_path, metavar="MODEL", help="the rig that the fits were made with")
+    add_same_patient(parser)
     add_output_options(parser, "DIR", "folder for the three files")
 
 
@@ -57,7 +65,9 @@ def run(options: argparse.Namespace) -> int:
     pdf = file_name(code, " ".join(each.stance for each in results), identity.day, "report.pdf")
     files = OutputSet(Path(), (MEASURES_TABLE, pdf, REPORT_RECORD), REPORT_RECORD, SCHEMA, varying=True)
     with threadpool_limits(1), all_or_nothing(output_folder(options, [files], inputs)) as out:
-        job = ReportJob(fit, other, options.model, plan=plan, identity=identity, doubts=doubts)
+        job = ReportJob(
+            fit, other, options.model, plan=plan, same_patient=options.same_patient, identity=identity, doubts=doubts
+        )
         missing = write_report(job, out, pdf)
     return say_misfits(missing)
 

@@ -10,7 +10,14 @@ import sys
 from pathlib import Path
 
 from breastrig.cli.earlier_fits import say_unchecked
-from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_file, say_misfits
+from breastrig.cli.output_options import (
+    add_output_options,
+    add_same_patient,
+    files_of_fit,
+    files_of_model,
+    output_file,
+    say_misfits,
+)
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import all_or_nothing
 from breastrig.interface.transfer import transfer
@@ -26,6 +33,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--model", type=model_path, metavar="MODEL", help="the rig of both fits, when not the package's"
     )
+    add_same_patient(parser)
     add_output_options(parser, "FILE", "drawing on scan B, JSON")
 
 
@@ -39,6 +47,7 @@ def run(options: argparse.Namespace) -> int:
             options.to_fit,
             options.drawing,
             other_patient=options.other_patient,
+            same_patient=options.same_patient,
             model=options.model,
         )
         drawing.save(out / options.output.name)

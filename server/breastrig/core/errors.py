@@ -2,6 +2,7 @@
 
     BreastRigError
     ├── BadInput                 the caller can mend it: wrong file, unit, name, value
+    │   ├── NeedsYes             what is most likely a mistake, unless a person says that it is not
     │   ├── BadScan              a scan that cannot be read or fitted
     │   │   └── NeedsAnswer      a fact that the file does not hold, and a person knows
     │   ├── BadLandmarks         a landmark file or pick that cannot be used
@@ -58,6 +59,21 @@ class NeedsAnswer(BadScan):
 def _say_which(question: dict[str, Any], option: str) -> str:
     choices = " or ".join(f"{option} {each['value']} ({each['text']})" for each in question["choices"])
     return f"say which it is: {choices}."
+
+
+class NeedsYes(BadInput):
+    """Most likely a mistake; `field` is the option by which a person says that it is none."""
+
+    def __init__(self, problem: str, field: str) -> None:
+        super().__init__(f"{problem}; if it is right all the same, say {field}.")
+        self.problem, self.field = problem, field
+
+    def on_command_line(self) -> str:
+        """The sentence with the option's name as it is typed."""
+        return f"{self.problem}; if it is right all the same, add --{self.field.replace('_', '-')}."
+
+    def __reduce__(self) -> tuple[type["NeedsYes"], tuple[str, str]]:
+        return NeedsYes, (self.problem, self.field)
 
 
 class BadLandmarks(BadInput):

@@ -11,6 +11,7 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat, model_validator
 
 from breastrig.core.errors import BadDrawing
+from breastrig.core.identity import CODE_CHARACTERS
 from breastrig.core.units import BEYOND
 
 SHAPES, POINTS = 500, 50_000  # in one drawing; points of all its shapes together
@@ -29,10 +30,18 @@ Coordinate = Annotated[FiniteFloat, Field(ge=-BEYOND, le=BEYOND)]
 Point = Annotated[list[Coordinate], Field(min_length=3, max_length=3)]
 Radius = Annotated[FiniteFloat, Field(ge=0, le=BEYOND)]
 Title = Annotated[str, Field(max_length=TITLE)]
+PatientCode = Annotated[str, Field(max_length=CODE_CHARACTERS)]
+Digest = Annotated[str, Field(max_length=64)]
 
 ON_THE_SKIN = "on the scan's skin, in its frame and the drawing's unit"
+WHOSE = "the patient's code; another's drawing is asked about"
+MADE_ON = "sha256 of the scan that it was made on"
 IS_BRIDGED = "for each point whether it is not on the skin, because the scan has a hole there"
 ERROR = "for each point the radius in millimetres that holds its true place with 90 %; null where it is not known"
+
+
+def _is_none(value: object) -> bool:
+    return value is None
 
 
 def _is_not_said(values: list[object] | None) -> bool:
@@ -98,6 +107,8 @@ class DrawingFile(Part):
     schema_: Literal["breastrig/drawing@1"] = Field(alias="schema")
     name: Title | None = None
     unit: LineUnit = Field(description="of the points; the scan's")
+    patient: PatientCode | None = Field(None, description=WHOSE, exclude_if=_is_none)
+    scan_sha256: Digest | None = Field(None, description=MADE_ON, exclude_if=_is_none)
     shapes: list[DrawnShape]
 
 
@@ -106,6 +117,8 @@ class OwnDrawing(Part):
 
     schema_: Literal["breastrig/drawing@1"] = Field(SCHEMA, alias="schema")
     unit: Literal["mm"] = "mm"
+    patient: PatientCode | None = Field(None, description=WHOSE, exclude_if=_is_none)
+    scan_sha256: Digest | None = Field(None, description=MADE_ON, exclude_if=_is_none)
     shapes: list[DrawnShape] = Field(max_length=SHAPES)
 
     @model_validator(mode="after")
@@ -120,6 +133,8 @@ class GivenDrawing(Part):
     schema_: Literal["breastrig/drawing@1"] = Field(SCHEMA, alias="schema")
     name: Title | None = None
     unit: LineUnit | None = Field(None, description="by default the scan's")
+    patient: PatientCode | None = Field(None, description=WHOSE)
+    scan_sha256: Digest | None = Field(None, description=MADE_ON)
     shapes: list[GivenShape] = Field(max_length=SHAPES)
 
     @model_validator(mode="after")

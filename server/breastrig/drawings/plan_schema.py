@@ -15,7 +15,7 @@ from pydantic import Field, FiniteFloat, ValidationError, model_validator
 from breastrig.core.errors import BadDrawing
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.stances import Stance
-from breastrig.drawings.drawing_schema import SCHEMA, DrawnShape, GivenDrawing, Part, Point, Title
+from breastrig.drawings.drawing_schema import SCHEMA, DrawnShape, GivenDrawing, Part, PatientCode, Point, Title
 
 PLAN_SCHEMA: Literal["breastrig/plan@1"] = "breastrig/plan@1"
 ITEMS, POINTS = 500, 50_000  # in one plan; points of all its lines together, as in a drawing
@@ -115,6 +115,7 @@ class Plan(Part):
 
     schema_: Literal["breastrig/plan@1"] = Field(PLAN_SCHEMA, alias="schema")
     unit: Literal["mm"] = "mm"
+    patient: PatientCode | None = Field(None, description="the patient's code; another's plan is asked about")
     scans: list[ScanOfPlan] = Field(default=[], max_length=20, description="that the items name")
     items: list[PlanItem] = Field(max_length=ITEMS)
 
@@ -162,6 +163,7 @@ def checked_plan(document: dict[str, Any]) -> Plan:
         raise BadDrawing("A drawing becomes a plan where its points lie on a scan, in mm; give a plan or such a file.")
     return Plan(
         schema=PLAN_SCHEMA,
+        patient=drawing.patient,
         items=[line_item(shape.model_dump(), f"line-{k}", "") for k, shape in enumerate(drawing.shapes, 1)],
     )
 

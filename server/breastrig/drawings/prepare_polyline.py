@@ -24,7 +24,7 @@ from breastrig.rig.model import Rig
 
 SPACING = 0.003  # m between points of a line: finer than a pen, coarser than the noise
 FAR_APART = 0.015  # m between two points; the skin is 1 mm off a chord of 15 mm where its radius is 3 cm
-OFF_THE_SKIN = 0.005  # m; a drawn point farther from its scan belongs to another scan, frame or unit
+OFF_THE_SKIN = 0.010  # m; drawn points nearer are moved onto the skin, farther ones are of another scan, frame or unit
 SKIN_BELOW = MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3)
 
 

@@ -24,6 +24,7 @@ from breastrig.core.private_files import read_ordinary, write_private
 from breastrig.core.stances import Stance
 
 RESULT = "result.json"
+DRAWING = "drawing.json"
 UNCERTAINTY = "uncertainty.bin"
 BODY = "body.bin"  # what the fit says of scales and shapes, for a cohort (fitting.uncertainty.contribution.py)
 RESULT_SCHEMA = "breastrig/result@1"
@@ -367,10 +368,15 @@ def folder_name(folder: Path) -> str:
 
 
 def write_patient(folders: Sequence[Path], code: str, scanned: Sequence[date | None]) -> str:
-    """Writes the code, or a random one for all of them, into each folder's result.json; the code."""
+    """Writes the code, or a random one for all of them, into each folder's result.json and drawing; the code."""
     given = " ".join(code.split())[:CODE_CHARACTERS]
     chosen = given or random_code()
     for folder, day in zip(folders, scanned, strict=True):
         patient = ResultPatient(code=chosen, given=bool(given), scanned=day)
-        write_private(folder / RESULT, read_result(folder).model_copy(update={"patient": patient}).content())
+        result = read_result(folder).model_copy(update={"patient": patient})
+        if result.files:  # the drawing says whose it is, too
+            drawing = json_bytes(json.loads((folder / DRAWING).read_bytes()) | {"patient": chosen})
+            write_private(folder / DRAWING, drawing)
+            result = result.model_copy(update={"files": {**result.files, DRAWING: _sha256(drawing)}})
+        write_private(folder / RESULT, result.content())
     return chosen

@@ -26,6 +26,7 @@ def transfer(
     drawing: Drawing | Sequence[Line] | Mapping[str, Any] | str | Path | None = None,
     *,
     other_patient: bool = False,
+    same_patient: bool = False,
     model: Model = None,
 ) -> Drawing:
     """A drawing made on the scan of one fit, shown on the scan of another, in that scan's unit and frame.
@@ -36,6 +37,7 @@ def transfer(
         drawing: `Line`s with points (M, 3) in the source scan's unit and frame; a `Drawing`; a document
             breastrig/drawing@1 or the path of one; None: the drawing that the first fit has.
         other_patient: Whether the scans are of two patients: the same place of the model instead of the same skin.
+        same_patient: Whether the drawing is this patient's though its file names another's code and scan.
         model: Of folders, where it is not the package's; a `Fit` has its own.
 
     Returns:
@@ -56,7 +58,7 @@ def transfer(
     with ExitStack() as stack:
         folders = [stack.enter_context(folder_of(each, with_drawing=document is None)) for each in (source, target)]
         with one_thread():
-            found = transfer_with(rig, TransferJob(folders[0], folders[1], document, other_patient))
+            found = transfer_with(rig, TransferJob(folders[0], folders[1], document, other_patient, None, same_patient))
     return drawing_of(found, inputs)
 
 

@@ -18,7 +18,7 @@ from breastrig.service.kept_models import KeptModels
 from breastrig.service.remembered import Remembered
 from breastrig.storage.files import fit_place
 from breastrig.storage.rows.fits import FitRow, get_fit, newest_done
-from breastrig.storage.rows.patients import PlanRow, get_plan, patient_of_scan, scans_of_patient
+from breastrig.storage.rows.patients import PlanRow, get_patient, get_plan, patient_of_scan, scans_of_patient
 from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.jobs import PlanJob, PlannedFit
@@ -39,12 +39,13 @@ class PlannedFits:
     plan: PlanRow
     fit: FitRow
     others: tuple[FitRow, ...]  # of the patient's other scans on which items were made
+    code: str = ""  # of the patient, by which the file says whose it is
     unfitted: tuple[str, ...] = ()  # ids of items that were made on scans without a fit that is done
 
     @property
-    def key(self) -> tuple[str, str, int, tuple[str, ...]]:
+    def key(self) -> tuple[str, str, str, int, tuple[str, ...]]:
         """A scan may become another patient's, whose plan has versions of its own."""
-        return self.patient, self.fit.id, self.plan.version, tuple(other.id for other in self.others)
+        return self.patient, self.code, self.fit.id, self.plan.version, tuple(other.id for other in self.others)
 
     @property
     def document(self) -> dict[str, Any]:
@@ -77,7 +78,9 @@ class Plans:
         found = {scan: self._beside(fit, newest_done(self._storage, scan)) for scan in others}
         found |= {} if own is None or own.scan not in named else {own.scan: own}
         unfitted = tuple(str(item["id"]) for item in plan.items if found.get(str(item.get("scan")), fit) is None)
-        return PlannedFits(patient, plan, fit, tuple(other for other in found.values() if other is not None), unfitted)
+        others_found = tuple(other for other in found.values() if other is not None)
+        code = get_patient(self._storage, patient).code
+        return PlannedFits(patient, plan, fit, others_found, code, unfitted)
 
     def _beside(self, fit: FitRow, other: FitRow | None) -> FitRow | None:
         """The other fit, if lines can be carried between the two: they were made with one model."""
@@ -131,6 +134,7 @@ class Plans:
             "version": planned.plan.version,
             "whole": planned.plan.is_whole,
             "fit": planned.fit.id,
+            "patient": planned.code,
             "carried_from": [{"scan": fit.scan, "fit": fit.id} for fit in planned.others],
         }
         missing = [*found["missing"], *({"item": item, "reason": UNFITTED} for item in planned.unfitted)]

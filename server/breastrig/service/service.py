@@ -352,7 +352,12 @@ class Service:
         return follow(self._notifier, fit_id, after, heartbeat_s, gone)
 
     def transfer(
-        self, from_fit: str, to_fit: str, drawing: dict[str, Any] | None, other_patient: bool
+        self,
+        from_fit: str,
+        to_fit: str,
+        drawing: dict[str, Any] | None,
+        other_patient: bool,
+        same_patient: bool = False,
     ) -> dict[str, Any]:
         """A drawing of one fit's scan, on the other's (breastrig/drawing@1), made in a process of its own.
 
@@ -365,7 +370,7 @@ class Service:
             reading(fit_place(to_fit)) as goal,
             self.models.of_fits(both) as model,
         ):
-            job = TransferJob(source, goal, drawing, other_patient, model)
+            job = TransferJob(source, goal, drawing, other_patient, model, same_patient)
             carried: dict[str, Any] = self._others.result(transfer, (job,), TRANSFER_WALL_S)
         return carried
 

@@ -10,23 +10,30 @@ from breastrig.report.files.exported import closed_model, vertex_sets
 from breastrig.report.files.geometry_files import obj_lines, ply_lines, surface_ply, surface_stl
 from breastrig.workflow.folder.fit_folder import read_fit_folder
 from breastrig.workflow.report import laid_plan, planned_lines, stance_of
+from breastrig.workflow.whose import check_whose
 
 EXPORT_RECORD = "surface.json"
 EXPORT_FILES = ("drawing.glb", "drawing.obj", "drawing.ply", "surface.ply", "surface.stl", EXPORT_RECORD)
 
 
 def export_files(
-    folder: Path, model: Path | None = None, plan: dict[str, Any] | None = None, other: Path | None = None
+    folder: Path,
+    model: Path | None = None,
+    plan: dict[str, Any] | None = None,
+    other: Path | None = None,
+    same_patient: bool = False,
 ) -> dict[str, bytes]:
     """drawing.{glb,obj,ply}, where something is drawn, and surface.{ply,stl,json}; by name.
 
     Drawn is the `plan` (a document), carried from the fit `other` where it was made there; else the fit's own drawing.
 
     Everything is in the scan's frame and unit, apart from drawing.glb, which is in metres as glTF demands.
-    Raises BadInput for a folder that is no fit.
+    Raises BadInput for a folder that is no fit, of it NeedsYes for another patient's plan unless `same_patient`.
     """
     fit = read_fit_folder(folder, model)
     fits = [fit] if other is None else [fit, read_fit_folder(other, model)]
+    if plan is not None:
+        check_whose(plan, [each.result for each in fits], same_patient)
     laid = None if plan is None else laid_plan(fit.rig, plan, fits)[0]
     stance = stance_of(fit, planned_lines(folder, fit.unit, laid))
     per_unit, unit = fit.metres_per_unit, fit.unit

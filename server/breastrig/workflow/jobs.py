@@ -127,6 +127,7 @@ class TransferJob:
     )  # a document breastrig/drawing@1 or breastrig/plan@1; None: the drawing that the first fit left
     other_patient: bool = False  # the scans are of two patients: the model decides which skin is which
     model: Path | None = None  # None: the torso of the package
+    same_patient: bool = False  # a person has said that the drawing is this patient's, whatever its file says
 
 
 @dataclass(frozen=True)
@@ -159,6 +160,7 @@ class ReportJob:
     model: Path | None = None  # None: the torso of the package
     plans: tuple[PlanLines | None, ...] = ()  # of each fit: its lines, and whether they are all that is wanted
     plan: dict[str, Any] | None = None  # or the plan itself (breastrig/plan@1 or drawing@1), to be laid on each scan
+    same_patient: bool = False  # a person has said that the plan is this patient's, whatever its file says
     items: tuple[dict[str, Any], ...] = ()  # of the plan of which `plans` are the lines
     identity: Identity = UNNAMED
     doubts: tuple[str, ...] = ()  # whether both fits are of one patient

@@ -27,6 +27,7 @@ from breastrig.workflow.jobs import PlanLines, ReportJob
 from breastrig.workflow.lines.plan_on_fit import plan_document, plan_on_folders
 from breastrig.workflow.lines.plan_words import NOT_DRAWN, planned_items
 from breastrig.workflow.one_body import body_doubt
+from breastrig.workflow.whose import check_whose
 
 REPORT_RECORD = "report.json"
 MEASURES_TABLE = "measures.csv"
@@ -114,6 +115,8 @@ def reported(job: ReportJob) -> list[Reported]:
     rig: Rig = read_rig(job.model or default_rig_path())
     folders = [job.fit] if job.other is None else [job.fit, job.other]
     whole = [fit_folder_of(folder, rig) for folder in folders]
+    if job.plan is not None:
+        check_whose(job.plan, [fit.result for fit in whole], job.same_patient)
     fits = [still_visible(fit, cuts) for fit, cuts in zip(whole, job.cuts or ((),) * len(whole), strict=True)]
     plans = laid_plan(rig, job.plan, fits) if job.plan is not None else (job.plans or (None,) * len(fits))
     for folder, fit in zip(folders, fits, strict=True):

@@ -49,6 +49,9 @@ def write_snapshot(job: SnapshotJob) -> None:
         raise BadInput("This scan is too large to be shown through a link; simplify it first.") from error
 
 
+WHOSE = ("patient", "scan_sha256")  # of a drawing: a link does not say it
+
+
 def snapshot_files(job: SnapshotJob) -> dict[str, bytes]:
     """By name: result.json, fitted.glb, fitted.ply, drawing.json, plan.json.
 
@@ -64,8 +67,10 @@ def snapshot_files(job: SnapshotJob) -> dict[str, bytes]:
     if not job.shows_scan:
         search = ClosestPointSearch(alone, rig.faces)
         plan, own = (_laid_on(search, document, fit.unit) for document in (plan, own))
+    plan, own = ({key: said for key, said in each.items() if key not in WHOSE} for each in (plan, own))
+    result = fit.result if job.shows_scan else _result_of_model(fit, alone)
     files = {
-        RESULT: (fit.result if job.shows_scan else _result_of_model(fit, alone)).content(),
+        RESULT: result.model_copy(update={"files": {}}).content(),  # those beside it are others
         "fitted.ply": surface_ply(surface, rig.faces, fit.metres_per_unit),
         "fitted.glb": _fitted_glb(fit, surface, plan, own),
         "drawing.json": json_bytes(own),

@@ -5,6 +5,8 @@ from apiflask import APIBlueprint
 from breastrig.api.app_context import app_context
 from breastrig.api.place_checks import check_near_scan
 from breastrig.api.routes.scans import TAG
+from breastrig.api.whose import check_whose
+from breastrig.api.wire.patients import SamePatient
 from breastrig.drawings.drawing_schema import OwnDrawing
 from breastrig.drawings.plan_schema import line_item
 from breastrig.storage.rows.patients import get_plan, patient_of_scan, put_items_of_scan
@@ -26,9 +28,10 @@ def show_drawing(scan_id: str) -> OwnDrawing:
 
 @drawings.put("/<scan_id>/drawing")
 @drawings.input(OwnDrawing)
+@drawings.input(SamePatient, location="query")
 @drawings.output(OwnDrawing)
-@drawings.doc(operation_id="putOwnDrawing", responses={413: "Too large"})
-def replace_drawing(scan_id: str, json_data: OwnDrawing) -> OwnDrawing:
+@drawings.doc(operation_id="putOwnDrawing", responses={409: "Names another patient", 413: "Too large"})
+def replace_drawing(scan_id: str, json_data: OwnDrawing, query_data: SamePatient) -> OwnDrawing:
     """Replace the lines on the scan, mm
 
     At most 500 shapes with 50,000 points together, each shape with a name of its own; points must lie near the scan.
@@ -36,6 +39,8 @@ def replace_drawing(scan_id: str, json_data: OwnDrawing) -> OwnDrawing:
     """
     storage = app_context().service.storage
     scan = get_scan(storage, scan_id)
+    patient = patient_of_scan(storage, scan_id)
+    check_whose(json_data.model_dump(mode="json"), [patient], query_data.same_patient)
     for shape in json_data.shapes:
         check_near_scan(shape.name, shape.points, scan)
     ids = {line["name"]: line["id"] for line in _lines_on(scan_id)}

@@ -11,6 +11,7 @@ from breastrig.api.app_context import app_context
 from breastrig.api.errors import refuse
 from breastrig.api.place_checks import check_near_scan
 from breastrig.api.routes.fits import FITS_TAG
+from breastrig.api.whose import check_whose
 from breastrig.api.wire import patients as wire
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.patterns import drawing_with
@@ -125,20 +126,29 @@ def show_version(patient_id: str, version: int) -> Response:
 @patients.put("/<patient_id>/plan")
 @patients.input(Plan)
 @patients.input(wire.PlanHeaders, location="headers")
+@patients.input(wire.SamePatient, location="query")
 @patients.output(wire.StoredPlan)
 @patients.doc(
     operation_id="putPlan",
-    responses={412: "Changed by somebody else meanwhile", 413: "Too large", 428: "If-Match is missing"},
+    responses={
+        409: "Names another patient, or a scan deleted meanwhile",
+        412: "Changed by somebody else meanwhile",
+        413: "Too large",
+        428: "If-Match is missing",
+    },
 )
-def replace_plan(patient_id: str, json_data: Plan, headers_data: wire.PlanHeaders) -> Response:
+def replace_plan(
+    patient_id: str, json_data: Plan, headers_data: wire.PlanHeaders, query_data: wire.SamePatient
+) -> Response:
     """Replace the plan
 
     At most 500 items, its lines with 50,000 points together; each item names one of the patient's scans, and points
-    lie near that scan.
+    lie near that scan.  A plan that names another code and other scans is another patient's, unless `same_patient`.
     """
     storage = app_context().service.storage
     if headers_data.if_match is None:
         raise refuse(428, UNSEEN)
+    check_whose(json_data.model_dump(mode="json"), [patient_id], query_data.same_patient)
     _check(json_data, patient_id)
     seen = headers_data.if_match.strip().removeprefix("W/").strip('"')
     items = [item.model_dump(mode="json") for item in json_data.items]
@@ -191,6 +201,7 @@ def _plan_answer(patient_id: str, plan: PlanRow) -> Response:
     document = {
         "schema": "breastrig/plan@1",
         "unit": "mm",
+        "patient": get_patient(storage, patient_id).code,
         "version": plan.version,
         "whole": plan.is_whole,
         "scans": [{"id": row.id, "stance": row.facts["stance"]["proposed"], "sha256": row.sha256} for row in rows],

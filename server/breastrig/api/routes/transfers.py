@@ -3,9 +3,11 @@
 from apiflask import APIBlueprint
 
 from breastrig.api.app_context import app_context
+from breastrig.api.whose import check_whose
 from breastrig.api.wire import transfers as wire_transfers
 from breastrig.core.errors import Conflict
 from breastrig.storage.rows.fits import get_fit
+from breastrig.storage.rows.patients import patient_of_scan
 
 transfers = APIBlueprint(
     "transfers",
@@ -18,7 +20,10 @@ transfers = APIBlueprint(
 @transfers.post("")
 @transfers.input(wire_transfers.TransferRequest)
 @transfers.output(wire_transfers.CarriedDrawing, status_code=201, description="The drawing on the target scan")
-@transfers.doc(operation_id="transferDrawing", responses={404: "No such fit", 409: "A fit is not done"})
+@transfers.doc(
+    operation_id="transferDrawing",
+    responses={404: "No such fit", 409: "A fit is not done, or the drawing names another patient"},
+)
 def transfer_drawing(json_data: wire_transfers.TransferRequest) -> tuple[wire_transfers.CarriedDrawing, int]:
     """Show a drawing of one scan on another
 
@@ -31,10 +36,15 @@ def transfer_drawing(json_data: wire_transfers.TransferRequest) -> tuple[wire_tr
         if fit.state != "done":
             raise Conflict(f"The fit {fit.id} is {fit.state}; a drawing can be carried between fits that are done.")
     drawing = json_data.drawing
+    if drawing is not None:
+        scans = [get_fit(service.storage, each).scan for each in (json_data.from_fit, json_data.to_fit)]
+        patients = [patient_of_scan(service.storage, scan) for scan in scans]
+        check_whose(drawing.model_dump(mode="json"), patients, json_data.same_patient)
     carried = service.transfer(
         json_data.from_fit,
         json_data.to_fit,
         None if drawing is None else drawing.model_dump(mode="json", by_alias=True, exclude_none=True),
         json_data.other_patient,
+        same_patient=True,  # asked above, of all that the service knows of the patients
     )
     return wire_transfers.CarriedDrawing.model_validate(carried), 201

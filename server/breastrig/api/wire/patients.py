@@ -79,11 +79,16 @@ class PlanHeaders(Headers):
     )
 
 
+class SamePatient(Wire):
+    same_patient: bool = Field(False, description="it is this patient's, though it names another code and scan")
+
+
 class StoredPlan(Wire):
     """breastrig/plan@1 as it is kept, with its version."""
 
     schema_: Literal["breastrig/plan@1"] = Field(alias="schema")
     unit: Literal["mm"]
+    patient: str = Field(description="her code")
     version: int = Field(description="the ETag is this number in quotes")
     whole: bool = Field(description="whether somebody has written the plan; false: fits' own drawings still count")
     scans: list[ScanOfPlan]
@@ -181,6 +186,12 @@ class PlanOnScan(Wire):
     version: int = Field(description="of the plan")
     whole: bool = Field(description="whether somebody has written the plan; false: the fit's own drawing still counts")
     fit: str = Field(description="id; behind a share link empty")
+    patient: str | None = Field(
+        None, description="the patient's code; behind a share link none", exclude_if=lambda code: code is None
+    )
+    scan_sha256: str | None = Field(
+        None, description="of the scan's file; behind a share link none", exclude_if=lambda digest: digest is None
+    )
     carried_from: list[CarriedFrom] = Field(
         description="fits of the patient's other scans that were used; behind a share link none"
     )

@@ -5,7 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from breastrig.api.wire.common import Name, Wire
-from breastrig.drawings.drawing_schema import Colour, DrawnShape, GivenDrawing, LineUnit
+from breastrig.drawings.drawing_schema import Colour, Digest, DrawnShape, GivenDrawing, LineUnit, PatientCode
 
 
 class TransferRequest(Wire):
@@ -14,6 +14,9 @@ class TransferRequest(Wire):
     drawing: GivenDrawing | None = Field(None, description="null: the drawing that the first fit left")
     other_patient: bool = Field(
         False, strict=True, description="the scans are of two patients: the same place of the model, not the same skin"
+    )
+    same_patient: bool = Field(
+        False, strict=True, description="the drawing is this patient's, though it names another code and scan"
     )
 
 
@@ -37,5 +40,7 @@ class CarriedDrawing(Wire):
     name: str
     unit: LineUnit = Field(description="of the second scan")
     notice: str
+    patient: PatientCode | None = Field(None, exclude_if=lambda code: code is None)
+    scan_sha256: Digest | None = Field(None, exclude_if=lambda digest: digest is None)
     carried_by: Literal["skin", "model"]
     shapes: list[CarriedShape]

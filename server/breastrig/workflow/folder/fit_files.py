@@ -173,6 +173,7 @@ def drawing_json(outcome: FitOutcome) -> dict[str, object]:
         "name": outcome.drawing.name if outcome.drawing else None,
         "unit": outcome.ready.scan.unit,
         "notice": LIMITS_OF_USE,
+        "scan_sha256": outcome.ready.scan.sha256,
         "shapes": [shape_document(line, outcome.ready.scan.metres_per_unit) for line in outcome.lines],
     }
 

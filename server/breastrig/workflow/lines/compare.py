@@ -23,6 +23,7 @@ from breastrig.rig.model import ModelDrawing
 from breastrig.rig.similarity import umeyama
 from breastrig.workflow.folder.fit_folder import fit_folder_of
 from breastrig.workflow.lines.transfer import drawing_document
+from breastrig.workflow.whose import check_whose
 
 SCHEMA = "breastrig/compare@1"
 COMPARE_RECORD = "compare.json"
@@ -38,6 +39,7 @@ class CompareJob:
     second: Path
     out: Path
     model: Path | None = None  # None: the torso of the package
+    same_patient: bool = False  # a person has said that both drawings are this patient's
 
 
 def compare(job: CompareJob) -> dict[str, Any]:
@@ -47,7 +49,9 @@ def compare(job: CompareJob) -> dict[str, Any]:
     scan = folder.fitted_scan
     shapes = []
     for file in (job.first, job.second):
-        given = parsed_drawing(drawing_document(file), rig, folder.unit)
+        document = drawing_document(file)
+        check_whose(document, [folder.result], job.same_patient)
+        given = parsed_drawing(document, rig, folder.unit)
         on_skin = list(given.on_scan)
         for shape in on_skin:
             off = scan.target.search.query(shape.points[~shape.bridged]).distances

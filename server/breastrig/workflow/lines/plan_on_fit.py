@@ -31,6 +31,7 @@ from breastrig.volume.tetrahedra import chest_wall
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of
 from breastrig.workflow.jobs import PlanJob
 from breastrig.workflow.one_body import body_doubt
+from breastrig.workflow.whose import made_on
 
 
 def plan_on_fit(job: PlanJob) -> dict[str, Any]:
@@ -85,17 +86,21 @@ def plan_document(plan: Plan, fit: FitFolder, found: PlanOnScan, others: Sequenc
 
     `others`: fits of the patient's other scans, each perhaps of another body.
     """
-    return empty_plan_on_scan(fit.unit) | {
-        "shapes": [_shape(each, fit.metres_per_unit) for each in found.lines],
-        "lesions": [_lesion(each, fit) for each in found.lesions],
-        "notes": [
-            {"item": item.id, "text": item.text, "at": item.id if item.point is not None else None}
-            for item in plan.items
-            if isinstance(item, PlanNote)
-        ],
-        "missing": [{"item": each.item.id, "reason": each.reason} for each in found.missing],
-        "doubts": [doubt for other in others if (doubt := body_doubt(other, fit)) is not None],
-    }
+    return (
+        empty_plan_on_scan(fit.unit)
+        | made_on(fit.result)
+        | {
+            "shapes": [_shape(each, fit.metres_per_unit) for each in found.lines],
+            "lesions": [_lesion(each, fit) for each in found.lesions],
+            "notes": [
+                {"item": item.id, "text": item.text, "at": item.id if item.point is not None else None}
+                for item in plan.items
+                if isinstance(item, PlanNote)
+            ],
+            "missing": [{"item": each.item.id, "reason": each.reason} for each in found.missing],
+            "doubts": [doubt for other in others if (doubt := body_doubt(other, fit)) is not None],
+        }
+    )
 
 
 def _lesion(each: PlacedLesion, fit: FitFolder) -> dict[str, Any]:

@@ -27,6 +27,7 @@ from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of
 from breastrig.workflow.jobs import TransferJob
 from breastrig.workflow.lines.plan_on_fit import plan_document, plan_on_folders
+from breastrig.workflow.whose import check_whose, made_on
 
 
 def drawing_document(file: Path) -> dict[str, Any]:
@@ -54,6 +55,8 @@ def transfer(job: TransferJob) -> dict[str, Any]:
 def transfer_with(rig: Rig, job: TransferJob) -> dict[str, Any]:
     """The same with a rig that has been read."""
     source, goal = fit_folder_of(job.from_fit, rig), fit_folder_of(job.to_fit, rig)
+    if job.drawing is not None:
+        check_whose(job.drawing, (source.result, goal.result), job.same_patient)
     if job.drawing is not None and is_plan(job.drawing):
         return _plan_on(rig, checked_plan(job.drawing), source, goal, job.other_patient)
     if job.drawing is None and source.result.lesions and not job.other_patient:
@@ -123,6 +126,7 @@ def _document(
         "name": given.name,
         "unit": goal.unit,
         "notice": LIMITS_OF_USE,
+        **made_on(goal.result),
         "carried_by": "model" if other_patient else "skin",
         "shapes": [
             shape_document(each.line, goal.metres_per_unit)

@@ -1,0 +1,127 @@
+"""Plans and drawings of another patient in the same frame: asked about at the command line and in Python."""
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+from helpers.example_fits import write_example_fits
+
+import breastrig
+from breastrig.cli.main import main
+from breastrig.core.errors import NeedsYes
+from breastrig.drawings.drawing_schema import GivenDrawing
+from breastrig.files.result import write_patient
+
+
+@pytest.fixture(scope="module")
+def fits(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("fits")
+    write_example_fits(folder)
+    write_patient([folder / "standing", folder / "supine"], "K7M-4QX", [None, None])
+    return folder
+
+
+def line(fits: Path) -> dict[str, Any]:
+    shape = json.loads((fits / "standing" / "drawing.json").read_text())["shapes"][0]
+    return {key: shape[key] for key in ("name", "closed", "points", "bridged")}
+
+
+def documents(fits: Path) -> dict[str, dict[str, Any]]:
+    """The same lines and a tumour in this frame, as files name them."""
+    mm = {"points": [[1e3 * value for value in point] for point in line(fits)["points"]]}
+    item = line(fits) | mm | {"kind": "line", "id": "a"}
+    tumour = {"kind": "tumour", "id": "t", "side": "L", "clock": 10, "distance_mm": 45, "radius_mm": 12}
+    plan = {"schema": "breastrig/plan@1", "items": [item, tumour]}
+    drawing = {"schema": "breastrig/drawing@1", "unit": "m", "shapes": [line(fits)]}
+    scan = {"id": "s", "stance": "standing", "sha256": "ab" * 32}
+    own = json.loads((fits / "standing" / "result.json").read_text())["scan"]["sha256"]
+    return {
+        "another's plan": plan | {"patient": "P-9", "scans": [scan]},
+        "a plan of another scan": plan | {"scans": [scan]},
+        "another's plan without scans": plan | {"patient": "P-9"},
+        "another's drawing": drawing | {"patient": "P-9", "scan_sha256": "ab" * 32},
+        "a drawing of another scan": drawing | {"scan_sha256": "ab" * 32},
+        "own plan": plan | {"patient": "K7M-4QX", "scans": [scan]},
+        "own scan's plan": plan | {"patient": "P-9", "scans": [scan | {"sha256": own}]},
+        "own drawing": drawing | {"patient": "K7M-4QX", "scan_sha256": own},
+        "an earlier version's plan": plan,
+        "an earlier version's drawing": drawing,
+    }
+
+
+def commands(fits: Path, file: Path, out: Path) -> list[list[str]]:
+    standing, supine = str(fits / "standing"), str(fits / "supine")
+    return [
+        ["transfer", "--from", standing, "--to", supine, "--drawing", str(file), "-o", str(out / "there.json")],
+        ["export", standing, "--plan", str(file), "-o", str(out / "exported")],
+        ["report", standing, "--plan", str(file), "-o", str(out / "report")],
+    ] + ([] if "plan" in file.name else [["compare", str(file), str(file), "--on", standing, "-o", str(out / "c")]])
+
+
+@pytest.mark.parametrize("name", ["another's plan", "a plan of another scan", "another's plan without scans"])
+def test_anothers_plan_is_asked_about(
+    name: str, fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _asked_about(name, tmp_path / "plan.json", fits, tmp_path, capsys)
+
+
+@pytest.mark.parametrize("name", ["another's drawing", "a drawing of another scan"])
+def test_anothers_drawing_is_asked_about(
+    name: str, fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _asked_about(name, tmp_path / "drawing.json", fits, tmp_path, capsys)
+
+
+def _asked_about(name: str, file: Path, fits: Path, out: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    document = documents(fits)[name]
+    file.write_text(json.dumps(document))
+    for command in commands(fits, file, out):
+        assert main(command) == 2, command
+        said = capsys.readouterr().err
+        assert said.count("\n") == 1
+        assert "add --same-patient." in said
+        assert "for patient K7M-4QX" in said
+        assert ("P-9" in said) is ("patient" in document)
+        assert not Path(command[-1]).exists()
+    with pytest.raises(NeedsYes, match="say same_patient"):
+        breastrig.transfer(fits / "standing", fits / "supine", file)
+    assert breastrig.transfer(fits / "standing", fits / "supine", file, same_patient=True).document["shapes"]
+    assert main([*commands(fits, file, out)[0], "--same-patient"]) == 0
+
+
+@pytest.mark.parametrize("name", ["own plan", "own scan's plan", "own drawing", "an earlier version's plan"])
+def test_ones_own_is_not(name: str, fits: Path, tmp_path: Path) -> None:
+    (tmp_path / "file.json").write_text(json.dumps(documents(fits)[name]))
+    standing, supine = str(fits / "standing"), str(fits / "supine")
+    out = tmp_path / "there.json"
+    assert (
+        main(["transfer", "--from", standing, "--to", supine, "--drawing", str(tmp_path / "file.json"), "-o", str(out)])
+        == 0
+    )
+    carried = json.loads(out.read_text())
+    assert carried["patient"] == "K7M-4QX"
+    assert carried["scan_sha256"] == json.loads((fits / "supine" / "result.json").read_text())["scan"]["sha256"]
+
+
+def test_a_fit_s_drawing_says_whose_it_is_and_stays_the_fits_own(fits: Path, tmp_path: Path) -> None:
+    drawing = GivenDrawing.model_validate_json((fits / "standing" / "drawing.json").read_bytes())
+    result = breastrig.Fit.load(fits / "standing").in_metres.result
+    assert (drawing.patient, drawing.scan_sha256) == ("K7M-4QX", result.scan.sha256)
+
+
+def test_lines_a_little_off_the_skin_are_moved_onto_it_and_others_are_refused(
+    fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Import took 50 mm and transfer 5: one limit, 10 mm."""
+    standing, supine = str(fits / "standing"), str(fits / "supine")
+    for off, code in ((0.008, 0), (0.012, 2)):
+        shape = line(fits)
+        shape["points"] = [[x, y, z + off] for x, y, z in shape["points"]]
+        file = tmp_path / f"{off}.json"
+        file.write_text(json.dumps({"schema": "breastrig/drawing@1", "unit": "m", "shapes": [shape]}))
+        out = str(tmp_path / f"{off}.out.json")
+        assert main(["transfer", "--from", standing, "--to", supine, "--drawing", str(file), "-o", out]) == code
+    assert "away from the scan" in capsys.readouterr().err
+    shutil.rmtree(tmp_path)
