@@ -284,3 +284,27 @@ def test_each_scan_has_a_small_picture_without_names_in_it(client: FlaskClient, 
         shown = picture.convert("RGBA").getchannel("A")
         assert 0.1 < sum(shown.histogram()[128:]) / (144 * 180) < 0.95
     problem(client.get("/api/scans/nobody/thumbnail.png"), 404)
+
+
+def test_another_patients_plan_and_drawing_are_asked_about(client: FlaskClient, add: Any) -> None:
+    """Every fixed scanner has one frame: another's lines and tumours lie near this skin too."""
+    scan = add()
+    code, sha256 = scan["patient_code"], scan["sha256"]
+    other = {"id": "x", "stance": "standing", "sha256": "ab" * 32}
+    items = [item(scan, LINE, "a"), item(scan, TUMOUR, "t")]
+    place, headers = plan_of(scan), {"If-Match": client.get(plan_of(scan)).headers["ETag"]}
+    for whose in ({"patient": "P-9"}, {"patient": "P-9", "scans": [other]}, {"scans": [other]}):
+        said = problem(client.put(place, json={"items": items} | whose, headers=headers), 409)
+        assert f"not for patient {code}" in said
+        assert ("P-9" in said) is ("patient" in whose)
+        assert said.endswith("say same_patient.")
+        drawing = {"shapes": [LINE]} | {key: value for key, value in whose.items() if key == "patient"}
+        if "patient" in whose:
+            problem(client.put(f"/api/scans/{scan['id']}/drawing", json=drawing), 409)
+    assert client.get(place).json["items"] == []
+    for whose in ({"patient": code}, {"patient": "P-9", "scans": [other | {"sha256": sha256}]}, {}):
+        headers = {"If-Match": client.get(place).headers["ETag"]}
+        assert client.put(place, json={"items": items} | whose, headers=headers).status_code == 200
+    headers = {"If-Match": client.get(place).headers["ETag"]}
+    answer = client.put(f"{place}?same_patient=true", json={"items": items, "patient": "P-9"}, headers=headers)
+    assert (answer.status_code, answer.json["patient"]) == (200, code)

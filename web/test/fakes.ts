@@ -17,7 +17,7 @@ export function scanInfo(id: string): Scan {
   const links = { self: `/api/scans/${id}`, mesh: `/api/scans/${id}/mesh.glb`, landmarks: `/api/scans/${id}/landmarks`, drawing: `/api/scans/${id}/drawing`, patient: `/api/patients/of-${id}`, plan: `/api/patients/of-${id}/plan` };
   const stance = { proposed: "standing", reason: "" };
   const frame = { up: [0, 1, 0] as Vector, front: [0, 0, 1] as Vector, confidence: 1, reason: "" };
-  return { id, patient: `of-${id}`, patient_code: `code of ${id}`, created_at: "2026-11-25T09:00:00.000Z", unit: "m", model: "torso", frame, stance, links, colours: "none", notes: [], triangles: 1 } as unknown as Scan;
+  return { id, patient: `of-${id}`, patient_code: `code of ${id}`, sha256: `sha256 of ${id}`, created_at: "2026-11-25T09:00:00.000Z", unit: "m", model: "torso", frame, stance, links, colours: "none", notes: [], triangles: 1 } as unknown as Scan;
 }
 
 export function fitLinks(id: string) {

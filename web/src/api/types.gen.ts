@@ -16,6 +16,8 @@ export type CarriedDrawing = {
   /** of the second scan */
   unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   notice: string;
+  patient?: string | null;
+  scan_sha256?: string | null;
   carried_by: "skin" | "model";
   shapes: CarriedShape[];
 };
@@ -107,6 +109,10 @@ export type DrawingFile = {
   name?: string | null;
   /** of the points; the scan's */
   unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
+  /** the patient's code; another's drawing is asked about */
+  patient?: string | null;
+  /** sha256 of the scan that it was made on */
+  scan_sha256?: string | null;
   shapes: DrawnShape[];
 };
 
@@ -153,6 +159,8 @@ export type ExampleScan = {
   patient: string;
   /** her code: a random one where nobody gave her one */
   patient_code: string;
+  /** of the file, by which drawings and plans say what they were made on */
+  sha256: string;
   /** unit that the file was read in */
   unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   unit_reason: string;
@@ -320,6 +328,10 @@ export type GivenDrawing = {
   name?: string | null;
   /** by default the scan's */
   unit?: "m" | "dm" | "cm" | "mm" | "in" | "ft" | null;
+  /** the patient's code; another's drawing is asked about */
+  patient?: string | null;
+  /** sha256 of the scan that it was made on */
+  scan_sha256?: string | null;
   shapes: GivenShape[];
 };
 
@@ -704,6 +716,10 @@ export type OtherStance = {
 export type OwnDrawing = {
   schema?: "breastrig/drawing@1";
   unit?: "mm";
+  /** the patient's code; another's drawing is asked about */
+  patient?: string | null;
+  /** sha256 of the scan that it was made on */
+  scan_sha256?: string | null;
   shapes: DrawnShape[];
 };
 
@@ -844,6 +860,8 @@ export type PatternShape = {
 export type Plan = {
   schema?: "breastrig/plan@1";
   unit?: "mm";
+  /** the patient's code; another's plan is asked about */
+  patient?: string | null;
   /** that the items name */
   scans?: ScanOfPlan[];
   items: (PlanLine | PlanPattern | PlanTumour | PlanLesion | PlanNote)[];
@@ -917,6 +935,10 @@ export type PlanOnScan = {
   whole: boolean;
   /** id; behind a share link empty */
   fit: string;
+  /** the patient's code; behind a share link none */
+  patient?: string | null;
+  /** of the scan's file; behind a share link none */
+  scan_sha256?: string | null;
   /** fits of the patient's other scans that were used; behind a share link none */
   carried_from: CarriedFrom[];
 };
@@ -1193,6 +1215,8 @@ export type Scan = {
   patient: string;
   /** her code: a random one where nobody gave her one */
   patient_code: string;
+  /** of the file, by which drawings and plans say what they were made on */
+  sha256: string;
   /** unit that the file was read in */
   unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   unit_reason: string;
@@ -1459,6 +1483,8 @@ export type Started = {
 export type StoredPlan = {
   schema: "breastrig/plan@1";
   unit: "mm";
+  /** her code */
+  patient?: string | null;
   /** the ETag is this number in quotes */
   version: number;
   /** whether somebody has written the plan; false: fits' own drawings still count */
@@ -1491,6 +1517,8 @@ export type TransferRequest = {
   drawing?: GivenDrawing | null;
   /** the scans are of two patients: the same place of the model, not the same skin */
   other_patient?: boolean;
+  /** the drawing is this patient's, though it names another code and scan */
+  same_patient?: boolean;
 };
 
 export type Verdict = {

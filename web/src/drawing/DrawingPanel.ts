@@ -45,9 +45,10 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
   file.querySelector("input")!.id = "drawing-file";
   file.querySelector("span")!.className = "visually-hidden";
   file.title = words.importHint;
-  const save = button(words.exportFile, () => state?.scan && saveFile(fileName(state.scan, "drawing.json", state.fit?.result?.stance), toText(state.drawn.lines.present), "application/json"), "quiet");
+  const save = button(words.exportFile, () => state?.scan && saveFile(fileName(state.scan, "drawing.json", state.fit?.result?.stance), toText(state.drawn.lines.present, { patient: state.scan.info.patient_code, scans: [state.scan.info.sha256] }), "application/json"), "quiet");
   save.title = words.exportHint;
   const wrong = problem(dismiss);
+  const another = createAnother(drawing);
   const corners = createCorners(drawing);
   const layers = createDrawingLayers(drawing);
   const pattern = createDrawingPattern(drawing, plan);
@@ -56,6 +57,7 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
     "div",
     { class: "panel drawing" },
     wrong.element,
+    another.element,
     el("div", { class: "tool-row" }, tools.element),
     hint,
     full,
@@ -94,10 +96,32 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
       setText(saved, drawn.lines.present.length === 0 && drawn.saving === "saved" ? "" : words[drawn.saving]);
       wrong.set(session.problems.drawing);
       show(again, drawn.saving === "unsaved" && session.problems.drawing !== undefined);
+      another.update(session);
       corners.update(session);
       layers.update(session);
       pattern.update(session);
       lesions.update(session);
+    },
+  };
+}
+
+/** A file that names another patient: asked before anything of it is taken. */
+function createAnother(drawing: DrawingActions): Panel<Pick<DrawingSlice, "drawn">> {
+  const words = text.drawing.another;
+  const says = el("p", {});
+  const take = button("", () => drawing.takeAnother(), "outlined");
+  const leave = button(words.leave, () => drawing.leaveAnother(), "primary");
+  const element = el("dialog", { class: "help ask", id: "another-dialog", "aria-labelledby": "another-title", oncancel: () => drawing.leaveAnother() }, el("h2", { id: "another-title" }, words.title), says, el("div", { class: "toolbar" }, leave, take));
+  return {
+    element,
+    select: only("drawn"),
+    update({ drawn: { another } }: Pick<DrawingSlice, "drawn">): void {
+      if (another) {
+        setText(says, words.says(another.theirs, another.ours));
+        setText(take, words.take(another.ours));
+      }
+      if (another && !element.open) element.showModal();
+      if (!another && element.open) element.close();
     },
   };
 }

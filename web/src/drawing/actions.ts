@@ -12,7 +12,7 @@ import { formatMmWhole } from "../ui/units";
 import type { ViewSlice } from "../viewer/state";
 import { planChanges } from "./changes";
 import { closedUp, cornerAdded, cornerMoved, cornerRemoved, extended, lineAlong, lineThrough, openedUp } from "./lines/edits";
-import { readDrawing, UnreadableDrawing } from "./lines/files";
+import { isAnothers, readDrawing, UnreadableDrawing, whoseIs } from "./lines/files";
 import { freeName, gap, newId, nextName, type OwnLine, TUMOUR_INK, withLine, withoutLine } from "./lines/lines";
 import { mirroredLine, mirrorPlane } from "./mirror/mirror";
 import type { Skin } from "./lines/skin";
@@ -34,6 +34,9 @@ export interface KeepsLines {
   /** What the plan says about the scan before it said this; null when nothing earlier is known. */
   earlier(scan: Scan, now: PlanStep): Promise<PlanStep | null>;
 }
+
+const OFF_THE_SKIN_MM = 10; // as the service has it: what lies farther off is of another scan, frame or unit
+const MOVED_MM = 1; // less is the mesh that is shown, and not said
 
 export function drawingActions(store: Store<State>, client: Pick<Client, "lengths">, plan: KeepsLines) {
   let timer: ReturnType<typeof setTimeout> | undefined;
@@ -106,6 +109,21 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
   }
 
   const words = text.drawing;
+
+  /** Lines of a file, on the skin; those that lie farther off than a file may are left out, and it is said. */
+  function take(read: readonly OwnLine[]): void {
+    const on = skin();
+    const laid = read.map((line) => laidOnSkin(on, line));
+    const taken = laid.filter(({ away }) => away <= OFF_THE_SKIN_MM);
+    const out = laid.filter((each) => !taken.includes(each));
+    if (taken.length === 0 && out[0]) throw new UnreadableDrawing(words.elsewhere(out[0].line.name, out[0].away));
+    const all = [...lines()];
+    for (const { line } of taken) all.push({ ...line, id: newId(), name: freeName(all, line.name) });
+    const moved = Math.max(0, ...taken.map(({ away }) => away));
+    const remark = words.imported(taken.length, moved > MOVED_MM ? moved : 0, out.map(({ line }) => line.name));
+    store.set((state) => withProblem(state, "drawing", moved > MOVED_MM || out.length > 0 ? remark : null));
+    change(all, { start: null, open: null, chosen: null, corner: null }, remark);
+  }
 
   return {
     /** Set by the view: how to reach the surface of the scan on the screen. */
@@ -346,19 +364,30 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
       const scan = store.get().scan;
       if (!scan) return;
       try {
-        const read = readDrawing(await file.text(), scan.info.unit);
-        const on = skin();
-        const far = on ? read.find((line) => line.points.every((point) => on.nearest(point).away > 50)) : undefined;
-        if (far) throw new UnreadableDrawing(words.elsewhere(far.name));
-        const all = [...lines()];
-        for (const line of read) all.push({ ...line, id: newId(), name: freeName(all, line.name) });
-        store.set((state) => withProblem(state, "drawing", null));
-        change(all, { start: null, open: null, chosen: null, corner: null }, words.announceImported(read.length));
+        const text = await file.text();
+        const read = readDrawing(text, scan.info.unit);
+        if (store.get().scan?.info.id !== scan.info.id) return;
+        const whose = whoseIs(text);
+        if (isAnothers(whose, scan.info.patient_code, scan.info.sha256)) put({ another: { theirs: whose.patient, ours: scan.info.patient_code, lines: read } });
+        else take(read);
       } catch (error) {
         const message = error instanceof UnreadableDrawing ? error.message : messageOf(error);
         store.set((state) => withProblem(state, "drawing", message));
       }
     },
+
+    /** What was asked about is this patient's. */
+    takeAnother(): void {
+      const { another } = drawn();
+      put({ another: null });
+      try {
+        if (another) take(another.lines);
+      } catch (error) {
+        store.set((state) => withProblem(state, "drawing", messageOf(error)));
+      }
+    },
+
+    leaveAnother: (): void => put({ another: null }),
 
     async saveNow(): Promise<void> {
       const { scan } = store.get();
@@ -366,6 +395,14 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
     },
     flush,
   };
+}
+
+/** The line with its points on the skin, and how far the farthest was away, mm; what lies over a hole stays. */
+function laidOnSkin(on: Skin | null, line: OwnLine): { line: OwnLine; away: number } {
+  if (!on) return { line, away: 0 };
+  const met = line.points.map((point) => on.nearest(point));
+  const isOver = (k: number): boolean => line.bridged?.[k] === true;
+  return { line: { ...line, points: line.points.map((point, k) => (isOver(k) || met[k]!.away < MOVED_MM ? point : met[k]!.point)) }, away: Math.max(0, ...met.map(({ away }, k) => (isOver(k) ? 0 : away))) };
 }
 
 /** A hand's stroke as a line; null where it is too short for one. */

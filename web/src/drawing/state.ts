@@ -86,6 +86,12 @@ export const withStep = (state: { readonly drawing: string; readonly drawn: Draw
 });
 
 /** What is drawn on one scan, and what the hand does there. */
+export interface AnotherDrawing {
+  readonly theirs: string | null; // code of the patient that the file names
+  readonly ours: string;
+  readonly lines: readonly OwnLine[];
+}
+
 export interface DrawnState {
   readonly lines: PlanHistory; // of lines, patterns, tumour and words
   readonly saving: "saved" | "saving" | "unsaved"; // of all that is planned on the scan
@@ -104,6 +110,7 @@ export interface DrawnState {
   readonly hidden: ReadonlySet<string>; // layerKey of lines that are switched off
   readonly onScan: OnScan | null;
   readonly live: Live | null;
+  readonly another: AnotherDrawing | null; // a file of another patient, not taken before somebody says so
   readonly isChangedElsewhere: boolean; // somebody else has written the plan since it was read
   readonly contested: Pick<PlanStep, "drawing" | "depthMm"> | null; // as they were changed elsewhere while they were changed here in another way
 }
@@ -144,6 +151,7 @@ export function startDrawn(lines: readonly OwnLine[] = [], words: Words = { note
     hidden: new Set([BANDS]), // on demand: they bury small patterns
     onScan: null,
     live: null,
+    another: null,
     isChangedElsewhere: false,
     contested: words.contested ?? null,
   };

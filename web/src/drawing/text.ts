@@ -155,7 +155,15 @@ export const drawing = {
   linesOf: (lines: number, label: string) => `${plural(lines, "line", "lines")} of ${label}`,
   carried: (from: string) => `Carried from ${from}`,
   dashed: "Dashed and paler where the scan shows no skin: a guess of the model.",
-  elsewhere: (name: string) => `“${name}” lies more than 50 mm off this scan: it was drawn on another one, or in another unit.`,
+  elsewhere: (name: string, mm: number) => `“${name}” lies ${Math.round(mm)} mm off this scan: it was drawn on another one, or in another unit.`,
+  imported: (count: number, mm: number, out: readonly string[]) =>
+    [`${plural(count, "line", "lines")} read`, ...(mm > 0 ? [`moved onto the skin by up to ${Math.round(mm)} mm`] : []), ...(out.length > 0 ? [`left out, more than 10 mm off this scan: ${out.join(", ")}`] : [])].join("; ") + ".",
+  another: {
+    title: "Another patient's drawing?",
+    says: (theirs: string | null, ours: string) => `This file was made for ${theirs === null ? "another scan" : `patient ${theirs}`}. The patient on the page is ${ours}. Nothing has been imported.`,
+    leave: "Do not import",
+    take: (ours: string) => `Import: it is of ${ours}`,
+  },
   pattern: {
     title: "Patterns and tumour",
     titleWithoutTumour: "Drawing and notes",
@@ -201,7 +209,6 @@ export const drawing = {
   announceCleared: "All lines are erased.",
   announceMoved: "The point is moved.",
   announceCornerGone: "The point is deleted.",
-  announceImported: (count: number) => `${plural(count, "line", "lines")} read.`,
 };
 
 export const summary = {

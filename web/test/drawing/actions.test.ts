@@ -241,11 +241,49 @@ test.each([
   expect(() => readDrawing(text, "mm")).toThrow(words);
 });
 
+test("lines of a file a little off the skin are moved onto it, those farther off are left out, and both is said", async () => {
+  const { actions, store, names } = await drawing();
+  const shapes = [{ name: "near", points: [[0, 0, 6], [10, 0, 6]] }, { name: "far", points: [[0, 0, 0], [10, 0, 11]] }];
+  await actions.drawing.importFile(new File([JSON.stringify({ unit: "mm", shapes })], "drawing.json"));
+  expect(names()).toEqual(["near"]);
+  expect(store.get().drawn.lines.present[0]!.points.every(([, , z]) => Math.abs(z) < 1e-3)).toBe(true);
+  expect(store.get().problems.drawing).toBe("1 line read; moved onto the skin by up to 6 mm; left out, more than 10 mm off this scan: far.");
+});
+
+test.each([
+  [{ patient: "P-9" }, "P-9"],
+  [{ patient: "P-9", scan_sha256: "ff" }, "P-9"],
+  [{ scan_sha256: "ff" }, null],
+  [{ patient: "P-9", scans: [{ id: "s", sha256: "ff" }] }, "P-9"],
+])("another patient's drawing is asked about before anything of it is taken: %o", async (whose, theirs) => {
+  const { actions, store, names } = await drawing();
+  const file = (): File => new File([JSON.stringify({ unit: "mm", shapes: [{ name: "a", points: [[0, 0, 0], [10, 0, 0]] }], ...whose })], "drawing.json");
+  await actions.drawing.importFile(file());
+  expect(store.get().drawn.another).toMatchObject({ theirs });
+  expect(names()).toEqual([]);
+  actions.drawing.leaveAnother();
+  expect([names(), store.get().drawn.another]).toEqual([[], null]);
+  await actions.drawing.importFile(file());
+  actions.drawing.takeAnother();
+  expect([names(), store.get().drawn.another]).toEqual([["a"], null]);
+});
+
+test("one's own drawing is taken at once, by its code or its scan", async () => {
+  const { actions, store, names } = await drawing();
+  const { patient_code, sha256 } = store.get().scan!.info;
+  const shapes = [{ name: "a", points: [[0, 0, 0], [10, 0, 0]] }];
+  for (const whose of [{ patient: patient_code, scan_sha256: "ff" }, { patient: "P-9", scan_sha256: sha256 }]) await actions.drawing.importFile(new File([JSON.stringify({ unit: "mm", shapes, ...whose })], "d.json"));
+  expect(names()).toEqual(["a", "a 2"]);
+  expect(JSON.parse(toText(store.get().drawn.lines.present, { patient: patient_code, scans: [sha256] }))).toMatchObject({ patient: patient_code, scan_sha256: sha256 });
+});
+
 test("an imported drawing of another body is refused, nothing is changed", async () => {
   const { actions, store, names } = await drawing();
   const file = (points: Vector[]): File => new File([JSON.stringify({ unit: "mm", shapes: [{ name: "a", points }] })], "drawing.json");
-  await actions.drawing.importFile(file([[0, 0, 900], [10, 0, 900]]));
-  expect(store.get().problems.drawing).toContain("50 mm off this scan");
+  for (const off of [900, 12]) {
+    await actions.drawing.importFile(file([[0, 0, off], [10, 0, off]]));
+    expect(store.get().problems.drawing).toContain(`${off} mm off this scan`);
+  }
   expect(names()).toEqual([]);
   await actions.drawing.importFile(file([[0, 0, 0], [10, 0, 0]]));
   expect(names()).toEqual(["a"]);

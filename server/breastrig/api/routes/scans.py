@@ -328,7 +328,7 @@ def _answer(row: ScanRow, owner: PatientRow) -> wire.Scan:
         plan=f"/api/patients/{patient}/plan",
     )
     shown = {name: fact for name, fact in row.facts.items() if name != "orientation"}  # that is for our own workers
-    facts = shown | cut_facts(row) | {"patient_code": owner.code}
+    facts = shown | cut_facts(row) | {"patient_code": owner.code, "sha256": row.sha256}
     facts |= {"model": app_context().service.models.name_of(row.facts)}
     return wire.Scan(id=row.id, patient=patient, created_at=row.created_at, links=links, **facts)
 

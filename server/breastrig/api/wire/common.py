@@ -143,6 +143,7 @@ class Scan(Wire):
     id: str
     patient: str = Field(description="id of the patient whose scan it is")
     patient_code: str = Field(description="her code: a random one where nobody gave her one")
+    sha256: str = Field(description="of the file, by which drawings and plans say what they were made on")
     unit: Literal["m", "dm", "cm", "mm", "in", "ft"] = Field(description="unit that the file was read in")
     unit_reason: str
     size_doubt: str = Field("", description="why the unit or the export may be wrong; empty for an ordinary size")

@@ -88,7 +88,7 @@ class StoredPlan(Wire):
 
     schema_: Literal["breastrig/plan@1"] = Field(alias="schema")
     unit: Literal["mm"]
-    patient: str = Field(description="her code")
+    patient: str | None = Field(None, description="her code")
     version: int = Field(description="the ETag is this number in quotes")
     whole: bool = Field(description="whether somebody has written the plan; false: fits' own drawings still count")
     scans: list[ScanOfPlan]

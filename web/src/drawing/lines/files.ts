@@ -9,15 +9,38 @@ export class UnreadableDrawing extends Error {}
 const LONGEST_NAME = 100;
 export const roundMm = (mm: number): number => Number(mm.toFixed(3)); // a micrometre: two hundred lines fit into what the service takes
 
-export function toDrawing(lines: readonly OwnLine[]): OwnDrawing {
+/** By which a file says whose it is: the patient's code, and the hashes of the scans that it was made on. */
+export interface Whose {
+  readonly patient: string | null;
+  readonly scans: readonly string[];
+}
+
+export function toDrawing(lines: readonly OwnLine[], whose: Whose | null = null): OwnDrawing {
   return {
     schema: "breastrig/drawing@1",
     unit: "mm",
+    ...(whose?.patient ? { patient: whose.patient } : {}),
+    ...(whose?.scans[0] ? { scan_sha256: whose.scans[0] } : {}),
     shapes: lines.map(({ name, closed, color, points, bridged }) => ({ name, label: "", closed, color, points: points.map((point) => point.map(roundMm) as Vector), ...(bridged ? { bridged: [...bridged] } : {}) })),
   };
 }
 
-export const toText = (lines: readonly OwnLine[]): string => JSON.stringify(toDrawing(lines), null, 1) + "\n";
+export const toText = (lines: readonly OwnLine[], whose: Whose | null = null): string => JSON.stringify(toDrawing(lines, whose), null, 1) + "\n";
+
+/** What a drawing or plan file says of whose it is; nothing where it is no such file. */
+export function whoseIs(text: string): Whose {
+  const said = (value: unknown): string | null => (typeof value === "string" && value !== "" ? value : null);
+  try {
+    const file = JSON.parse(text) as { patient?: unknown; scan_sha256?: unknown; scans?: unknown } | null;
+    const listed = Array.isArray(file?.scans) ? (file.scans as ({ sha256?: unknown } | null)[]).map((scan) => scan?.sha256) : [];
+    return { patient: said(file?.patient), scans: [file?.scan_sha256, ...listed].map(said).filter((each) => each !== null) };
+  } catch {
+    return { patient: null, scans: [] };
+  }
+}
+
+/** Whether the file names somebody, and neither this patient nor this scan. */
+export const isAnothers = (file: Whose, patient: string, scan: string): boolean => (file.patient !== null || file.scans.length > 0) && file.patient !== patient && !file.scans.includes(scan);
 
 export function fromDrawing(drawing: OwnDrawing): OwnLine[] {
   return drawing.shapes.map(({ name, closed, color, points, bridged }) => lineAlong(name, color ?? INK, points, closed ?? false, bridged));
