@@ -143,7 +143,10 @@ def test_a_drawing_of_another_scan_cannot_be_compared(
     fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     files = [str(fits / name / "drawing.json") for name in ("supine", "standing")]
-    assert main(["compare", *files, "--on", str(fits / "supine"), "-o", str(tmp_path / "cmp")]) == 2
+    command = ["compare", *files, "--on", str(fits / "supine"), "-o", str(tmp_path / "cmp")]
+    assert main(command) == 2
+    assert "add --same-patient" in capsys.readouterr().err
+    assert main([*command, "--same-patient"]) == 2
     assert "must be in the scan's frame" in capsys.readouterr().err
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from helpers.results import result_file
 
+from breastrig.files.result import ResultParameters
 from breastrig.workflow.folder.fit_folder import FitFolder
 from breastrig.workflow.one_body import body_doubt
 
@@ -22,7 +23,10 @@ BODY = {  # mm
 def fit(stance: str = "standing", radius: float = 5.0, picked: bool = True, **moved: list[float]) -> FitFolder:
     places = BODY | moved
     landmarks = {name: 1e-3 * np.array(place) for name, place in places.items()} if picked else {}
-    result = result_file(landmarks=places, landmark_uncertainty_mm=dict.fromkeys(places, radius) if radius else {})
+    scan = {"sha256": f"{stance:0>64}"}
+    result = result_file(
+        scan=scan, landmarks=places, landmark_uncertainty_mm=dict.fromkeys(places, radius) if radius else {}
+    )
     return cast(
         FitFolder, SimpleNamespace(result=result, stance=stance, landmarks=landmarks, seen={}, metres_per_unit=1e-3)
     )
@@ -55,5 +59,33 @@ def test_what_cannot_be_one_body_is_asked_about(stance: str, moved: dict[str, li
     assert doubt is not None
     assert doubt.startswith("Are both scans of one patient?")
     assert said in doubt
-    assert body_doubt(fit(), fit(stance, radius=40.0, picked=False, **moved)) is None, "it may be the landmarks"
+    assert body_doubt(fit(), fit(stance, radius=80.0, picked=False, **moved)) is None, "it may be the landmarks"
     assert body_doubt(fit(), fit(stance, radius=0.0, **moved)) is None, "it is not known"
+
+
+def proportioned(stance: str, umbilicus: float = 40.0, pelvis: float = 1.0) -> FitFolder:
+    """Nothing was picked: the places are within 30 mm."""
+    found = fit(stance, radius=30.0, picked=False, umbilicus=[0.0, umbilicus, 90.0])
+    bone = {
+        "name": "pelvis",
+        "rotation_xyzw": [0.0, 0.0, 0.0, 1.0],
+        "translation_m": [0.0] * 3,
+        "scale": [pelvis, 1.0, 1.0],
+    }
+    bones = ResultParameters.model_validate({"bones": [bone], "blendshapes": {}})
+    found.result = found.result.model_copy(update={"parameters": bones})  # type: ignore[misc]
+    return found
+
+
+def test_without_picks_the_models_proportions_are_compared() -> None:
+    first = proportioned("standing")
+    assert body_doubt(first, proportioned("supine", 55.0, 1.08)) is None
+    assert "380 mm from the notch to the umbilicus" in str(body_doubt(first, proportioned("supine", 5.0)))
+    assert "pelvis differs by 15 %" in str(body_doubt(first, proportioned("supine", 40.0, 1.18)))
+    assert body_doubt(first, proportioned("prone", 5.0, 1.18)) is None, "a prone scan shows too little"
+
+
+def test_the_same_file_as_two_stances_is_said() -> None:
+    first, second = fit(), fit("supine")
+    second.result = first.result  # type: ignore[misc]
+    assert str(body_doubt(first, second)).startswith("Both fits are of the same scan file, as standing and as supine.")

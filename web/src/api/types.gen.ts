@@ -18,6 +18,8 @@ export type CarriedDrawing = {
   notice: string;
   patient?: string | null;
   scan_sha256?: string | null;
+  /** why the two scans may be of two patients, a sentence each */
+  doubts?: string[];
   carried_by: "skin" | "model";
   shapes: CarriedShape[];
 };

@@ -42,5 +42,6 @@ class CarriedDrawing(Wire):
     notice: str
     patient: PatientCode | None = Field(None, exclude_if=lambda code: code is None)
     scan_sha256: Digest | None = Field(None, exclude_if=lambda digest: digest is None)
+    doubts: list[str] = Field([], description="why the two scans may be of two patients, a sentence each")
     carried_by: Literal["skin", "model"]
     shapes: list[CarriedShape]

@@ -27,6 +27,7 @@ from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of
 from breastrig.workflow.jobs import TransferJob
 from breastrig.workflow.lines.plan_on_fit import plan_document, plan_on_folders
+from breastrig.workflow.one_body import body_doubt
 from breastrig.workflow.whose import check_whose, made_on
 
 
@@ -72,7 +73,8 @@ def transfer_with(rig: Rig, job: TransferJob) -> dict[str, Any]:
         carried = transferred(rig, a, b, shapes, job.other_patient)
     except MemoryError as error:
         raise BadInput("Carrying this drawing needs more memory than it may use; give smaller scans.") from error
-    return _document(given, goal, carried, job.other_patient)
+    doubt = None if job.other_patient else body_doubt(source, goal)
+    return _document(given, goal, carried, job.other_patient) | {"doubts": [] if doubt is None else [doubt]}
 
 
 def _own(folder: Path, fit: FitFolder) -> Drawing:
@@ -115,7 +117,7 @@ def _plan_on(rig: Rig, plan: Plan, source: FitFolder, goal: FitFolder, other_pat
     """The whole plan on the target: what was made on it as it is, all else carried from the source."""
     if other_patient:
         raise BadDrawing("A plan is one patient's; give a drawing to show it on another one.")
-    return plan_document(plan, goal, plan_on_folders(rig, plan, [(goal, ""), (source, "")], home=1))
+    return plan_document(plan, goal, plan_on_folders(rig, plan, [(goal, ""), (source, "")], home=1), [source])
 
 
 def _document(
