@@ -9,8 +9,8 @@ from breastrig.gltf.lines.lines_glb import lines_glb
 from breastrig.report.files.exported import closed_model, vertex_sets
 from breastrig.report.files.geometry_files import obj_lines, ply_lines, surface_ply, surface_stl
 from breastrig.workflow.folder.fit_folder import read_fit_folder
+from breastrig.workflow.folder.whose import check_whose
 from breastrig.workflow.report import laid_plan, planned_lines, stance_of
-from breastrig.workflow.whose import check_whose
 
 EXPORT_RECORD = "surface.json"
 EXPORT_FILES = ("drawing.glb", "drawing.obj", "drawing.ply", "surface.ply", "surface.stl", EXPORT_RECORD)

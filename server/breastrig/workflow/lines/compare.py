@@ -22,8 +22,8 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import ModelDrawing
 from breastrig.rig.similarity import umeyama
 from breastrig.workflow.folder.fit_folder import fit_folder_of
+from breastrig.workflow.folder.whose import check_whose
 from breastrig.workflow.lines.transfer import drawing_document
-from breastrig.workflow.whose import check_whose
 
 SCHEMA = "breastrig/compare@1"
 COMPARE_RECORD = "compare.json"
