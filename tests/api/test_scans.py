@@ -157,6 +157,21 @@ def test_an_unknown_unit_is_refused_with_the_known_ones(client: FlaskClient, tor
     assert "'mm'" in sentence
 
 
+@pytest.mark.parametrize(("unit", "factor"), [("mm", 1.0), ("m", 0.001), ("cm", 0.1), ("in", 1 / 25.4)])
+def test_landmarks_in_any_unit_are_kept_in_mm(client: FlaskClient, scan_id: str, unit: str, factor: float) -> None:
+    sent = {"unit": unit, "landmarks": {"nipple_L": [factor * each for each in (70.0, 350.0, 120.5)]}}
+    answer = client.put(f"/api/scans/{scan_id}/landmarks", json=sent).json
+    assert answer["unit"] == "mm"
+    assert answer["landmarks"]["nipple_L"] == pytest.approx([70.0, 350.0, 120.5])
+    assert client.put(f"/api/scans/{scan_id}/landmarks", json={**sent, "unit": "ell"}).status_code == 422
+
+
+def test_all_landmarks_that_are_not_known_are_listed(client: FlaskClient, scan_id: str) -> None:
+    sent = {"landmarks": {"elbow": [0, 0, 0], "Mamille": [0, 0, 0]}}
+    detail = client.put(f"/api/scans/{scan_id}/landmarks", json=sent).json["detail"]
+    assert detail.startswith('Not a landmark: "elbow", "Mamille"; known are: suprasternal_notch')
+
+
 def test_landmarks_are_kept(client: FlaskClient, scan_id: str) -> None:
     place = f"/api/scans/{scan_id}/landmarks"
     empty = {"schema": "breastrig/landmarks@1", "unit": "mm", "landmarks": {}, "certain": []}
@@ -175,7 +190,7 @@ def test_landmarks_are_kept(client: FlaskClient, scan_id: str) -> None:
         ({"landmarks": {"nipple_L": [0, 0]}}, "landmarks.nipple_L"),
         ({"landmarks": {"nipple_L": [0, 0, "a"]}}, "landmarks.nipple_L.2"),
         ({"landmarks": {"nipple_L": [0, 0, 9000]}}, "nipple_L lies 8.8"),
-        ({"landmarks": {"nipple_L": [0, 0, 0]}, "unit": "cm"}, "unit"),
+        ({"landmarks": {"nipple_L": [0, 0, 0]}, "unit": "ell"}, "unit"),
         ({"landmark": {}}, "landmarks: Field required (1 more)"),
         ({"landmarks": {}, "certain": ["nipple_L"]}, '"certain" names nipple_L, which is not among these landmarks'),
         ({"landmarks": {}, "certain": "nipple_L"}, "certain: "),

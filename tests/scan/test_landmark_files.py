@@ -360,6 +360,60 @@ def test_a_landmark_is_known_by_the_names_that_people_write(written: str, meant:
     assert known_name(written, known) == meant
 
 
+TERMS = {
+    "suprasternal_notch": "Jugulum, Incisura jugularis, Fourchette sternale, sternal notch, jugular_notch",
+    "mid_sternum": "Sternummitte, Mitte des Sternums, milieu du sternum",
+    "xiphoid": "Schwertfortsatz, Processus xiphoideus, processus xiphoïde, xiphoid process",
+    "midclavicle_L": "Klavikulamitte links, linke Claviculamitte, Schluesselbeinmitte li., milieu claviculaire gauche",
+    "midclavicle_R": "rechte Schlüsselbeinmitte, milieu de la clavicule droite, R midclavicular point",
+    "acromion_L": "Akromion links, AKROMION_L, acromion gauche, linkes Akromion",
+    "acromion_R": "Schulterhöhe re, acromion droit, Akromion (rechts)",
+    "nipple_L": "Mamille links, linke Brustwarze, mamelon gauche, MamilleL, Mamille li, mamelon G",
+    "nipple_R": "Mamille rechts, rechte Mamille, mamelon droit, mamelon (D), Mamille re.",
+    "inframammary_fold_L": "Submammarfalte links, linke Submammärfalte, IMF L, sillon sous-mammaire gauche",
+    "inframammary_fold_R": "Inframammaerfalte rechts, Unterbrustfalte re, sillon sous mammaire droit",
+    "umbilicus": "Nabel, Bauchnabel, ombilic, l'ombilic, l\u2019ombilic, nombril, navel",
+}
+
+
+@pytest.mark.parametrize("meant", TERMS)
+def test_a_landmark_is_known_in_german_and_french(meant: str) -> None:
+    known = dict.fromkeys(TERMS, ())
+    for written in TERMS[meant].split(", "):
+        assert known_name(written, known) == meant
+
+
+@pytest.mark.parametrize("written", ["Mamille", "mamelon", "Mamille links rechts", "linker Nabel", "Leiste links"])
+def test_a_term_without_its_side_or_of_something_else_is_not_known(written: str) -> None:
+    assert known_name(written, dict.fromkeys(TERMS, ())) == written
+
+
+PREAMBLES = {
+    "semicolons": "Nr: 12\nDatum;27.11.2026\n\nBezeichnung;X [mm];Y [mm];Z [mm]\nJugulum;1,5;2,5;3,5\nNabel;4;5;6\n",
+    "commas": "By a program,version 3\nDate,2026-11-27\nPoints,2\nname,x,y,z\nJugulum,1.5,2.5,3.5\nNabel,4,5,6\n",
+    "an index": 'Scan 7\n"Nr","Punkt","x","y","z"\n1,Jugulum,1.5,2.5,3.5\n2,Nabel,4,5,6\n',
+    "tabs": "Made by hand\nRepère\tX\tY\tZ\nJugulum\t1.5\t2.5\t3.5\nNabel\t4\t5\t6\n",
+    "no names of columns": "Landmarks\nof the standing scan\nJugulum;1,5;2,5;3,5\nNabel;4;5;6\n",
+    "Landmark Editor": "Version 1.0\n3\nJugulum 1.5 2.5 3.5\nNabel 4 5 6\nMamille 9999 9999 9999\n",
+    "lmk": "Landmarks-1.0\n3\nJugulum\n1.5 2.5 3.5 1 1\nNabel\n4 5 6 1 1\nMamille\n0 0 0 0 1\n",
+}
+
+
+@pytest.mark.parametrize("name", PREAMBLES)
+def test_lines_before_a_table_are_passed_by(name: str) -> None:
+    places, unit = read_landmarks(PREAMBLES[name].encode())
+    assert {key: place.tolist() for key, place in places.items()} == {"Jugulum": [1.5, 2.5, 3.5], "Nabel": [4, 5, 6]}
+    assert unit == ("mm" if name == "semicolons" else None)
+
+
+@pytest.mark.parametrize("first", ["nipple_L,1,2", "nipple_L,1,2,"])
+def test_a_first_row_that_lacks_a_number_is_no_preamble(first: str) -> None:
+    with pytest.raises(BadLandmarks, match="needs three numbers"):
+        read_landmarks(f"{first}\nxiphoid,1,2,3\n".encode())
+    with pytest.raises(BadLandmarks, match="needs three numbers"):
+        read_landmarks(f"Jugulum,1,2,3\n{first}\nname,x,y,z\nxiphoid,1,2,3\n".encode())
+
+
 def test_one_landmark_under_two_names_is_refused() -> None:
     with pytest.raises(BadLandmarks, match=r'"nipple_L" stands twice in this file, once as "left nipple"'):
         by_known_names({"nipple_L": 1, "left nipple": 2}, KNOWN)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from breastrig.api.served_model import ServedModel
-from breastrig.core.errors import BadDrawing, BadLandmarks, unknown_name
+from breastrig.core.errors import BadDrawing, BadLandmarks, unknown_names
 from breastrig.core.picks import Picks
 from breastrig.core.units import METRES_PER_UNIT, distance_text
 from breastrig.scan.landmarks.landmark_files import REACH, checked_certain, landmarks_of_file
@@ -34,9 +34,9 @@ def check_landmarks(picks: Picks, scan: ScanRow, model: ServedModel) -> None:
         if name not in picks.points_mm:
             raise BadLandmarks(f'"confidence" names {name}, which is not among these landmarks; take it out.')
     names = model.rig.landmark_names
+    if unknown := [name for name in picks.points_mm if name not in names]:
+        raise BadLandmarks(unknown_names("landmark", unknown, names))
     for name, point in picks.points_mm.items():
-        if name not in names:
-            raise BadLandmarks(unknown_name("landmark", name, names))
         if (outside := _metres_outside(point, scan)) > REACH:
             raise BadLandmarks(f"{name} lies {_outside('landmarks', outside, scan)}")
 

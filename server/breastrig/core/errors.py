@@ -20,9 +20,11 @@ Each message is one sentence for a person: what is wrong, then what to do.  Only
 an error into a status or exit code.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 SHOWN = 100  # characters of a wrong word that are repeated
+LISTED = 12  # wrong words
 
 
 class BreastRigError(Exception):
@@ -132,6 +134,15 @@ class NotRemoved(BreastRigError):
 
     def __reduce__(self) -> tuple[type["NotRemoved"], tuple[int]]:
         return NotRemoved, (self.places,)
+
+
+def unknown_names(what: str, names: Sequence[str], known: tuple[str, ...]) -> str:
+    """One sentence that lists all wrong words, and the right ones."""
+    if len(names) == 1:
+        return unknown_name(what, names[0], known)
+    listed = [f'"{name if len(name) <= SHOWN else name[: SHOWN - 3] + "..."}"' for name in names[:LISTED]]
+    more = [f"{len(names) - LISTED} more"] if len(names) > LISTED else []
+    return f"Not a {what}: {', '.join((*listed, *more))}; known are: {', '.join(known)}."
 
 
 def unknown_name(what: str, name: str, known: tuple[str, ...]) -> str:

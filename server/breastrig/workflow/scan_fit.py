@@ -13,7 +13,7 @@ import numpy as np
 
 from breastrig.colour.features.observation import Observation
 from breastrig.core.arrays import Array
-from breastrig.core.errors import BadLandmarks, BadSettings, unknown_name
+from breastrig.core.errors import BadLandmarks, BadSettings, unknown_name, unknown_names
 from breastrig.core.stances import AUTO, STANCES, Stance
 from breastrig.core.units import BEYOND, distance_text
 from breastrig.correspondence.target import ScanTarget
@@ -67,9 +67,10 @@ class Clock:
 def checked_landmarks(rig: Rig, landmarks_mm: dict[str, list[float]]) -> dict[str, Array]:
     """Landmarks in metres under the model's names for them; BadLandmarks names the wrong word or value."""
     result = {}
-    for name, place in by_known_names(landmarks_mm, landmark_words(rig)).items():
-        if name not in rig.landmark_names:
-            raise BadLandmarks(unknown_name("landmark of this model", name, rig.landmark_names))
+    places = by_known_names(landmarks_mm, landmark_words(rig))
+    if unknown := [name for name in places if name not in rig.landmark_names]:
+        raise BadLandmarks(unknown_names("landmark of this model", unknown, rig.landmark_names))
+    for name, place in places.items():
         point = np.asarray(place, dtype=np.float64)
         if point.shape != (3,) or not np.isfinite(point).all():
             raise BadLandmarks(f"The landmark {name} needs three finite numbers x y z.")

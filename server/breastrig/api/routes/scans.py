@@ -15,6 +15,7 @@ from breastrig.api.wire import common as wire
 from breastrig.core.errors import NotFound
 from breastrig.core.picks import Picks
 from breastrig.core.proposed import why_not_proposed
+from breastrig.core.units import METRES_PER_UNIT
 from breastrig.scan.file_type import ENDINGS, UNKNOWN
 from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES
 from breastrig.scan.volumes.answers import checked_answers, segments_of_json
@@ -148,19 +149,23 @@ def show_landmarks(scan_id: str) -> Landmarks:
 
 
 @scans.put("/<scan_id>/landmarks")
-@scans.input(wire.LandmarkFile)
+@scans.input(wire.GivenLandmarkFile)
 @scans.input(wire.LandmarksHeaders, location="headers")
 @scans.output(wire.LandmarkFile)
 @scans.doc(operation_id="putLandmarks", responses={412: "Changed by somebody else meanwhile"})
-def replace_landmarks(scan_id: str, json_data: wire.LandmarkFile, headers_data: wire.LandmarksHeaders) -> Landmarks:
-    """Replace the landmarks, mm
+def replace_landmarks(
+    scan_id: str, json_data: wire.GivenLandmarkFile, headers_data: wire.LandmarksHeaders
+) -> Landmarks:
+    """Replace the landmarks, in the unit that they name
 
     Names must be landmarks of the model; points must lie near the scan.  `certain` names those of them that a fit
     follows whatever all else says, `confidence` those that were proposed and only agreed to.
     """
     context = app_context()
     row = get_scan(context.service.storage, scan_id)
-    picks = Picks(json_data.landmarks, tuple(json_data.certain), json_data.confidence)
+    mm = 1e3 * METRES_PER_UNIT[json_data.unit]
+    places = {name: [mm * each for each in place] for name, place in json_data.landmarks.items()}
+    picks = Picks(places, tuple(json_data.certain), json_data.confidence)
     check_landmarks(picks, row, context.model_of(row.facts))
     picks = context.service.proposals.agreed(row.id, context.model_of(row.facts).rig.sha256, picks)
     if not put_landmarks(context.service.storage, scan_id, picks, _tag(headers_data.if_match)):

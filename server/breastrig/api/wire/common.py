@@ -12,7 +12,7 @@ from apiflask.fields import UploadFile
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from breastrig.core.stances import Stance as OneStance
-from breastrig.drawings.drawing_schema import SCHEMA, SHAPES, DrawnShape, SurfacePoint
+from breastrig.drawings.drawing_schema import SCHEMA, SHAPES, DrawnShape, LineUnit, SurfacePoint
 from breastrig.scan.volumes.answers import MOST_CHARACTERS
 from breastrig.workflow.events import FitEvent, IterationNumbers, NodePose
 
@@ -172,18 +172,27 @@ class Scan(Wire):
     links: ScanLinks
 
 
-class LandmarkFile(Wire):
-    """The landmark file of the command line as well; here the unit is always mm."""
-
+class _Landmarks(Wire):
     schema_: Literal["breastrig/landmarks@1"] = Field(default="breastrig/landmarks@1", alias="schema")
-    unit: Literal["mm"] = "mm"
-    landmarks: dict[Name, Point] = Field(description="millimetres, the scan's own frame", max_length=200)
+    landmarks: dict[Name, Point] = Field(description="in the unit, the scan's own frame", max_length=200)
     certain: list[Name] = Field(
         default=[], max_length=200, description="names of landmarks that are followed whatever all else says"
     )
     confidence: dict[Name, Confidence] = Field(
         default={}, max_length=200, description=CONFIDENCE, exclude_if=lambda found: not found
     )
+
+
+class LandmarkFile(_Landmarks):
+    """The landmark file of the command line as well; answers are in mm."""
+
+    unit: Literal["mm"] = "mm"
+
+
+class GivenLandmarkFile(_Landmarks):
+    """The landmark file of the command line; without a unit of its own it is in mm."""
+
+    unit: LineUnit = "mm"
 
 
 class LandmarkUpload(Upload):

@@ -21,7 +21,15 @@ from breastrig.core.errors import BadLandmarks
 from breastrig.core.picks import Picks
 from breastrig.core.private_files import read_ordinary, shown
 from breastrig.core.units import BEYOND, METRES_PER_UNIT
-from breastrig.scan.landmarks.tables import Pairs, fcsv_landmarks, is_fcsv, number, table_landmarks
+from breastrig.scan.landmarks.tables import (
+    Pairs,
+    fcsv_landmarks,
+    is_fcsv,
+    landmark_editor,
+    lddmm_landmarks,
+    number,
+    table_landmarks,
+)
 
 SCHEMA = "breastrig/landmarks@1"
 SLICER_SCHEMA = (
@@ -30,7 +38,9 @@ SLICER_SCHEMA = (
 )
 SLICER_TO_MESH = {"LPS": np.array([1.0, 1.0, 1.0]), "RAS": np.array([-1.0, -1.0, 1.0])}
 FILE_TYPES = ("json", "csv", "pp", "mrk.json")
-FORMATS = "a landmark file is JSON, CSV (name,x,y,z), MeshLab .pp or 3D Slicer .mrk.json or .fcsv"
+FORMATS = (
+    "a landmark file is JSON, CSV (name,x,y,z), MeshLab .pp, 3D Slicer .mrk.json or .fcsv, or Landmark Editor .pts"
+)
 NAME_KEYS = ("name", "label", "id")
 POINT_KEYS = ("position", "point", "coordinates")
 CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")
@@ -241,7 +251,8 @@ def _from_table(text: str, file_type: str) -> tuple[Pairs, str | None]:
             return [
                 (name, [sign * number(cell) for sign, cell in zip(signs, cells, strict=True)]) for name, cells in pairs
             ], None
-        found = table_landmarks(text)
+        pairs_only = landmark_editor(text) or lddmm_landmarks(text)
+        found = (pairs_only, None) if pairs_only is not None else table_landmarks(text)
     except csv.Error as error:
         raise BadLandmarks(f"This CSV cannot be read; {FORMATS}.") from error
     except ValueError as error:

@@ -1,16 +1,18 @@
-"""Landmarks by the names that people write: other case, spaces, hyphens, left and right in words, Latin."""
+"""Landmarks by the names that people write: other case, spaces, hyphens, sides in words, Latin, German, French."""
 
 import re
+import tomllib
 import unicodedata
 from collections.abc import Iterable, Mapping
-from typing import TypeVar
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, TypeVar
 
 from breastrig.core.errors import BadLandmarks
 
-SIDE_WORDS = {
-    **dict.fromkeys(("l", "left", "lt", "links", "sinistra", "sinister"), "l"),
-    **dict.fromkeys(("r", "right", "rt", "rechts", "dextra", "dexter"), "r"),
-}
+WORDS = Path(__file__).with_name("names.toml")
+SIDED = re.compile(r"(.+)_([LR])")  # a name of the model's
+ELISION = re.compile(r"\b[ld]['\u2019]", re.IGNORECASE)  # l'ombilic
 Value = TypeVar("Value")
 
 
@@ -19,7 +21,11 @@ def known_name(written: str, known: Mapping[str, Iterable[str]]) -> str:
     if written in known:
         return written
     wanted = _key(written)
-    meant = {name for name, others in known.items() if wanted in {_key(name), *(_key(other) for other in others)}}
+    meant = {
+        name
+        for name, others in known.items()
+        if wanted in {_key(name), *(_key(other) for other in others), *_other_keys(name)}
+    }
     return meant.pop() if len(meant) == 1 else written
 
 
@@ -36,8 +42,28 @@ def by_known_names(places: Mapping[str, Value], known: Mapping[str, Iterable[str
 
 def _key(text: str) -> tuple[str, str]:
     """(the words without spaces, signs and accents; the side)"""
-    parted = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text)
+    parted = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", ELISION.sub("", text))
     plain = unicodedata.normalize("NFKD", parted).encode("ascii", "ignore").decode().casefold()
     words = re.findall(r"[a-z]+|\d+", plain)
-    sides = {SIDE_WORDS[word] for word in words if word in SIDE_WORDS}
-    return "".join(word for word in words if word not in SIDE_WORDS), "".join(sorted(sides))
+    sides, ignored = _sides(), _words()["ignored"]["words"]
+    rest = "".join(word for word in words if word not in sides and word not in ignored)
+    return re.sub(r"([aou])e", r"\1", rest), "".join(sorted({sides[word] for word in words if word in sides}))
+
+
+@lru_cache(maxsize=1)
+def _words() -> dict[str, dict[str, Any]]:
+    return tomllib.loads(WORDS.read_text("utf-8"))
+
+
+@lru_cache(maxsize=1)
+def _sides() -> dict[str, str]:
+    """l or r for each word of a side."""
+    return {word: side for side, words in _words()["sides"].items() for word in words}
+
+
+@lru_cache(maxsize=256)
+def _other_keys(name: str) -> frozenset[tuple[str, str]]:
+    """What else the landmark of this name of the model is called."""
+    sided = SIDED.fullmatch(name)
+    base, side = (sided[1], f" {sided[2]}") if sided else (name, "")
+    return frozenset(_key(word + side) for word in _words()["landmarks"].get(base, ()))

@@ -6,6 +6,7 @@ they are.  Separators are commas, semicolons, tabs or spaces; decimals have poin
 
 import csv
 import re
+import unicodedata
 from typing import Any
 
 from breastrig.core.errors import BadLandmarks
@@ -19,10 +20,16 @@ AXES = {  # of a column's name, without its unit, spaces and signs: the axis, an
     **{f"{axis}{word}": (axis, 1.0) for axis in "xyz" for word in AXIS_WORDS},
     **{"l": ("x", 1.0), "p": ("y", 1.0), "s": ("z", 1.0), "r": ("x", -1.0), "a": ("y", -1.0)},  # Slicer's LPS, RAS
 }
-LABELS = ("name", "label", "landmark", "landmarkname", "point", "pointname", "title", "description", "desc", "id")
+LABELS = (
+    *("name", "label", "landmark", "landmarke", "bezeichnung", "nom", "punkt", "repere", "landmarkname", "point"),
+    *("pointname", "title", "description", "desc", "id"),
+)
 FCSV = re.compile(r"^#\s*(?:markups fiducial file|columns\s*=)", re.IGNORECASE | re.MULTILINE)
 SYSTEM = re.compile(r"^#\s*CoordinateSystem\s*=\s*(\S+)", re.IGNORECASE | re.MULTILINE)
 COLUMNS = re.compile(r"^#\s*columns\s*=\s*(\S.*)$", re.IGNORECASE | re.MULTILINE)
+
+PREAMBLE = 50  # lines before the table in which its row of names is looked for
+ABSENT = 9999.0
 
 UNCLEAR = (
     "Commas may part columns or decimals in this landmark file; save it with semicolons between columns, "
@@ -42,7 +49,7 @@ def fcsv_landmarks(text: str) -> tuple[str, Pairs]:
     system, columns = SYSTEM.search(text), COLUMNS.search(text)
     names = (columns[1] if columns else "id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label").split(",")
     plain = [name.strip().lower() for name in names]
-    rows = _rows(text, ",")
+    rows = _rows(_lines(text), ",")
     try:
         at = [plain.index(axis) for axis in "xyz"]
         label = plain.index("label")
@@ -54,10 +61,11 @@ def fcsv_landmarks(text: str) -> tuple[str, Pairs]:
 
 def table_landmarks(text: str) -> tuple[Pairs, str | None] | None:
     """(names with three cells each, the unit that the columns name); None when it is no table."""
-    separator = _separator(_lines(text))
+    lines = _without_preamble(_lines(text))
+    separator = _separator(lines)
     if separator is None:
         return None
-    rows = _rows(text, separator)
+    rows = _rows(lines, separator)
     if separator == "," and any(_may_be_decimals(row) for row in rows):
         raise BadLandmarks(UNCLEAR)
     head = rows[0] if rows and sum(map(_is_number, rows[0])) < 3 and any(map(_axis, rows[0])) else None
@@ -104,7 +112,8 @@ def _is_number(cell: str) -> bool:
 
 
 def _plain(cell: str) -> str:
-    return re.sub(r"[^a-z]", "", UNIT.sub("", cell.strip().lower()))
+    plain = unicodedata.normalize("NFKD", cell.strip().strip('"').lower())
+    return re.sub(r"[^a-z]", "", UNIT.sub("", plain))
 
 
 def _axis(cell: str) -> tuple[str, float] | None:
@@ -123,6 +132,45 @@ def _lines(text: str) -> list[str]:
     return lines[1:] if lines and lines[0].strip().lower().strip('"').startswith("sep=") else lines
 
 
+def _without_preamble(lines: list[str]) -> list[str]:
+    """From the row that names the columns on, or from the first with separators; what has numbers is never left out."""
+    marks = (";", "\t", ",", None)
+    for at, line in enumerate(lines[:PREAMBLE]):
+        rows = [line.split(mark) for mark in marks]
+        if set("xyz") in [{found[0] for cell in row if (found := _axis(cell)) is not None} for row in rows]:
+            return lines[at:]
+        counts = [sum(_is_number(cell.strip()) for cell in row) for row in rows]
+        if max(counts[:-1]) >= 2 or counts[-1] >= 3:  # a date between spaces has fewer
+            break
+    mark = next((mark for mark in ";\t," if lines and lines[-1].count(mark) >= 3), None)
+    first = next((at for at, line in enumerate(lines[:PREAMBLE]) if mark and mark in line), 0)
+    return lines[first:]
+
+
+def landmark_editor(text: str) -> Pairs | None:
+    """Points of IDAV's Landmark Editor (.pts: a version, their number, then a name and a place a line), else None.
+
+    Those that were not placed are 9999 along all axes.
+    """
+    lines = [line.split() for line in text.splitlines() if line.strip()]
+    if len(lines) < 3 or [word.lower() for word in lines[0][:1]] != ["version"] or len(lines[1]) != 1:
+        return None
+    return [(row[0], row[1:4]) for row in lines[2:] if not _absent(row)]
+
+
+def lddmm_landmarks(text: str) -> Pairs | None:
+    """Points of an .lmk file (Landmarks-1.0: their number, then a name and a place in turns), else None."""
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    if not lines or not lines[0].lower().startswith("landmarks-"):
+        return None
+    rows = [(name, place.split()) for name, place in zip(lines[2::2], lines[3::2], strict=False)]
+    return [(name, row[:3]) for name, row in rows if row[3:4] != ["0"]]
+
+
+def _absent(row: list[str]) -> bool:
+    return all(_is_number(cell) and abs(number(cell)) == ABSENT for cell in row[1:4])
+
+
 def _separator(lines: list[str]) -> str | None:
     """What parts the cells: the sign that all lines have, spaces where commas are decimals; None for no table."""
     for mark in ";\t":
@@ -135,9 +183,8 @@ def _separator(lines: list[str]) -> str | None:
     return "," if lines and "," in lines[0] else None
 
 
-def _rows(text: str, separator: str) -> list[list[str]]:
+def _rows(lines: list[str], separator: str) -> list[list[str]]:
     """The filled rows' cells; between spaces the words of a name stay together."""
-    lines = _lines(text)
     if separator != " ":
         return [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=separator)]
     rows = []
