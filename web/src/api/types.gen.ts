@@ -337,6 +337,18 @@ export type GivenDrawing = {
   shapes: GivenShape[];
 };
 
+/** The landmark file of the command line; without a unit of its own it is in mm. */
+export type GivenLandmarkFile = {
+  schema?: "breastrig/landmarks@1";
+  /** in the unit, the scan's own frame */
+  landmarks: Record<string, [number, number, number]>;
+  /** names of landmarks that are followed whatever all else says */
+  certain?: string[];
+  /** 0 to 1, of landmarks that were proposed and only agreed to, as the proposal says it: each keeps the proposal's error. 1 says that a person has looked closely; of a landmark that stands exactly where it was proposed, and of which nothing is said, the proposal's own is taken */
+  confidence?: Record<string, number>;
+  unit?: "m" | "dm" | "cm" | "mm" | "in" | "ft";
+};
+
 /** One polyline as others may give it: on a scan, or on the model. */
 export type GivenShape = {
   name: string;
@@ -445,16 +457,16 @@ export type LandmarkDistances = {
   each: Record<string, number>;
 };
 
-/** The landmark file of the command line as well; here the unit is always mm. */
+/** The landmark file of the command line as well; answers are in mm. */
 export type LandmarkFile = {
   schema?: "breastrig/landmarks@1";
-  unit?: "mm";
-  /** millimetres, the scan's own frame */
+  /** in the unit, the scan's own frame */
   landmarks: Record<string, [number, number, number]>;
   /** names of landmarks that are followed whatever all else says */
   certain?: string[];
   /** 0 to 1, of landmarks that were proposed and only agreed to, as the proposal says it: each keeps the proposal's error. 1 says that a person has looked closely; of a landmark that stands exactly where it was proposed, and of which nothing is said, the proposal's own is taken */
   confidence?: Record<string, number>;
+  unit?: "mm";
 };
 
 export type LandmarkInfo = {
