@@ -36,7 +36,7 @@ def find_ink(scan: Scan | str | Path, *, units: str = "auto") -> Ink:
     """
     from breastrig.colour.ink import find_ink as search  # scikit-image and SciPy's filters are for coloured scans only
     from breastrig.scan import read as scan_files
-    from breastrig.workflow.find_ink_on_scan import ink_document
+    from breastrig.workflow.lines.find_ink_on_scan import ink_document
 
     if isinstance(scan, Scan):
         found, file = scan.in_metres, scan.file
