@@ -211,6 +211,18 @@ def test_arrays_of_a_fit_cannot_be_written_to(fit: breastrig.Fit) -> None:
             array[0] = 0.0
 
 
+def test_values_of_a_fit_come_from_what_is_measured_and_from_nothing_else(fit: breastrig.Fit) -> None:
+    """Else measures, transfers and files would say another thing than the values beside them."""
+    for name in ("vertices", "landmarks", "picked", "stance", "unit", "verdict"):
+        with pytest.raises(ValueError, match="init=False"):
+            replace(fit, **{name: getattr(fit, name)})
+    larger = replace(fit, in_metres=replace(fit.in_metres, vertices=1.1 * fit.in_metres.vertices))
+    np.testing.assert_allclose(larger.vertices, 1.1 * fit.vertices)
+    measured = [breastrig.measure(each) for each in (fit, larger)]
+    widths = [next(row.left for row in rows if row.name == "base_width" and row.left) for rows in measured]
+    assert widths[1].value == pytest.approx(1.1 * widths[0].value, rel=0.01)
+
+
 def test_the_measures_are_those_of_the_report(
     measures: tuple[breastrig.Measure, ...], by_command: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

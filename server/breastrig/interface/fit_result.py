@@ -7,7 +7,7 @@ the command line to the digits that files have.  Its files are made when asked f
 import json
 from base64 import b64encode
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from html import escape
 from pathlib import Path
@@ -68,33 +68,45 @@ class FitFiles:
 class Fit:
     """The model fitted to one scan: V model vertices, F model triangles, S vertices and G triangles of the scan.
 
-    Everything is in the scan's unit and frame; arrays cannot be written to.
+    Everything is in the scan's unit and frame; arrays cannot be written to.  A Fit is what one fit found: its values
+    come from `in_metres` and cannot be given anew (`dataclasses.replace` raises ValueError), so that measures, files
+    and values agree.  `fit.model.pose` makes other bodies.
     """
 
-    model: Rig
-    unit: str  # the scan's: m, dm, cm, mm, in or ft
-    metres_per_unit: float
-    vertices: Array  # (V, 3) the whole fitted model, unseen parts included, in the template's vertex order
-    faces: Integers  # (F, 3)
-    scan_vertices: Array  # (S, 3) the scan as it was fitted: cleaned, without a table
-    scan_faces: Integers  # (G, 3)
-    landmarks: dict[str, Array]  # (3,) each: where the fitted model has them, those of `seen` where colours show them
-    seen: dict[str, str]  # landmarks that the scan's colours show, each with what shows it; none where any was picked
-    picked: dict[str, Array]  # (3,) each: as they were given
-    not_followed: dict[str, str]  # given landmarks that all else contradicts, each with a sentence
-    unusual: dict[str, str]  # given landmarks that were followed and should be looked at, each with a sentence
-    parameters: Parameters  # pose, shape and the layer over them: `model.pose(parameters)` is `vertices`
-    stance: str  # standing | supine | prone
-    verdict: Verdict  # level (good | uncalibrated | check | unusable) and reasons
-    converged: bool
-    stop_reason: str
-    iterations: int
-    drawing_missing: tuple[str, ...]  # why a pattern that was asked for is not in the drawing, a text each
-    notes: tuple[str, ...]  # what reading and cleaning the scan found, one sentence each
+    model: Rig = field(init=False)
+    unit: str = field(init=False)  # the scan's: m, dm, cm, mm, in or ft
+    metres_per_unit: float = field(init=False)
+    # (V, 3) the whole fitted model, unseen parts included, in the template's vertex order
+    vertices: Array = field(init=False)
+    faces: Integers = field(init=False)  # (F, 3)
+    scan_vertices: Array = field(init=False)  # (S, 3) the scan as it was fitted: cleaned, without a table
+    scan_faces: Integers = field(init=False)  # (G, 3)
+    # (3,) each: where the fitted model has them, those of `seen` where colours show them
+    landmarks: dict[str, Array] = field(init=False)
+    # landmarks that the scan's colours show, each with what shows it; none where any was picked
+    seen: dict[str, str] = field(init=False)
+    picked: dict[str, Array] = field(init=False)  # (3,) each: as they were given
+    not_followed: dict[str, str] = field(init=False)  # given landmarks that all else contradicts, each with a sentence
+    # given landmarks that were followed and should be looked at, each with a sentence
+    unusual: dict[str, str] = field(init=False)
+    # pose, shape and the layer over them: `model.pose(parameters)` is `vertices`
+    parameters: Parameters = field(init=False)
+    stance: str = field(init=False)  # standing | supine | prone
+    verdict: Verdict = field(init=False)  # level (good | uncalibrated | check | unusable) and reasons
+    converged: bool = field(init=False)
+    stop_reason: str = field(init=False)
+    iterations: int = field(init=False)
+    # why a pattern that was asked for is not in the drawing, a text each
+    drawing_missing: tuple[str, ...] = field(init=False)
+    notes: tuple[str, ...] = field(init=False)  # what reading and cleaning the scan found, one sentence each
     files: FitFiles
     in_metres: FitFolder  # what measures and transfers work on
-    inputs: tuple[Path, ...]  # files that the fit was made from; saving replaces none of them
+    inputs: tuple[Path, ...] = ()  # files that the fit was made from; saving replaces none of them
     known_posterior: Posterior | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        for name, value in _public_values(self.in_metres).items():
+            object.__setattr__(self, name, value)
 
     @cached_property
     def result(self) -> dict[str, Any]:
@@ -176,11 +188,10 @@ class Fit:
         place = Path(folder)
         contents, shown = read_fit_files(place), folder_name(place)
         found = fit_of_files(contents, loaded(model), shown)
-        verdict = found.result.verdict
-        if verdict is None:
+        if found.result.verdict is None:
             raise damaged(shown, "verdict")
         files = FitFiles(contents | {RESULT: found.result.content()})
-        return _fit(files, found, Verdict(verdict.level, verdict.reasons))
+        return Fit(files=files, in_metres=found)
 
     def _repr_html_(self) -> str:
         """The same with a picture from the front, as notebooks show it: model coloured by its distance to the scan."""
@@ -211,40 +222,41 @@ def fit_of_outcome(outcome: FitOutcome, inputs: tuple[Path, ...]) -> Fit:
             outcome.parameters,
             None if radii is None else radii.vertices,
         )
-        made = _fit(FitFiles({RESULT: result.content()}, outcome), found, outcome.verdict, inputs)
-        return replace(made, known_posterior=posterior_of(rig, outcome.parameters, outcome.covariance))
+        files = FitFiles({RESULT: result.content()}, outcome)
+        posterior = posterior_of(rig, outcome.parameters, outcome.covariance)
+        return Fit(files=files, in_metres=found, inputs=inputs, known_posterior=posterior)
 
 
 def _by_name(doubted: Sequence[DoubtedPick]) -> dict[str, str]:
     return {name: each.reason for each in doubted for name in each.names}
 
 
-def _fit(files: FitFiles, found: FitFolder, verdict: Verdict, inputs: tuple[Path, ...] = ()) -> Fit:
+def _public_values(found: FitFolder) -> dict[str, Any]:
+    """All that a Fit has of a fit, by the names of its fields, in the scan's unit."""
     result, per_unit = found.result, found.metres_per_unit
-    return Fit(
-        model=public(found.rig),
-        unit=found.unit,
-        metres_per_unit=per_unit,
-        vertices=frozen(found.vertices / per_unit),
-        faces=found.rig.faces,
-        scan_vertices=frozen(found.surface.vertices / per_unit),
-        scan_faces=frozen(found.surface.faces, np.int64),
-        landmarks={name: frozen(place) for name, place in result.landmarks.items()},
-        seen=dict(result.landmarks_seen),
-        picked={name: frozen(place) for name, place in result.landmarks_picked.items()},
-        not_followed=_by_name(result.landmarks_not_followed),
-        unusual=_by_name(result.landmarks_unusual),
-        parameters=parameters_by_name(
+    if result.verdict is None:
+        raise damaged("this fit", "verdict")
+    return {
+        "model": public(found.rig),
+        "unit": found.unit,
+        "metres_per_unit": per_unit,
+        "vertices": frozen(found.vertices / per_unit),
+        "faces": found.rig.faces,
+        "scan_vertices": frozen(found.surface.vertices / per_unit),
+        "scan_faces": frozen(found.surface.faces, np.int64),
+        "landmarks": {name: frozen(place) for name, place in result.landmarks.items()},
+        "seen": dict(result.landmarks_seen),
+        "picked": {name: frozen(place) for name, place in result.landmarks_picked.items()},
+        "not_followed": _by_name(result.landmarks_not_followed),
+        "unusual": _by_name(result.landmarks_unusual),
+        "parameters": parameters_by_name(
             found.rig, found.parameters, per_unit, found.vertices if result.refined else None
         ),
-        stance=found.stance,
-        verdict=verdict,
-        converged=result.converged,
-        stop_reason=result.stop_reason,
-        iterations=result.iterations,
-        drawing_missing=tuple(result.drawing_missing),
-        notes=tuple(result.notes),
-        files=files,
-        in_metres=found,
-        inputs=inputs,
-    )
+        "stance": found.stance,
+        "verdict": Verdict(result.verdict.level, tuple(result.verdict.reasons)),
+        "converged": result.converged,
+        "stop_reason": result.stop_reason,
+        "iterations": result.iterations,
+        "drawing_missing": tuple(result.drawing_missing),
+        "notes": tuple(result.notes),
+    }
