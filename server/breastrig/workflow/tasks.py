@@ -24,7 +24,7 @@ def _task(name: str) -> partial[Any]:
 keeping = _task("kept_scan:keeping")
 read_upload = _task("read_upload:read_upload")
 propose_on_file = _task("propose_on_scan:propose_on_file")
-find_ink_on_file = _task("find_ink_on_scan:find_ink_on_file")
+find_ink_on_file = _task("lines.find_ink_on_scan:find_ink_on_file")
 run_fit = _task("run_fit:run_fit")
 run_pair = _task("run_pair:run_pair")
 run_prediction = _task("predictions.run_prediction:run_prediction")
