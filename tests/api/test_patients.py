@@ -104,7 +104,7 @@ def test_the_longest_plan_that_the_schema_allows_is_kept(client: FlaskClient, ad
     more = {"bridged": [False] * 250, "error_mm": [5.0 / 3.0] * 250, "label": "l" * 200, "color": "#123456"}
     lines = [item(scan, LINE | more | {"points": points, "name": f"{k:0100}"}, f"{k:064}") for k in range(200)]
     notes = [
-        item(scan, {"kind": "note", "text": "乳" * 2_000, "point": [0.1, 350.2, 120.3]}, f"n{k}") for k in range(300)
+        item(scan, {"kind": "note", "text": "ж" * 2_000, "point": [0.1, 350.2, 120.3]}, f"n{k}") for k in range(300)
     ]
     body = json.dumps({"items": lines + notes})
     assert 5_000_000 < len(body) < 12_000_000
@@ -141,6 +141,12 @@ def test_who_has_not_seen_the_plan_does_not_replace_it(client: FlaskClient, add:
         (LESION | {"id": "m", "radius_mm": 0.0}, "radius_mm"),
         ({"id": "n", "kind": "note", "text": ""}, "text"),
         ({"id": "n", "kind": "note", "text": "x" * 2001}, "text"),
+        (
+            {"id": "n", "kind": "note", "text": "not the left: \U0001f642"},
+            "A note has characters that the report",
+        ),
+        (LINE | {"id": "a", "name": "తెలుగు"}, "The name of a line has characters that the report cannot print: త"),
+        (LESION | {"id": "m", "name": "తెలుగు"}, "The name of a lesion has characters that the report cannot print: త"),
         ({"id": "p", "kind": "pattern", "name": "tattoo", "parameters": {}}, "tattoo"),
         ({"id": "p", "kind": "pattern", "name": "lumpectomy", "parameters": {"size": 1.0}}, "has no parameters"),
         ({"id": "p", "kind": "pattern", "name": "lumpectomy+tumour:L,1,2", "parameters": {}}, "name"),
@@ -242,6 +248,8 @@ def test_the_list_is_paged_the_newest_first_and_searched_by_code(client: FlaskCl
     problem(client.patch(scans[0]["links"]["patient"], json={"code": "x" * 61}), 422)
     said = problem(client.patch(scans[0]["links"]["patient"], json={"code": "a\x00b"}), 422)
     assert said == "code: Line breaks and other control characters are not taken; leave them out."
+    for code, why in (("A\u202e1", "nobody sees (U+202E)"), ("A\u200b1", "nobody sees"), ("తెలుగు", "cannot print: త")):
+        assert why in problem(client.patch(scans[0]["links"]["patient"], json={"code": code}), 422)
     problem(client.get("/api/patients", query_string={"search": "\x00"}), 422)
     problem(client.patch("/api/patients/nobody", json={"code": "x"}), 404)
 

@@ -10,10 +10,13 @@ import pytest
 from helpers.written_fit import write_fit
 
 import breastrig
+from breastrig.core.glb import split_glb
 from breastrig.core.private_files import write_files
 from breastrig.core.stances import STANDING, SUPINE
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.line_error import carried_errors
+from breastrig.drawings.plan_on_scan import PlanOnScan
+from breastrig.drawings.plan_schema import checked_plan
 from breastrig.drawings.skin_maps.settings import skin_map_settings
 from breastrig.fitting.uncertainty.radii import line_error
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -21,7 +24,9 @@ from breastrig.report.body_frame import body_frame
 from breastrig.rig.model import Rig
 from breastrig.volume.predicted import predicted
 from breastrig.workflow.folder.fit_folder import FitFolder, read_fit_folder
+from breastrig.workflow.lines.plan_on_fit import plan_document
 from breastrig.workflow.predictions.predict import predict_steps
+from breastrig.workflow.report import stance_of
 
 PICKED = ("suprasternal_notch", "nipple_L", "nipple_R", "xiphoid")
 
@@ -164,3 +169,19 @@ def test_programs_have_the_radii_in_the_scans_unit(made: Made) -> None:
         loaded = breastrig.Fit.load(folder)
         assert lying.radii is not None
         assert loaded.uncertainty * fit.metres_per_unit == pytest.approx(lying.radii, rel=1e-6)
+
+
+def test_each_file_that_may_travel_alone_says_that_no_scan_shows_this_body(made: Made) -> None:
+    fit, lying, folder = made("mm")
+    for name in ("fitted.ply", "scan.ply"):
+        assert b"\ncomment predicted: no scan shows this body\n" in (folder / name).read_bytes()[:400]
+    document, _ = split_glb((folder / "fitted.glb").read_bytes())
+    drawn = [node for node in document["nodes"] if "mesh" in node]
+    assert drawn
+    assert all(node["extras"]["predicted"] is True for node in drawn)
+    plan = checked_plan({"schema": "breastrig/plan@1", "items": []})
+    nothing = PlanOnScan((), (), ())
+    assert plan_document(plan, lying, nothing)["predicted"] is True
+    assert "predicted" not in plan_document(plan, fit, nothing)
+    assert stance_of(lying).predicted
+    assert not stance_of(fit).predicted

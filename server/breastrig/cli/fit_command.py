@@ -28,6 +28,7 @@ from breastrig.interface.pair import PAIR_SETS, FitPair, pair_iterates
 from breastrig.interface.run import FitRun, Iterate, iterates
 from breastrig.interface.scan import Scan, read_coloured
 from breastrig.report.bands import sure_text
+from breastrig.report.pages.printable import checked_code
 from breastrig.workflow.jobs import FIRST
 
 
@@ -174,6 +175,7 @@ def run(options: argparse.Namespace) -> int:
     if options.other is None and given:
         names = "--with-landmarks, --with-cuts, --with-units, --with-stance and --no-alike"
         raise BadSettings(f"{names} need --with SCAN_B.")
+    code = checked_code(options.code)
     quiet = options.no_progress or not sys.stderr.isatty()
     with all_or_nothing(_output(options)) as out, tqdm(unit="step", leave=False, disable=quiet) as bar:
         fitting = _run(options)
@@ -187,7 +189,7 @@ def run(options: argparse.Namespace) -> int:
         raise_if_asked()
         found.write(out)
         folders = [out] if isinstance(found, Fit) else [out / "first", out / "second"]
-        code = write_patient(folders, options.code, [options.scanned, options.with_scanned][: len(folders)])
+        code = write_patient(folders, code, [options.scanned, options.with_scanned][: len(folders)])
     fits = (found,) if isinstance(found, Fit) else (found.first, found.second)
     for which, fit in enumerate(fits):
         result, verdict = fit.in_metres.result, fit.verdict

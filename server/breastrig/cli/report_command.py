@@ -20,6 +20,7 @@ from breastrig.core.identity import SAYS_NOTHING, Identity, file_name, random_co
 from breastrig.core.output_files import OutputSet, all_or_nothing
 from breastrig.files.result import ResultPatient, read_result
 from breastrig.report.document import SCHEMA
+from breastrig.report.pages.printable import checked_code
 from breastrig.workflow.jobs import ReportJob
 from breastrig.workflow.lines.transfer import drawing_document
 from breastrig.workflow.report import MEASURES_TABLE, REPORT_RECORD, write_report
@@ -53,7 +54,9 @@ def run(options: argparse.Namespace) -> int:
     plan = None if options.plan is None else drawing_document(options.plan)
     results = [read_result(folder) for folder in (fit, other) if folder is not None]
     known = [result.patient or ResultPatient() for result in results]
-    code = options.code or next((each.code for each in known if each.given), known[0].code) or random_code()
+    code = (
+        checked_code(options.code) or next((each.code for each in known if each.given), known[0].code) or random_code()
+    )
     scanned = tuple(each.scanned.isoformat() if each.scanned else "" for each in known)
     version = 0 if plan is None else plan.get("version", 0)
     identity = Identity(code, wall_clock.now(), scanned, plan_version=version if isinstance(version, int) else 0)

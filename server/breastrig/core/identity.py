@@ -6,9 +6,12 @@ import unicodedata
 from dataclasses import dataclass
 from datetime import datetime
 
+from breastrig.core.errors import BadInput
+
 LETTERS = "ACDEFHJKLMNPQRTVWXY3479"  # none is taken for another: no B and 8, G and 6, I and 1, O and 0, S and 5, U, Z
 NAMED = re.compile(r"[^A-Za-z0-9]+")
 CODE_CHARACTERS = 60
+HIDDEN = ("Cf", "Zl", "Zp", "Cs", "Co", "Cn")  # format (zero width, order of writing), lone separators, no characters
 SAYS_NOTHING = (
     "what changes between two patients says nothing; check that both scans are of one, and file them under one code."
 )
@@ -36,6 +39,18 @@ class Identity:
         """In file names: of the first scan, else of the report itself."""
         first = next((day for day in self.scanned if day), "")
         return first or ("" if self.made is None else self.made.date().isoformat())
+
+
+INVISIBLE = "\u034f\u115f\u1160\u17b4\u17b5\u2800\u3164\uffa0"  # drawn as nothing, and no format characters by Unicode
+
+
+def one_line(code: str) -> str:
+    """A code as it is kept: composed letters, single blanks.  BadInput for what nobody sees or what turns the order."""
+    hidden = [each for each in code if unicodedata.category(each) in HIDDEN or each in INVISIBLE]
+    if hidden:
+        named = ", ".join(dict.fromkeys(f"U+{ord(each):04X}" for each in hidden))
+        raise BadInput(f"A patient's code cannot hold characters that nobody sees ({named}); leave them out.")
+    return " ".join(unicodedata.normalize("NFC", code).split())
 
 
 UNNAMED = Identity()  # nothing is known

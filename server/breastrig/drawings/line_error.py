@@ -18,6 +18,13 @@ from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.polyline import Polyline, parts
 from breastrig.rig.model import Rig
 
+ACROSS = 0.71  # of a place's radius: across a line through it (docs/decisions/0018)
+
+
+def across(radii: Array) -> float:
+    """Line error (90 %) in the radii's unit, measured across the line: of a fit's breasts, and of any line."""
+    return ACROSS * float(np.sqrt(np.mean(np.square(radii))))
+
 
 def radii_at(rig: Rig, fitted: ClosestPointSearch, radii: Array, points: Array) -> Array:
     """(M,) m: the (V,) m radii of the fitted model's vertices, at (M, 3) m points near it."""

@@ -18,7 +18,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 from breastrig.core.arrays import Array
 from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput
-from breastrig.core.identity import CODE_CHARACTERS, random_code
+from breastrig.core.identity import CODE_CHARACTERS, one_line, random_code
 from breastrig.core.output_files import OutputSet
 from breastrig.core.private_files import read_ordinary, write_private
 from breastrig.core.stances import Stance
@@ -369,7 +369,7 @@ def folder_name(folder: Path) -> str:
 
 def write_patient(folders: Sequence[Path], code: str, scanned: Sequence[date | None]) -> str:
     """Writes the code, or a random one for all of them, into each folder's result.json and drawing; the code."""
-    given = " ".join(code.split())[:CODE_CHARACTERS]
+    given = one_line(code)[:CODE_CHARACTERS]
     chosen = given or random_code()
     for folder, day in zip(folders, scanned, strict=True):
         patient = ResultPatient(code=chosen, given=bool(given), scanned=day)

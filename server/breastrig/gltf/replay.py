@@ -115,6 +115,10 @@ def fitted_glb(
         for key, nodes in enumerate(poses):
             nodes[-1]["weights"] = [*nodes[-1]["weights"], *_switched(key - first, len(surfaces))]
     document.animations = [_animation(document, buffer, skinned, poses, np.asarray(times_s, np.float64))]
+    if extras.get("predicted"):
+        for node in document.nodes:
+            if node.mesh is not None:
+                node.extras = {**(node.extras or {}), "predicted": True}
     return to_glb(document, buffer)
 
 

@@ -2,6 +2,7 @@
 
 import io
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ SURE: Colour = (0.97, 0.95, 0.90)
 UNSURE: Colour = (0.45, 0.20, 0.50)
 UNKNOWN: Colour = (0.60, 0.60, 0.60)
 SCAN_GREY: Colour = (0.80, 0.78, 0.76)
+PREDICTED: Colour = (0.70, 0.78, 0.90)  # of a body that no scan shows: as the page tints it, bluish
 PALE: Colour = (0.93, 0.93, 0.93)  # what is not her trunk: table, forearms
 BODY_REACH = (0.015, 0.04)  # m from the model, where grey begins to turn pale and has done so
 INK: Colour = (
@@ -45,11 +47,21 @@ def views_of(stance: Stance, names: Sequence[str], aspect: float, height: float 
 
 def scan_pictures(stance: Stance, cameras: Sequence[Camera], size: tuple[int, int]) -> list[Picture]:
     """The scan in grey with the drawing on it; parts that the scan did not see, but the model carries, are dotted."""
+    if stance.predicted:
+        return _predicted_pictures(stance, cameras, size)
     apart = stance.search.query(stance.scan_vertices).distances
     share = np.clip((apart - BODY_REACH[0]) / (BODY_REACH[1] - BODY_REACH[0]), 0.0, 1.0)[:, None]
     colours = (1.0 - share) * np.asarray(SCAN_GREY) + share * np.asarray(PALE)
     scene = Scene([Layer(stance.scan_vertices, stance.scan_faces, colours)])
     lines = _lines(stance, size[1])
+    return [scene.render(view, size, lines) for view in cameras]
+
+
+def _predicted_pictures(stance: Stance, cameras: Sequence[Camera], size: tuple[int, int]) -> list[Picture]:
+    """The smooth model in a tint of its own with the drawing laid on it: nobody has scanned this body."""
+    laid = [replace(line, points=stance.search.query(line.points).points) for line in stance.lines]
+    scene = Scene([Layer(stance.vertices, stance.rig.faces, PREDICTED)])
+    lines = _lines(replace(stance, lines=tuple(laid)), size[1])
     return [scene.render(view, size, lines) for view in cameras]
 
 

@@ -34,6 +34,7 @@ class Stance:
     landmark_radii: Mapping[str, float] = field(default_factory=dict)  # m; 90 % of true places are within
     joint: tuple[tuple[str, ...], Array] | None = None  # L landmarks and (3 L, 3 L) m² of the model's errors there
     areolae: Mapping[str, ObservedAreola | None] = field(default_factory=dict)  # by side; None: not seen
+    predicted: bool = False  # computed: the scan's vertices are those of another stance, moved, and no scan of this one
     radii: Array | None = None  # (V,) m, likewise of the vertices; None: not known
 
     @cached_property

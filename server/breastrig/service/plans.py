@@ -156,4 +156,5 @@ class Plans:
         return found
 
     def _empty(self, planned: PlannedFits) -> dict[str, Any]:
-        return empty_plan_on_scan(get_scan(self._storage, planned.fit.scan).facts["unit"])
+        empty = empty_plan_on_scan(get_scan(self._storage, planned.fit.scan).facts["unit"])
+        return empty if planned.fit.predicted_from is None else empty | {"predicted": True}

@@ -101,6 +101,7 @@ def stance_of(fit: FitFolder, lines: tuple[Polyline, ...] = ()) -> Stance:
         joint=_joint(fit.result),
         areolae=areolae_of(fit.result, fit.metres_per_unit),
         radii=fit.radii,
+        predicted=fit.result.predicted,
     )
 
 

@@ -827,6 +827,8 @@ export type PatternOnScan = {
   handles: PatternHandle[];
   /** why the drag went no farther, in words; empty where it did not end */
   limit: string;
+  /** each number as the drawn lines measure it, by parameter and side; empty for a drag */
+  measured?: Record<string, Record<string, number>>;
 };
 
 /** A number, or one of some choices. */
@@ -941,6 +943,8 @@ export type PlanOnScan = {
   notes: PlannedNote[];
   /** items that cannot be shown here, and why */
   missing: MissingItem[];
+  /** no scan shows this body */
+  predicted?: boolean;
   /** why the scans that it was carried from may be another patient's, a sentence each */
   doubts?: string[];
   /** of the plan */
@@ -1038,6 +1042,8 @@ export type PlannedShape = {
   carried: boolean;
   /** of a tumour, below the skin */
   depth_mm?: number | null;
+  /** how far off nine of ten of its places are, measured across it, as a fit's line_error_mm */
+  line_error_mm?: number | null;
   /** the line of the other side, mirrored */
   mirrored?: boolean;
 };

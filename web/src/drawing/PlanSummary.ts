@@ -13,12 +13,12 @@ import * as text from "./text";
 const words = text.summary;
 
 type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "step" | "fit" | "drawing" | "drawn">;
-type Shape = Pick<Laid["shapes"][number], "name" | "error_mm"> & { readonly label?: string; readonly kind?: string; readonly mirrored?: boolean };
+type Shape = Pick<Laid["shapes"][number], "name" | "line_error_mm"> & { readonly label?: string; readonly kind?: string; readonly mirrored?: boolean };
 
-/** mm: the radius that holds nine of ten places of all of it; null where it is not known. */
-export function marginOfAll(shapes: readonly Pick<Shape, "error_mm">[]): number | null {
-  const known = shapes.flatMap(({ error_mm }) => error_mm ?? []).filter((mm): mm is number => mm !== null);
-  return known.length === 0 ? null : Math.sqrt(known.reduce((sum, mm) => sum + mm * mm, 0) / known.length);
+/** mm: the service's line error (90 %) of the line of which least is known, the quantity on top; null where none is known. */
+export function marginOfAll(shapes: readonly Pick<Shape, "line_error_mm">[]): number | null {
+  const known = shapes.flatMap(({ line_error_mm: mm }) => mm ?? []);
+  return known.length === 0 ? null : Math.max(...known);
 }
 
 export function createPlanSummary(): Panel<Shown> {

@@ -45,6 +45,8 @@ const draggedPatterns = ({ live, onScan }: DrawnState): Laid | null => (live?.dr
 export type LivePart = "values" | "tumour";
 
 export interface LiveHandle extends PatternHandle {
+  /** as the drawn lines measure, by parameter; not while a hand drags */
+  readonly measured?: Readonly<Record<string, number>>;
   readonly id: string;
   readonly part: LivePart;
 }

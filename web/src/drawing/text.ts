@@ -179,7 +179,7 @@ export const drawing = {
     mirror: "Mirror to the other side",
     byItself: "auto",
     byItselfAt: (amount: string) => `auto: ${amount}`,
-    drawnAt: (amount: string, asked: string) => `Drawn: ${amount}, measured on this skin; asked for: ${asked}.`,
+    drawnAt: (amount: string) => `Drawn: ${amount}, measured on this skin.`,
     stopsAt: (amount: string) => `Drawn at ${amount}: her breast ends there, and the nipple is not moved down.`,
     sides: { L: "left", R: "right" },
     amount: (value: string, unit: string) => `${value}${unit === "deg" ? "°" : unit === "mm" ? "\u00a0mm" : ""}`,
@@ -213,7 +213,7 @@ export const drawing = {
 
 export const summary = {
   title: "The plan on this scan",
-  hint: "± holds nine of ten places of a line, in whichever direction they are off.  What was drawn on this scan is where it was drawn.",
+  hint: "± holds nine of ten places of a line, measured across it, as does the number of the fit.  What was drawn on this scan is where it was drawn.",
   none: "Nothing is drawn yet.",
   own: "as drawn",
   mirrored: "mirrored from the other side",

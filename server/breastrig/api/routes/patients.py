@@ -16,6 +16,7 @@ from breastrig.api.wire import patients as wire
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.patterns import drawing_with
 from breastrig.drawings.plan_schema import Plan, PlanLesion, PlanLine, PlanNote, asked_of
+from breastrig.report.pages.printable import check_printable, checked_code
 from breastrig.storage.rows.fits import FitRow, newest_fits
 from breastrig.storage.rows.patients import (
     PatientRow,
@@ -31,6 +32,7 @@ from breastrig.storage.rows.patients import (
 )
 from breastrig.storage.rows.scans import ScanRow, get_scans
 from breastrig.storage.storage import iso_utc
+from breastrig.workflow.lines.plan_words import texts_of
 
 TAG = {"name": "patients", "description": "Patients under codes, their scans, and what is planned on their skin."}
 CHANGED = "Somebody has changed this plan since you read it; read it again, take the change over, and send it again."
@@ -73,7 +75,7 @@ def change_patient(patient_id: str, json_data: wire.PatientChange) -> wire.Patie
 
     A code of your own, never a name: it is shown in the list and kept with her scans.
     """
-    rename_patient(app_context().service.storage, patient_id, " ".join(json_data.code.split()))
+    rename_patient(app_context().service.storage, patient_id, checked_code(json_data.code))
     return _answers([get_patient(app_context().service.storage, patient_id)])[0]
 
 
@@ -176,6 +178,7 @@ def show_plan_on_fit(fit_id: str) -> Response:
 
 def _check(plan: Plan, patient_id: str) -> None:
     """Raises BadDrawing with a sentence, NotFound when the patient is gone."""
+    check_printable(texts_of(plan.items))
     context = app_context()
     scans = {
         row.id: row for row in get_scans(context.service.storage, scans_of_patient(context.service.storage, patient_id))

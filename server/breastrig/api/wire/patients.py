@@ -106,6 +106,9 @@ class PlannedShape(DrawnShape):
     kind: Literal["line", "pattern", "tumour", "lesion", "note"]
     carried: bool = Field(description="whether it was made on another scan")
     depth_mm: float | None = Field(None, description="of a tumour, below the skin")
+    line_error_mm: float | None = Field(
+        None, description="how far off nine of ten of its places are, measured across it, as a fit's line_error_mm"
+    )
     mirrored: bool = Field(False, exclude_if=not_, description="the line of the other side, mirrored")
 
 
@@ -180,6 +183,7 @@ class PlanOnScan(Wire):
     lesions: list[PlannedLesion]
     notes: list[PlannedNote]
     missing: list[MissingItem] = Field(description="items that cannot be shown here, and why")
+    predicted: bool = Field(False, exclude_if=not_, description="no scan shows this body")
     doubts: list[str] = Field(
         [], description="why the scans that it was carried from may be another patient's, a sentence each"
     )

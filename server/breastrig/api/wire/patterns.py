@@ -79,3 +79,6 @@ class PatternOnScan(Wire):
     shapes: list[PatternShape]
     handles: list[PatternHandle]
     limit: str = Field(description="why the drag went no farther, in words; empty where it did not end")
+    measured: dict[str, dict[str, float]] = Field(
+        {}, description="each number as the drawn lines measure it, by parameter and side; empty for a drag"
+    )

@@ -6,7 +6,7 @@ holds one side: only that one is drawn, from its own landmarks, as both would be
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -22,6 +22,7 @@ from breastrig.drawings.constructions.periareolar import Periareolar
 from breastrig.drawings.constructions.reduction import Reduction
 from breastrig.drawings.constructions.tumour import Tumour
 from breastrig.drawings.constructions.vertical import Vertical
+from breastrig.drawings.handles.as_drawn import as_drawn
 from breastrig.drawings.handles.handle import Handle
 from breastrig.drawings.handles.reductions import vertical_handles, wise_handles
 from breastrig.drawings.handles.rings import ellipse_handles, periareolar_handles, tumour_handles
@@ -83,6 +84,7 @@ class LivePattern:
     lines: tuple[tuple[Polyline, str], ...]  # on the scan, with their labels
     handles: tuple[HandleOnScan, ...]
     limit: str  # why a drag went no farther, in words; empty where it did not end
+    measured: Mapping[str, Mapping[str, float]] = field(default_factory=dict)  # as_drawn.py; none while it is dragged
 
 
 class LiveSkin:
@@ -111,7 +113,8 @@ class LiveSkin:
         """
         pattern = pattern_of(name, parameters)
         if drag is None:
-            return self._live(_on_side(pattern, side), parameters, "")
+            held = _on_side(pattern, side)
+            return replace(self._live(held, parameters, ""), measured=as_drawn(held, self._skin))
         return self._dragged(name, pattern, parameters, drag)
 
     def ways(self, places: Array) -> list[Array]:

@@ -6,13 +6,13 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Booleans
 from breastrig.core.stances import split_side
+from breastrig.drawings.line_error import across
 from breastrig.fitting.body.hanging import hangs_by
 from breastrig.fitting.picks.leave_one_out import LeaveOneOut
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.uncertainty.calibration import StanceFactors, calibration, factor_of
 from breastrig.rig.model import Rig
 
-ACROSS = 0.71  # of a place's radius: across a line through it (docs/decisions/0018)
 HOLDS_90 = 1.5  # radius of 90 % for a variance of one in all: 1.44 where three axes share it, 1.52 two, 1.64 one
 OTHER = "other"  # of factors: what none is for
 BOTH = frozenset({"nipple_L", "nipple_R"})  # seen by colour where the form has them: so the body lies as it was found
@@ -41,8 +41,7 @@ def line_error(rig: Rig, vertices: Array, seen: Booleans) -> float:
     """
     breasts = [np.array(members) for name, members in rig.regions.items() if name.startswith(PLANNED_ON)]
     shown = [members[seen[members]] for members in breasts or [np.arange(len(vertices))]]
-    squares = [float(np.mean(vertices[members] ** 2)) for members in shown if len(members)]
-    return ACROSS * float(np.sqrt(max(squares, default=np.mean(vertices**2))))
+    return max((across(vertices[members]) for members in shown if len(members)), default=across(vertices))
 
 
 def radii(posterior: Posterior, margin: float | None = None, *, expected: bool = False) -> Radii | None:

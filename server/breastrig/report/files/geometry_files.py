@@ -68,12 +68,13 @@ def edges_of(lines: Sequence[Polyline]) -> tuple[Array, Integers]:
     return points, np.concatenate(edges)
 
 
-def surface_ply(vertices: Array, faces: Integers, metres_per_unit: float) -> bytes:
-    """A binary PLY of (V, 3) m vertices and (F, 3) triangles."""
+def surface_ply(vertices: Array, faces: Integers, metres_per_unit: float, comment: str = "") -> bytes:
+    """A binary PLY of (V, 3) m vertices and (F, 3) triangles, with a comment in its header."""
     exact = not far_place(vertices).any()
     header = [
         "ply",
         "format binary_little_endian 1.0",
+        *([f"comment {comment}"] if comment else []),
         f"element vertex {len(vertices)}",
         *(f"property {'float' if exact else 'double'} {axis}" for axis in "xyz"),
         f"element face {len(faces)}",

@@ -19,6 +19,7 @@ from breastrig.report.bands import KNOWN_MM, margin_text, sure_text
 from breastrig.report.document import PlannedItem, Reported
 from breastrig.report.measures import OUTLINE
 from breastrig.report.pages.names import plainly, spoken, spoken_together
+from breastrig.report.pages.printable import check_printable, installed_fonts
 from breastrig.report.pages.tape_sheet import tape_sheet
 from breastrig.report.pictures import (
     LEAST_SURE_MM,
@@ -93,10 +94,19 @@ Table = dict[str, Any]
 
 
 def report_pdf(stances: Sequence[Reported], identity: Identity = UNNAMED) -> bytes:
-    """The pages of one or two stances."""
+    """The pages of one or two stances; BadInput where a word has characters that no font has."""
+    check_printable([("The patient's code", identity.code), *_written(stances)])
     template = resources.files("breastrig.report.pages").joinpath("report.typ").read_bytes()
     content = json.dumps(report_content(stances, identity), allow_nan=False)
-    return typst.compile(template, sys_inputs={"data": content}, ignore_system_fonts=True)
+    return typst.compile(template, sys_inputs={"data": content}, ignore_system_fonts=True, font_paths=installed_fonts())
+
+
+def _written(stances: Sequence[Reported]) -> list[tuple[str, str]]:
+    """What people have written: names of lines and items, and notes."""
+    lines = [("The name of a line", line.name) for one in stances for line in one.stance.lines]
+    items = [(f"“{item.name}”", f"{item.name} {item.text}") for one in stances for item in one.plan]
+    lesions = [("The name of a lesion", str(lesion["name"])) for one in stances for lesion in one.lesions]
+    return [*lines, *items, *lesions]
 
 
 def report_content(stances: Sequence[Reported], identity: Identity) -> dict[str, Any]:
@@ -113,6 +123,7 @@ def report_content(stances: Sequence[Reported], identity: Identity) -> dict[str,
         "facts": _facts(stances, identity),
         "program": f"BreastRig {__version__}",
         "limits": LIMITS_OF_USE,
+        "checkable": not any(one.result.predicted for one in stances),
         "warning": " · ".join(warned),
         "verdicts": [_verdict(one) for one in stances],
         "pictures": _large_pictures(stances),
@@ -160,7 +171,7 @@ def _large_pictures(stances: Sequence[Reported]) -> list[Table]:
             shown = "not scanned" if one.result.predicted else "scan"
             what = f"{shown} with the plan" if one.plan else f"{shown} with the drawing" if one.stance.lines else shown
             title = f"{one.name.capitalize()}, {name.replace('_', ' ')}"
-            found.append({"title": f"{title}: {what}", "jpeg": list(jpeg(picture))})
+            found.append({"title": f"{title}: {what}", "jpeg": list(jpeg(picture)), "predicted": one.result.predicted})
     return found
 
 

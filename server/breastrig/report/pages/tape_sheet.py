@@ -48,6 +48,7 @@ def tape_sheet(name: str, stance: Stance) -> dict[str, Any] | None:
         )
     return {
         "stance": name,
+        "predicted": stance.predicted,
         "picture": list(jpeg(picture)),
         "size": list(SIZE),
         "dots": _dots(places_mm, [*numbers, *letters.values()], len(points)),

@@ -14,6 +14,7 @@ from breastrig.core.arrays import Array
 from breastrig.core.errors import BadInput
 from breastrig.drawings.drawing_file import shape_document
 from breastrig.drawings.inside.lesions import BALL, Distance, PlacedLesion, Slice
+from breastrig.drawings.line_error import across
 from breastrig.drawings.plan_on_scan import PlannedLine, PlannedScan, PlanOnScan, plan_on_scan
 from breastrig.drawings.plan_schema import (
     Plan,
@@ -89,6 +90,7 @@ def plan_document(plan: Plan, fit: FitFolder, found: PlanOnScan, others: Sequenc
     return (
         empty_plan_on_scan(fit.unit)
         | made_on(fit.result)
+        | ({"predicted": True} if fit.result.predicted else {})
         | {
             "shapes": [_shape(each, fit.metres_per_unit) for each in found.lines],
             "lesions": [_lesion(each, fit) for each in found.lesions],
@@ -154,6 +156,12 @@ def _place(point: Array, fit: FitFolder) -> list[float]:
     return [round(float(value), 6) for value in point / fit.metres_per_unit]
 
 
+def _line_error(each: PlannedLine) -> dict[str, float]:
+    """Of a line as of the fit's breasts, so that both stand on one screen; nothing where it is not known."""
+    known = np.zeros(0) if each.line.error is None else each.line.error[np.isfinite(each.line.error)]
+    return {"line_error_mm": round(1e3 * across(known), 1)} if len(known) else {}
+
+
 def _shape(each: PlannedLine, metres_per_unit: float) -> dict[str, Any]:
     item = each.item
     depth = item.depth_mm if isinstance(item, PlanTumour) else None
@@ -161,6 +169,7 @@ def _shape(each: PlannedLine, metres_per_unit: float) -> dict[str, Any]:
         "item": item.id,
         "kind": item.kind,
         "carried": each.is_carried,
+        **_line_error(each),
         **({} if depth is None else {"depth_mm": depth}),
         **({"mirrored": True} if isinstance(item, PlanLine) and item.mirrored else {}),
     }

@@ -38,6 +38,19 @@ def planned_items(
     )
 
 
+def texts_of(items: Sequence[PlanItem]) -> list[tuple[str, str]]:
+    """(what it is, text) of all that people have written into a plan."""
+    found = []
+    for item in items:
+        if isinstance(item, PlanNote):
+            found.append(("A note", item.text))
+        elif isinstance(item, PlanLesion):
+            found.append(("The name of a lesion", item.name))
+        elif isinstance(item, PlanLine):
+            found += [("The name of a line", item.name), ("The name of a line", item.label or "")]
+    return found
+
+
 def _name(item: PlanItem, fit: FitFolder) -> str:
     if isinstance(item, PlanLine):
         return item.label or spoken(item.name)

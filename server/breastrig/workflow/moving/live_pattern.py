@@ -68,6 +68,9 @@ def _document(name: str, prepared: PreparedFit, found: LivePattern) -> dict[str,
         "shapes": [shape_document(line, prepared.metres_per_unit) | {"label": label} for line, label in found.lines],
         "handles": [_handle(each) for each in found.handles],
         "limit": found.limit,
+        "measured": {
+            name: {side: round(value, 2) for side, value in each.items()} for name, each in found.measured.items()
+        },
     }
 
 

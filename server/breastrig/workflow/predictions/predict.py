@@ -38,6 +38,8 @@ from breastrig.workflow.lines.transfer import drawing_document
 from breastrig.workflow.one_body import body_doubt
 from breastrig.workflow.volume import volume_of
 
+SAYS = "predicted: no scan shows this body"  # inside each file that may travel alone
+
 
 def predict_steps(
     rig: Rig, folder: Path, goal: Stance, simulate: bool = False, other: Path | None = None
@@ -91,10 +93,10 @@ def predict_steps(
     reasons = (said,) if doubt is None else (said, doubt)
     result = _result(rig, fit.result, found.vertices, radii, goal, reasons, moved_by_unit)
     result = result.model_copy(update={"simulated": simulate})
-    surface = surface_ply(moved(fit.surface.vertices), fit.surface.faces, per_unit)
+    surface = surface_ply(moved(fit.surface.vertices), fit.surface.faces, per_unit, SAYS)
     made = {
         "scan.ply": surface,
-        "fitted.ply": surface_ply(found.vertices, rig.faces, per_unit),
+        "fitted.ply": surface_ply(found.vertices, rig.faces, per_unit, SAYS),
         "fitted.glb": fitted_glb(rig, [fit.parameters], [0.0], None, {"predicted": True}, found.vertices),
         "drawing.json": json_bytes(drawing),
         "distances.bin": np.full(len(moves), np.nan, "<f4").tobytes(),

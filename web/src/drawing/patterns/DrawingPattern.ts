@@ -148,16 +148,24 @@ function createFields(part: LivePart, changed: (values: Values) => void) {
         const drawn = drawnAt(handles.filter((each) => each.part === part), parameter.name);
         if (asked === null && parameter.needed) field.set(null, "");
         else if (asked === null) field.set(null, drawn.length > 0 ? words.byItselfAt(sidesSaid(drawn, parameter.unit)) : words.byItself);
-        else if (drawn.every(({ value }) => Math.abs(value - asked) < SAME)) field.set(asked);
-        else field.set(Math.round(10 * Math.min(...drawn.map(({ value }) => value))) / 10, "", (parameter.name === "nipple_above_fold_mm" ? words.stopsAt : words.drawnAt)(sidesSaid(drawn, parameter.unit), words.amount(writtenNumber(asked, parameter.unit), parameter.unit)));
+        else if (drawn.every(({ value }) => apart(value, asked, parameter.unit) < SAME)) field.set(asked);
+        else if (parameter.name === "nipple_above_fold_mm") field.set(Math.round(10 * Math.min(...drawn.map(({ value }) => value))) / 10, "", words.stopsAt(sidesSaid(drawn, parameter.unit)));
+        else field.set(asked, "", words.drawnAt(sidesSaid(drawn, parameter.unit)));
       }
     },
   };
 }
 
+/** How far two numbers are apart; an axis is the same after half a turn, an hour after twelve. */
+function apart(one: number, other: number, unit: string): number {
+  const off = Math.abs(one - other);
+  const round = { deg: 180, h: 12 }[unit];
+  return round === undefined ? off : Math.min(off, Math.abs(round - off));
+}
+
 /** The numbers of a parameter as they are drawn on each side. */
 const drawnAt = (handles: readonly LiveHandle[], parameter: string): { side: "L" | "R"; value: number }[] =>
-  [...new Map(handles.flatMap(({ side, numbers }) => numbers.filter((each) => each.parameter === parameter).map(({ value }) => [side, { side, value }] as const))).values()];
+  [...new Map(handles.flatMap(({ side, numbers, measured }) => numbers.filter((each) => each.parameter === parameter).map(({ value }) => [side, { side, value: measured?.[parameter] ?? value }] as const))).values()];
 
 const sidesSaid = (drawn: readonly { side: "L" | "R"; value: number }[], unit: string): string => {
   const said = drawn.map(({ side, value }) => [words.sides[side], words.amount(writtenNumber(Math.round(10 * value) / 10, unit), unit)] as const);

@@ -46,7 +46,11 @@ export const hasHandles = ({ step, fit, drawn }: Pick<State, "step" | "fit" | "d
 /** What handles are of: the fit and the numbers. */
 export const keyOf = ({ fit, drawing }: Pick<State, "fit" | "drawing">): string => `${fit?.id ?? ""} ${drawing}`;
 
-const handlesOf = (part: LivePart, { handles }: PatternOnScan): LiveHandle[] => handles.map((handle) => ({ ...handle, id: `${part}/${handle.name}`, part }));
+const handlesOf = (part: LivePart, { handles, measured = {} }: PatternOnScan): LiveHandle[] =>
+  handles.map((handle) => {
+    const here = Object.entries(measured).flatMap(([parameter, sides]) => (sides[handle.side] === undefined ? [] : [[parameter, sides[handle.side]!] as const]));
+    return { ...handle, id: `${part}/${handle.name}`, part, ...(here.length > 0 ? { measured: Object.fromEntries(here) } : {}) };
+  });
 
 const valuesOf = ({ parameters }: PatternOnScan): Values => Object.fromEntries(Object.entries(parameters).map(([name, value]) => [name, String(value)]));
 
