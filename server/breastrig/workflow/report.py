@@ -23,11 +23,11 @@ from breastrig.report.stance import Stance
 from breastrig.report.table import contradictions, csv_bytes, flat_rows
 from breastrig.rig.model import Rig
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of, still_visible
+from breastrig.workflow.folder.one_body import body_doubt
 from breastrig.workflow.folder.whose import check_whose
 from breastrig.workflow.jobs import PlanLines, ReportJob
 from breastrig.workflow.lines.plan_on_fit import plan_document, plan_on_folders
 from breastrig.workflow.lines.plan_words import NOT_DRAWN, planned_items
-from breastrig.workflow.one_body import body_doubt
 
 REPORT_RECORD = "report.json"
 MEASURES_TABLE = "measures.csv"

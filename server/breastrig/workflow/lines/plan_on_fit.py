@@ -30,9 +30,9 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.volume.tetrahedra import chest_wall
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of
+from breastrig.workflow.folder.one_body import body_doubt
 from breastrig.workflow.folder.whose import made_on
 from breastrig.workflow.jobs import PlanJob
-from breastrig.workflow.one_body import body_doubt
 
 
 def plan_on_fit(job: PlanJob) -> dict[str, Any]:

@@ -25,10 +25,10 @@ from breastrig.drawings.transfer import TransferredLine, transferred
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of
+from breastrig.workflow.folder.one_body import body_doubt
 from breastrig.workflow.folder.whose import check_whose, made_on
 from breastrig.workflow.jobs import TransferJob
 from breastrig.workflow.lines.plan_on_fit import plan_document, plan_on_folders
-from breastrig.workflow.one_body import body_doubt
 
 
 def drawing_document(file: Path) -> dict[str, Any]:

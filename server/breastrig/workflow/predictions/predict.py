@@ -34,8 +34,8 @@ from breastrig.rig.model import Rig
 from breastrig.volume.gravity.simulated import Patient, Progress, simulated
 from breastrig.volume.predicted import predicted, prior_between
 from breastrig.workflow.folder.fit_folder import fit_folder_of
+from breastrig.workflow.folder.one_body import body_doubt
 from breastrig.workflow.lines.transfer import drawing_document
-from breastrig.workflow.one_body import body_doubt
 from breastrig.workflow.volume import volume_of
 
 SAYS = "predicted: no scan shows this body"  # inside each file that may travel alone

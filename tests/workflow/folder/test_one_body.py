@@ -9,7 +9,7 @@ from helpers.results import result_file
 
 from breastrig.files.result import ResultParameters
 from breastrig.workflow.folder.fit_folder import FitFolder
-from breastrig.workflow.one_body import body_doubt
+from breastrig.workflow.folder.one_body import body_doubt
 
 BODY = {  # mm
     "suprasternal_notch": [0.0, 420.0, 80.0],
