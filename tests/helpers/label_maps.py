@@ -64,6 +64,12 @@ def front_labels(rig: Rig, lesion: np.ndarray, radius: float) -> tuple[np.ndarra
     return labels, low, size
 
 
+def above_navel(labels: np.ndarray, low: np.ndarray, size: float, end: float = 200.0) -> tuple[np.ndarray, np.ndarray]:
+    """Of `front_labels`, as a breast MRI has it: its field of view ends at `end` mm, 40 above the template's navel."""
+    cut = int((end - low[2]) / size)
+    return np.ascontiguousarray(labels[:, :, cut:]), low + np.array([0.0, 0.0, size * cut])
+
+
 def in_lps(points: np.ndarray) -> np.ndarray:
     """(..., 3) mm of (..., 3) m in the template's frame: left, up, front."""
     return 1e3 * points[..., [0, 2, 1]] * [1.0, -1.0, 1.0]

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from helpers.label_maps import dicom_segmentation, front_labels, in_lps, nifti, placed_nifti
+from helpers.label_maps import above_navel, dicom_segmentation, front_labels, in_lps, nifti, placed_nifti
 from helpers.scan_files import ply_text
 
 SEEN = ("suprasternal_notch", "mid_sternum", "xiphoid", "nipple_L", "nipple_R")  # in an MRI's field of view
@@ -28,7 +28,8 @@ def lesion_day_files(folder: Path) -> None:
     rig = read_rig(default_rig_path())
     marks = dict(zip(rig.landmark_names, rig.landmark_points().positions(rig.template, rig.faces), strict=True))
     inside = marks["nipple_L"] - [0.012, 0.0, 0.028]
-    labels, low, size = front_labels(rig, inside, RADIUS)
+    whole, start, size = front_labels(rig, inside, RADIUS)
+    labels, low = above_navel(whole, start, size)
     sizes = np.full(3, size)
     mri = gzip.compress(nifti(labels, low=low, sizes=sizes))
     unsaid = np.diag([*sizes, 1.0]), 0
