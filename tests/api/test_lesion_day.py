@@ -73,7 +73,7 @@ def test_a_lesion_of_an_mri_is_seen_on_all_scans_moved_reported_and_shared(
         return lesion
 
     given = seen("prone")
-    assert (given["name"], given["carried"], given["error_mm"]) == ("Label 2", False, 0.0)
+    assert (given["name"], given["carried"], given["error_mm"]) == ("Lesion 1", False, 0.0)
     assert given["center"] == pytest.approx(in_lps(inside), abs=0.5)
     assert given["radius_mm"] == pytest.approx(7.0, abs=0.3)
     for stance in ("standing", "supine"):
@@ -100,7 +100,7 @@ def test_a_lesion_of_an_mri_is_seen_on_all_scans_moved_reported_and_shared(
     with client.get(f"{fits['standing']['report']}?with={fits['supine']['id']}") as report:
         pages = pypdf.PdfReader(io.BytesIO(report.data)).pages
     text = " ".join(" ".join(page.extract_text() for page in pages).split())
-    block = text.split("Lesion: Label 2", 1)[1]
+    block = text.split("Lesion: Lesion 1", 1)[1]
     assert re.match(r" standing radius [67][.\d]* mm to the skin \d+ mm, \d+ to \d+ to the nipple, left \d+ mm,", block)
     assert re.search(r"its place ± \d+ mm axial sagittal coronal supine radius", block)
 
@@ -114,6 +114,6 @@ def test_a_lesion_of_an_mri_is_seen_on_all_scans_moved_reported_and_shared(
         assert shown["center"] == seen("standing")["center"]
         assert bool(shown["slices"]) == has_slices  # they are cuts of her skin
         with visitor.get(links["fitted_glb"]) as glb:
-            (node,) = (each for each in split_glb(glb.data)[0]["nodes"] if each.get("name") == "lesion_Label 2")
+            (node,) = (each for each in split_glb(glb.data)[0]["nodes"] if each.get("name") == "lesion_Lesion 1")
         assert node["extras"]["error_mm"] == shown["error_mm"]
         assert np.multiply(node["translation"], 1e3) == pytest.approx(shown["center"], abs=1e-2)

@@ -112,3 +112,10 @@ def test_a_size_that_is_not_ordinary_is_said(metres: float, unit: str, said: str
     assert said in doubt
     assert (doubt == "") == (said == "")
     assert doubt == "" or doubt.endswith(".")
+
+
+def test_a_unit_that_is_known_is_not_doubted() -> None:
+    """That of a label map, which may show one breast."""
+    assert "In centimetres (1 m) it would be ordinary." in size_doubt(0.1, "mm")
+    known = size_doubt(0.1, "mm", is_known=True)
+    assert known.endswith("less than an ordinary torso, or a part of one; check unit and export.")

@@ -66,13 +66,17 @@ def decide_unit(across: float, asked: str, named: str | None = None, by_default:
     )
 
 
-def size_doubt(metres: float, unit: str) -> str:
-    """A sentence for what was read in this unit and is so many metres across; empty where that is an ordinary torso."""
+def size_doubt(metres: float, unit: str, is_known: bool = False) -> str:
+    """A sentence for what was read in this unit and is so many metres across; empty where that is an ordinary torso.
+
+    Where the unit `is_known`, as that of label maps, no other is named.
+    """
     low, high = ORDINARY
     if low <= metres <= high:
         return ""
     across = metres / METRES_PER_UNIT[unit]
     others = [other for other in METRES_PER_UNIT if other != unit and _within(across, other, ORDINARY)]
+    others = [] if is_known else others
     instead = f" In {' or '.join(_name(across, other) for other in others)} it would be ordinary." if others else ""
     compared = "more than an ordinary torso" if metres > high else "less than an ordinary torso, or a part of one"
     return f"Read in {UNIT_NAMES[unit]} the body is {metres:.2g} m across, {compared}; check unit and export.{instead}"

@@ -57,7 +57,9 @@ def _read(job: UploadJob) -> dict[str, Any]:
     return {
         "unit": scan.unit,
         "unit_reason": scan.unit_reason,
-        "size_doubt": size_doubt(extent(ready.target.vertices[ready.target.faces[:, 0]]), scan.unit),
+        "size_doubt": size_doubt(
+            extent(ready.target.vertices[ready.target.faces[:, 0]]), scan.unit, scan.from_label_map
+        ),
         "vertices": len(scan.vertices),
         "triangles": len(scan.faces),
         "bounds_m": {"min": scan.vertices.min(axis=0).tolist(), "max": scan.vertices.max(axis=0).tolist()},
