@@ -61,5 +61,5 @@ def _said(segments: tuple[TakenSegment, ...]) -> list[str]:
         why = each.why[:1].lower() + each.why[1:]
         notes.append(f"Segment {each.number} of the label map was {what} ({each.name}{across}): {why}")
     if len(named) < len(segments):
-        notes.append(f"The other {len(segments) - len(named)} segments of the label map were taken for tissue.")
+        notes.append(f"{'The other' if named else 'All'} {len(segments) - len(named)} segments were taken for tissue.")
     return notes
