@@ -3,6 +3,7 @@
 import importlib.util
 import re
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree as Xml
 
 import meshio
@@ -57,6 +58,25 @@ def test_scikit_fem_reads_the_regions_and_solves(volume: breastrig.Volume, saved
     assert cubic_metres == pytest.approx(volume.in_metres.volumes.sum())
     heat = skfem.solve(*skfem.condense(laplace.assemble(basis), unit_load.assemble(basis), D=mesh.boundary_nodes()))
     assert heat.max() > 0.0
+
+
+def test_scikit_fem_keeps_all_groups_of_an_msh_as_the_page_says(
+    volume: breastrig.Volume, saved: Path, repository: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    page = (repository / "docs" / "volume.md").read_text("utf-8")
+    code = page.split("```python\nimport skfem")[1].split("```")[0]
+    monkeypatch.chdir(saved)
+    known: dict[str, Any] = {}
+    exec("import skfem" + code, known)
+    nodes, names, cells, numbers = (known[name] for name in ("nodes", "names", "cells", "numbers"))
+    assert {name: each.tolist() for name, each in nodes.items()} == {
+        name: each.tolist() for name, each in volume.sets.items()
+    }
+    assert known["held"].size == len(volume.sets["fixed"])
+    for name, triangles in (("skin_surface", volume.surface), ("wall_surface", volume.in_metres.wall)):
+        kept = cells["triangle"][numbers["triangle"] == names[name][0]]
+        np.testing.assert_array_equal(kept, triangles)
+    assert {name for name, (_, dimension) in names.items() if dimension == 3} == set(REGIONS)
 
 
 def test_vtk_and_gmsh_have_sets_and_model_vertices(volume: breastrig.Volume, saved: Path) -> None:
