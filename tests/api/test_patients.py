@@ -26,8 +26,8 @@ def add(client: FlaskClient, torso: bytes) -> Iterator[Any]:
     """Adds scans; what is left of them is deleted at the end."""
     made: list[str] = []
 
-    def one(patient: str | None = None) -> dict[str, Any]:
-        form: dict[str, Any] = {"file": (io.BytesIO(torso), "torso.ply")}
+    def one(patient: str | None = None, **more: str) -> dict[str, Any]:
+        form: dict[str, Any] = {"file": (io.BytesIO(torso), "torso.ply"), "again": "true"} | more
         answer = client.post("/api/scans", data=form if patient is None else form | {"patient": patient})
         assert answer.status_code == 201, answer.json
         made.append(answer.json["id"])
@@ -195,7 +195,7 @@ def test_a_scan_moves_to_another_patient_with_what_was_planned_on_it(client: Fla
     first, second = add(), add()
     put(client, first, [item(first, LINE, "a")], '"0"')
     put(client, second, [item(second, TUMOUR, "a")], '"0"')
-    answer = client.put(f"/api/scans/{second['id']}/patient", json={"patient": first["patient"]})
+    answer = client.put(f"/api/scans/{second['id']}/patient", json={"patient": first["patient"], "again": True})
     assert [scan["id"] for scan in answer.json["scans"]] == [first["id"], second["id"]]
     problem(client.get(second["links"]["patient"]), 404)  # she had no other scan
     items = client.get(plan_of(first)).json["items"]
@@ -316,3 +316,19 @@ def test_another_patients_plan_and_drawing_are_asked_about(client: FlaskClient, 
     headers = {"If-Match": client.get(place).headers["ETag"]}
     answer = client.put(f"{place}?same_patient=true", json={"items": items, "patient": "P-9"}, headers=headers)
     assert (answer.status_code, answer.json["patient"]) == (200, code)
+
+
+def test_the_same_file_twice_is_asked_about(client: FlaskClient, service: Service, torso: bytes, add: Any) -> None:
+    first, other = add(), add()
+    kept = sorted(path.name for path in (service.storage.root / "scans").iterdir())
+    form = {"file": (io.BytesIO(torso), "torso.ply"), "patient": first["patient"]}
+    said = problem(client.post("/api/scans", data=form), 409)
+    assert said.startswith("This scan is already here: the same file is one of this patient's scans;")
+    assert said.endswith("say again.")
+    assert sorted(path.name for path in (service.storage.root / "scans").iterdir()) == kept
+    place, moved = f"/api/scans/{other['id']}/patient", {"patient": first["patient"]}
+    problem(client.put(place, json=moved), 409)
+    assert client.get(f"/api/patients/{other['patient']}").status_code == 200
+    assert client.put(place, json=moved | {"again": True}).status_code == 200
+    assert client.put(place, json=moved).status_code == 200, "it is hers already"
+    assert add(first["patient"])["patient"] == first["patient"]

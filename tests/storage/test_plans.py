@@ -1,5 +1,7 @@
 """Plans are stored with what is there at that moment."""
 
+import hashlib
+
 import pytest
 
 from breastrig.core.errors import Conflict
@@ -17,7 +19,11 @@ def add(storage: Storage, scan: str, patient: str | None = None) -> str:
     """The patient that the scan is of."""
     storage.folders.make(f"scans/{scan}")
     facts = {"unit": "mm", "bounds_m": {"min": [0, 0, 0], "max": [1, 1, 1]}}
-    add_scan(storage, ScanRow(scan, "2026-01-01T00:00:01.000Z", "ply", "cd" * 32, facts), patient)
+    add_scan(
+        storage,
+        ScanRow(scan, "2026-01-01T00:00:01.000Z", "ply", hashlib.sha256(scan.encode()).hexdigest(), facts),
+        patient,
+    )
     return patient_of_scan(storage, scan)
 
 

@@ -165,13 +165,14 @@ class Service:
         patient: str | None = None,
         model: str | None = None,
         answers: VolumeAnswers = NOTHING_SAID,
+        again: bool = False,
     ) -> tuple[ScanRow, list[str]]:
         """Reads an upload and keeps what was read of it, without names, comments and picture metadata.
 
         It is a scan of that patient, or of a new one, to be fitted with the model of that name.  With it comes what a
         label map's file calls its segments, which is not kept.  Raises BadScan or TooLarge with a sentence, of BadScan
-        NeedsAnswer where a person has to say something, or NotFound for an unknown patient or model, and then keeps
-        nothing.
+        NeedsAnswer where a person has to say something, NeedsYes for a file that is a scan of that patient unless
+        `again`, or NotFound for an unknown patient or model, and then keeps nothing.
         """
         chosen = self.models.facts_of(model)
         if patient is not None:
@@ -202,7 +203,7 @@ class Service:
             lesions: list[dict[str, Any]] = facts.pop("lesions", [])
             labels: list[str] = facts.pop("labels", [])
             row = ScanRow(scan_id, utc_now(), STORED, sha256, facts | chosen)
-            scan_rows.add_scan(self.storage, row, patient)
+            scan_rows.add_scan(self.storage, row, patient, again)
             if lesions:
                 items = [{"kind": "lesion", "id": new_id(), "scan": scan_id, **each} for each in lesions]
                 put_items_of_scan(self.storage, scan_id, "lesion", items)

@@ -47,6 +47,7 @@ export interface UploadFields extends VolumeAnswers {
   readonly units: UnitChoice;
   readonly model: string | undefined;
   readonly patient?: string | undefined;
+  readonly again?: "true" | undefined; // the patient has this file already, and shall have it twice
 }
 
 export class ApiError extends Error {

@@ -1301,6 +1301,8 @@ export type ScanOfPlan = {
 export type ScanOwner = {
   /** id of the patient whose scan it is */
   patient: string;
+  /** though the same file is a scan of that patient already */
+  again?: boolean;
 };
 
 export type ScanPage = {
@@ -1317,6 +1319,8 @@ export type ScanUpload = {
   units?: "auto" | "m" | "dm" | "cm" | "mm" | "in" | "ft";
   /** id of the patient whose scan it is; without it she is a new one */
   patient?: string | null;
+  /** though the same file is a scan of that patient already */
+  again?: boolean;
   /** name of the model that it is fitted with, of /api/meta; without it the first */
   model?: string | null;
   /** of a label map whose file does not say where it lies, or says it twice: the `value` of a choice of the 422 answer's `question` (sform, qform), or three letters that say where the voxels' axes grow to (RAS) */

@@ -203,9 +203,10 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
   async function send(file: File, said: UploadFields, progress: (share: number) => void, mine: number): Promise<Brought | null> {
     try {
       const info = await client.upload(file, said, progress);
-      const { units: _units, model: _model, patient: _patient, ...answers } = said;
+      const { units: _units, model: _model, patient: _patient, again: _again, ...answers } = said;
       return { info, file, own: null, answers, isNew: true };
     } catch (error) {
+      if (error instanceof ApiError && error.status === 409) throw new ApiError(text.errors.alreadyHere, 409);
       const question = error instanceof ApiError ? error.question : null;
       if (question?.field !== "frame" || mine !== generation) throw error;
       const frame = await askPerson(question);
@@ -213,8 +214,8 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     }
   }
 
-  /** `instead`: that scan, with which nothing has been done, is read anew and deleted. */
-  function upload(file: File, units: UnitChoice = store.get().units, answers: VolumeAnswers = {}, instead: Scan | null = null): Promise<boolean> {
+  /** `instead`: that scan, with which nothing has been done, is read anew and deleted.  `patient`: whose it is. */
+  function upload(file: File, units: UnitChoice = store.get().units, answers: VolumeAnswers = {}, instead: Scan | null = null, patient = instead?.patient): Promise<boolean> {
     const title = text.uploaded;
     store.set({ units });
     return bring(title, async () => {
@@ -226,7 +227,7 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
       progress(0);
       await chosen;
       await checkReadable(file);
-      const said: UploadFields = { units, model: store.get().meta?.model.name, patient: instead?.patient, ...answers };
+      const said: UploadFields = { units, model: store.get().meta?.model.name, patient, again: instead ? "true" : undefined, ...answers };
       const brought = await send(file, said, progress, mine);
       if (brought && instead && mine === generation) await client.deleteScan(instead);
       return brought;

@@ -109,6 +109,7 @@ export const scan = {
 };
 
 export const errors = {
+  alreadyHere: "This scan is already here: the same file is one of this patient's scans. Choose it from the list.",
   several: (count: number) => `Of these ${count} files none was loaded: load one at a time, and those that belong together as one zip.`,
   oneOf: (count: number) => `One of these ${count} files was loaded. If they belong together, as an OBJ and its pictures do, load them as one zip.`,
   unreadable: "The browser cannot read this. If it is a folder, pack it into a zip; if it is a file that was moved or changed, choose it again.",

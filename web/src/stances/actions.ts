@@ -112,12 +112,13 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
   }
 
   /** Both scans are of one patient: her plan is that of both, and what was planned on the first is not made anew on the second. */
-  async function joinPatient(first: Workspace): Promise<void> {
+  async function joinPatient(first: Workspace, isNew: boolean): Promise<void> {
     const scan = store.get().scan?.info;
     const patient = first.scan?.info;
-    if (!scan || !patient || scan.patient === patient.patient) return;
+    const isHers = scan?.patient === patient?.patient;
+    if (!scan || !patient || (isHers && !isNew)) return;
     try {
-      await client.moveScan(scan.id, patient.patient);
+      if (!isHers) await client.moveScan(scan.id, patient.patient);
       const info = { ...scan, patient: patient.patient, patient_code: patient.patient_code, links: { ...scan.links, patient: patient.links.patient, plan: patient.links.plan } };
       const planned = await others.plan.read(info);
       store.set((state) => (state.scan?.info.id === scan.id ? { scan: { ...state.scan, info }, drawing: planned.drawing } : {}));
@@ -126,7 +127,7 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     }
   }
 
-  async function second(bring: () => Promise<boolean>): Promise<void> {
+  async function second(bring: () => Promise<boolean>, isNew = false): Promise<void> {
     put({ isBringing: true }, withProblem(store.get(), "stances", null));
     await flush(); // what is kept is saved, and has what somebody else was found to have planned
     const kept = workspaceOf(store.get());
@@ -139,7 +140,7 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       return;
     }
     put({ ...initialStances, hers: store.get().stances.hers, other: kept, isSecond: true }, { announcement: text.stances.announceAdded });
-    await joinPatient(kept);
+    await joinPatient(kept, isNew);
     isJoining = false;
     lookForHers();
     lookAfter();
@@ -165,7 +166,7 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       }
     },
 
-    upload: (file: File): Promise<void> => second(() => others.scan.upload(file)),
+    upload: (file: File): Promise<void> => second(() => others.scan.upload(file, undefined, undefined, null, store.get().scan?.info.patient), true),
     takeExample: (name: string): Promise<void> => second(() => others.scan.takeExample(name)),
     takeKnown: (id: string): Promise<void> => second(() => others.scan.open(id, null)),
 

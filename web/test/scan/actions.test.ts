@@ -154,7 +154,7 @@ test("segments taken otherwise: the file is read again with all that was said, f
   actions.scan.answer("RAS");
   await going;
   await actions.scan.takeSegments({ 2: "lesion" });
-  expect(said.at(-1)).toEqual({ units: "mm", model: "torso", patient: "of-s2", frame: "RAS", segments: { 2: "lesion" } });
+  expect(said.at(-1)).toEqual({ units: "mm", model: "torso", patient: "of-s2", again: "true", frame: "RAS", segments: { 2: "lesion" } });
   expect(vi.mocked(client.deleteScan).mock.calls.map(([scan]) => scan.id)).toEqual(["s2"]);
   await actions.scan.takeSegments({ 3: "unused" });
   expect(said.at(-1)?.segments).toEqual({ 2: "lesion", 3: "unused" });

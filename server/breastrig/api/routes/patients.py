@@ -95,14 +95,14 @@ def remove_patient(patient_id: str) -> tuple[str, int]:
 @owners.put("/<scan_id>/patient")
 @owners.input(wire.ScanOwner)
 @owners.output(wire.Patient)
-@owners.doc(operation_id="putScanPatient")
+@owners.doc(operation_id="putScanPatient", responses={409: "The same file is a scan of that patient already"})
 def move(scan_id: str, json_data: wire.ScanOwner) -> wire.Patient:
     """Say whose scan it is
 
     What was planned on it goes with it; a patient without scans is not kept.
     """
     service = app_context().service
-    move_scan(service.storage, scan_id, json_data.patient)
+    move_scan(service.storage, scan_id, json_data.patient, json_data.again)
     return _answers([get_patient(service.storage, json_data.patient)])[0]
 
 

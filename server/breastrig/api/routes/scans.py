@@ -51,7 +51,13 @@ Landmarks = tuple[wire.LandmarkFile, int, dict[str, str]]
 @scans.output(wire.Scan, status_code=201, description="The scan was read and stored")
 @scans.doc(
     operation_id="uploadScan",
-    responses={413: "Too large", 415: "No form with a file", 422: "Cannot be read", 429: "Too many"},
+    responses={
+        409: "Is a scan of this patient already",
+        413: "Too large",
+        415: "No form with a file",
+        422: "Cannot be read",
+        429: "Too many",
+    },
 )
 def upload_scan(files_data: wire.ScanUpload) -> tuple[wire.Scan, int, dict[str, str]]:
     """Upload a scan
@@ -65,7 +71,7 @@ def upload_scan(files_data: wire.ScanUpload) -> tuple[wire.Scan, int, dict[str, 
     answers = checked_answers(files_data.frame, segments_of_json(files_data.segments))
     patient, model = files_data.patient or None, files_data.model or None
     row, labels = app_context().service.add_scan(
-        files_data.file.stream, file_type, files_data.units, patient, model, answers
+        files_data.file.stream, file_type, files_data.units, patient, model, answers, files_data.again
     )
     answer = scan_answer(row)
     named = zip(answer.segments, labels, strict=True)

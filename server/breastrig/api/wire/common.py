@@ -67,6 +67,7 @@ class ScanUpload(Upload):
     patient: str | None = Field(
         None, max_length=64, description="id of the patient whose scan it is; without it she is a new one"
     )
+    again: bool = Field(False, description="though the same file is a scan of that patient already")
     model: str | None = Field(
         None, max_length=64, description="name of the model that it is fitted with, of /api/meta; without it the first"
     )

@@ -32,6 +32,7 @@ class PatientChange(Wire):
 
 class ScanOwner(Wire):
     patient: Name = Field(description="id of the patient whose scan it is")
+    again: bool = Field(False, strict=True, description="though the same file is a scan of that patient already")
 
 
 class PatientFit(Wire):

@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from sqlalchemy import ColumnElement, Connection, delete, exists, func, insert, select, update
 
-from breastrig.core.errors import Conflict, NotFound
+from breastrig.core.errors import Conflict, NeedsYes, NotFound
 from breastrig.core.identity import random_code
 from breastrig.storage import schema
 from breastrig.storage.rows.queries import by_key, is_there, newest_first, no_such_scan, value_of
@@ -46,20 +46,27 @@ def code_key(code: str) -> str:
     return "0" + re.sub(r"[0-9]+", lambda found: f"{len(found[0].lstrip('0')):02}{found[0].lstrip('0')}", code.lower())
 
 
-def put_scan(connection: Connection, scan_id: str, patient_id: str | None, new_id: str, now: str) -> None:
-    """Says whose scan it is: that patient's, or one who is new with it.  Raises NotFound."""
+def put_scan(
+    connection: Connection, scan_id: str, patient_id: str | None, new_id: str, now: str, again: bool = False
+) -> None:
+    """Says whose scan it is: that patient's, or one who is new with it.
+
+    Raises NotFound, and NeedsYes where she has a scan of the same file and nobody said `again`.
+    """
     if patient_id is None:
         code = _new_code(connection)
         new = insert(schema.patients).values(id=new_id, created_at=now, code=code, code_key=code_key(code))
         connection.execute(new)
     elif not is_there(connection, schema.patients, patient_id):
         raise _no_patient()
+    else:
+        _check_new(connection, scan_id, patient_id, again)
     patient = new_id if patient_id is None else patient_id
     connection.execute(insert(schema.scans_of_patients).values(scan=scan_id, patient=patient))
 
 
-def move_scan(storage: Storage, scan_id: str, patient_id: str) -> None:
-    """The scan is that patient's from now on, and with it the items that were made on it.  Raises NotFound."""
+def move_scan(storage: Storage, scan_id: str, patient_id: str, again: bool = False) -> None:
+    """The scan is that patient's from now on, and with it the items that were made on it.  Raises as `put_scan`."""
     table = schema.scans_of_patients
     with storage.database.writing(durable=True) as connection:
         before = _patient_of(connection, scan_id)
@@ -67,6 +74,7 @@ def move_scan(storage: Storage, scan_id: str, patient_id: str) -> None:
             raise _no_patient()
         if before == patient_id:
             return
+        _check_new(connection, scan_id, patient_id, again)
         moved = [item for item in _plan(connection, before).items if item.get("scan") == scan_id]
         connection.execute(update(table).where(table.c.scan == scan_id).values(patient=patient_id))
         if moved:
@@ -75,6 +83,17 @@ def move_scan(storage: Storage, scan_id: str, patient_id: str) -> None:
             items = [*there.items, *(_renamed(item, taken) for item in moved)]
             _write(connection, patient_id, items, there.is_whole)
         _forget_scan(connection, before, scan_id)
+
+
+def _check_new(connection: Connection, scan_id: str, patient_id: str, again: bool) -> None:
+    """NeedsYes where the patient has a scan of the same file."""
+    of, scans = schema.scans_of_patients, schema.scans
+    sha256 = select(scans.c.sha256).where(scans.c.id == scan_id).scalar_subquery()
+    same = (
+        select(scans.c.id).join(of, of.c.scan == scans.c.id).where(of.c.patient == patient_id, scans.c.sha256 == sha256)
+    )
+    if not again and connection.execute(select(exists(same))).scalar_one():
+        raise NeedsYes("This scan is already here: the same file is one of this patient's scans", "again")
 
 
 def patient_of_scan(storage: Storage, scan_id: str) -> str:

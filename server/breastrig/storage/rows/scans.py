@@ -29,11 +29,14 @@ class ScanRow:
     facts: dict[str, Any]  # what reading found: unit, counts, bounds, frame, stance, notes
 
 
-def add_scan(storage: Storage, row: ScanRow, patient: str | None = None) -> None:
-    """Its files have been kept; it is of that patient, or of a new one.  Raises NotFound when she is gone."""
+def add_scan(storage: Storage, row: ScanRow, patient: str | None = None, again: bool = False) -> None:
+    """Its files have been kept; it is of that patient, or of a new one.
+
+    Raises NotFound when she is gone, and NeedsYes where she has that file already and nobody said `again`.
+    """
     with storage.database.writing() as connection:
         connection.execute(insert(schema.scans).values(asdict(row)))
-        put_scan(connection, row.id, patient, new_id(), row.created_at)
+        put_scan(connection, row.id, patient, new_id(), row.created_at, again)
         clear_entries(connection, [scan_place(row.id)])
 
 
