@@ -222,7 +222,7 @@ def test_a_report_of_scans_that_are_filed_as_two_patients_says_so(real: Real) ->
     asked = f"/api/fits/{fits['standing']}/measures.json?with={fits['supine']}"
     hers = client.get(f"/api/scans/{scans['supine']}").json["patient"]
     theirs = client.post("/api/examples/supine").json
-    client.put(f"/api/scans/{scans['supine']}/patient", json={"patient": theirs["patient"]})
+    client.put(f"/api/scans/{scans['supine']}/patient", json={"patient": theirs["patient"], "again": True})
     doubted = client.get(asked).json["doubts"]
     client.put(f"/api/scans/{scans['supine']}/patient", json={"patient": hers})
     client.delete(theirs["links"]["self"])

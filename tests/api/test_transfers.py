@@ -266,7 +266,7 @@ def test_a_whole_plan_is_carried_and_nothing_of_it_is_made_anew_on_the_other_bod
 
     # an item that was made on a scan without a fit is said to be missing
     third = client.post("/api/examples/supine").json
-    client.put(f"/api/scans/{third['id']}/patient", json={"patient": standing["patient"]})
+    client.put(f"/api/scans/{third['id']}/patient", json={"patient": standing["patient"], "again": True})
     more = [*items, {"kind": "line", "id": "z", "scan": third["id"], "name": "Line 9", "points": [there]}]
     stored = client.put(standing["links"]["plan"], json={"items": more}, headers=stored_tag(stored))
     missing = plan_on(client, fits["standing"])["missing"]
