@@ -49,4 +49,6 @@ def _closes(faces: Integers, near: Booleans, away: Array, along: Array) -> bool:
     beside: Booleans = theirs[faces].any(axis=1) & ~near
     if beside.any():
         return bool((away[faces[beside]].mean(axis=1) < 0.0).mean() > BEHIND and np.median(along[beside]) < EDGE)
+    if near.all():
+        return False
     return bool((away[faces[~near]].mean(axis=1) < 0.0).mean() > BEHIND)

@@ -18,6 +18,8 @@ from breastrig.scan.winding import outwards
 KEY_LIMIT = 2**21  # µm, 2.1 m: three such numbers fit into one
 MIN_TRIANGLES = 200  # fewer cannot show a torso
 INWARD_SHARE = 0.01  # fewer are scraps whose side nobody can tell: left as they are
+LONG = 0.2  # m; triangles that long show no form, those of a torso of MIN_TRIANGLES are half as long
+THIN = 0.005  # m², of all others; one breast has 0.03
 NO_AREA = 1e-12  # m², twice the area of a triangle that has none
 FRAGMENT_SHARE = 0.02  # pieces smaller than this share of the largest are dust
 
@@ -69,6 +71,18 @@ def compact(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
     return vertices[used], index[faces].astype(np.int64)
 
 
+def _check_skin(vertices: Array, faces: Integers) -> None:
+    """Raises BadScan for a surface that is next to none, or drawn by a few long triangles."""
+    corners = vertices[faces]
+    is_short = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1) < LONG
+    area = 0.5 * float(np.linalg.norm(face_crosses(vertices, faces[is_short]), axis=1).sum())
+    if area < THIN:
+        raise BadScan(
+            f"Only {1e4 * area:.0f} cm² of the scan's surface are in triangles shorter than {100 * LONG:.0f} cm, "
+            "too little to show a torso; export the whole mesh, and check its unit."
+        )
+
+
 def clean(scan: Scan) -> Surface:
     """The part of a scan that can be fitted: no dust, no triangles without area, all faces outwards, no flat lids.
 
@@ -92,6 +106,7 @@ def clean(scan: Scan) -> Surface:
     if count > INWARD_SHARE * len(faces):
         faces = turned
     lids = caps(vertices, faces, face_crosses(vertices, faces))
+    _check_skin(vertices, faces[~lids] if lids.any() and not lids.all() else faces)
     if lids.any() and np.count_nonzero(~lids) >= MIN_TRIANGLES:
         area = 0.5e4 * np.linalg.norm(face_crosses(vertices, faces[lids]), axis=1).sum()
         return Surface(

@@ -6,6 +6,7 @@ TRIANGLES = 2_000_000  # an edge of 1 mm on a torso; reading one takes 20 s, of 
 TOO_MANY_TRIANGLES = f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first."
 VERTICES = 3 * TRIANGLES  # an STL repeats every corner
 POINTS = 5_000_000  # of a cloud; a depth camera that goes around a torso sees some 500,000
+TOO_MANY_POINTS = f"This scan has more than the {POINTS:,} points allowed; thin it out first."
 PCD_HEADER_BYTES = 10_000  # eleven lines
 PCD_FIELDS = 100  # columns of a point, and numbers in a column; features of 33 numbers are in use
 ZIP_ENTRIES = 2_000  # apps pack a picture, a depth map and a description of each of some hundred frames with the scan
@@ -35,3 +36,5 @@ DICOM_BYTES = 256 * MEBIBYTE  # of a DICOM file that was deflated; 2**31 pixels 
 DICOM_ITEMS = 1_000_000  # entries of lists in a DICOM file; 200 slices of 100 segments have 300,000
 DICOM_ELEMENTS = 10_000  # at the top of a DICOM file; segmentations have some fifty
 DICOM_FRAMES = 50_000  # of a segmentation; each takes 1 ms
+
+NO_PLACES = "not finite or far beyond all reason"  # of vertices that are left out

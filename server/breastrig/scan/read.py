@@ -28,7 +28,7 @@ from breastrig.scan.formats.ply import read_ply
 from breastrig.scan.formats.stl import read_stl
 from breastrig.scan.formats.threemf import read_3mf
 from breastrig.scan.formats.usd_process import usd_pieces
-from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TOO_MANY_TRIANGLES, TRIANGLES
+from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, NO_PLACES, TOO_MANY_TRIANGLES, TRIANGLES
 from breastrig.scan.pictures.companions import Companions, beside
 from breastrig.scan.pictures.joined_textures import UNPAINTED, joined_textures
 from breastrig.scan.pictures.texture import written_anew
@@ -303,9 +303,9 @@ def _without_bad_vertices(whole: Piece) -> tuple[Piece, tuple[str, ...]]:
         return part(whole, kept), ()
     which = "One vertex of this scan is" if bad == 1 else f"{bad:,} vertices of this scan are"
     if lost > BROKEN * len(kept):
-        raise BadScan(f"{which} not finite or far beyond all reason; repair the mesh or export it again.")
+        raise BadScan(f"{which} {NO_PLACES}; repair the mesh or export it again.")
     gone = "triangle that uses it was" if lost == 1 else f"{lost:,} triangles there were"
-    return part(whole, kept), (f"{which} not finite or far beyond all reason; the {gone} left out.",)
+    return part(whole, kept), (f"{which} {NO_PLACES}; the {gone} left out.",)
 
 
 def _sound_points(cloud: PointCloud) -> PointCloud:

@@ -36,6 +36,8 @@ from breastrig.least_squares.newton import Status
 from breastrig.rig.cohort_belief import Gaussian
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
+from breastrig.scan.limits import NO_PLACES
+from breastrig.scan.scan import Scan
 from breastrig.workflow.events import Iterated, NodePose
 from breastrig.workflow.propose_on_scan import propose_on_scan
 from breastrig.workflow.scan_fit import Clock, ReadyScan
@@ -93,7 +95,7 @@ class FitRecorder:
     def record(self, iterate: FitIterate) -> RecordedIterate:
         """Keeps the iterate; FitFailed when the fit broke down."""
         if not iterate.is_finite:
-            raise FitFailed(_why_failed(iterate, self.ready.given))
+            raise FitFailed(_with_file(_why_failed(iterate, self.ready.given), self.ready.scan))
         self._recorded.append(RecordedIterate(iterate, _iterated(self.ready.task.rig, iterate)))
         return self._recorded[-1]
 
@@ -132,7 +134,7 @@ class FitRecorder:
         )
         found_verdict, compared, known = judged.verdict, judged.compared, judged.radii
         if not found_verdict.is_torso:
-            raise FitFailed(judged.refusal)
+            raise FitFailed(_with_file(judged.refusal, ready.scan))
         timing = ready.timing_s | {"solve": solve_s}
         alone = ModelAlone(vertices, compared.distances)
         if ready.settings.refine:
@@ -189,6 +191,11 @@ def _iterated(rig: Rig, iterate: FitIterate) -> Iterated:
         elapsed_s=round(iterate.elapsed_s, 4),
         nodes=[NodePose.model_validate(node) for node in node_poses(rig, iterate.parameters)],
     )
+
+
+def _with_file(sentence: str, scan: Scan) -> str:
+    """The sentence, and what was left out of the file because it is no place."""
+    return " ".join([sentence, *(note for note in scan.notes if NO_PLACES in note)])
 
 
 def _why_failed(iterate: FitIterate, given: GivenLandmarks) -> str:

@@ -18,7 +18,7 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.formats.mtl import Material, read_materials
 from breastrig.scan.formats.polygons import fans, few_corners
-from breastrig.scan.limits import MATERIALS, TOO_MANY_TRIANGLES, TRIANGLES, VERTICES
+from breastrig.scan.limits import MATERIALS, TOO_MANY_POINTS, TOO_MANY_TRIANGLES, TRIANGLES, VERTICES
 from breastrig.scan.numbers_in_text import REMARK, first_columns, numbers
 from breastrig.scan.pictures.companions import ONLY_PAINTING, UNPLACED, Companions
 from breastrig.scan.pictures.companions import REMARK as NAME_REMARK
@@ -106,7 +106,7 @@ class _Lines:
         if len({name for _, name in self.materials}) > MATERIALS:
             raise TooLarge(f"This OBJ file uses more than the {MATERIALS} materials allowed; join them.")
         if len(self.points) > VERTICES:
-            raise TooLarge(TOO_MANY_TRIANGLES)
+            raise TooLarge(TOO_MANY_TRIANGLES if self.counts else TOO_MANY_POINTS)
 
     def _add(self, rest: bytes, normals: int) -> None:
         if len(rest) > LONGEST_LINE:

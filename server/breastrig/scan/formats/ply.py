@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.formats.polygons import fans, few_corners, ranges, split, strip, whole_numbers
-from breastrig.scan.limits import PLY_HEADER_BYTES, TOO_MANY_TRIANGLES, TRIANGLES, VERTICES
+from breastrig.scan.limits import PLY_HEADER_BYTES, TOO_MANY_POINTS, TOO_MANY_TRIANGLES, TRIANGLES, VERTICES
 from breastrig.scan.numbers_in_text import numbers
 from breastrig.scan.pictures.companions import UNPLACED, Companions
 from breastrig.scan.pictures.tiles import painted_by_tiles
@@ -72,7 +72,8 @@ def read_ply(data: bytes, files: Companions, texture: bool) -> Pieces:
     if max(element.count for element in elements) > VERTICES or any(
         element.name == "face" and element.count > TRIANGLES for element in elements
     ):
-        raise TooLarge(TOO_MANY_TRIANGLES)
+        draws = any(element.name in ("face", "tristrips") and element.count for element in elements)
+        raise TooLarge(TOO_MANY_TRIANGLES if draws else TOO_MANY_POINTS)
     if sum(element.count for element in elements) > len(data) - at:  # each takes a byte at least
         raise ValueError("more rows than bytes")
     read = _text(data[at:], elements) if form == "ascii" else _binary(data, at, elements, BYTE_ORDERS[form])

@@ -27,7 +27,8 @@ def read_stl(data: bytes) -> Pieces:
         vertices, faces = _joined(_text(data).reshape(-1, 3, 3))
         return Pieces((Piece(vertices, faces),))
     rows, notes = _binary(data)
-    vertices, faces = _joined(rows["corners"].astype(np.float64))
+    with np.errstate(invalid="ignore"):  # what is no number stays none
+        vertices, faces = _joined(rows["corners"].astype(np.float64))
     colours = _colours(data, rows["attribute"])
     if colours is None:
         return Pieces((Piece(vertices, faces),), notes=notes)
@@ -49,6 +50,7 @@ def _binary(data: bytes) -> tuple[NDArray[np.void], tuple[str, ...]]:
     return np.frombuffer(data, ROW, count, BINARY_STL_HEADER), notes
 
 
+@np.errstate(invalid="ignore", over="ignore")  # what is no number goes on nowhere
 def _go_on(data: bytes, announced: int, held: int) -> bool:
     """Whether what follows the triangles that are announced are triangles of the same body, and nothing else."""
     corners = np.frombuffer(data, ROW, min(held, TRIANGLES), BINARY_STL_HEADER)["corners"].reshape(-1, 3)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadScan, TooLarge
-from breastrig.scan.limits import PCD_FIELDS, PCD_HEADER_BYTES, POINTS
+from breastrig.scan.limits import PCD_FIELDS, PCD_HEADER_BYTES, POINTS, TOO_MANY_POINTS
 from breastrig.scan.piece import PointCloud, colour_bytes
 
 DATA = re.compile(rb"(?mi)^[ \t]*DATA[ \t]+(ascii|binary_compressed|binary)[ \t]*\r?\n")
@@ -62,7 +62,7 @@ def _header(data: bytes) -> _Header:
     ]
     points = _whole(words["POINTS"][0]) if "POINTS" in words else _whole(words["WIDTH"][0]) * _whole(words["HEIGHT"][0])
     if points > POINTS:
-        raise TooLarge(f"This scan has more than the {POINTS:,} points allowed; thin it out first.")
+        raise TooLarge(TOO_MANY_POINTS)
     view = np.array(words.get("VIEWPOINT", [])[:3], np.float64)
     sensor = view if view.shape == (3,) and np.isfinite(view).all() else None
     return _Header(np.dtype(columns), points, found[1].lower(), sensor, found.end())

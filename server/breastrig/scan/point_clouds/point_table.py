@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadScan, TooLarge
-from breastrig.scan.limits import POINTS
+from breastrig.scan.limits import POINTS, TOO_MANY_POINTS
 from breastrig.scan.numbers_in_text import NO_NUMBER, numbers, with_points
 from breastrig.scan.piece import PointCloud, colour_bytes
 
@@ -48,7 +48,7 @@ def table_points(data: bytes) -> PointCloud:
     try:
         names, rows = _rows(data.splitlines())
         if len(rows) > POINTS:
-            raise TooLarge(f"This scan has more than the {POINTS:,} points allowed; thin it out first.")
+            raise TooLarge(TOO_MANY_POINTS)
         found, widths = numbers(rows)
         table = found.reshape(len(rows), -1)
         if (widths != table.shape[1]).any():
