@@ -164,7 +164,7 @@ def fit(
     Args:
         scan: From `read_scan`, the path of a file, or a trimesh.Trimesh.
         landmarks: Name -> (3,) place in the scan's unit and frame, or a `Proposal`; or the path of a landmark file
-            (JSON, CSV, .pp, .mrk.json, .fcsv); None: the scan alone decides.
+            (JSON, CSV, .pp, .mrk.json, .fcsv, .pts); None: the scan alone decides.
         certain: Names of landmarks that are always followed, besides those that the file names so.
         units: Of a path: auto, m, dm, cm, mm, in, ft.
         stance: auto, standing, supine or prone (of an MRI).

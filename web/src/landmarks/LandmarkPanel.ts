@@ -29,7 +29,7 @@ export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSe
   const wrong = problem(dismiss);
   const example = button(text.landmarks.useExample, () => actions.useExample(), "quiet outlined wide");
   let state: Shown | null = null;
-  const file = fileButton(text.landmarks.importFile, ".json,.csv,.tsv,.txt,.pp,.fcsv", "icon-only", (chosen) => void actions.importFile(chosen));
+  const file = fileButton(text.landmarks.importFile, ".json,.csv,.tsv,.txt,.pp,.fcsv,.pts,.lmk", "icon-only", (chosen) => void actions.importFile(chosen));
   file.querySelector("input")!.id = "landmark-file";
   file.querySelector("span")!.className = "visually-hidden";
   file.title = text.landmarks.importHint;

@@ -27,7 +27,7 @@ export const landmarks = {
   redo: "Redo",
   stop: "Stop",
   importFile: "Import",
-  importHint: "Read landmarks from JSON, a table (CSV), MeshLab .pp, or 3D Slicer .mrk.json or .fcsv",
+  importHint: "Read landmarks from JSON, a table (CSV), MeshLab .pp, 3D Slicer .mrk.json or .fcsv, or Landmark Editor .pts",
   exportHint: "Save the placed landmarks",
   exportJson: "for this page and the command line, in mm",
   exportCsv: "for spreadsheets, in the scan's unit",
