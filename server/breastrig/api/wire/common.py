@@ -197,7 +197,7 @@ class GivenLandmarkFile(_Landmarks):
 
 
 class LandmarkUpload(Upload):
-    file: UploadFile = Field(description="JSON, CSV, MeshLab .pp, 3D Slicer .mrk.json or .fcsv, or Landmark Editor .pts")
+    file: UploadFile = Field(description="JSON, CSV, MeshLab .pp, 3D Slicer .mrk.json, .fcsv, or Landmark Editor .pts")
 
 
 class LandmarksHeaders(Headers):
