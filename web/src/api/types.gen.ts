@@ -481,7 +481,7 @@ export type LandmarkInfo = {
 };
 
 export type LandmarkUpload = {
-  /** JSON, CSV, MeshLab .pp, 3D Slicer .mrk.json or .fcsv, or Landmark Editor .pts */
+  /** JSON, CSV, MeshLab .pp, 3D Slicer .mrk.json, .fcsv, or Landmark Editor .pts */
   file: Blob;
 };
 
