@@ -73,7 +73,7 @@ def test_a_database_of_a_newer_version_is_refused(
         connection.exec_driver_sql("UPDATE alembic_version SET version_num = '9999'")
     place = ["--data", str(tmp_path), "--database", str(storage.location.database)]
     assert main(["purge", "--all", *place]) == 2
-    assert capsys.readouterr().err.startswith("breastrig: Another version of BreastRig has used this database; ")
+    assert capsys.readouterr().err.startswith("breastrig: A newer BreastRig has used this database")
     storage.close()
 
 

@@ -15,6 +15,7 @@ from sqlalchemy import inspect
 
 from breastrig.cli.main import main
 from breastrig.core.errors import BadSettings
+from breastrig.core.version import __version__
 from breastrig.storage import schema
 from breastrig.storage.data_folder import SQLITE_FILE
 from breastrig.storage.database import alembic_config, known_revisions
@@ -50,7 +51,12 @@ def test_a_database_of_another_version_is_refused_and_left_alone(
     for command_line in (["serve", "--port", "0"], ["purge", "--all"]):
         assert main([*command_line, "--data", str(storage.root)]) == 2
         said = capsys.readouterr().err
-        assert said.startswith("breastrig: Another version of BreastRig has used this database; ")
+        assert said.startswith(
+            "breastrig: A newer BreastRig has used this database (its tables have revision 9999), and "
+        )
+        assert (
+            f"this is BreastRig {__version__}, which knows revision {known_revisions()[-1]}; install the newer" in said
+        )
         assert said.count("\n") == 1
     with storage.database.reading() as connection:
         assert connection.exec_driver_sql("SELECT version_num FROM alembic_version").scalar_one() == "9999"
@@ -59,8 +65,11 @@ def test_a_database_of_another_version_is_refused_and_left_alone(
 def test_tables_without_a_revision_are_refused(storage: Storage) -> None:
     with storage.database.writing() as connection:
         connection.exec_driver_sql("DROP TABLE alembic_version")
-    with pytest.raises(BadSettings, match="Another version of BreastRig has used this database"):
+    with pytest.raises(
+        BadSettings, match=r"An older BreastRig, of before 0\.2\.0, has used this database, .* --data\.$"
+    ) as told:
         storage.prepare()
+    assert f"this is BreastRig {__version__}" in str(told.value)
 
 
 def test_a_creation_that_breaks_leaves_the_database_empty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -63,6 +63,29 @@ test("when the driver drops the picture the page says so, goes on working, and d
   expect(colours, "a lit body has many shades").toBeGreaterThan(100);
 });
 
+test("when the driver drops the second pane's picture, that pane says so and offers to load it again, until it is back", async ({ page, base }) => {
+  await page.goto(base);
+  await page.getByRole("button", { name: /standing/i }).click();
+  await hook.ready(page);
+  await page.getByRole("button", { name: "Add other stance" }).click();
+  await page.getByRole("dialog", { name: "Add the other stance" }).getByRole("button", { name: /patient, supine/i }).click();
+  await hook.ready(page);
+  await page.getByRole("button", { name: "Side by side" }).click();
+  const pane = page.locator(".other-stage");
+  await expect(pane.locator("canvas")).toBeVisible();
+  await page.evaluate(() => {
+    const loss = document.querySelector<HTMLCanvasElement>("canvas.other-view")!.getContext("webgl2")!.getExtension("WEBGL_lose_context")!;
+    Object.defineProperty(window, "bringBack", { value: () => loss.restoreContext() });
+    loss.loseContext();
+  });
+  const said = pane.getByRole("alert");
+  await expect(said).toContainText("dropped this page's picture");
+  await expect(said.getByRole("button", { name: "Load the page again" })).toBeVisible();
+  await expect(page.locator("main").getByRole("alert").filter({ hasText: "dropped this page's picture" })).toBeHidden();
+  await page.evaluate(() => (window as unknown as { bringBack: () => void }).bringBack());
+  await expect(said).toBeHidden();
+});
+
 test("in a browser without any graphics the page says what is missing and what to do, and still fits", async ({ base }, info) => {
   const { executablePath } = info.project.use.launchOptions!;
   const browser = await chromium.launch({ ...(executablePath ? { executablePath } : {}), args: ["--disable-gpu", "--disable-software-rasterizer", "--disable-3d-apis", "--no-sandbox"] });

@@ -3,6 +3,7 @@
 import errno
 import json
 import logging
+import shutil
 from collections.abc import Mapping
 from http import HTTPStatus
 from types import MappingProxyType
@@ -20,6 +21,8 @@ from breastrig.core import errors
 from breastrig.storage.sqlite import is_damage
 
 log = logging.getLogger(__name__)
+
+NO_ROOM_BYTES = 2**20  # less is free on a full disk: what tables and files need at once
 
 STATUS: tuple[tuple[type[errors.BreastRigError], int], ...] = (  # the first that fits counts
     (errors.NotFound, 404),
@@ -134,6 +137,8 @@ def _validation_error(error: HTTPError) -> Response:
 def _database_trouble(error: OperationalError | NoConnectionLeft) -> Response:
     """Not even read: while writers wait for whoever holds the database, they have taken all connections."""
     reason = error.orig if isinstance(error, OperationalError) else "all its connections are in use"
+    if _has_no_room(error):
+        return _disk_is_full()
     log.error("the database cannot be used: %s", reason)
     detail = "The service cannot store anything at the moment; its disk may be full. Try again later."
     return problem(503, detail, headers={"Retry-After": "10"})
@@ -146,6 +151,16 @@ def _database_damage(error: DatabaseError) -> Response:
     return problem(503, "The service's database is damaged; whoever runs it has to put a copy in its place.")
 
 
+def _has_no_room(error: OperationalError | NoConnectionLeft) -> bool:
+    """SQLite says so, or cannot say why it failed while nothing is free on the disk of the data folder."""
+    if getattr(getattr(error, "orig", None), "sqlite_errorname", "") == "SQLITE_FULL":
+        return True
+    from breastrig.api.app_context import app_context  # it needs `refuse` from here
+
+    storage = app_context().service.storage
+    return storage.is_disk_full(error) and shutil.disk_usage(storage.root).free < NO_ROOM_BYTES
+
+
 def _disk_trouble(error: OSError) -> Response:
     if error.errno == errno.EIO:
         log.error("files cannot be reached: %s", error.strerror)
@@ -153,6 +168,10 @@ def _disk_trouble(error: OSError) -> Response:
         return problem(503, detail, headers={"Retry-After": "10"})
     if error.errno not in (errno.ENOSPC, errno.EDQUOT):
         raise error
+    return _disk_is_full()
+
+
+def _disk_is_full() -> Response:
     log.error("the disk is full")
     return problem(507, "The service's disk is full; nothing was kept. Free space, or delete scans, and try again.")
 

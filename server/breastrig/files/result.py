@@ -184,6 +184,9 @@ class ResultFile(Document):
     model: ModelSummary
     stance: Stance
     stance_reason: str
+    stance_asked: bool = Field(
+        False, exclude_if=not_, description="the scan does not show it clearly, and the verdict asks for it"
+    )
     predicted: bool = Field(
         default=False,
         exclude_if=not_,

@@ -18,12 +18,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from sqlalchemy.exc import SQLAlchemyError
 
 from breastrig.core.errors import BadScan, BreastRigError, FitFailed, NotFound
 from breastrig.core.model_choice import ModelChoice
 from breastrig.core.picks import Picks
 from breastrig.execution.executor import Executor
 from breastrig.scan.hand_cuts import are_cut
+from breastrig.service.failed_tasks import FULL
 from breastrig.storage.files import scan_place, upload_name
 from breastrig.storage.rows.scans import ScanRow, cuts_digest, get_cuts, get_landmarks, get_scan
 from breastrig.storage.rows.searches import drop_ink, get_ink, get_proposals, put_ink, put_proposals
@@ -134,6 +136,8 @@ class ScanSearch(ABC):
         try:
             with suppress(NotFound):  # the scan was deleted meanwhile
                 self._store(scan_id, variant, future.result())
+        except SQLAlchemyError as error:  # a full disk: it is found again when somebody asks
+            log.warning("what was found on a scan cannot be stored: %s", getattr(error, "orig", error))
         except Exception:
             log.exception("what was found on a scan cannot be stored")
         self._forget((scan_id, variant), future)
@@ -143,8 +147,8 @@ class ScanSearch(ABC):
             if self._running.get(key) is future:
                 del self._running[key]
 
-    def _as_sentence(self, error: Exception) -> BreastRigError:
-        if isinstance(error, BreastRigError):
+    def _as_sentence(self, error: Exception) -> Exception:
+        if isinstance(error, BreastRigError) or getattr(error, "errno", None) in FULL:
             return error
         if isinstance(error, TimeoutError):
             return FitFailed(f"{self.what} took longer than {self._wall_s:g} s; simplify the scan first.")

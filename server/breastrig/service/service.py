@@ -31,7 +31,7 @@ from breastrig.execution.worker import preload, scratch_swept
 from breastrig.scan.stored_scan import STORED
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 from breastrig.service.events.feeds import Notifier, StreamItem, follow
-from breastrig.service.failed_tasks import explained
+from breastrig.service.failed_tasks import FULL, explained
 from breastrig.service.fits.fit_worker import PairRunner, Predictor, Runner, Runners
 from breastrig.service.fits.queue import FitQueue, WaitingCap
 from breastrig.service.kept_models import KeptModels
@@ -384,6 +384,8 @@ class Service:
                 f"Reading this scan took longer than {self._uploads.wall_s:g} s; simplify it first."
             ) from error
         except (OSError, RuntimeError) as error:
+            if getattr(error, "errno", None) in FULL:
+                raise  # the disk's fault, not the scan's
             log.warning("the process that read an upload died: %r", error)
             raise BadScan("Reading this scan needs more memory or time than it may use; simplify it first.") from error
         return facts

@@ -23,8 +23,10 @@ from typing import Any, ClassVar
 from sqlalchemy import Connection, Engine, inspect, text
 
 from breastrig.core.errors import BadSettings
+from breastrig.core.version import __version__
 from breastrig.storage.schema import metadata
 
+FIRST_WITH_REVISION = "0.2.0"  # older ones made tables that do not say of which revision they are
 BUSY_TIMEOUT_S = 30.0  # far above the longest writing transaction (a few ms), so that only a hung disk shows
 
 log = logging.getLogger(__name__)
@@ -96,10 +98,7 @@ def to_this_version(connection: Connection) -> None:
     if found == known[-1]:
         return
     if found not in known and (found is not None or inspect(connection).has_table("scans")):
-        raise BadSettings(
-            "Another version of BreastRig has used this database; start that version, or choose another place "
-            "with --data."
-        )
+        raise BadSettings(_of_another_version(found, known[-1]))
     from alembic import command
 
     if found is None:
@@ -108,6 +107,20 @@ def to_this_version(connection: Connection) -> None:
     else:
         command.upgrade(alembic_config(connection), "head")
     log.info("the tables were brought from revision %s to %s", found or "none", known[-1])
+
+
+def _of_another_version(found: str | None, newest: str) -> str:
+    here = f"this is BreastRig {__version__}"
+    if found is None:
+        return (
+            f"An older BreastRig, of before {FIRST_WITH_REVISION}, has used this database, and {here}, which takes "
+            f"over those of {FIRST_WITH_REVISION} and later; start the older one to save what is in it, or choose "
+            "another place with --data."
+        )
+    return (
+        f"A newer BreastRig has used this database (its tables have revision {found}), and {here}, which knows "
+        f"revision {newest}; install the newer one again, or choose another place with --data."
+    )
 
 
 def known_revisions() -> list[str]:

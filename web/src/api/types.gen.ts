@@ -226,6 +226,10 @@ export type Fit = {
   stance: "auto" | "standing" | "supine" | "prone";
   /** as asked for */
   asked_stance: "auto" | "standing" | "supine" | "prone";
+  /** as asked for, mm; also those that were only agreed to */
+  landmarks: Record<string, [number, number, number]>;
+  /** of these, those that the fit follows whatever all else says */
+  certain: string[];
   preset: string;
   drawing: string | null;
   refine: boolean;
@@ -1135,6 +1139,8 @@ export type ResultFile = {
   model: ModelSummary;
   stance: "standing" | "supine" | "prone";
   stance_reason: string;
+  /** the scan does not show it clearly, and the verdict asks for it */
+  stance_asked?: boolean;
   /** computed from the scan of another stance, of whose fit the distances are; absent in fits */
   predicted?: boolean;
   /** predicted by finite elements of this patient's own breasts; absent in others */

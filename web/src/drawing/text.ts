@@ -215,6 +215,8 @@ export const summary = {
   title: "The plan on this scan",
   hint: "± holds nine of ten places of a line, measured across it, as does the number of the fit.  What was drawn on this scan is where it was drawn.",
   none: "Nothing is drawn yet.",
+  carrying: "What is planned is being carried here …",
+  busy: "being carried here …",
   own: "as drawn",
   mirrored: "mirrored from the other side",
   given: "as given",

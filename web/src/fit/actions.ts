@@ -5,7 +5,7 @@ import type { FitLinks, StanceChoice } from "../api/types";
 import { certainNames } from "../landmarks/certain";
 import { picksOf } from "../landmarks/picks";
 import { openQuestions, sentenceOf } from "../landmarks/questions/questions";
-import { type LandmarksSlice, pickCount } from "../landmarks/state";
+import type { LandmarksSlice } from "../landmarks/state";
 import { questions } from "../landmarks/text";
 import { straightened, straightenedByFit } from "../landmarks/straighten";
 import type { ScanSlice } from "../scan/state";
@@ -20,15 +20,16 @@ import type { Follower } from "./playback/follower";
 import type { Player } from "./playback/playback";
 import { type FitSlice, type FitState, withDistances } from "./state";
 import * as text from "./text";
+import { outdated } from "./outdated";
 import { frameOfRig } from "./upright";
-import { verdictWords } from "./verdict";
+import { isStanceAsked, verdictWords } from "./verdict";
 
 type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice;
 
 const PAUSE_MS = 150; // a run of key presses that nudge a landmark is one fit
 
 /** As the service's first word makes it: nothing has been computed yet. */
-const freshFit = (id: string, links: FitLinks, drawingName: string | null, given: Pick<FitState, "picks" | "certain" | "before" | "asked" | "cuts" | "isOpened">): FitState => ({
+const freshFit = (id: string, links: FitLinks, drawingName: string | null, given: Pick<FitState, "picks" | "certain" | "before" | "asked" | "cuts">): FitState => ({
   id,
   links,
   state: "running",
@@ -130,12 +131,9 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
       player.follow();
     },
     done: ({ body }) => {
-      const { fit } = store.get();
       const said = [text.fit.announceDone(formatMm(body.result.surface_distance_mm.mean)), verdictWords(body.result)].join(" ").trim();
       const upright = straightenedByFit(store.get(), frameOfRig(body.result));
-      // A fit that was opened by its address: the landmarks that it was given are those in its result, not those of today.
-      const given = fit?.isOpened ? { picks: picksOf({ landmarks: body.result.landmarks_picked, unit: body.result.scan.unit }) } : {};
-      change({ state: "done", result: body.result, ...given }, { ...upright, step: stepAfter ?? "result" });
+      change({ state: "done", result: body.result }, { ...upright, step: stepAfter ?? "result" });
       stepAfter = null;
       const list = store.get().meta?.landmarks ?? [];
       const asked = openQuestions(store.get()).map((question) => sentenceOf(question, list));
@@ -242,10 +240,9 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
     async open(id: string, step: Step | null = null): Promise<void> {
       try {
         const fit = await client.fit(id);
-        const { picks, certain } = store.get();
         // The settings come back with the fit, so that the next one is asked for as this one was; its drawing is the plan's.
         const asked = { stance: fit.asked_stance, preset: fit.preset, refine: fit.refine };
-        const given = { picks: pickCount(store.get()) > 0 ? picks.present : null, certain: certainNames(picks.present, certain), before: null, asked, cuts: fit.cuts, isOpened: true };
+        const given = { picks: picksOf({ landmarks: fit.landmarks, unit: "mm" }), certain: fit.certain, before: null, asked, cuts: fit.cuts };
         store.set(asked);
         follow(freshFit(fit.id, fit.links, fit.drawing, given));
         stepAfter = fit.state === "done" ? step : null;
@@ -265,7 +262,11 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
       }
     },
 
-    chooseStance: (stance: StanceChoice): void => store.set({ stance }),
+    /** It may answer what the fit asks: then the fit that knows it is made at once. */
+    chooseStance(stance: StanceChoice): void {
+      store.set({ stance });
+      if (isStanceAsked(store.get().fit?.result) && outdated(store.get()) === "settings") refitSoon();
+    },
     choosePreset: (preset: string): void => store.set({ preset }),
     chooseRefine: (refine: boolean): void => store.set({ refine }),
 

@@ -4,6 +4,7 @@ import type { Picks } from "../landmarks/picks";
 import type { LandmarksSlice } from "../landmarks/state";
 import type { ScanSlice } from "../scan/state";
 import type { FitSlice } from "./state";
+import { isStanceAsked } from "./verdict";
 
 /** gone: all of its landmarks were taken away; the first that holds. */
 export type Outdated = "gone" | "landmarks" | "cuts" | "settings" | null;
@@ -29,6 +30,7 @@ export function outdated({ fit, picks, certain, scan, ...now }: Shown): Outdated
   if (fit.cuts !== undefined && cuts !== null && fit.cuts !== cuts) return "cuts";
   const asked = fit.asked;
   if (!asked) return null;
-  const isOtherStance = now.stance !== asked.stance && now.stance !== fit.result?.stance;
+  // What the fit has guessed and asks about is answered by the same word, too.
+  const isOtherStance = now.stance !== asked.stance && (now.stance !== fit.result?.stance || isStanceAsked(fit.result));
   return isOtherStance || now.preset !== asked.preset || now.refine !== asked.refine ? "settings" : null;
 }

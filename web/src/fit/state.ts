@@ -35,7 +35,6 @@ export interface FitState {
   readonly certain: readonly string[]; // of those
   readonly asked?: AskedSettings; // of a fit whose settings the page knows
   readonly cuts?: string; // what was cut out of the scan by hand, see ScanState
-  readonly isOpened?: boolean; // it came from the address: its result says what it was given
   readonly predictedFrom?: string; // of a stance that was not scanned: the fit that it comes from
   readonly before: Result | null; // of the fit whose place it takes, which is shown until this one has its own
 }

@@ -20,5 +20,8 @@ export function marginsOf(radii: readonly number[]): string {
 /** good where a result of an older version has no verdict, so that nothing is called doubtful without a reason. */
 export const levelOf = (result: Pick<Result, "verdict"> | null | undefined): NonNullable<Result["verdict"]>["level"] => result?.verdict?.level ?? "good";
 
+/** The scan did not show clearly how the patient stands or lies: the fit has guessed, and asks. */
+export const isStanceAsked = (result: Pick<Result, "stance_asked"> | null | undefined): boolean => result?.stance_asked ?? false;
+
 /** In one line, for those who listen. */
 export const verdictWords = ({ verdict }: Pick<Result, "verdict">): string => (verdict ? [`${words.verdicts[verdict.level]}.`, ...verdict.reasons].join(" ") : "");

@@ -6,6 +6,8 @@ import { only } from "../store/store";
 import { button, iconButton } from "../ui/controls";
 import { el, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
+import type { ViewSlice } from "../viewer/state";
+import { errors } from "../viewer/text";
 import type { Stage } from "../viewer/Viewer";
 import type { StancesActions } from "./actions";
 import { createPredictedNote } from "./PredictedNote";
@@ -14,7 +16,7 @@ import * as text from "./text";
 
 const words = text.stances;
 
-type Shown = Pick<ScanSlice & LandmarksSlice & FitSlice & StancesSlice, "scan" | "active" | "stance" | "fit" | "stances">;
+type Shown = Pick<ScanSlice & LandmarksSlice & FitSlice & StancesSlice & ViewSlice, "scan" | "active" | "stance" | "fit" | "stances" | "otherGraphics">;
 
 export function createOtherPane(stances: StancesActions): Panel<Shown> & { caption: HTMLElement; stage: Stage } {
   const canvas = el("canvas", { class: "other-view", tabindex: 0, role: "application" });
@@ -26,17 +28,20 @@ export function createOtherPane(stances: StancesActions): Panel<Shown> & { capti
   const made = createPredictedNote(stances);
   const head = el("div", { class: "pane-caption" }, name, made.badge, work, following, el("span", { class: "spring" }), made.tools, aside);
   const element = el("section", { class: "other-stage", hidden: true }, canvas, overlay, head, made.note);
+  const lost = el("div", { class: "no-graphics", role: "alert", hidden: true }, el("p", {}, errors.graphicsLost), button(errors.loadAgain, () => location.reload(), "outlined"));
+  element.append(lost);
   const mine = el("strong", {});
   const caption = el("div", { class: "pane-caption", hidden: true }, mine, el("span", { class: "muted" }, words.inWork));
   return {
     element,
     caption,
     stage: { host: element, canvas, overlay },
-    select: only("scan", "active", "stance", "fit", "stances"),
+    select: only("scan", "active", "stance", "fit", "stances", "otherGraphics"),
     update(state: Shown): void {
       const isShown = isComparing(state);
       show(element, isShown);
       show(caption, isShown);
+      show(lost, state.otherGraphics === "lost");
       if (!isShown) return;
       const [own, other] = stanceNames(state);
       setText(mine, words.here(own));

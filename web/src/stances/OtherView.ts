@@ -79,8 +79,14 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
     ];
     main.turned.add(() => follow(main, made));
     made.turned.add(() => (made.isHeld ? follow(made, main) : follow(main, made))); // not held: its pane has another size now
-    stage.canvas.addEventListener("webglcontextlost", (event) => event.preventDefault()); // asks the browser to bring it back
-    stage.canvas.addEventListener("webglcontextrestored", () => made.invalidate());
+    stage.canvas.addEventListener("webglcontextlost", (event) => {
+      event.preventDefault(); // asks the browser to bring it back
+      store.set({ otherGraphics: "lost" });
+    });
+    stage.canvas.addEventListener("webglcontextrestored", () => {
+      store.set({ otherGraphics: "ok" });
+      made.invalidate();
+    });
     stage.canvas.addEventListener("contextmenu", (event) => event.preventDefault());
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => made.repaint());
     return made;

@@ -9,9 +9,10 @@ export interface ViewSlice {
   readonly swipe: number; // 0 to 1: how much of the stage shows the scan
   readonly view: { readonly name: ViewName; readonly asked: number };
   readonly graphics: "ok" | "absent" | "lost";
+  readonly otherGraphics: "ok" | "lost"; // of the second pane
 }
 
-export const initialView: ViewSlice = { overlay: "both", swipe: 0.5, view: { name: "front", asked: 0 }, graphics: "ok" };
+export const initialView: ViewSlice = { overlay: "both", swipe: 0.5, view: { name: "front", asked: 0 }, graphics: "ok", otherGraphics: "ok" };
 
 /** The body seen from the front again, as after a turn. */
 export const fromFront = ({ view }: Pick<ViewSlice, "view">): Pick<ViewSlice, "view"> => ({ view: { name: "front", asked: view.asked + 1 } });

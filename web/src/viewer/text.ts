@@ -41,5 +41,6 @@ export const view = {
 export const errors = {
   noGraphics:
     "This browser offers no WebGL 2, so the body cannot be drawn. Turn on hardware acceleration or use another browser; the command line works without.",
+  loadAgain: "Load the page again",
   graphicsLost: "The graphics driver dropped this page's picture. It comes back by itself in most cases; if not, load the page again.",
 };

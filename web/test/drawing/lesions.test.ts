@@ -1,10 +1,11 @@
 import { expect, test } from "vitest";
-import type { PlanItem } from "../../src/api/types";
+import type { PlanItem, PlanOnScan } from "../../src/api/types";
 import { type LaidLesion, lesionAt, readCenter, saidDistances } from "../../src/drawing/lesions/lesions";
 import { alongSlice, type LesionSlice, movedInSlice } from "../../src/drawing/lesions/slices";
 import { lesionView as words } from "../../src/drawing/lesions/viewText";
 import { planChanges } from "../../src/drawing/changes";
-import { startDrawn, stepOf } from "../../src/drawing/state";
+import { planRows } from "../../src/drawing/PlanSummary";
+import { laidOnScan, startDrawn, stepOf } from "../../src/drawing/state";
 import { lesionsOn, stepOn, stepTogether, withLesions, withStepOn } from "../../src/plan/items";
 
 const LESION = { ...lesionAt("MRI 1", [1, 2, 3], 6), id: "m", scan: "a" };
@@ -61,4 +62,14 @@ test("what a hand moves in a slice moves in the scan's frame, and is seen there 
   const to = movedInSlice([1, 2, 3], SLICE, [4, 5]);
   expect(to).toEqual([1, 7, -1]);
   expect(alongSlice([1, 2, 3], to, SLICE)).toEqual([4, 5]);
+});
+
+test("beside the body each lesion stands in the plan: while it is carried, then with how sure its place is", () => {
+  const state = { meta: null, fit: null, drawing: "", drawn: startDrawn([], { note: "", depthMm: null, lesions: [LESION] }), stances: { isCarrying: true } };
+  expect(planRows(state)).toEqual([["MRI 1", "being carried here …"]]);
+  const laid = (lesions: object[]) => ({ ...state, drawn: { ...state.drawn, onScan: laidOnScan("supine", [], { unit: "mm", shapes: [], lesions } as unknown as PlanOnScan) }, stances: { isCarrying: false } });
+  expect(planRows(laid([{ id: "m", name: "MRI 1", carried: false, error_mm: 0 }, { id: "o", name: "MRI 2", carried: true, error_mm: 9.2 }]))).toEqual([
+    ["MRI 1", "as given"],
+    ["MRI 2", "±\u00a09\u00a0mm, carried here"],
+  ]);
 });

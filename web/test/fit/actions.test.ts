@@ -180,9 +180,9 @@ test("a fit whose landmarks were moved before the service answered is cancelled 
   expect(store.get().fit?.id).toBe("f3");
 });
 
-test("a fit that the address names brings its settings back, and is compared with the landmarks of its own result", async () => {
-  const fit = async (id: string) => ({ id, links: fitLinks(id), asked_stance: "supine", preset: "paper", drawing: "mastectomy", refine: false });
-  const landmarks = async () => ({ schema: "breastrig/landmarks@1", unit: "mm", landmarks: { nipple_L: [1, 2, 3], umbilicus: [0, 0, 0] } });
+test("a fit that the address names brings its settings back, and is compared with the landmarks that it was asked with", async () => {
+  const fit = async (id: string) => ({ id, links: fitLinks(id), asked_stance: "supine", preset: "paper", drawing: "mastectomy", refine: false, landmarks: { nipple_L: [1, 2, 3], nipple_R: [4, 5, 6] }, certain: [] });
+  const landmarks = async () => ({ schema: "breastrig/landmarks@1", unit: "mm", landmarks: { nipple_L: [1, 2, 3], nipple_R: [4, 5, 6], umbilicus: [0, 0, 0] } });
   const { store, actions } = await withScan({ fit, landmarks } as never);
   await actions.fit.open("f1");
   expect(store.get()).toMatchObject({ stance: "supine", preset: "paper", refine: false });
@@ -192,6 +192,30 @@ test("a fit that the address names brings its settings back, and is compared wit
   expect(outdated(store.get())).toBeNull();
   actions.fit.chooseRefine(true);
   expect(outdated(store.get())).toBe("settings");
+});
+
+test("landmarks that were only agreed to are no change when the fit is opened again, whatever its result says of them", async () => {
+  const given = { nipple_L: [1, 2, 3], nipple_R: [4, 5, 6] };
+  const fit = async (id: string) => ({ id, links: fitLinks(id), asked_stance: "auto", preset: "default", drawing: null, refine: true, landmarks: given, certain: [] });
+  const { store, actions } = await withScan({ fit, landmarks: async () => ({ schema: "breastrig/landmarks@1", unit: "mm", landmarks: given }) } as never);
+  await actions.fit.open("f1");
+  FakeEventSource.last!.say("done", { result: { ...result, landmarks_picked: { nipple_L: [0.001, 0.002, 0.003] }, landmarks_agreed: ["nipple_R"] } });
+  expect(outdated(store.get())).toBeNull();
+});
+
+test("what the fit has guessed is confirmed by the same word: the fit that knows it is made at once, and kept", async () => {
+  const { store, client, actions } = await withScan();
+  await actions.fit.start();
+  FakeEventSource.last!.say("done", { result: { ...result, stance: "standing", stance_asked: true } });
+  const startFit = vi.spyOn(client, "startFit");
+  actions.fit.chooseStance("standing");
+  await vi.advanceTimersByTimeAsync(500);
+  expect(startFit).toHaveBeenCalledExactlyOnceWith(expect.objectContaining({ stance: "standing" }));
+  FakeEventSource.last!.say("done", { result: { ...result, stance: "standing" } });
+  expect(outdated(store.get())).toBeNull();
+  actions.fit.chooseStance("auto");
+  await vi.advanceTimersByTimeAsync(500);
+  expect(startFit, "nothing is asked any more").toHaveBeenCalledTimes(1);
 });
 
 test("who listens hears the verdict with the number", async () => {

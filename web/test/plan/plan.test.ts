@@ -188,7 +188,7 @@ afterEach(() => void vi.useRealTimers());
 
 test("a reload brings back pattern and tumour, and how the fit was asked for: a nudge changes nothing else", async () => {
   const startFit = vi.fn(async () => ({ id: "f2", links: fitLinks("f2") }));
-  const fit = { id: "f1", links: fitLinks("f1"), drawing: TEXT, state: "done", asked_stance: "supine", preset: "paper", refine: false } as unknown as Fit;
+  const fit = { id: "f1", links: fitLinks("f1"), drawing: TEXT, state: "done", asked_stance: "supine", preset: "paper", refine: false, landmarks: {}, certain: [] } as unknown as Fit;
   const savePlan = vi.fn();
   const made = page({ startFit, savePlan, plan: async () => ({ schema: "breastrig/plan@1", unit: "mm", version: 4, whole: true, scans: [], items: ITEMS }), fit: async () => fit });
   await made.actions.scan.open("s1", null);

@@ -264,7 +264,13 @@ def _answers(rows: Sequence[FitRow]) -> list[wire.Fit]:
     waiting = [row.id for row in rows if row.state == "queued"]
     positions = queue_positions(app_context().service.storage, waiting) if waiting else {}
     return [
-        wire.Fit.of(row, queue_position=positions.get(row.id), cuts=cuts_digest(row.cuts), links=fit_links(row.id))
+        wire.Fit.of(
+            row,
+            queue_position=positions.get(row.id),
+            landmarks=row.landmarks_mm,
+            cuts=cuts_digest(row.cuts),
+            links=fit_links(row.id),
+        )
         for row in rows
     ]
 

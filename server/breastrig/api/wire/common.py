@@ -389,6 +389,8 @@ class Fit(Wire):
     created_at: str = Field(description="ISO 8601, UTC")
     stance: StanceWish = Field(description="as asked for; once started, as decided")
     asked_stance: StanceWish = Field(description="as asked for")
+    landmarks: dict[Name, Point] = Field(description="as asked for, mm; also those that were only agreed to")
+    certain: list[str] = Field(description="of these, those that the fit follows whatever all else says")
     preset: str
     drawing: str | None
     refine: bool

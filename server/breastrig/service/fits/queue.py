@@ -21,6 +21,7 @@ from breastrig.core.model_choice import ModelChoice
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
 from breastrig.service.events.event_writer import event_json
+from breastrig.service.failed_tasks import FULL
 from breastrig.service.fits.fit_worker import UNWRITTEN, Runners, execute_fit
 from breastrig.storage.rows.events import append
 from breastrig.storage.rows.fits import FitRow, fits_in_state, get_fit, next_queued, put_back, still_queued
@@ -240,7 +241,8 @@ def _why(error: BaseException | None) -> str:
         return str(error)
     if isinstance(error, ConnectionError):
         return LOST
-    return UNWRITTEN if isinstance(error, SQLAlchemyError) else DIED
+    is_unwritten = isinstance(error, SQLAlchemyError) or getattr(error, "errno", None) in FULL
+    return UNWRITTEN if is_unwritten else DIED
 
 
 RETRY_S = 2  # a fit takes about a second

@@ -39,6 +39,7 @@ from breastrig.files.result import (
     Unit,
     Verdict,
 )
+from breastrig.fitting.stance import UNCLEAR
 from breastrig.fitting.task import Doubt
 from breastrig.fitting.uncertainty.contribution import contribution_bytes
 from breastrig.geometry.rotations import quaternion_from_rotation
@@ -107,6 +108,7 @@ def result_of(outcome: FitOutcome) -> ResultFile:
         ),
         stance=cast(Stance, task.stance),
         stance_reason=ready.stance_reason,
+        stance_asked=ready.stance_reason in UNCLEAR,
         preset=task.recipe.name,
         refined=ready.settings.refine,
         converged=last.status is Status.CONVERGED,

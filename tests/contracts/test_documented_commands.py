@@ -1,0 +1,271 @@
+"""Every command line that README and docs show is run as it stands, checked by what it names, or listed with a reason.
+
+Whole fits share one: of the lines in SHARED the options are checked, and what they write is a copy of the example's.
+"""
+
+import json
+import re
+import shlex
+import shutil
+import sqlite3
+import subprocess
+import tomllib
+from collections.abc import Iterator
+from contextlib import closing
+from importlib.metadata import entry_points
+from pathlib import Path
+
+import pytest
+from helpers.example_fits import write_example_fits
+
+from breastrig.cli.commands import COMMANDS, GROUP
+from breastrig.cli.main import main
+from breastrig.storage.data_folder import SQLITE_FILE
+from breastrig.storage.storage import Storage
+
+pytestmark = pytest.mark.long
+
+FENCED = re.compile(r"^```([^`\n]*)\n(.*?)^```\n", re.DOTALL | re.MULTILINE)
+SPAN = re.compile(r"`([^`\n]+(?:\n[^`\n]+)?)`")
+PROGRAMS = re.compile(r"(?:[A-Z_]+=\S+ )*(?:breastrig|sqlite3|python|pip|make|npm|pytest|\.venv/bin/\S+) \S")
+
+SHARED = {  # the folder that each writes: which of the example's fits stands for it
+    "breastrig fit standing.ply --landmarks landmarks.json -o standing/": "standing",
+    "breastrig fit supine.ply -o supine/": "supine",
+    "breastrig fit scan.ply --landmarks landmarks.json -o out/": "standing",
+}
+RUN = {  # in this order, each as the lines on the right; an empty list: as it stands
+    "breastrig transfer --from standing/ --to supine/ -o drawing.json": [],
+    "breastrig transfer --from standing/ --to supine/ --drawing plan.json -o there.json": [],
+    "breastrig predict standing/ --stance supine -o lying/": [],
+    "breastrig landmarks scan.ply -o proposed.json": [],
+    "breastrig compare --on out/ surgeon.json model.json -o superimposed/": [],
+    "breastrig report standing/ --with supine/ -o report/": [],
+    "breastrig export out/ -o files/": [],
+    "breastrig volume standing/ -o torso.vtu": [],
+    "breastrig volume out/ -o torso.vtu": ["breastrig volume out/ -o torso.vtu --force"],
+    "breastrig volume out/ -o torso.msh": [],
+    "breastrig model info | check | bind | learn": ["breastrig model info", "breastrig model check"],
+    "breastrig model check": [],
+    "breastrig presets list | show NAME": ["breastrig presets list", "breastrig presets show default"],
+    "breastrig presets show default": [],
+    "breastrig config": [],
+    "breastrig purge": ["breastrig purge --all --data data"],
+}
+LISTED = {  # why they are not run here, or the test that runs them
+    "tests/cli/test_fit_two_stances.py": [
+        "breastrig fit standing.ply --with supine.ply -o both/",
+    ],
+    "tests/cli/test_batch_command.py": [
+        "breastrig batch manifest.csv -o results/",
+    ],
+    "tests/cli/test_ink_command.py": [
+        "breastrig ink scan.zip -o drawing.json",
+    ],
+    "tests/cli/test_predict_command.py": [
+        "breastrig predict standing/ --stance prone --with supine/ --simulate -o hanging/",
+    ],
+    "tests/studies": [
+        "breastrig evaluate cohort/ -o evidence/",
+        "breastrig evaluate COHORT --quick",
+        "breastrig evaluate COHORT",
+        "breastrig evaluate --warped N",
+        "breastrig evaluate COHORT --warped N --prone",
+        "breastrig evaluate COHORT --warped 32 --prone --half report",
+        "breastrig evaluate COHORT --sealed docs/sealed.md",
+        "breastrig evaluate MEN --model male --quick",
+        "breastrig evaluate BODIES --model MODEL",
+        "breastrig evaluate",
+        "breastrig model learn arm/forearm.glb arm/bodies",
+        "breastrig model learn MODEL BODIES",
+        "python -m breastrig_studies.cohort_prior CLINIC OUT alike=FOLDER others=FOLDER",
+    ],
+    "tests/cli/test_cohort_command.py": [
+        "breastrig cohort learn results/ -o prior.json",
+        "breastrig cohort learn",
+        "breastrig cohort info prior.json",
+        "breastrig fit scan.ply --prior prior.json -o out/",
+        "breastrig cohort merge ours.json theirs.json -o both.json",
+        "breastrig cohort remove prior.json results/P17 -o left.json",
+    ],
+    "tests/api/test_rigs_day.py": [
+        "breastrig model check arm/forearm.glb",
+        "breastrig fit arm/scan.ply --units mm --landmarks arm/landmarks.json --model arm/forearm.glb -o out",
+        "breastrig report out --model arm/forearm.glb -o report",
+        "breastrig serve --model arm/forearm.glb",
+        "python model_assets/forearm.py arm --bodies 12",
+    ],
+    "tests/rig": [
+        "breastrig model bind forearm.glb",
+        "breastrig model check forearm.glb",
+        "breastrig model bind",
+    ],
+    "tests/cli/test_serve_command.py": [
+        "breastrig serve",
+        "breastrig serve --no-token",
+    ],
+    "tests/api/test_behind_proxy.py": [
+        "BREASTRIG_TOKEN=... breastrig serve --trusted-proxy 127.0.0.1 --public-host scans.hospital.example",
+    ],
+    "tests/scale": [
+        "breastrig worker tcp://SCHEDULER:8786",
+        "breastrig serve --database postgresql://... --files s3://bucket/prefix --scheduler tcp://SCHEDULER:8786",
+        "breastrig batch manifest.csv -o results/ --scheduler tcp://SCHEDULER:8786",
+    ],
+    "the name of a command in a sentence": [
+        "breastrig fit",
+        "breastrig report",
+        "breastrig predict",
+        "breastrig volume",
+    ],
+    "tests/cli/test_main.py": [
+        "breastrig COMMAND --help",
+    ],
+    "tests/examples": [
+        "python server/examples/fit_with_plot.py model_assets/example/standing/scan.ply "
+        "model_assets/example/standing/landmarks.json fit.png",
+    ],
+    "tests/model_assets": [
+        "python model_assets/correctives.py FOLDER",
+        "python model_assets/build.py",
+    ],
+    "hours: makes men from MakeHuman's data, which is fetched": [
+        "python model_assets/make_men.py MEN",
+    ],
+    "hours: makes 412 women": [
+        "python model_assets/make_poses.py CLINIC --first 60 --women 412 --poses 1",
+    ],
+    "needs gmsh, which no test has": [
+        "python model_assets/make_volume.py --model NAME.glb",
+    ],
+    "tests/contracts/test_types_fresh.py": [
+        "python -m breastrig.api.write_openapi",
+    ],
+    "this very run": [
+        "pytest tests/contracts",
+    ],
+}
+NOT_RUN = {line: reason for reason, lines in LISTED.items() for line in lines}
+BACKUP = f'sqlite3 {SQLITE_FILE} ".backup copy.sqlite3"'
+
+
+@pytest.fixture(scope="module")
+def shown(repository: Path) -> dict[str, str]:
+    """Each command line, without its remark, and the document that shows it."""
+    documents = [repository / "README.md", repository / "CONTRIBUTING.md", *sorted((repository / "docs").glob("*.md"))]
+    return {line: file.name for file in documents for line in command_lines(file.read_text())}
+
+
+def command_lines(text: str) -> Iterator[str]:
+    """Of code blocks without a language, and of words between sentences that begin with a program and go on."""
+    for language, block in FENCED.findall(text):
+        if language not in ("", "sh", "bash", "console"):
+            continue
+        for line in block.replace("\\\n", " ").splitlines():
+            command = " ".join(re.sub(r"(^|\s+)#.*", "", line).split())
+            if command:
+                yield command
+    for span in SPAN.findall(FENCED.sub("\n", text)):
+        words = " ".join(span.split())
+        if PROGRAMS.match(words):
+            yield words
+
+
+def is_of(line: str, *programs: str) -> bool:
+    return line.split()[0] in programs
+
+
+def test_every_line_is_run_checked_or_has_a_reason(shown: dict[str, str]) -> None:
+    """A new one belongs into RUN, or with a reason into NOT_RUN; one that is shown no more goes."""
+    known = {*SHARED, *RUN, *NOT_RUN, BACKUP}
+    checked = {line for line in shown if is_of(line, "pip", "make", "npm") or line.startswith(".venv/bin/pip ")}
+    exports = {line for line in shown if line.startswith("export PATH=")}
+    new = {line: file for line, file in shown.items() if line not in known | checked | exports}
+    assert not new, new
+    old = known - shown.keys()
+    assert not old, old
+
+
+def test_reasons_are_there(repository: Path) -> None:
+    for line, reason in NOT_RUN.items():
+        assert reason, line
+        if reason.startswith("tests/"):
+            assert (repository / reason).exists(), (line, reason)
+
+
+def test_what_the_lines_name_is_there(
+    shown: dict[str, str], repository: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Options of commands, extras, make's targets, npm's scripts, programs."""
+    project = tomllib.loads((repository / "pyproject.toml").read_text())["project"]
+    targets = set(re.findall(r"^([a-z]+):", (repository / "Makefile").read_text(), re.MULTILINE))
+    scripts = json.loads((repository / "web/package.json").read_text())["scripts"]
+    helps: dict[str, str] = {}
+    commands = COMMANDS.keys() | {each.name for each in entry_points(group=GROUP)}
+    for line in shown:
+        words = shlex.split(re.sub(r"^([A-Z_]+=\S+ )+", "", line))
+        if words[0] == "breastrig" and words[1] != "COMMAND":
+            assert words[1] in commands, line
+            options = [word for word in words[2:] if word.startswith("-")]
+            verb = words[2:3] if words[1] in ("model", "cohort", "presets") and options else []
+            command = " ".join([words[1], *verb])
+            if options and command not in helps:
+                with pytest.raises(SystemExit):
+                    main([*command.split(), "--help"])
+                helps[command] = capsys.readouterr().out
+            for option in options:
+                assert re.search(rf"(?<![\w-]){re.escape(option)}(?![\w-])", helps[command]), (line, option)
+        elif "pip" in words[0]:
+            for extras in re.findall(r"\[([\w,]+)\]", line):
+                assert set(extras.split(",")) <= project["optional-dependencies"].keys(), line
+        elif words[0] == "make":
+            assert words[1] in targets, line
+        elif words[0] == "npm" and "run" in words and words[-1] != "run":
+            assert words[words.index("run") + 1] in scripts, line
+        elif words[0] == "python" and words[1].endswith(".py"):
+            assert (repository / words[1]).is_file(), line
+
+
+def test_they_run_as_they_are_shown(repository: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    example = repository / "model_assets" / "example"
+    write_example_fits(tmp_path / "made")
+    for stance in ("standing", "supine"):
+        shutil.copy(example / stance / "scan.ply", tmp_path / f"{stance}.ply")
+    shutil.copy(tmp_path / "standing.ply", tmp_path / "scan.ply")
+    shutil.copy(example / "standing" / "landmarks.json", tmp_path)
+    for name in ("plan", "surgeon", "model"):
+        shutil.copy(tmp_path / "made" / "standing" / "drawing.json", tmp_path / f"{name}.json")
+    Storage(tmp_path / "data").prepare()
+    monkeypatch.chdir(tmp_path)
+    for line, stance in SHARED.items():
+        shutil.copytree(tmp_path / "made" / stance, tmp_path / shlex.split(line)[-1])
+    for shown_line, lines in RUN.items():
+        for line in lines or [shown_line]:
+            try:
+                code = main(shlex.split(line)[1:])
+            except SystemExit as left:
+                code = left.code or 0
+            assert code == 0, line
+
+
+def test_the_documented_backup_keeps_what_the_service_has(tmp_path: Path, shown: dict[str, str]) -> None:
+    assert BACKUP in shown
+    if not shutil.which("sqlite3"):
+        pytest.skip("this machine has no sqlite3")
+    storage = Storage(tmp_path / "data")
+    storage.prepare()
+    with storage.database.writing() as connection:
+        connection.exec_driver_sql("CREATE TABLE kept (word TEXT)")
+        connection.exec_driver_sql("INSERT INTO kept VALUES ('here')")
+    subprocess.run(
+        BACKUP, shell=True, cwd=tmp_path / "data", check=True
+    )  # while the database is open, as beside a service
+    storage.close()
+    backup = tmp_path / "backup"
+    shutil.copytree(tmp_path / "data", backup, ignore=shutil.ignore_patterns(f"{SQLITE_FILE}*"))
+    (backup / "copy.sqlite3").rename(backup / SQLITE_FILE)
+    again = Storage(backup)
+    again.prepare()
+    again.close()
+    with closing(sqlite3.connect(backup / SQLITE_FILE)) as rows:
+        assert rows.execute("SELECT word FROM kept").fetchall() == [("here",)]
