@@ -5,11 +5,11 @@ import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
 import { button, fileButton, iconButton, problem, segmented } from "../ui/controls";
 import { el, saveFile, setText, show } from "../ui/dom";
+import { later } from "../ui/later";
 import { numberField } from "../ui/NumberField";
 import type { Panel } from "../ui/Panel";
 import { type DrawingActions, RADIUS_MM } from "./actions";
 import { createDrawingLayers } from "./DrawingLayers";
-import { createLesions } from "./lesions/LesionsPanel";
 import { createDrawingPattern, type PlanWords } from "./patterns/DrawingPattern";
 import { toText } from "./lines/files";
 import { type DrawingSlice, lineNamed, type Tool, TOOLS } from "./state";
@@ -52,7 +52,11 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
   const corners = createCorners(drawing);
   const layers = createDrawingLayers(drawing);
   const pattern = createDrawingPattern(drawing, plan);
-  const lesions = createLesions(drawing.lookAt, (lesions) => plan.lesions(lesions));
+  const lesions = later(
+    only("scan", "drawn", "lesion"),
+    ({ scan }: Pick<Shown, "scan" | "drawn" | "lesion">) => scan !== null,
+    async () => (await import("./lesions/LesionsPanel")).createLesions(drawing.lookAt, (lesions) => plan.lesions(lesions)),
+  );
   const element = el(
     "div",
     { class: "panel drawing" },

@@ -1,5 +1,5 @@
 // What an image shows inside the body: each with its distances on this scan, and how far it may be off where it was carried.
-import type { PageSlice } from "../../store/page";
+import type { ScanSlice } from "../../scan/state";
 import { only } from "../../store/store";
 import { button } from "../../ui/controls";
 import { el, setText, show } from "../../ui/dom";
@@ -14,7 +14,7 @@ import { lesionAt, lesionsOnScan, readCenter } from "./lesions";
 const words = text.lesions;
 const RADIUS_MM = { least: 0.5, most: 80, usual: 5 }; // as the service takes it
 
-type Shown = Pick<PageSlice & DrawingSlice, "drawn" | "lesion">;
+type Shown = Pick<ScanSlice & DrawingSlice, "scan" | "drawn" | "lesion">;
 
 export function createLesions(choose: (id: string | null) => void, change: (lesions: readonly PlanLesion[]) => void): Panel<Shown> {
   let own: readonly PlanLesion[] = [];
@@ -40,7 +40,7 @@ export function createLesions(choose: (id: string | null) => void, change: (lesi
 
   return {
     element,
-    select: only("drawn", "lesion"),
+    select: only("scan", "drawn", "lesion"),
     update({ drawn, lesion }: Shown): void {
       own = drawn.lesions;
       radius.set(radiusMm);

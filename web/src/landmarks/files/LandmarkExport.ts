@@ -3,7 +3,6 @@ import { fileName, type ScanSlice } from "../../scan/state";
 import { el, icon, saveFile } from "../../ui/dom";
 import { certainNames } from "../certain";
 import { onlyAgreed } from "../proposals/agreed";
-import { toCsv, toJson, toMeshlab, toSlicer } from "./writing";
 import type { LandmarksSlice } from "../state";
 import * as text from "../text";
 
@@ -11,10 +10,10 @@ const words = text.landmarks;
 const GAP = 4; // pixels between button and menu
 
 const KINDS = [
-  { ending: "json", hint: words.exportJson, type: "application/json", made: toJson },
-  { ending: "csv", hint: words.exportCsv, type: "text/csv", made: toCsv },
-  { ending: "pp", hint: words.exportPp, type: "application/xml", made: toMeshlab },
-  { ending: "mrk.json", hint: words.exportSlicer, type: "application/json", made: toSlicer },
+  { ending: "json", hint: words.exportJson, type: "application/json", made: "toJson" },
+  { ending: "csv", hint: words.exportCsv, type: "text/csv", made: "toCsv" },
+  { ending: "pp", hint: words.exportPp, type: "application/xml", made: "toMeshlab" },
+  { ending: "mrk.json", hint: words.exportSlicer, type: "application/json", made: "toSlicer" },
 ] as const;
 
 export function landmarkExport(current: () => Pick<ScanSlice & LandmarksSlice, "scan" | "picks" | "certain" | "proposals"> | null): { button: HTMLButtonElement; menu: HTMLElement } {
@@ -23,12 +22,13 @@ export function landmarkExport(current: () => Pick<ScanSlice & LandmarksSlice, "
     { type: "button", class: "button icon-only", popovertarget: "landmark-export", "aria-haspopup": "true", "aria-label": words.exportHint, title: words.exportHint },
     icon("download"),
   );
-  const save = ({ ending, type, made }: (typeof KINDS)[number]): void => {
+  const save = async ({ ending, type, made }: (typeof KINDS)[number]): Promise<void> => {
     menu.hidePopover();
+    const writing = await import("./writing");
     const state = current();
-    if (state?.scan) saveFile(fileName(state.scan, `landmarks.${ending}`), made(state.picks.present, state.scan.info.unit, certainNames(state.picks.present, state.certain), onlyAgreed(state)), type);
+    if (state?.scan) saveFile(fileName(state.scan, `landmarks.${ending}`), writing[made](state.picks.present, state.scan.info.unit, certainNames(state.picks.present, state.certain), onlyAgreed(state)), type);
   };
-  const items = KINDS.map((kind) => el("button", { type: "button", class: "menu-item", onclick: () => save(kind) }, el("span", {}, `landmarks.${kind.ending}`), el("span", { class: "muted small" }, kind.hint)));
+  const items = KINDS.map((kind) => el("button", { type: "button", class: "menu-item", onclick: () => void save(kind) }, el("span", {}, `landmarks.${kind.ending}`), el("span", { class: "muted small" }, kind.hint)));
   const menu = el("div", { class: "menu", id: "landmark-export", popover: "auto", role: "group", "aria-label": words.exportHint }, ...items);
   menu.addEventListener("toggle", () => {
     const { left, top, bottom } = button.getBoundingClientRect();
