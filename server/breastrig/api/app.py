@@ -41,7 +41,7 @@ def create_app(config: Config, service: Service) -> APIFlask:
     app.config["MAX_CONTENT_LENGTH"] = config.uploads.file_bytes
     metrics = Metrics(service)
     app.extensions[KEY] = AppContext(config, service, serve_model(config.model), metrics)
-    register_errors(app)
+    register_errors(app, service.storage)
     if config.log_requests:
         register_request_log(app)
     register_metrics(app, metrics)  # before the guards, so that what they refuse is counted too

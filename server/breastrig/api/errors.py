@@ -5,6 +5,7 @@ import json
 import logging
 import shutil
 from collections.abc import Mapping
+from functools import partial
 from http import HTTPStatus
 from types import MappingProxyType
 from typing import Any
@@ -19,6 +20,7 @@ from werkzeug.exceptions import HTTPException
 from breastrig.api.wire.patients import PLAIN
 from breastrig.core import errors
 from breastrig.storage.sqlite import is_damage
+from breastrig.storage.storage import Storage
 
 log = logging.getLogger(__name__)
 
@@ -83,14 +85,15 @@ def refuse(status: int, sentence: str, headers: Mapping[str, str] = MappingProxy
     return HTTPException(response=problem(status, sentence, headers=headers))
 
 
-def register_errors(app: APIFlask) -> None:
+def register_errors(app: APIFlask, storage: Storage) -> None:
+    in_trouble = partial(_database_trouble, storage)
     app.register_error_handler(errors.BreastRigError, _breastrig_error)
     app.register_error_handler(HTTPError, _validation_error)
     app.register_error_handler(HTTPException, _http_error)
     app.register_error_handler(RecursionError, _too_deep)
-    app.register_error_handler(OperationalError, _database_trouble)
+    app.register_error_handler(OperationalError, in_trouble)
     app.register_error_handler(DatabaseError, _database_damage)
-    app.register_error_handler(NoConnectionLeft, _database_trouble)
+    app.register_error_handler(NoConnectionLeft, in_trouble)
     app.register_error_handler(OSError, _disk_trouble)
 
 
@@ -134,10 +137,10 @@ def _validation_error(error: HTTPError) -> Response:
     return problem(error.status_code, f"{where}{first['message'].rstrip('.')}{more}.", fields=fields[:50])
 
 
-def _database_trouble(error: OperationalError | NoConnectionLeft) -> Response:
+def _database_trouble(storage: Storage, error: OperationalError | NoConnectionLeft) -> Response:
     """Not even read: while writers wait for whoever holds the database, they have taken all connections."""
     reason = error.orig if isinstance(error, OperationalError) else "all its connections are in use"
-    if _has_no_room(error):
+    if _has_no_room(storage, error):
         return _disk_is_full()
     log.error("the database cannot be used: %s", reason)
     detail = "The service cannot store anything at the moment; its disk may be full. Try again later."
@@ -151,13 +154,10 @@ def _database_damage(error: DatabaseError) -> Response:
     return problem(503, "The service's database is damaged; whoever runs it has to put a copy in its place.")
 
 
-def _has_no_room(error: OperationalError | NoConnectionLeft) -> bool:
+def _has_no_room(storage: Storage, error: OperationalError | NoConnectionLeft) -> bool:
     """SQLite says so, or cannot say why it failed while nothing is free on the disk of the data folder."""
     if getattr(getattr(error, "orig", None), "sqlite_errorname", "") == "SQLITE_FULL":
         return True
-    from breastrig.api.app_context import app_context  # it needs `refuse` from here
-
-    storage = app_context().service.storage
     return storage.is_disk_full(error) and shutil.disk_usage(storage.root).free < NO_ROOM_BYTES
 
 
