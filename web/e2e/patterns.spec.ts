@@ -44,7 +44,10 @@ test("the new nipple is dragged: line and number follow, the plan keeps them, un
   const before = numberOf(await handle(page, name).getAttribute("aria-label"));
   const field = page.locator(".pattern [data-parameter=nipple_above_fold_mm]");
   expect(Math.abs(Number(await field.inputValue()) - before), "field and handle say what is drawn, the lesser of both sides").toBeLessThan(1);
-  await expect(page.locator(".pattern .field-note:not([hidden])")).toContainText(`${before}\u00a0mm left`);
+  const noteOf = (parameter: string) => page.locator(".pattern label.field").filter({ has: page.locator(`[data-parameter=${parameter}]`) }).locator(".field-note");
+  await expect(noteOf("nipple_above_fold_mm")).toContainText(`${before}\u00a0mm left`);
+  await expect(noteOf("width_mm"), "limbs that bend with the skin are nearer to each other than was asked for").toContainText(/^Drawn: [\d.]+\u00a0mm/);
+  await expect(noteOf("areola_mm")).toBeHidden();
   const plan = async () => (await (await page.request.get(base + (await state(page)).scan!.info.links.plan)).json()) as StoredPlan;
   const parameters = async () => (await plan()).items.map((item) => (item.kind === "pattern" ? item.parameters! : {}))[0]!;
   await expect.poll(async () => (await state(page)).drawn.onScan?.patterns.shapes.some(({ name: line }) => line === "vertical_L")).toBe(true);
