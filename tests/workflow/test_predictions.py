@@ -21,6 +21,7 @@ from breastrig.drawings.skin_maps.settings import skin_map_settings
 from breastrig.fitting.uncertainty.radii import line_error
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.body_frame import body_frame
+from breastrig.report.files.geometry_files import surface_ply
 from breastrig.rig.model import Rig
 from breastrig.volume.predicted import predicted
 from breastrig.workflow.folder.fit_folder import FitFolder, read_fit_folder
@@ -185,3 +186,17 @@ def test_each_file_that_may_travel_alone_says_that_no_scan_shows_this_body(made:
     assert "predicted" not in plan_document(plan, fit, nothing)
     assert stance_of(lying).predicted
     assert not stance_of(fit).predicted
+
+
+def test_its_number_for_lines_is_of_the_skin_that_was_scanned_as_a_fits_is(rig: Rig, tmp_path: Path) -> None:
+    """A breast that the scan does not show counts neither for the fit nor for what is predicted of it."""
+    unsure = radii_of(rig)
+    unsure[rig.regions["breast_L"]] = 0.080
+    fit = write_fit(tmp_path / "fit", rig, body(rig), unsure)
+    right = rig.faces[(rig.template[rig.faces][:, :, 0] < -0.005).all(axis=1)]
+    (fit / "scan.ply").write_bytes(surface_ply(body(rig), right, METRES_PER_UNIT["mm"]))
+    made = json.loads(_ended(predict_steps(rig, fit, SUPINE))["result.json"])
+    radii = np.hypot(predicted(rig, body(rig), STANDING, SUPINE).radii, unsure)
+    shown = np.isin(np.arange(len(radii)), right)
+    assert made["line_error_mm"] == pytest.approx(1e3 * line_error(rig, radii, shown), rel=0.03)
+    assert made["line_error_mm"] < 0.6 * 1e3 * line_error(rig, radii, np.ones_like(shown))

@@ -15,6 +15,7 @@ from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput
 from breastrig.core.stances import Stance
 from breastrig.core.units import METRES_PER_UNIT
+from breastrig.correspondence.distances import signed_distances
 from breastrig.files.result import (
     BODY,
     FIT_FILES,
@@ -91,8 +92,10 @@ def predict_steps(
         f"{'Simulated by finite elements' if simulate else 'Predicted'} from {scans}: no scan shows the patient {goal}."
     )
     reasons = (said,) if doubt is None else (said, doubt)
+    shown = signed_distances(fit.fitted_scan.target, fit.vertices, rig.faces)  # lines lie on skin that the scan shows
+    lines_mm = round(1e3 * line_error(rig, radii, np.isfinite(shown)), 1)
     result = _result(rig, fit.result, found.vertices, radii, goal, reasons, moved_by_unit)
-    result = result.model_copy(update={"simulated": simulate})
+    result = result.model_copy(update={"simulated": simulate, "line_error_mm": lines_mm})
     surface = surface_ply(moved(fit.surface.vertices), fit.surface.faces, per_unit, SAYS)
     made = {
         "scan.ply": surface,
@@ -135,7 +138,6 @@ def _result(
     radii_mm = np.einsum("lc,lc->l", within, points.barycentric)
     per_unit = METRES_PER_UNIT[given.scan.unit]
     plane = MedianPlane(normal=normal.tolist(), offset=float(normal @ frame.middle) / per_unit)
-    seen = np.ones(len(vertices), dtype=np.bool_)
     return given.model_copy(
         update={
             "predicted": True,
@@ -152,7 +154,6 @@ def _result(
                 for name, radius in zip(given.landmark_uncertainty_mm, radii_mm, strict=True)
             },
             "landmark_covariance_mm2": _enlarged(given.landmark_covariance_mm2, radii_mm),
-            "line_error_mm": round(1e3 * line_error(rig, radii, seen), 1),
             "areolae": {},
             "lesions": [],
             "median_plane": plane,
