@@ -49,6 +49,8 @@ test("which side is left is asked with pictures; called off, nothing is uploaded
   await expect(dialog).toContainText("does not say which side is left");
   expect.soft(await seriousFindings(page)).toEqual([]);
   expect.soft(await smallTargets(page)).toEqual([]);
+  await page.keyboard.press("Enter");
+  await expect(dialog, "no answer is the default").toBeVisible();
   await page.keyboard.press("Escape");
   await expect(dialog).toBeHidden();
   expect([kept, await scanId(page)]).toEqual([[], null]);
