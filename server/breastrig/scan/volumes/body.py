@@ -31,22 +31,29 @@ class Bodies:
         """`filled` (I, J, K): where any segment is."""
         self._filled = filled
         self._air: NDArray[Any] = ndimage.label(~filled)[0]
+        self._found: dict[tuple[int, int], Booleans] = {}  # by the axis and the end of it that is in front
 
     def air_in_front(self, affine: Array) -> float:
         """Share of the volume's front face, where the affine (to LPS) has it."""
-        return float((self._front(affine) > 0).mean())
+        axis, end = _front(affine)
+        return float((self._air.take(end, axis=axis) > 0).mean())
 
     def body(self, affine: Array) -> Booleans:
         """(I, J, K).  BadScan where no air is in front, or nothing behind it."""
-        in_front = self._front(affine)
-        counts = np.bincount(in_front[in_front > 0])
-        if not counts.size or not self._filled.any():
-            raise BadScan(NO_SKIN)
-        return np.asarray(self._air != counts.argmax())
+        front = _front(affine)
+        if front not in self._found:
+            in_front = self._air.take(front[1], axis=front[0])
+            counts = np.bincount(in_front[in_front > 0])
+            if not counts.size or not self._filled.any():
+                raise BadScan(NO_SKIN)
+            self._found[front] = np.asarray(self._air != counts.argmax())
+        return self._found[front]
 
-    def _front(self, affine: Array) -> NDArray[Any]:
-        axis = int(np.abs(affine[1, :3]).argmax())
-        return np.asarray(self._air.take(0 if affine[1, axis] > 0.0 else -1, axis=axis))  # LPS: y grows to the back
+
+def _front(affine: Array) -> tuple[int, int]:
+    """The axis that lies from front to back, and its index in front."""
+    axis = int(np.abs(affine[1, :3]).argmax())
+    return axis, 0 if affine[1, axis] > 0.0 else -1  # LPS: y grows to the back
 
 
 def filled(volume: Volume, left_out: frozenset[int] = frozenset()) -> Booleans:

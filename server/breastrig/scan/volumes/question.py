@@ -14,7 +14,7 @@ from breastrig.core.errors import BadScan, NeedsAnswer
 from breastrig.scan.piece import BallInside
 from breastrig.scan.volumes.answers import FORMS, TakenAs
 from breastrig.scan.volumes.body import Bodies
-from breastrig.scan.volumes.segments import taken_segments
+from breastrig.scan.volumes.segments import Taken, taken_segments
 from breastrig.scan.volumes.volume import Reading, Volume
 
 PIXELS = 160  # of a picture's longer side
@@ -31,19 +31,20 @@ def needs_answer(volume: Volume, bodies: Bodies, chosen: Mapping[int, TakenAs]) 
     asked = [each for each in volume.readings if each.value in FORMS or air[each.value] > max(0.0, least)]
     if asked and asked[0].value not in FORMS:
         asked = asked[:SHOWN]  # axial slices come first
-    choices = []
+    choices, taken = [], dict[int, Taken]()  # by the body, which readings with the same front share
     for reading in asked or volume.readings[:SHOWN]:
         try:
-            choices.append(_choice(reading, volume, bodies, chosen))
+            body = bodies.body(reading.affine)
+            if id(body) not in taken:
+                taken[id(body)] = taken_segments(volume, body, reading.affine, chosen)
+            choices.append(_choice(reading, body, taken[id(body)]))
         except BadScan:  # this answer would be refused
             choices.append({"value": reading.value, "text": reading.text, "lesions": []})
     return NeedsAnswer(volume.doubt, {"field": "frame", "choices": choices})
 
 
-def _choice(reading: Reading, volume: Volume, bodies: Bodies, chosen: Mapping[int, TakenAs]) -> dict[str, Any]:
+def _choice(reading: Reading, body: Booleans, taken: Taken) -> dict[str, Any]:
     affine = reading.affine
-    body = bodies.body(affine)
-    taken = taken_segments(volume, body, affine, chosen)
     turn, seen = _seen(body, affine)
     lesions = [_lesion(each, affine, seen, turn, reading.value in FORMS) for each in taken.lesions]
     text = reading.text
