@@ -7,8 +7,11 @@ import pytest
 
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.line_error import carried_errors, radii_at, with_errors
+from breastrig.drawings.plan_on_scan import PlannedScan, plan_on_scan
+from breastrig.drawings.plan_schema import PlanLine, PlanTumour
 from breastrig.drawings.skin_maps.settings import skin_map_settings
 from breastrig.drawings.skin_maps.skin_map import FittedScan
+from breastrig.drawings.transfer import transferred
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -81,3 +84,37 @@ def test_each_line_has_the_radii_under_it(torso: Rig, fitted: ClosestPointSearch
     ]
     for line, part in zip(with_errors(torso, fitted, radii, lines), parts, strict=True):
         assert line.error == pytest.approx(radii[part], abs=1e-9)
+
+
+def test_a_line_is_carried_with_the_radii_of_both_its_ends(torso: Rig) -> None:
+    """B stands 0.5 m beside A: each fit is asked where it is."""
+    settings, beside = skin_map_settings(torso), np.array([0.5, 0.0, 0.0])
+    assert settings.error_share is not None
+    assert settings.error_skin is not None
+    of_a, of_b = 0.02 + 0.05 * torso.template[:, 0], 0.02 + 0.02 * torso.template[:, 1]
+    places = dict(
+        zip(torso.landmark_names, torso.landmark_points().positions(torso.template, torso.faces), strict=True)
+    )
+    moved = {name: place + beside for name, place in places.items()}
+    a = FittedScan(ScanTarget(torso.template, torso.faces), torso.template, places, "standing", of_a)
+    b = FittedScan(ScanTarget(torso.template + beside, torso.faces), torso.template + beside, moved, "standing", of_b)
+    some = torso.regions["chest"][:12]
+    line = Polyline("a", False, "#101010", torso.template[some], np.zeros(len(some), dtype=bool))
+    (found,) = transferred(torso, a, b, [line], other_patient=True)
+    wanted = carried_errors(torso, a, b, found.line.points - beside, found.line.points)
+    assert found.line.points[:1] == pytest.approx(torso.template[some[:1]] + beside, abs=2e-3)
+    assert found.line.error == pytest.approx(wanted, rel=0.02)
+
+
+def test_a_plans_own_lines_keep_their_errors_and_patterns_have_the_fits(torso: Rig) -> None:
+    places = dict(
+        zip(torso.landmark_names, torso.landmark_points().positions(torso.template, torso.faces), strict=True)
+    )
+    radii = np.random.default_rng(3).uniform(0.004, 0.02, len(torso.template))
+    scan = FittedScan(ScanTarget(torso.template, torso.faces), torso.template, places, "standing", radii)
+    line = PlanLine(id="l", name="l", points=(1e3 * torso.template[:2]).tolist(), error_mm=[2.5, None])
+    hour = {"kind": "tumour", "id": "t", "side": "L", "clock": 10.0, "distance_mm": 30.0, "radius_mm": 10.0}
+    items = [line, PlanTumour.model_validate(hour)]
+    own, circle = (each.line for each in plan_on_scan(torso, PlannedScan("standing", scan, items), []).lines)
+    np.testing.assert_allclose(own.error, [0.0025, np.nan])
+    assert circle.error == pytest.approx(radii_at(torso, scan.search(torso), radii, circle.points))

@@ -16,7 +16,7 @@ from breastrig.core.stances import STANDING, SUPINE
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.line_error import carried_errors
 from breastrig.drawings.plan_on_scan import PlanOnScan
-from breastrig.drawings.plan_schema import checked_plan
+from breastrig.drawings.plan_schema import PLAN_SCHEMA, checked_plan
 from breastrig.drawings.skin_maps.settings import skin_map_settings
 from breastrig.fitting.uncertainty.radii import line_error
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -25,7 +25,7 @@ from breastrig.report.files.geometry_files import surface_ply
 from breastrig.rig.model import Rig
 from breastrig.volume.predicted import predicted
 from breastrig.workflow.folder.fit_folder import FitFolder, read_fit_folder
-from breastrig.workflow.lines.plan_on_fit import plan_document
+from breastrig.workflow.lines.plan_on_fit import plan_document, plan_on_folders
 from breastrig.workflow.predictions.predict import predict_steps
 from breastrig.workflow.report import stance_of
 
@@ -162,6 +162,26 @@ def test_what_is_carried_into_a_prediction_has_its_radius_in_full(made: Made, ri
     assert lying.radii is not None
     shared = settings.error_skin**2 + (settings.error_share * fit.radii[some]) ** 2
     assert found == pytest.approx(np.sqrt(shared + lying.radii[some] ** 2), rel=1e-3)
+
+
+def test_the_file_of_a_plan_says_what_is_known_of_a_carried_lesion_in_millimetres(made: Made, rig: Rig) -> None:
+    fit, lying, _ = made("m")
+    nipple = rig.landmark_points(("nipple_L",)).positions(fit.vertices, rig.faces)[0]
+    center = 1e3 * (nipple + 0.3 * (fit.vertices[rig.regions["breast_L"]].mean(axis=0) - nipple))
+    lesion = {"kind": "lesion", "id": "a", "name": "a", "center": center.tolist(), "radius_mm": 5.0}
+    plan = checked_plan({"schema": PLAN_SCHEMA, "unit": "mm", "items": [lesion]})
+    found = plan_on_folders(rig, plan, [(lying, ""), (fit, "")], home=1)
+    (placed,) = found.lesions
+    (said,) = plan_document(plan, lying, found)["lesions"]
+    assert placed.error is not None
+    assert said["error_mm"] == pytest.approx(1e3 * placed.error, abs=0.01)
+    axes = np.array(said["ellipsoid_mm"])
+    assert (axes**2).sum() == pytest.approx(3.0 * said["error_mm"] ** 2, rel=1e-3)  # the ball's, flatter
+    assert axes @ axes.T == pytest.approx(np.diag((axes**2).sum(axis=1)), abs=0.1)
+    for each, one in zip(said["distances"], placed.distances, strict=True):
+        assert one.margin is not None
+        assert each["high_mm"] == pytest.approx(1e3 * (one.length + one.margin), abs=0.01)
+        assert each["low_mm"] == pytest.approx(max(1e3 * (one.length - one.margin), 0.0), abs=0.01)
 
 
 def test_programs_have_the_radii_in_the_scans_unit(made: Made) -> None:

@@ -64,6 +64,20 @@ def test_the_unit_of_the_scan_changes_no_radius(fits: dict[str, breastrig.Fit]) 
         assert in_mm == pytest.approx(wanted.uncertainty, rel=0.02)
 
 
+def test_what_is_proposed_has_the_same_radii_in_every_unit(fits: dict[str, breastrig.Fit], tmp_path: Path) -> None:
+    found = {}
+    for unit in ("mm", "in"):
+        fit = fits[unit]
+        file = tmp_path / f"{unit}.ply"
+        trimesh.Trimesh(fit.scan_vertices, fit.scan_faces, process=False).export(file)
+        found[unit] = breastrig.propose_landmarks(breastrig.read_scan(file, unit), model=fit.model)
+    for name, each in found["mm"].items():
+        other = found["in"][name]
+        assert each.error is not None
+        assert other.error is not None
+        assert 25.4 * other.error == pytest.approx(each.error, rel=0.05)
+
+
 def test_a_landmark_at_a_vertex_has_the_radius_of_that_vertex(fits: dict[str, breastrig.Fit]) -> None:
     """All factors are alike here, so that landmarks, vertices and the posterior's samples say one thing."""
     fit = fits["m"]

@@ -53,10 +53,13 @@ def half_width(radii: Sequence[float | None], share: float = OF_LENGTH) -> float
     return share * float(np.linalg.norm(known)) if len(known) == len(radii) and known else None
 
 
-def shared_half_width(ends: Sequence[tuple[Place, Array]], joint: Joint | None) -> float | None:
+def shared_half_width(
+    ends: Sequence[tuple[Place, Array]], joint: Joint | None, share: float = OF_LENGTH
+) -> float | None:
     """m, of a number that changes by the (3,) direction with each place, of which one may stand several times.
 
-    None where a radius is not known.  Without `joint` places of the model count as picked ones do.
+    None where a radius is not known.  Without `joint` places of the model count as picked ones do, by a share of their
+    radii.
     """
     moved: dict[str, tuple[Place, Array]] = {}
     for place, way in ends:
@@ -70,7 +73,7 @@ def shared_half_width(ends: Sequence[tuple[Place, Array]], joint: Joint | None) 
             first = 3 * names.index(place.name)
             together[first : first + 3] = way
         else:
-            alone.append(OF_LENGTH * place.radius * float(np.linalg.norm(way)))
+            alone.append(share * place.radius * float(np.linalg.norm(way)))
     variance = 0.0 if joint is None else float(together @ joint[1] @ together)
     return float(np.hypot(np.linalg.norm(alone), OF_90 * np.sqrt(max(variance, 0.0))))
 

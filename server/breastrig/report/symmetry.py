@@ -15,7 +15,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.stances import SIDES
-from breastrig.report.bands import OF_RATIO, banded, half_width, ratio_half_width
+from breastrig.report.bands import OF_RATIO, banded, half_width, ratio_half_width, shared_half_width
 from breastrig.report.body_frame import BodyFrame
 from breastrig.report.stance import Place, Stance
 from breastrig.report.table import Row
@@ -34,7 +34,9 @@ def symmetry(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> It
     how = "of left and right, the smaller over the larger: "
     level = max(0.0, 1.0 - abs(heights[0] - heights[1]) / max(apart, 1e-9))
     at = [half_width([place.radius], OF_RATIO) for place in nipples]
-    half = None if None in at else float(np.linalg.norm(np.array(at, dtype=np.float64))) / max(apart, 1e-9)
+    up = frame.axes[:, 1]
+    off = shared_half_width([(nipples[0], up), (nipples[1], -up)], stance.joint, OF_RATIO)
+    half = None if off is None else off / max(apart, 1e-9)
     points = np.array([place.point for place in nipples])
     how_level = "1 less their difference in height over their distance across"
     yield _row("M1", "nipple heights", level, half, names, how_level, {"value": points})

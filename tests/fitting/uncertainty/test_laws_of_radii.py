@@ -13,11 +13,13 @@ from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import FitTask, fit_iterates
 from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.uncertainty import radii as radii_module
 from breastrig.fitting.uncertainty.calibration import Calibration
 from breastrig.fitting.uncertainty.radii import ACROSS, FEW, HOLDS_90, Radii, radii, scatter_of, seen_vertices
+from breastrig.least_squares.problem import HARD
 from breastrig.rig.model import Rig
 from breastrig_studies.studies.trust.laplace import rises
 
@@ -77,6 +79,18 @@ def test_the_energy_rises_around_a_fit_as_its_covariance_says(forearm: Posterior
     """One standard deviation away, in any direction that is drawn, by one half."""
     one, *_ = rises(forearm)
     assert np.median(one) == pytest.approx(1.0, abs=0.15)
+
+
+def test_a_covariance_is_the_inverse_of_what_scan_and_priors_say_and_of_nothing_else(forearm: Posterior) -> None:
+    """Joints and limits with it; what keeps the inverse finite weighs next to nothing."""
+    problem, stage = ScanProblem(forearm.task), forearm.task.recipe.stages[-1]
+    terms = problem.terms(stage, 1.0, forearm.state, problem.matches(stage, 1.0, forearm.state))
+    system = problem.system(terms, forearm.state)
+    held = system.constraint_jacobian
+    wanted = system.hessian + held.T @ (held / np.maximum(system.compliance, HARD)[:, None])
+    assert len(held)
+    found = np.linalg.inv(forearm.covariance())
+    assert np.diag(found) == pytest.approx(np.diag(wanted), rel=1e-3)
 
 
 def test_the_variance_of_a_landmark_is_that_of_all_three_axes(forearm: Posterior) -> None:
