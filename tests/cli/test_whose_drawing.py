@@ -13,6 +13,8 @@ from breastrig.cli.main import main
 from breastrig.core.errors import NeedsYes
 from breastrig.drawings.drawing_schema import GivenDrawing
 from breastrig.files.result import write_patient
+from breastrig.workflow.folder.fit_folder import read_fit_folder
+from breastrig.workflow.report import laid_plan
 
 
 @pytest.fixture(scope="module")
@@ -125,3 +127,15 @@ def test_lines_a_little_off_the_skin_are_moved_onto_it_and_others_are_refused(
         assert main(["transfer", "--from", standing, "--to", supine, "--drawing", str(file), "-o", out]) == code
     assert "away from the scan" in capsys.readouterr().err
     shutil.rmtree(tmp_path)
+
+
+def test_a_plans_line_far_off_its_own_scan_is_left_out_and_it_is_said(fits: Path) -> None:
+    fit = read_fit_folder(fits / "standing")
+    near = {"points": [[1e3 * x, 1e3 * y, 1e3 * z] for x, y, z in line(fits)["points"]], "name": "near"}
+    far = near | {"points": [[x, y, z + 40.0] for x, y, z in near["points"]], "name": "far"}
+    items = [line(fits) | each | {"kind": "line", "id": each["name"]} for each in (near, far)]
+    [(laid, _)] = laid_plan(fit.rig, {"schema": "breastrig/plan@1", "items": items}, [fit])
+    assert [shape["item"] for shape in laid["shapes"]] == ["near"]
+    [missing] = laid["missing"]
+    assert missing["item"] == "far"
+    assert missing["reason"].startswith('"far" lies up to ')
