@@ -16,8 +16,8 @@ export function createQuestionDialog(actions: Pick<ScanActions, "answer">): Pane
   const choices = el("div", { class: "frame-choices" });
   const cancel = (): void => actions.answer(null);
   const element = el(
-    "dialog", // itself in focus: on its first button a stray Enter would be an answer
-    { class: "help ask frame-question", id: "question-dialog", autofocus: true, "aria-labelledby": "question-title", oncancel: (event) => {
+    "dialog",
+    { class: "help ask frame-question", id: "question-dialog", tabindex: -1, "aria-labelledby": "question-title", oncancel: (event) => {
       event.preventDefault();
       cancel();
     } },
@@ -41,7 +41,10 @@ export function createQuestionDialog(actions: Pick<ScanActions, "answer">): Pane
           }),
         );
       }
-      if (asked && !element.open) element.showModal();
+      if (asked && !element.open) {
+        element.showModal();
+        element.focus(); // not its first button: a stray Enter would be an answer
+      }
       if (!asked && element.open) element.close();
     },
   };
