@@ -87,6 +87,6 @@ export const numbers = {
   total: "total time",
   stop: "stopped because",
   curve: "Mean distance over the iterations",
-  noLandmarks: "None were given. Those that you check make every place surer.",
+  noLandmarks: "None were given. Those that you check make most places surer.",
   each: "Each landmark",
 };
