@@ -17,3 +17,15 @@ def test_a_mirrored_line_says_so_and_a_drawn_one_does_not() -> None:
     drawn, mirrored = planned_items(plan.items, {"shapes": []}, {}, None)  # type: ignore[arg-type]
     assert drawn.values == ()
     assert mirrored.values == (("Drawn", MIRRORED),)
+
+
+def test_numbers_of_what_is_not_drawn_here_are_as_asked_for_and_only_carried_ones_are_of_another_scan() -> None:
+    tumour = {"id": "t", "kind": "tumour", "side": "L", "clock": 10.0, "distance_mm": 45.0, "radius_mm": 12.0}
+    plan = checked_plan({"schema": "breastrig/plan@1", "unit": "mm", "items": [tumour]})
+    carried = {"shapes": [{"item": "t", "carried": True}]}
+    (there,) = planned_items(plan.items, carried, {}, None)  # type: ignore[arg-type]
+    (missing,) = planned_items(plan.items, {"shapes": []}, {"t": "It is not on that breast."}, None)  # type: ignore[arg-type]
+    assert not there.is_drawn
+    assert missing.is_drawn
+    assert missing.text == "Not drawn: It is not on that breast."
+    assert dict(missing.values)["From the nipple"] == "45 mm"

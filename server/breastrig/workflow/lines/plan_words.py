@@ -32,7 +32,7 @@ def planned_items(
             _name(item, fit),
             _values(item, fit if item.id in here else None),
             _text(item, missing),
-            item.id in here or not isinstance(item, PlanPattern | PlanTumour),
+            item.id in here or item.id in missing or not isinstance(item, PlanPattern | PlanTumour),
         )
         for item in items
     )
