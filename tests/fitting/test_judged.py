@@ -12,12 +12,13 @@ import pytest
 from helpers.forearm import forearm_rig, posed_forearm
 
 from breastrig.correspondence.target import ScanTarget
+from breastrig.drawings.line_error import ACROSS
 from breastrig.fitting.fit import FitTask, fit_iterates
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.task import Doubt
-from breastrig.fitting.uncertainty.radii import ACROSS, radii
+from breastrig.fitting.uncertainty.radii import radii
 from breastrig.fitting.verdicts import judge as judge_module
 from breastrig.fitting.verdicts import verdict as verdict_module
 from breastrig.fitting.verdicts.fit_signals import HANGS, FitSignals

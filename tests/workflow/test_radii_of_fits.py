@@ -10,7 +10,7 @@ from helpers.forearm import write_forearm
 
 import breastrig
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.fitting.uncertainty.radii import ACROSS
+from breastrig.drawings.line_error import ACROSS
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.gltf.known_files import bind_known
 from breastrig.gltf.read_rig import read_rig

@@ -11,6 +11,7 @@ from helpers.forearm import forearm_rig, posed_forearm
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
+from breastrig.drawings.line_error import ACROSS
 from breastrig.fitting.fit import FitTask, fit_iterates
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.problem import ScanProblem
@@ -18,7 +19,7 @@ from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.uncertainty import radii as radii_module
 from breastrig.fitting.uncertainty.calibration import Calibration
-from breastrig.fitting.uncertainty.radii import ACROSS, FEW, HOLDS_90, Radii, radii, scatter_of, seen_vertices
+from breastrig.fitting.uncertainty.radii import FEW, HOLDS_90, Radii, radii, scatter_of, seen_vertices
 from breastrig.least_squares.problem import HARD
 from breastrig.rig.model import Rig
 from breastrig_studies.studies.trust.laplace import rises
