@@ -82,10 +82,10 @@ async function type(page: Page, { areola, clock, notes }: Typed, isLast = "leave
   await field("areola_mm").fill(areola);
   await field("areola_mm").press("Tab");
   await panel.getByLabel("Tumour by the clock").check();
+  await panel.locator("[data-parameter=side]").last().selectOption("L");
   for (const [name, value] of [["clock", clock], ["distance_mm", "45"], ["radius_mm", "12"], ["depth_mm", "21"]] as const) {
-    if ((await field(name).count()) === 0) continue;
-    await field(name).fill(value);
-    await field(name).press("Tab");
+    await field(name).last().fill(value);
+    await field(name).last().press("Tab");
   }
   await panel.getByLabel("Notes").fill(notes);
   if (isLast === "leave the field") await panel.getByLabel("Notes").press("Tab");
