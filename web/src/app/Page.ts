@@ -4,7 +4,6 @@ import { createPlanSummary } from "../drawing/PlanSummary";
 import { createColourBar } from "../fit/distances/ColourBar";
 import { createMirrorLegend, hasMirror } from "../drawing/mirror/MirrorLegend";
 import { createFitPanel } from "../fit/FitPanel";
-import { createNumbersPanel } from "../fit/distances/NumbersPanel";
 import { outdated } from "../fit/outdated";
 import { createResultPanel } from "../fit/ResultPanel";
 import { hasBoth, viewBarShown } from "../fit/state";
@@ -103,7 +102,11 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const next = createNextButton(actions);
   const bodies = { scan: scan.element, landmarks: landmarks.element, fit: fit.element, drawing: drawing.element, result: result.element };
   const steps = createSteps(actions, bodies, next.element);
-  const numbers = createNumbersPanel({ outdated, again: () => void actions.fit.start() });
+  const numbers = later(
+    (state: Session) => ({ meta: state.meta, fit: state.fit, old: outdated(state) }),
+    ({ fit }) => fit !== null,
+    async () => (await import("../fit/distances/NumbersPanel")).createNumbersPanel({ outdated, again: () => void actions.fit.start() }),
+  );
   const summary = createPlanSummary();
   const aside = el("aside", { class: "aside" }, guide.element, numbers.element, summary.element);
   const timeline = createTimeline(actions.player);

@@ -10,7 +10,7 @@ import { numberField } from "../ui/NumberField";
 import type { Panel } from "../ui/Panel";
 import { type DrawingActions, RADIUS_MM } from "./actions";
 import { createDrawingLayers } from "./DrawingLayers";
-import { createDrawingPattern, type PlanWords } from "./patterns/DrawingPattern";
+import type { PlanWords } from "./patterns/DrawingPattern";
 import { toText } from "./lines/files";
 import { type DrawingSlice, lineNamed, type Tool, TOOLS } from "./state";
 import * as text from "./text";
@@ -51,7 +51,11 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
   const another = createAnother(drawing);
   const corners = createCorners(drawing);
   const layers = createDrawingLayers(drawing);
-  const pattern = createDrawingPattern(drawing, plan);
+  const pattern = later(
+    only("meta", "scan", "drawing", "fit", "drawn"),
+    ({ scan }: Pick<Shown, "meta" | "scan" | "drawing" | "fit" | "drawn">) => scan !== null,
+    async () => (await import("./patterns/DrawingPattern")).createDrawingPattern(drawing, plan),
+  );
   const lesions = later(
     only("scan", "drawn", "lesion"),
     ({ scan }: Pick<Shown, "scan" | "drawn" | "lesion">) => scan !== null,

@@ -16,7 +16,7 @@ import * as text from "./text";
 type Shown = Pick<PageSlice & LandmarksSlice & FitSlice, "meta" | "problems" | "picks" | "certain" | "stance" | "preset" | "refine" | "fit" | "isStarting"> & Pick<Asked, "scan">;
 
 export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<Shown> {
-  const stance = select<StanceChoice>(text.fit.stance, actions.chooseStance);
+  const stance = select<StanceChoice>(text.fit.stance, (chosen) => actions.chooseStance(chosen));
   const preset = select<string>(text.fit.preset, actions.choosePreset);
   const refine = el("input", { type: "checkbox", "aria-describedby": "refine-hint", onchange: () => actions.chooseRefine(refine.checked) });
   const refining = el("div", { class: "toggle" }, el("label", { class: "check" }, refine, el("span", {}, text.fit.refine)), el("p", { id: "refine-hint" }, text.fit.refineHint));

@@ -4,9 +4,13 @@ import { noService } from "../api/text";
 import { el } from "./dom";
 import type { Panel } from "./Panel";
 
-export function later<Shown extends object>(select: (state: Shown) => Shown, isWanted: (shown: Shown) => boolean, load: () => Promise<Panel<Shown>>): Panel<Shown> {
+export function later<Shown extends object, State extends object = Shown>(
+  select: (state: State) => Shown,
+  isWanted: (shown: Shown) => boolean,
+  load: () => Promise<Pick<Panel<Shown>, "element" | "update">>,
+): Panel<Shown, State> {
   const element = el("div", {});
-  let panel: Panel<Shown> | null = null;
+  let panel: Pick<Panel<Shown>, "element" | "update"> | null = null;
   let loading = false;
   let latest: Shown;
 
