@@ -49,6 +49,8 @@ def test_a_fit_is_accepted_executed_and_described(client: FlaskClient, service: 
         "predicted_from": None,
         "simulate": False,
         "partner": None,
+        "landmarks": {},
+        "certain": [],
         "last_event": 6,
         "iterations": 4,
         "numbers": {

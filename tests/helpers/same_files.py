@@ -12,8 +12,13 @@ def timeless(file: Path) -> bytes:
         document = json.loads(content)
         assert document.pop("timing_s")
         document.pop("patient", None)  # of the command: a random code
-        for name in ("timing_s", "patient"):
+        for name in ("timing_s", "patient", "files"):
             document.get("fields", {}).pop(name, None)
+        document.get("files", {}).pop("drawing.json", None)  # it names the patient
+        return json.dumps(document).encode()
+    if file.name == "drawing.json":
+        document = json.loads(content)
+        document.pop("patient", None)
         return json.dumps(document).encode()
     if file.suffix == ".jsonl":
         return re.sub(rb'"elapsed_s":[0-9.e-]+', b"", content)
