@@ -337,8 +337,12 @@ def _changed_fields(text: bytes, hashes: Mapping[str, str]) -> list[str]:
 
 
 def _field_hashes(text: bytes) -> dict[str, str]:
-    """The same for 5 and 5.0, and however the text is spaced: other programs may have written it again."""
-    document = json.loads(text, parse_int=float)
+    """The same for 5 and 5.0, 0 and -0, and however the text is spaced: other programs may have written it again."""
+
+    def number(text: str) -> float:
+        return float(text) + 0.0  # no negative zero
+
+    document = json.loads(text, parse_int=number, parse_float=number)
     document.pop("fields", None)
     return {name: _sha256(json.dumps(value, sort_keys=True).encode())[:EDITED] for name, value in document.items()}
 
