@@ -14,11 +14,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.linalg  # noqa: F401  loads SciPy's own BLAS, so that the limit below meets it too
+from hypothesis import HealthCheck, settings
 from threadpoolctl import threadpool_limits
 
 from breastrig.rig.model import Rig
 
 gc.set_threshold(50_000, 20, 20)
+settings.register_profile("untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("untimed")  # how long an example takes is the machine's affair
 threadpool_limits(limits=1)  # this process
 os.environ["OPENBLAS_NUM_THREADS"] = "1"  # and those that tests start
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from helpers.damage import BOUNDED, Edits, bounded, damage, damaged
 from helpers.draco_scan import draco_glb
+from helpers.other_meshes import mesh_xml, model_xml, off, three_mf
 from helpers.point_files import front, pcd, point_ply, xyz
 from helpers.refusals import refused_or_sound, sound_landmarks_or_refused
 from helpers.scan_files import as_bytes, picture, textured_obj, tube, zipped
@@ -32,6 +33,7 @@ SCANS |= {
     "usdc": usd_crate(usda()),
     "usdz": usdz({"scan.usdc": usd_crate(usda("0/skin.jpg")), "0/skin.jpg": picture()}),
 }
+SCANS |= {"off": off(), "3mf": three_mf(model_xml(f'<object id="1">{mesh_xml()}</object>'))}
 SCANS |= {"points_ply": point_ply(POINTS), "xyz": xyz(POINTS)}
 FEW = bounded(6)  # each of these takes a process of its own
 LANDMARKS = {
