@@ -1,6 +1,5 @@
 // Puts the panels in their places.
 import { createDrawingPanel } from "../drawing/DrawingPanel";
-import { createPlanSummary } from "../drawing/PlanSummary";
 import { createColourBar } from "../fit/distances/ColourBar";
 import { createMirrorLegend, hasMirror } from "../drawing/mirror/MirrorLegend";
 import { createFitPanel } from "../fit/FitPanel";
@@ -107,7 +106,11 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
     ({ fit }) => fit !== null,
     async () => (await import("../fit/distances/NumbersPanel")).createNumbersPanel({ outdated, again: () => void actions.fit.start() }),
   );
-  const summary = createPlanSummary();
+  const summary = later(
+    only("meta", "step", "fit", "drawing", "drawn", "stances"),
+    ({ fit }: Pick<Session, "meta" | "step" | "fit" | "drawing" | "drawn" | "stances">) => fit !== null,
+    async () => (await import("../drawing/PlanSummary")).createPlanSummary(),
+  );
   const aside = el("aside", { class: "aside" }, guide.element, numbers.element, summary.element);
   const timeline = createTimeline(actions.player);
   const help = later(only("isHelpOpen"), ({ isHelpOpen }: Pick<Session, "isHelpOpen">) => isHelpOpen, async () => (await import("./HelpDialog")).createHelpDialog(actions));

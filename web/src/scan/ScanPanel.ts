@@ -3,12 +3,12 @@ import type { UnitChoice } from "../api/types";
 import type { PageSlice } from "../store/page";
 import { ANY_FILE, button, fileButton, type Option, problem, row, select } from "../ui/controls";
 import { el, fill, setText, show } from "../ui/dom";
+import { later } from "../ui/later";
 import type { Panel } from "../ui/Panel";
 import { formatCm, formatCount } from "../ui/units";
 import { sizeIn, type Turn } from "../viewer/frame";
 import type { ScanActions } from "./actions";
 import { createCropRow } from "./cropping/CropRow";
-import { createSegmentList } from "./volumes/SegmentList";
 import type { ScanSlice } from "./state";
 import * as text from "./text";
 
@@ -31,7 +31,14 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
     made.title = text.scan.turnHints[turn];
     return made;
   });
-  const segments = createSegmentList(actions);
+  const segments = later(
+    ({ scan, isUnconfirmed }: Pick<Shown, "scan" | "isUnconfirmed">) => ({ scan, isUnconfirmed }),
+    ({ scan }) => (scan?.info.segments ?? []).length > 0,
+    async () => {
+      const list = (await import("./volumes/SegmentList")).createSegmentList(actions);
+      return { element: list.element, update: ({ scan, isUnconfirmed }) => scan && list.update(scan, isUnconfirmed) };
+    },
+  );
   const crop = createCropRow(actions);
   const check = el("p", { class: "look-here", hidden: true }, text.scan.check);
   const doubt = el("p", { class: "look-here", role: "status", hidden: true });
@@ -80,7 +87,7 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
         const sentences = [info.unit_reason, info.stance.reason, facing, ...info.notes].filter((sentence) => sentence !== "");
         return sentences.map((sentence) => el("p", {}, sentence));
       });
-      segments.update(state.scan, state.isUnconfirmed);
+      segments.update(state);
       crop.update(state);
       show(check, state.isUnconfirmed);
       setText(doubt, info.size_doubt ?? "");
