@@ -23,6 +23,14 @@ def test_a_folder_that_cannot_be_made_gives_a_sentence(tmp_path: Path) -> None:
         storage.prepare()
 
 
+def test_a_prior_that_a_service_had_learned_does_not_outlive_its_patients(storage: Storage) -> None:
+    learned = storage.root / "models" / "priors.json"
+    learned.write_text('{"a model": "sums over patients"}')
+    storage.prepare()
+    assert learned.read_bytes() == b""
+    storage.prepare()
+
+
 def test_the_default_folder_follows_the_xdg_rules(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     assert default_data_folder() == tmp_path / "breastrig"

@@ -23,7 +23,7 @@ from breastrig.core import wall_clock
 from breastrig.core.errors import BadSettings
 from breastrig.core.scratch import sweep_scratch
 from breastrig.storage.data_folder import claim, refuse_foreign
-from breastrig.storage.files import MARK, ROOT, fit_place
+from breastrig.storage.files import MARK, MODELS, ROOT, fit_place
 from breastrig.storage.folders import Folders, new_id
 from breastrig.storage.installation_id import check_belonging, ensure_id
 from breastrig.storage.location import Location, open_database, open_files
@@ -31,6 +31,7 @@ from breastrig.storage.reserve import Reserve
 
 log = logging.getLogger(__name__)
 
+PRIORS = "priors.json"  # beside the models
 CHECK_S = 5.0  # a gigabyte of rows that the system has in memory
 FULL = (errno.ENOSPC, errno.EDQUOT)
 Result = TypeVar("Result")
@@ -70,6 +71,7 @@ class Storage:
             self.using_reserve(self.folders.create)
             self.using_reserve(self.database.bring_up_to_date)
             self.files.create()
+            self._forget_priors()
             self.using_reserve(lambda: check_belonging(self.database, self.root, self.files, self._sqlite))
         except OSError as error:
             raise self._unusable(error.strerror) from error
@@ -77,6 +79,12 @@ class Storage:
             if not self._sqlite:
                 raise
             raise self._unusable(str(getattr(error, "orig", error))) from error
+
+    def _forget_priors(self) -> None:
+        """Empties the sums over patients that a service could learn once: deleted patients may be among them."""
+        found = self.files.find(MODELS, PRIORS)
+        if found is not None and found.size:
+            self.files.write(MODELS, PRIORS, b"")
 
     @contextmanager
     def exclusive(self) -> Iterator[None]:
