@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.inked_scan import inked_zip
+from helpers.label_maps import body_labels, placed_nifti
 
 import breastrig
 from breastrig.cli.main import main
@@ -41,6 +42,7 @@ def test_lines_are_written_as_a_drawing_and_python_finds_the_same(
     ("name", "sentence"),
     [
         ("uncoloured.stl", "no colour"),
+        ("doubtful.nii", "no colour"),
         (str(asset_folder("example") / "standing" / "scan.ply"), "too coarse"),
         ("missing.zip", "no scan file"),
     ],
@@ -52,6 +54,9 @@ def test_what_has_no_fine_colours_is_one_sentence(
 
     monkeypatch.chdir(tmp_path)
     trimesh.creation.icosphere(subdivisions=4, radius=0.2).export(tmp_path / "uncoloured.stl")
+    (tmp_path / "doubtful.nii").write_bytes(
+        placed_nifti(body_labels(), (np.eye(4), 0), (np.eye(4), 0))
+    )  # which side is left?
     assert main(["ink", name, "-o", "drawing.json"]) == 2
     said = capsys.readouterr().err
     assert sentence in said

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.core.arrays import frozen
+from breastrig.core.errors import BadScan, NeedsAnswer
 from breastrig.interface.drawing import Drawing, Line
 from breastrig.interface.one_thread import one_thread
 from breastrig.interface.scan import Scan, existing
@@ -36,13 +37,17 @@ def find_ink(scan: Scan | str | Path, *, units: str = "auto") -> Ink:
     """
     from breastrig.colour.ink import find_ink as search  # scikit-image and SciPy's filters are for coloured scans only
     from breastrig.scan import read as scan_files
+    from breastrig.scan.piece import COLOURLESS
     from breastrig.workflow.lines.find_ink_on_scan import ink_document
 
     if isinstance(scan, Scan):
         found, file = scan.in_metres, scan.file
     else:
         file = existing(scan)
-        found = scan_files.read_scan(file, None, units, for_display=False)
+        try:
+            found = scan_files.read_scan(file, None, units, for_display=False)
+        except NeedsAnswer as error:  # of a label map alone, which has no colours whatever the answer
+            raise BadScan(COLOURLESS) from error
     with one_thread():
         strokes = search.find_ink(found)
     document: dict[str, Any] = ink_document(strokes, found.unit, found.metres_per_unit)

@@ -11,6 +11,7 @@ from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.srgb import to_srgb
 
 SEVERAL = "The scan has several textures and is shown without them."
+COLOURLESS = "This scan has no colour, so no ink can be seen on it; scan again with colour."
 PARTLY_COLOURED = "Parts of this scan have no colour and are shown in grey."
 UNCOLOURED = 190  # grey of what has no colour beside what has one: neither skin nor ink
 

@@ -25,6 +25,7 @@ from breastrig.core.model_choice import ModelChoice
 from breastrig.core.picks import Picks
 from breastrig.execution.executor import Executor
 from breastrig.scan.hand_cuts import are_cut
+from breastrig.scan.piece import COLOURLESS
 from breastrig.service.failed_tasks import FULL
 from breastrig.storage.files import scan_place, upload_name
 from breastrig.storage.rows.scans import ScanRow, cuts_digest, get_cuts, get_landmarks, get_scan
@@ -165,7 +166,7 @@ class InkSearch(ScanSearch):
     def found(self, scan: ScanRow, wait_s: float) -> dict[str, Any] | None:
         """The drawing; None when it takes longer and goes on.  Raises BadScan at once for a scan without colour."""
         if scan.facts.get("colours") == "none":
-            raise BadScan("This scan has no colour, so no ink can be seen on it; scan again with colour.")
+            raise BadScan(COLOURLESS)
         found = self.get(scan, "", wait_s)
         return None if found is None else self._with_cuts(scan.id, found)
 

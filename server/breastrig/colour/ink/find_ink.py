@@ -18,6 +18,7 @@ from breastrig.colour.skin_texture import skin_texture
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadScan
 from breastrig.geometry.polyline import Polyline
+from breastrig.scan.piece import COLOURLESS
 from breastrig.scan.scan import Scan
 
 
@@ -84,7 +85,7 @@ def find_ink(scan: Scan, factor: float = 1.0, image: NDArray[np.uint8] | None = 
     Raises BadScan, with one sentence, for a scan without colour or with colours too coarse for a pen's line.
     """
     if scan.colour_kind == "none":
-        raise BadScan("This scan has no colour, so no ink can be seen on it; scan again with colour.")
+        raise BadScan(COLOURLESS)
     texture = skin_texture(scan, limits.TEXEL, image)
     if not np.isfinite(texture.source_texel):
         raise BadScan("The texture of this scan does not lie on its triangles; export it again.")
