@@ -121,6 +121,20 @@ def test_the_nearer_nipple_and_the_bodys_directions() -> None:
         np.testing.assert_allclose(direction, expected, atol=1e-6)
 
 
+def test_how_far_off_a_lesion_far_from_the_breasts_is_is_not_known() -> None:
+    rig = read_rig(default_rig_path())
+    scan = replace(scanned(rig), landmarks=places(rig))
+    known, unknown = (
+        lesion((1e3 * (places(rig)[name] - [0.0, 0.0, 0.02])).tolist()) for name in ("nipple_L", "umbilicus")
+    )
+    for item, is_known in ((known, True), (unknown, False)):
+        (own,) = LesionsOnScan(rig, scan).own([item])
+        (carried,) = LesionsOnScan(rig, replace(scan, stance="supine")).carried(scan, [item])
+        for found in (own, carried):
+            assert (found.error is not None) is is_known
+            assert all((each.margin is not None) is is_known for each in found.distances)
+
+
 def test_a_tumour_by_the_clock_whose_depth_is_known_lies_inside_with_its_circle_over_it() -> None:
     rig = read_rig(default_rig_path())
     scan = replace(scanned(rig), landmarks=places(rig))
