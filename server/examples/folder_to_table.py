@@ -12,7 +12,7 @@ from pathlib import Path
 
 import breastrig
 
-SCANS = (".ply", ".obj", ".stl", ".glb", ".zip")
+SCANS = (".ply", ".obj", ".stl", ".glb", ".usdz", ".off", ".3mf", ".zip", ".nii", ".gz", ".dcm")  # MRI label maps last
 MEASURES = ("notch_nipple", "nipple_fold", "base_width", "volume")
 COLUMNS = ("scan", "stance", "verdict", "mean_mm", *(f"{name}_{side}" for name in MEASURES for side in "LR"), "problem")
 

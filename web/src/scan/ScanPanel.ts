@@ -17,6 +17,8 @@ const TURNS: Turn[] = ["around", "sideways", "forwards"];
 export const unitOptions = (): Option<UnitChoice>[] =>
   (["auto", "mm", "cm", "dm", "m", "in", "ft"] as const).map((value) => ({ value, label: text.units[value] }));
 
+const inSentence = (words: string): string => words.charAt(0).toLowerCase() + words.slice(1);
+
 type Shown = Pick<ScanSlice & PageSlice, "scan" | "units" | "showColours" | "isCropping" | "problems"> & { readonly isUnconfirmed: boolean };
 
 /** `isUnconfirmed`: nobody has said yet that size and direction are right. */
@@ -76,11 +78,11 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
       const size = info.size_m ? sizeIn(frame, info.frame, info.size_m) : null;
       fill(facts, [info.id, size], () => [
         row(text.scan.triangles, formatCount(info.triangles)),
-        row(text.scan.unit, text.units[info.unit].toLowerCase()),
+        row(text.scan.unit, inSentence(text.units[info.unit])),
         size && row(text.scan.size, text.scan.sizeValue(size.map(formatCm))),
         info.reconstructed_from_points ? row(text.scan.surface, text.scan.fromPoints) : null,
         info.cut_away_cm2 ? row(text.scan.cutAway, formatCount(info.cut_away_cm2), "cm²", text.scan.cutAwayHint) : null,
-        row(text.scan.stance, text.scan.stances[info.stance.proposed].toLowerCase(), "", info.stance.reason),
+        row(text.scan.stance, inSentence(text.scan.stances[info.stance.proposed]), "", info.stance.reason),
       ]);
       fill(reasons, [info.id, frameFrom], () => {
         const facing = frameFrom === "service" ? info.frame.reason : text.scan.facingFrom[frameFrom];
@@ -92,8 +94,9 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
       show(check, state.isUnconfirmed);
       setText(doubt, info.size_doubt ?? "");
       show(doubt, (info.size_doubt ?? "") !== "");
-      show(again.element, file !== null);
-      show(unitNote, file === null && state.scan.example === null);
+      const hasOwnUnit = (info.segments ?? []).length > 0; // a label map
+      show(again.element, file !== null && !hasOwnUnit);
+      show(unitNote, file === null && state.scan.example === null && !hasOwnUnit);
       again.set(unitOptions(), state.units);
       show(coloursRow, info.colours !== "none");
       colours.checked = state.showColours;

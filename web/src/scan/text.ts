@@ -52,7 +52,7 @@ export const units = {
 
 export const question = {
   title: "Which side is the patient's left?",
-  how: "The patient faces you in each picture, lesions are ringed. Choose the picture that shows the patient as you know the patient; if you do not know, cancel and look at the original images.",
+  how: "The patient faces you in each picture, lesions are ringed. Choose the picture that shows this patient. If you do not know, cancel and look at the original images.",
   left: "patient's left",
   right: "patient's right",
   cancel: "Cancel, upload nothing",

@@ -115,7 +115,7 @@ def _decided(
         if segment.coded is not None:
             return segment.coded, "Its codes say so.", None
         if is_largest:
-            return "tissue", "It is the largest.", None
+            return "tissue", "It is the largest segment.", None
         if _radius(cell * segment.count) >= LARGEST_LESION:
             return "tissue", f"It is larger than a ball of {2 * LARGEST_LESION:.0f} mm.", None
     if not is_looked_at and said is None:
@@ -126,7 +126,7 @@ def _decided(
     if is_named:
         too = "large" if parts else "small"
         if fitting:
-            why = "A person said so." if said else "Its codes say so." if segment.coded else "It is called so."
+            why = "A person said so." if said else "Its codes say so." if segment.coded else "Its name says so."
             return "lesion", why, fitting
         if said:
             limit = f"{2 * (LARGEST_NAMED if parts else SMALLEST_LESION):.0f} mm"
