@@ -43,6 +43,7 @@ test("a stylus draws, its hand does nothing, fingers turn; Done leads back", asy
 
   await test.step("light or hard, the pen's line is the same", async () => {
     await stroke(session, [470, 320], [560, 330], () => 0.05);
+    await untilStill(page);
     await tap(page.getByRole("button", { name: "Red", exact: true }));
     await stroke(session, [470, 320], [560, 330], (share) => 0.1 + 0.9 * share);
     await expect.poll(lines).toHaveLength(3);

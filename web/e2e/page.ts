@@ -93,14 +93,21 @@ export async function touch(session: CDPSession, ...events: FingerEvent[]): Prom
 
 export const tapAt = (session: CDPSession, place: { x: number; y: number }): Promise<void> => touch(session, ["touchStart", [place]], ["touchEnd", []]);
 
-/** Taps, and waits for the click that the browser makes of it a moment later. */
+/**
+ * Taps, and waits for the click that the browser makes of it a moment later.  A busy browser may take a tap for a part of the
+ * gesture before it, and make no click of it: a person taps again then, and so does this.
+ */
 export async function tap(place: Locator): Promise<void> {
   await place.scrollIntoViewIfNeeded(); // once it is visible and holds still
   await expect(place).toBeEnabled();
-  const click = place.evaluate((element) => new Promise<void>((clicked) => element.addEventListener("click", () => clicked(), { once: true })));
-  const { x, y, width, height } = (await place.boundingBox())!;
+  const click = place.evaluate((element) => new Promise<true>((clicked) => element.addEventListener("click", () => clicked(true), { once: true })));
   const session = await place.page().context().newCDPSession(place.page());
-  await tapAt(session, { x: x + width / 2, y: y + height / 2 });
+  for (let taps = 1; ; taps += 1) {
+    const { x, y, width, height } = (await place.boundingBox())!;
+    await tapAt(session, { x: x + width / 2, y: y + height / 2 });
+    const clicked = await Promise.race([click, new Promise<false>((late) => setTimeout(() => late(false), 10_000))]);
+    if (clicked || taps === 3) break;
+  }
   await click;
   await session.detach();
 }
