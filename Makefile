@@ -1,5 +1,5 @@
 # One command each; `make help` lists them.  Everything is installed into $(VENV) and web/node_modules, nothing outside (but
-# Chromium, PostgreSQL and nginx for the tests, from the system's packages, when there are none).  Plain make: no GNU extensions.
+# Chromium and nginx for the tests, from the system's packages, when there are none).  Plain make: no GNU extensions.
 PYTHON ?= python3
 VENV ?= .venv
 PORT ?= 8321
@@ -17,7 +17,7 @@ help:
 	@echo "make docs    build the documentation into dist/docs; warnings are errors"
 	@echo "make bench   measure the hot paths   (BENCH=--benchmark-timer=time.process_time where other work runs)"
 	@echo "make fuzz    many made-up files and requests: a table of what each reader and call did   (FUZZ=20: eighty times as many as in make test)"
-	@echo "make scale   the service on PostgreSQL, S3 and a Dask cluster as well, a killed server and worker among it"
+	@echo "make scale   the service with a Dask cluster as well, a killed server and worker among it"
 	@echo "make faults  kill, fill, lock and leave: a table of what became of every fit   (KILLS=20)"
 	@echo "make load    clients that work, viewers, and readers of a large scan through a link: times, memory, errors   (LOAD=\"--seconds 60\")"
 	@echo "make routes  every route with every credential: a table of status codes; two share links in two tabs of one browser"
@@ -68,8 +68,7 @@ vitest: web-packages
 # has compiled, whatever the surroundings say: else each of the hundreds of programs that are started compiles all of ours.
 pytest: page $(VENV)/.stamp-test
 	cores="$$(getconf _NPROCESSORS_ONLN)"; [ "$$cores" -lt 4 ] || cores=3; \
-	BREASTRIG_POSTGRES="$$(sh .ci/postgres.sh)" && export BREASTRIG_POSTGRES && \
-	    BREASTRIG_NGINX="$$(sh .ci/nginx.sh)" && export BREASTRIG_NGINX && \
+	BREASTRIG_NGINX="$$(sh .ci/nginx.sh)" && export BREASTRIG_NGINX && \
 	    PYTHONDONTWRITEBYTECODE= OPENBLAS_NUM_THREADS=1 $(IN_VENV) "$(VENV)/bin/python" -m pytest -n "$$((cores + 1))" --dist loadfile --no-loadscope-reorder \
 	    -m "not soak" # they are in `make faults`, `make scale` and `make load`
 
@@ -87,8 +86,7 @@ faults: $(VENV)/.stamp-test
 	OPENBLAS_NUM_THREADS=1 BREASTRIG_KILLS="$${KILLS:-20}" BREASTRIG_FAULT_TABLE=1 "$(VENV)/bin/python" -m pytest -q tests/faults
 
 scale: $(VENV)/.stamp-test
-	BREASTRIG_POSTGRES="$$(sh .ci/postgres.sh)" && export BREASTRIG_POSTGRES && \
-	    OPENBLAS_NUM_THREADS=1 "$(VENV)/bin/python" -m pytest -q tests/scale
+	OPENBLAS_NUM_THREADS=1 "$(VENV)/bin/python" -m pytest -q tests/scale
 
 load: $(VENV)/.stamp-test
 	OPENBLAS_NUM_THREADS=1 PYTHONPATH=tests "$(VENV)/bin/python" -m load $${LOAD}
@@ -116,7 +114,7 @@ packages: web-packages $(VENV)/.stamp-test
 
 # What the tests need of the system's packages.
 programs:
-	@sh .ci/chromium.sh >/dev/null && sh .ci/postgres.sh >/dev/null && sh .ci/nginx.sh >/dev/null
+	@sh .ci/chromium.sh >/dev/null && sh .ci/nginx.sh >/dev/null
 
 web-packages: $(VENV)/.stamp-venv
 	@"$(VENV)/bin/python" server/packaging/build_page.py --packages

@@ -95,7 +95,7 @@ def test_proposals_are_made_once_and_are_those_of_the_scan_as_it_is_cut(
     client: FlaskClient, service: Service, scan_id: str
 ) -> None:
     proposed = f"/api/scans/{scan_id}/landmarks/proposed"
-    made = service.storage.folders.scan(scan_id) / "proposed"
+    made = service.storage.files.scan(scan_id) / "proposed"
 
     def seen() -> tuple[float, int]:
         until(lambda: client.get(proposed).status_code == 200, "the proposals")

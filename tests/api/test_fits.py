@@ -264,7 +264,7 @@ def test_results_are_files_with_an_etag_that_the_browser_may_keep(
 ) -> None:
     answer = client.get(f"/api/fits/{fit_id}/{name}")
     assert answer.status_code == 200
-    assert answer.data == (service.storage.folders.fit(fit_id) / name).read_bytes()
+    assert answer.data == (service.storage.files.fit(fit_id) / name).read_bytes()
     assert answer.mimetype == media_type
     assert answer.headers["Cache-Control"] == PERSONAL
     said = answer.headers["Content-Disposition"]
@@ -347,7 +347,7 @@ def test_deleting_the_scan_deletes_its_fits(client: FlaskClient, service: Servic
     client.delete(f"/api/scans/{scan_id}")
     problem(client.get(f"/api/fits/{fit_id}"), 404)
     problem(client.get(f"/api/fits/{fit_id}/result.json"), 404)
-    assert not service.storage.folders.fit(fit_id).exists()
+    assert not service.storage.files.fit(fit_id).exists()
 
 
 def test_unknown_fits_are_not_found(client: FlaskClient) -> None:

@@ -162,7 +162,7 @@ def test_a_prediction_shows_nothing_that_was_cut_away_since_and_goes_with_its_sc
     cuts = real.client.put(f"/api/scans/{real.scan['id']}/cuts", json=asked)
     assert cuts.status_code == 200, cuts.json
     assert "cut after" in problem(real.client.get(real.predicted["links"]["report"]), 409)
-    files = real.service.storage.folders.fit(real.predicted["id"])
+    files = real.service.storage.files.fit(real.predicted["id"])
     assert files.is_dir()
     assert real.client.delete(f"/api/scans/{real.scan['id']}").status_code == 204
     problem(real.client.get(real.predicted["links"]["self"]), 404)

@@ -244,7 +244,7 @@ def test_two_stances_are_fitted_together_with_bodies_alike(real: tuple[Service, 
         assert results[name]["landmark_distance_mm"]["mean"] < 8.0
         received = client.get(one["links"]["events"] + ".json").json["events"]
         assert [each["event"]["kind"] for each in received] == ["started", *["iterated"] * fit.iterations, "done"]
-        left = (service.storage.folders.fit(one["id"]) / "result.json").read_text()
+        left = (service.storage.files.fit(one["id"]) / "result.json").read_text()
         assert not any(scan["id"] in left for scan in scans.values())
     scales = [[bone["scale"] for bone in result["parameters"]["bones"]] for result in results.values()]
     assert np.allclose(*scales, atol=0.2)

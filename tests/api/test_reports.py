@@ -78,7 +78,7 @@ def jobs_of(service: Service, monkeypatch: pytest.MonkeyPatch) -> list[ReportJob
 @pytest.mark.slow
 def test_the_report_of_a_fit_is_made_once_and_not_kept_on_the_disk(real: Real, monkeypatch: pytest.MonkeyPatch) -> None:
     service, client, _, fits = real
-    folder = service.storage.folders.fit(fits["standing"])
+    folder = service.storage.files.fit(fits["standing"])
     before = sorted(folder.iterdir())
     jobs = jobs_of(service, monkeypatch)
     address = f"/api/fits/{fits['standing']}/report.pdf"
@@ -115,7 +115,7 @@ def test_the_report_names_the_patient_by_her_code_and_so_does_its_file(real: Rea
     assert again.data == first.data
     unchanged = client.get(address, headers={"If-None-Match": first.headers["ETag"]})
     assert unchanged.status_code == 304
-    assert not (service.storage.folders.fit(fits["standing"]) / "report.pdf").exists()
+    assert not (service.storage.files.fit(fits["standing"]) / "report.pdf").exists()
     patient = client.get(f"/api/scans/{scans['standing']}").json["links"]["patient"]
     client.patch(patient, json={"code": "K7M-4QX"})
     renamed = client.get(address)
@@ -157,14 +157,14 @@ def test_two_stances_in_one_report_which_is_not_kept(real: Real) -> None:
     answer = client.get(f"/api/fits/{fits['supine']}/report.pdf?with={fits['standing']}")
     assert answer.status_code == 200
     assert "change, supine to standing" in text_of(answer.data)
-    assert not (service.storage.folders.fit(fits["supine"]) / "report.pdf").exists()
+    assert not (service.storage.files.fit(fits["supine"]) / "report.pdf").exists()
 
 
 @pytest.mark.slow
 def test_the_measures_are_those_of_the_command(real: Real, monkeypatch: pytest.MonkeyPatch) -> None:
     service, client, _, fits = real
     place = client.get(f"/api/fits/{fits['standing']}").json["links"]["measures"]
-    folder = service.storage.folders.fit(fits["standing"])
+    folder = service.storage.files.fit(fits["standing"])
     answer = client.get(place)
     assert (answer.status_code, answer.mimetype) == (200, "application/json")
     assert answer.headers["Cache-Control"] == "no-store"
@@ -213,7 +213,7 @@ def test_the_measures_of_two_stances_hold_their_changes_and_are_not_kept(real: R
     document = MeasuresFile.model_validate(answer.json)
     assert [stance.name for stance in document.stances] == ["supine", "standing"]
     assert {row.stance for row in document.measures} == {"supine", "standing", "standing - supine"}
-    assert not (service.storage.folders.fit(fits["supine"]) / "measures.json").exists()
+    assert not (service.storage.files.fit(fits["supine"]) / "measures.json").exists()
 
 
 @pytest.mark.slow
@@ -234,7 +234,7 @@ def test_the_volume_is_that_of_the_command(real: Real, tmp_path: Path) -> None:
     service, client, _, fits = real
     answer = client.get(f"/api/fits/{fits['standing']}/volume.vtu")
     assert answer.mimetype == "application/vnd.vtk.vtu"
-    assert main(["volume", str(service.storage.folders.fit(fits["standing"])), "-o", str(tmp_path / "torso.vtu")]) == 0
+    assert main(["volume", str(service.storage.files.fit(fits["standing"])), "-o", str(tmp_path / "torso.vtu")]) == 0
     assert answer.data == (tmp_path / "torso.vtu").read_bytes()
     assert client.get("/api/fits/nobody/volume.vtu").status_code == 404
 
@@ -274,7 +274,7 @@ def test_a_fit_without_the_files_of_one_is_a_sentence_without_folders(client: Fl
 def test_a_report_with_a_plan_is_remembered_and_not_kept_on_the_disk(real: Real) -> None:
     """It may hold what was carried from another scan, and must not outlive that scan's deletion."""
     service, client, scans, fits = real
-    folder = service.storage.folders.fit(fits["standing"])
+    folder = service.storage.files.fit(fits["standing"])
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     plan = client.get(f"/api/scans/{scans['standing']}").json["links"]["plan"]
     seen = client.get(plan).headers["ETag"]

@@ -38,7 +38,7 @@ def test_the_zip_has_every_file_as_its_own_address_answers_it(
     named = f"{scan['patient_code']}_standing_{scan['created_at'][:10]}_result.zip"
     assert answer.headers["Content-Disposition"] == f"attachment; filename={named}"
     files = unzipped(answer.data)
-    stored = {file.name for file in service.storage.folders.fit(fit_id).iterdir()}
+    stored = {file.name for file in service.storage.files.fit(fit_id).iterdir()}
     assert list(files) == [name for name in (*FIT_FILES, "plan.json") if name in stored | {"plan.json"}]
     for name in files.keys() - WITHOUT_ADDRESS:
         assert files[name] == client.get(f"/api/fits/{fit_id}/{name}").data, name
@@ -88,8 +88,8 @@ def test_the_owners_download_under_way_ends_when_the_scan_is_deleted(
 ) -> None:
     monkeypatch.setattr(big_answers, "STILL_OPEN_S", 0.0)
     patient = client.get(f"/api/scans/{scan_id}").json["patient"]
-    (service.storage.folders.fit(fit_id) / "fitted.ply").write_bytes(CONTENT)
-    (service.storage.folders.scan(scan_id) / "mesh.glb").write_bytes(CONTENT)
+    (service.storage.files.fit(fit_id) / "fitted.ply").write_bytes(CONTENT)
+    (service.storage.files.scan(scan_id) / "mesh.glb").write_bytes(CONTENT)
     address = f"/api/{what.format(fit=fit_id, scan=scan_id)}"
     whole = client.get(address).data
     with client.get(address, buffered=False) as reader:

@@ -68,7 +68,7 @@ def test_no_word_of_an_upload_is_kept_anywhere(client: FlaskClient, service: Ser
     data = NAMED[kind]()
     answer = upload(client, data, f"scan.{kind.rsplit('.', 1)[-1]}")
     assert answer.status_code == 201, answer.json
-    place = service.storage.folders.scan(answer.json["id"])
+    place = service.storage.files.scan(answer.json["id"])
     assert {path.name for path in place.iterdir()} == {"scan.stored", "mesh.glb", "thumbnail.png"}
     assert NAME.encode() not in bytes_below(service.storage.root)
     assert get_scan(service.storage, answer.json["id"]).sha256 == hashlib.sha256(data).hexdigest()
@@ -93,7 +93,7 @@ def test_delete_removes_everything_and_may_be_repeated(client: FlaskClient, serv
         assert client.delete(f"/api/scans/{scan_id}").status_code == 204
     for place in ("", "/mesh.glb", "/landmarks"):
         assert "no such scan" in problem(client.get(f"/api/scans/{scan_id}{place}"), 404)
-    assert not service.storage.folders.scan(scan_id).exists()
+    assert not service.storage.files.scan(scan_id).exists()
 
 
 ONE_TRIANGLE = ply_text(np.eye(3), np.array([[0, 1, 2]]))
@@ -308,7 +308,7 @@ def test_landmarks_are_proposed_and_not_stored_as_picked(client: FlaskClient, sc
 def test_proposals_that_take_long_are_asked_for_again(
     client_for, service: Service, config: Config, scan_id: str
 ) -> None:
-    held = service.storage.folders.scan(scan_id) / "held"
+    held = service.storage.files.scan(scan_id) / "held"
     held.touch()
     hasty = client_for(replace(config, proposal_wait_s=0.0))
     place = f"/api/scans/{scan_id}/landmarks/proposed"

@@ -59,7 +59,7 @@ def test_the_fits_own_drawing_is_shown_on_the_other_scan(
     drawing = answer.json
     assert drawing["carried_by"] == ("model" if other_patient else "skin")
     assert {shape["name"] for shape in drawing["shapes"]} == {"sternum_upper", "sternum_lower", "breast_L", "breast_R"}
-    goal = read_fit_folder(service.storage.folders.fit(fits["supine"]))
+    goal = read_fit_folder(service.storage.files.fit(fits["supine"]))
     assert drawing["unit"] == goal.unit
     target = ScanTarget(goal.surface.vertices, goal.surface.faces)
     for shape in drawing["shapes"]:
@@ -78,11 +78,11 @@ def test_a_drawing_of_the_caller_comes_back_in_the_other_scans_unit(
     real: tuple[Service, FlaskClient, dict[str, str]],
 ) -> None:
     service, client, fits = real
-    nipple = read_fit_folder(service.storage.folders.fit(fits["standing"])).landmarks["nipple_L"]
+    nipple = read_fit_folder(service.storage.files.fit(fits["standing"])).landmarks["nipple_L"]
     drawing = {"unit": "mm", "shapes": [{"name": "here", "points": [list(1e3 * nipple)]}]}
     wish = {"from_fit": fits["standing"], "to_fit": fits["supine"], "drawing": drawing}
     (shape,) = client.post("/api/transfers", json=wish).json["shapes"]
-    goal = read_fit_folder(service.storage.folders.fit(fits["supine"]))
+    goal = read_fit_folder(service.storage.files.fit(fits["supine"]))
     assert len(shape["points"]) == 1
     there = goal.metres_per_unit * np.array(shape["points"][0])
     assert np.linalg.norm(there - goal.landmarks["nipple_L"]) < 6e-3
@@ -93,7 +93,7 @@ def test_what_a_fit_left_may_be_sent_as_it_is_and_a_carried_drawing_sent_back(
     real: tuple[Service, FlaskClient, dict[str, str]],
 ) -> None:
     service, client, fits = real
-    left = json.loads((service.storage.folders.fit(fits["standing"]) / "drawing.json").read_text())
+    left = json.loads((service.storage.files.fit(fits["standing"]) / "drawing.json").read_text())
     wish = {"from_fit": fits["standing"], "to_fit": fits["supine"]}
     there = client.post("/api/transfers", json=wish | {"drawing": left}).json
     assert there == client.post("/api/transfers", json=wish).json
@@ -109,7 +109,7 @@ def test_a_polyline_stays_what_it_is_from_fit_to_file_to_api_to_transfer_to_repo
 ) -> None:
     service, client, fits = real
     folder = tmp_path / "fit"
-    shutil.copytree(service.storage.folders.fit(fits["standing"]), folder)
+    shutil.copytree(service.storage.files.fit(fits["standing"]), folder)
     fit = read_fit_folder(folder)
     written = json.loads((folder / "drawing.json").read_text())
     for number, shape in enumerate(written["shapes"]):
@@ -206,12 +206,12 @@ def test_a_whole_plan_is_carried_and_nothing_of_it_is_made_anew_on_the_other_bod
     scans = {name: client.get(f"/api/fits/{fit}").json["scan"] for name, fit in fits.items()}
     standing = client.get(f"/api/scans/{scans['standing']}").json
     client.put(f"/api/scans/{scans['supine']}/patient", json={"patient": standing["patient"]})
-    marks = read_fit_folder(service.storage.folders.fit(fits["standing"])).landmarks
+    marks = read_fit_folder(service.storage.files.fit(fits["standing"])).landmarks
     nipple = marks["nipple_L"]
     outwards = nipple - np.mean(list(marks.values()), axis=0)
     guessed = list(1e3 * (nipple + 0.012 * outwards / np.linalg.norm(outwards)))  # ink over a hole: nothing is there
     place, tumour_place = list(1e3 * nipple), {"side": "L", "clock": 10.0, "distance_mm": 45.0, "radius_mm": 12.0}
-    there = list(1e3 * read_fit_folder(service.storage.folders.fit(fits["supine"])).landmarks["nipple_R"])
+    there = list(1e3 * read_fit_folder(service.storage.files.fit(fits["supine"])).landmarks["nipple_R"])
     items = [
         {"kind": "tumour", "id": "t", "scan": scans["standing"], **tumour_place, "depth_mm": 20.0},
         {"kind": "pattern", "id": "p", "scan": scans["standing"], "name": "reduction", "parameters": {"side": "L"}},

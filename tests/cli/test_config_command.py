@@ -116,40 +116,16 @@ def test_purge_looks_where_serve_would(tmp_path: Path, monkeypatch: pytest.Monke
     assert f"no BreastRig data folder at {tmp_path / 'elsewhere'}" in capsys.readouterr().err
 
 
-def test_the_password_of_the_database_is_shown_nowhere(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    for url, shown in (
-        ("postgresql://me:geheim@host:5432/rig", "postgresql://me:***@host:5432/rig"),
-        ("postgresql://me:ge@heim:geheim@host/rig", "postgresql://me:***@host/rig"),
-        ("postgresql://host/rig?user=me&password=geheim", "postgresql://host/rig?user=me&password=***"),
-        ("postgresql://host/rig", "postgresql://host/rig"),
-    ):
-        monkeypatch.setenv("BREASTRIG_DATABASE", url)
-        assert lines(capsys)["database"] == (shown, "environment BREASTRIG_DATABASE")
-    for wrong in ("mysql://me:geheim@host/rig", "me:geheim@host"):
-        monkeypatch.setenv("BREASTRIG_DATABASE", wrong)
-        assert main(["config"]) == 2
-        said = capsys.readouterr().err
-        assert "is no database; use a URL such as postgresql://USER@HOST/NAME." in said
-        assert "geheim" not in said
-
-
-def test_where_things_are_and_who_works_can_be_set(capsys: pytest.CaptureFixture[str]) -> None:
-    found = lines(capsys, "--files", "s3://bucket/prefix/", "--scheduler", "tcp://host:8786")
-    assert found["files"] == ("s3://bucket/prefix", "option --files")
+def test_who_works_can_be_set(capsys: pytest.CaptureFixture[str]) -> None:
+    found = lines(capsys, "--scheduler", "tcp://host:8786")
     assert found["scheduler"] == ("tcp://host:8786", "option --scheduler")
     found = lines(capsys)
-    assert found["database"][0] == "SQLite in the data folder"
-    assert found["files"][0] == "in the data folder"
     assert found["scheduler"][0] == "none: local processes"
 
 
 @pytest.mark.parametrize(
     ("option", "value", "sentence"),
     [
-        ("--files", "/a/folder", "is no store of files"),
-        ("--files", "s3://key:geheim@bucket", "holds credentials"),
         ("--scheduler", "host", "is no address of a scheduler"),
     ],
 )

@@ -109,7 +109,7 @@ LISTED = {  # why they are not run here, or the test that runs them
     ],
     "tests/scale": [
         "breastrig worker tcp://SCHEDULER:8786",
-        "breastrig serve --database postgresql://... --files s3://bucket/prefix --scheduler tcp://SCHEDULER:8786",
+        "breastrig serve --scheduler tcp://127.0.0.1:8786",
         "breastrig batch manifest.csv -o results/ --scheduler tcp://SCHEDULER:8786",
     ],
     "the name of a command in a sentence": [

@@ -25,7 +25,7 @@ def test_every_program_of_the_parts_is_looked_for_before_they_start(repository: 
     before, recipe = _rule(makefile, "test")
     parts = re.findall(r"\w+", recipe.split("$(MAKE)")[1])
     needed = {script for part in parts for script in re.findall(r"sh (\.ci/\S+\.sh)", _rule(makefile, part)[1])}
-    assert {".ci/chromium.sh", ".ci/postgres.sh", ".ci/nginx.sh"} <= needed
+    assert {".ci/chromium.sh", ".ci/nginx.sh"} <= needed
     assert "programs" in before
     assert needed <= set(re.findall(r"sh (\.ci/\S+\.sh)", _rule(makefile, "programs")[1]))
 

@@ -14,7 +14,6 @@ from breastrig.api.config import Config
 from breastrig.execution.limits import FitLimits
 from breastrig.service.fits.fit_worker import Runner
 from breastrig.service.service import Service
-from breastrig.storage.location import Location
 from breastrig.storage.storage import Storage
 from helpers import fake_fit, fake_proposals
 from helpers.installations import Installation
@@ -33,17 +32,17 @@ class Running:
 
     service: Service
     client: FlaskClient
-    location: Location
+    root: Path
     installation: Installation
 
 
 @contextmanager
 def serving(
-    installation: Installation, location: Location, model: Path, runner: Runner = fake_fit.mostly_patient
+    installation: Installation, root: Path, model: Path, runner: Runner = fake_fit.mostly_patient
 ) -> Iterator[Running]:
     """A service on that place, which is left as it is at the end."""
     service = Service(
-        Storage(location),
+        Storage(root),
         runner=runner,
         pair_runner=fake_fit.mostly_patient_pair,
         proposer=fake_proposals.at_the_nipple,
@@ -55,4 +54,4 @@ def serving(
     with service.started():
         app = create_app(Config(model=model, heartbeat_s=0.05), service)
         app.test_client_class = Client
-        yield Running(service, app.test_client(), location, installation)
+        yield Running(service, app.test_client(), root, installation)

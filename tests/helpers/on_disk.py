@@ -28,3 +28,8 @@ def overwrite(file: Path, first: int, last: int) -> None:
     """Damages a file of a database that is open, from a byte to before another."""
     write = f"file = open({str(file)!r}, 'r+b'); file.seek({first}); file.write(b'\\xa5' * {last - first})"
     subprocess.run([sys.executable, "-c", write], check=True)
+
+
+def kept_below(root: Path) -> bytes:
+    """Everything that is kept, names and contents."""
+    return b" ".join(str(path).encode() for path in root.rglob("*")) + bytes_below(root)

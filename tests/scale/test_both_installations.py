@@ -1,4 +1,4 @@
-"""What the service promises, on one machine with SQLite and on many with PostgreSQL, S3 and Dask: the same tests."""
+"""What the service promises, with processes of its own and with a Dask cluster on its machine: the same tests."""
 
 import errno
 import fcntl
@@ -8,7 +8,6 @@ import os
 import signal
 import tempfile
 from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,7 @@ import pytest
 from helpers import fake_fit
 from helpers.installations import Large
 from helpers.installed_service import Running, serving
+from helpers.on_disk import kept_below
 from helpers.problems import problem
 from helpers.waiting import ended, stored_events, until
 from sqlalchemy import select
@@ -75,7 +75,7 @@ def test_an_upload_is_read_and_can_be_looked_at(running: Running, scan: dict[str
     assert (mesh.status_code, mesh.data[:4], mesh.content_length) == (200, b"glTF", len(mesh.data))
     bad = running.client.post("/api/scans", data={"file": (io.BytesIO(b"no scan"), "x.ply")})
     assert bad.status_code == 422
-    kept = running.installation.kept(running.location)
+    kept = kept_below(running.root)
     assert torso not in kept  # a file of our own is, with the same triangles and no words
     assert b"faces.npy" in kept
     assert b"a name of a patient" not in kept
@@ -165,7 +165,7 @@ def test_the_same_request_again_starts_no_second_fit(running: Running, scan: dic
 def test_a_share_opens_until_it_is_revoked(running: Running, scan: dict[str, Any], done: dict[str, Any]) -> None:
     share = running.client.post(done["links"]["shares"], json={"scan": "full"}).json
     token = share["url"].removeprefix("/s#")
-    assert token.encode() not in running.installation.kept(running.location)
+    assert token.encode() not in kept_below(running.root)
     visitor = running.client.application.test_client()
     shown = visitor.post("/api/shared/open", json={"token": token}).json
     assert visitor.get(shown["links"]["result"]).json == running.client.get(done["links"]["result"]).json
@@ -192,7 +192,7 @@ def test_files_that_cannot_be_reached_for_now_give_503(
     running: Running, done: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def gone(*_asked: object) -> None:
-        raise OSError(errno.EIO, "the store of files does not answer")
+        raise OSError(errno.EIO, "the disk does not answer")
 
     monkeypatch.setattr(running.service.storage.files, "find", gone)
     answer = running.client.get(done["links"]["result"])
@@ -208,7 +208,7 @@ def test_deleting_leaves_nothing_of_a_finished_and_a_running_fit(running: Runnin
     busy = [asked(running, scan, preset="paper") for _ in range(3)]
     until(lambda: running.client.get(busy[1]["links"]["self"]).json["iterations"] > 1, "a running fit")
     assert running.client.delete(scan["links"]["self"]).status_code == 204
-    kept = running.installation.kept(running.location)
+    kept = kept_below(running.root)
     for name in (scan["id"], done["id"], *(fit["id"] for fit in busy)):
         assert name.encode() not in kept
     for links in (scan["links"]["mesh"], done["links"]["result"], busy[0]["links"]["self"]):
@@ -222,19 +222,18 @@ def test_deleting_leaves_nothing_of_a_finished_and_a_running_fit(running: Runnin
 
 
 def test_after_a_restart_every_fit_goes_on(installation, model: Path, torso: bytes, tmp_path: Path) -> None:
-    location = installation.location(tmp_path)
-    with serving(installation, location, model, fake_fit.unhurried) as running:
+    with serving(installation, tmp_path / "data", model, fake_fit.unhurried) as running:
         scan = uploaded(running, torso)
         fits = [asked(running, scan) for _ in range(3)]
         until(lambda: running.client.get(fits[1]["links"]["self"]).json["iterations"] > 0, "a running fit")
-    with serving(installation, location, model) as running:
+    with serving(installation, tmp_path / "data", model) as running:
         assert {ended(running.service, fit["id"]).state for fit in fits} == {"done"}
         assert all(kinds(running, fit) == KINDS for fit in fits)
         assert running.client.get(fits[0]["links"]["result"]).status_code == 200
 
 
-def test_a_second_server_on_the_same_place_is_refused(running: Running, tmp_path: Path) -> None:
-    elsewhere = Storage(replace(running.location, root=tmp_path) if running.location.database else running.location)
+def test_a_second_server_on_the_same_place_is_refused(running: Running) -> None:
+    elsewhere = Storage(running.root)
     with pytest.raises(BadSettings, match="Another BreastRig server uses"), elsewhere.exclusive():
         pass
     elsewhere.close()
@@ -242,8 +241,7 @@ def test_a_second_server_on_the_same_place_is_refused(running: Running, tmp_path
 
 def test_a_real_fit_and_all_that_is_made_of_it(large: Large, tmp_path: Path) -> None:
     """On one machine tests/api does the same, and more."""
-    location = large.location(tmp_path)
-    with serving(large, location, default_rig_path(), run_fit) as running:
+    with serving(large, tmp_path / "data", default_rig_path(), run_fit) as running:
         scan = running.client.post("/api/examples/standing").json
         fit = asked(running, scan, landmarks=scan["example_landmarks"]["landmarks"], drawing="lumpectomy")
         assert ended(running.service, fit["id"]).state == "done"
@@ -251,7 +249,7 @@ def test_a_real_fit_and_all_that_is_made_of_it(large: Large, tmp_path: Path) -> 
         assert result["surface_distance_mm"]["mean"] < 3.0
         report = running.client.get(fit["links"]["report"]).data
         assert report.startswith(b"%PDF")
-        assert report not in large.kept(location)  # it is kept in memory only
+        assert report not in kept_below(running.root)  # it is kept in memory only
         assert running.client.get(fit["links"]["report"]).data == report
         wish = {"from_fit": fit["id"], "to_fit": fit["id"]}
         assert running.client.post("/api/transfers", json=wish).status_code == 201
@@ -262,9 +260,8 @@ def test_when_a_worker_of_the_cluster_is_killed_every_fit_is_executed_once(
     large: Large, model: Path, torso: bytes, tmp_path: Path
 ) -> None:
     # The last test: it leaves the cluster with one worker.
-    location = large.location(tmp_path)
     killed, kept = large.cluster.workers
-    with serving(large, location, model, fake_fit.unhurried_or_slow) as running:
+    with serving(large, tmp_path / "data", model, fake_fit.unhurried_or_slow) as running:
         scan = uploaded(running, torso)
         fits = [asked(running, scan, preset="paper") for _ in range(2)]
         fits += [asked(running, scan) for _ in range(4)]

@@ -31,8 +31,8 @@ def storage(tmp_path: Path) -> Iterator[Storage]:
 @pytest.fixture
 def scan_id(storage: Storage) -> str:
     scan_id = new_id()
-    storage.folders.make(f"scans/{scan_id}")
-    (storage.folders.scan(scan_id) / "scan.ply").write_bytes(b"ply")
+    storage.files.make(f"scans/{scan_id}")
+    (storage.files.scan(scan_id) / "scan.ply").write_bytes(b"ply")
     add_scan(storage, ScanRow(scan_id, utc_now(), "ply", "ab" * 32, FACTS))
     return scan_id
 

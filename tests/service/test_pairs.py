@@ -21,7 +21,7 @@ FACTS = {"unit": "mm", "bounds_m": {"min": [0, 0, 0], "max": [1, 1, 1]}}
 @pytest.fixture
 def other_scan(storage: Storage) -> str:
     scan_id = new_id()
-    storage.folders.make(f"scans/{scan_id}")
+    storage.files.make(f"scans/{scan_id}")
     add_scan(storage, ScanRow(scan_id, utc_now(), "ply", "cd" * 32, FACTS))
     return scan_id
 
@@ -44,7 +44,7 @@ def test_both_fits_are_recorded_by_one_job(serving, scan_id: str, other_scan: st
             assert kinds(service, each) == ["started", *["iterated"] * 4, "done"]
             fit = get_fit(service.storage, each)
             assert (fit.state, fit.partner, fit.scan) == ("done", partner, scan)
-            assert (service.storage.folders.fit(each) / "result.json").is_file()
+            assert (service.storage.files.fit(each) / "result.json").is_file()
 
 
 def test_many_pairs_and_single_fits_all_run(serving, scan_id: str, other_scan: str) -> None:
@@ -78,7 +78,7 @@ def test_cancelling_one_cancels_both_and_kills_the_process(serving, scan_id: str
         for each in pair:
             assert get_fit(service.storage, each).state == "cancelled"
             assert events_after(service.storage, each, 0)[-1].kind == "cancelled"
-            assert service.storage.folders.wait_until_free(each, 5.0)
+            assert service.storage.files.wait_until_free(each, 5.0)
 
 
 @pytest.mark.slow
@@ -94,7 +94,7 @@ def test_deleting_one_scan_stops_the_pair_and_leaves_no_trace_of_it_at_the_other
             get_fit(service.storage, pair[which])
         left = get_fit(service.storage, pair[1 - which])
         assert (left.state, left.reason, left.partner) == ("cancelled", "The other stance's scan was deleted.", None)
-        assert service.storage.folders.wait_until_free(left.id, 5.0)
+        assert service.storage.files.wait_until_free(left.id, 5.0)
 
 
 def test_deleting_one_scan_keeps_the_others_finished_result(serving, scan_id: str, other_scan: str) -> None:
@@ -114,7 +114,7 @@ def test_after_a_restart_waiting_and_running_pairs_come_to_their_ends(
     interrupted, waiting = ("a", "b"), ("c", "d")
     for pair in (interrupted, waiting):
         for each in pair:
-            storage.folders.make(f"fits/{each}")
+            storage.files.make(f"fits/{each}")
         add_waiting_pair(storage, scan_id, other_scan, pair)
     claimed = claim_fit(storage, "a")
     assert claimed is not None
@@ -133,10 +133,10 @@ def test_after_a_restart_the_partner_of_a_finished_fit_is_finished_and_the_finis
 ) -> None:
     pair = ("a", "b")
     for each in pair:
-        storage.folders.make(f"fits/{each}")
+        storage.files.make(f"fits/{each}")
     add_waiting_pair(storage, scan_id, other_scan, pair)
     claim_fit(storage, "a")
-    (storage.folders.fit(pair[done]) / "result.json").write_text("as it was")
+    (storage.files.fit(pair[done]) / "result.json").write_text("as it was")
     append(storage, pair[done], {"kind": "done", "result": {}})
     with serving(fake_fit.quick) as service:
         assert [event.kind for event in stored_events(service, pair[1 - done])] == [
@@ -145,5 +145,5 @@ def test_after_a_restart_the_partner_of_a_finished_fit_is_finished_and_the_finis
             "done",
         ]
         assert kinds(service, pair[done]) == ["done"]
-        assert (storage.folders.fit(pair[done]) / "result.json").read_text() == "as it was"
-        assert (storage.folders.fit(pair[1 - done]) / "result.json").is_file()
+        assert (storage.files.fit(pair[done]) / "result.json").read_text() == "as it was"
+        assert (storage.files.fit(pair[1 - done]) / "result.json").is_file()

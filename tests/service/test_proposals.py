@@ -37,13 +37,13 @@ FOUND = {
 
 
 def times_made(storage: Storage, scan_id: str) -> int:
-    return len((storage.folders.scan(scan_id) / "proposed").read_text().splitlines())
+    return len((storage.files.scan(scan_id) / "proposed").read_text().splitlines())
 
 
 @contextmanager
 def held(storage: Storage, scan_id: str) -> Iterator[None]:
     """Searches on the scan do not end before this does."""
-    file = storage.folders.scan(scan_id) / "held"
+    file = storage.files.scan(scan_id) / "held"
     file.touch()
     yield
     file.unlink()

@@ -13,7 +13,6 @@ from breastrig.core.errors import Conflict, NotFound
 from breastrig.service.events.event_writer import OTHER_MODEL, event_json
 from breastrig.service.fits import queue
 from breastrig.service.fits.fit_worker import TOO_OFTEN, UNSEEN, fit_job
-from breastrig.storage.location import Location
 from breastrig.storage.rows.events import append, events_after
 from breastrig.storage.rows.fits import claim_fit, get_fit
 from breastrig.storage.rows.scans import get_scan
@@ -30,7 +29,7 @@ def test_a_fit_stores_its_events_in_order_and_leaves_its_files(serving, scan_id:
         assert [event.kind for event in events] == ["started", *["iterated"] * 4, "done"]
         assert [event.number for event in events] == [1, 2, 3, 4, 5, 6]
         assert get_fit(service.storage, fit_id).state == "done"
-        assert (service.storage.folders.fit(fit_id) / "result.json").is_file()
+        assert (service.storage.files.fit(fit_id) / "result.json").is_file()
         assert stored_events(service, fit_id) == events
         assert stored_events(service, fit_id, after=4) == events[4:]
 
@@ -66,7 +65,7 @@ def test_cancelling_a_running_fit_kills_its_process(serving, scan_id: str) -> No
         fit_id = ask_for_fit(service, scan_id)
         until(lambda: get_fit(service.storage, fit_id).iterations > 1, "some iterations")
         assert service.cancel_fit(fit_id).state == "cancelled"
-        assert service.storage.folders.wait_until_free(fit_id, 5.0)
+        assert service.storage.files.wait_until_free(fit_id, 5.0)
         events = events_after(service.storage, fit_id, 0)
         assert events[-1].kind == "cancelled"
         assert service.cancel_fit(fit_id).state == "cancelled"
@@ -105,7 +104,7 @@ KINDS = ["started", *["iterated"] * 4, "done"]
 
 def begun(storage: Storage, scan_id: str, fit_id: str, events: int, attempts: int = 1) -> None:
     """A fit of fake_fit.quick that was left after so many events of its own."""
-    storage.folders.make(f"fits/{fit_id}")
+    storage.files.make(f"fits/{fit_id}")
     add_waiting_fit(storage, scan_id, fit_id)
     for _ in range(attempts):
         claimed = claim_fit(storage, fit_id)
@@ -130,12 +129,12 @@ def test_after_a_restart_a_fit_goes_on_with_its_events_where_it_stopped(
         assert [json.loads(event.json)["iteration"] for event in events[1:-1]] == [0, 1, 2, 3]
         fit = get_fit(service.storage, "interrupted")
         assert (fit.state, fit.attempt, fit.iterations) == ("done", 2, 4)
-        assert (service.storage.folders.fit("interrupted") / "result.json").is_file()
+        assert (service.storage.files.fit("interrupted") / "result.json").is_file()
 
 
 def test_after_a_restart_what_ran_comes_before_what_waited(serving, storage: Storage, scan_id: str) -> None:
     begun(storage, scan_id, "interrupted", 2)
-    storage.folders.make("fits/waiting")
+    storage.files.make("fits/waiting")
     add_waiting_fit(storage, scan_id, "waiting")
     with serving(fake_fit.quick, workers=1) as service:
         assert ended(service, "waiting").state == "done"
@@ -171,7 +170,7 @@ def test_a_worker_that_does_not_see_the_data_says_so_and_makes_none_up(
     serving, scan_id: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with serving(fake_fit.quick) as service:
-        monkeypatch.setattr(service.storage, "location", Location(tmp_path / "elsewhere"))
+        monkeypatch.setattr(service.storage, "root", tmp_path / "elsewhere")
         fit = ended(service, ask_for_fit(service, scan_id))
         assert (fit.state, fit.reason) == ("failed", UNSEEN)
     assert not (tmp_path / "elsewhere").exists()

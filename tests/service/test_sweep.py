@@ -25,11 +25,11 @@ AGES_DAYS = {"new": 0.0, "nearly": 29.9, "old": 30.1, "very_old": 400.0}
 def aged(storage: Storage) -> Storage:
     """Scans of several ages, each with a fit and files."""
     for scan_id, age in AGES_DAYS.items():
-        storage.folders.make(f"scans/{scan_id}")
-        (storage.folders.scan(scan_id) / "scan.ply").write_bytes(f"skin of {scan_id}".encode())
+        storage.files.make(f"scans/{scan_id}")
+        (storage.files.scan(scan_id) / "scan.ply").write_bytes(f"skin of {scan_id}".encode())
         add_scan(storage, ScanRow(scan_id, iso_utc(datetime.now(UTC) - timedelta(days=age)), "ply", "ab" * 32, FACTS))
-        storage.folders.make(f"fits/fit_of_{scan_id}")
-        (storage.folders.fit(f"fit_of_{scan_id}") / "result.json").write_text(f"result of {scan_id}")
+        storage.files.make(f"fits/fit_of_{scan_id}")
+        (storage.files.fit(f"fit_of_{scan_id}") / "result.json").write_text(f"result of {scan_id}")
         add_waiting_fit(storage, scan_id, f"fit_of_{scan_id}")
     return storage
 
@@ -181,7 +181,7 @@ def test_a_running_server_deletes_what_is_older_than_it_keeps(aged: Storage) -> 
         until(lambda: not list((aged.root / "rubbish").iterdir()), "the end of the sweep")
     for trace in ("very_old", "fit_of_old", "skin of old", "result of old"):
         assert trace not in names_left(aged.root)
-    assert (aged.folders.scan("new") / "scan.ply").is_file()
+    assert (aged.files.scan("new") / "scan.ply").is_file()
 
 
 def test_a_server_that_keeps_forever_deletes_nothing(aged: Storage) -> None:

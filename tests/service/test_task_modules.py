@@ -6,14 +6,14 @@ from importlib.util import find_spec
 from pkgutil import resolve_name
 
 from breastrig.service.fits import fit_worker
-from breastrig.service.task_modules import REMOTE_MODULES, TASK_MODULES
+from breastrig.service.task_modules import TASK_MODULES
 from breastrig.workflow import tasks
 
 LATE = {name: each for name, each in vars(tasks).items() if isinstance(each, partial)}
 
 
 def test_every_named_module_is_there() -> None:
-    assert [name for name in (*TASK_MODULES, *REMOTE_MODULES) if find_spec(name) is None] == []
+    assert [name for name in TASK_MODULES if find_spec(name) is None] == []
 
 
 def test_every_task_of_the_service_is_in_a_named_module() -> None:

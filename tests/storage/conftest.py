@@ -22,7 +22,7 @@ def storage(tmp_path: Path) -> Iterator[Storage]:
 
 @pytest.fixture
 def scan_id(storage: Storage) -> str:
-    storage.folders.make("scans/scan-1")
+    storage.files.make("scans/scan-1")
     add_scan(storage, ScanRow("scan-1", "2026-01-01T00:00:00.000Z", "ply", "ab" * 32, FACTS))
     return "scan-1"
 

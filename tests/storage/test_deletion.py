@@ -35,12 +35,12 @@ WRITES = re.compile("INSERT|UPDATE|DELETE")
 def full(storage: Storage) -> Storage:
     """A scan with several fits and a link to one, files of all, and another scan."""
     for scan in ("scan-1", "scan-2"):
-        storage.folders.make(f"scans/{scan}")
-        (storage.folders.scan(scan) / "scan.ply").write_bytes(f"skin of {scan}".encode())
+        storage.files.make(f"scans/{scan}")
+        (storage.files.scan(scan) / "scan.ply").write_bytes(f"skin of {scan}".encode())
         add_scan(storage, ScanRow(scan, "2026-01-01T00:00:00.000Z", "ply", "ab" * 32, {}))
     for fit in FITS:
         storage.make_fit(fit)
-        (storage.folders.fit(fit) / "result.json").write_text(f"result of {fit}")
+        (storage.files.fit(fit) / "result.json").write_text(f"result of {fit}")
         add_waiting_fit(storage, "scan-1", fit)
     storage.files.make(share_place("shown"))
     storage.files.write(share_place("shown"), "plan.json", b"seen through a link")
@@ -68,7 +68,7 @@ def assert_gone(storage: Storage) -> None:
     names = " ".join(path.as_posix() for path in storage.root.rglob("*")).encode()
     left = names + bytes_below(storage.root, "[!r]*") + bytes_below(storage.root, "[!r]*/**/*")  # not the reserve
     assert [trace for trace in TRACES if trace in left] == []
-    assert (storage.folders.scan("scan-2") / "scan.ply").read_bytes() == b"skin of scan-2"
+    assert (storage.files.scan("scan-2") / "scan.ply").read_bytes() == b"skin of scan-2"
 
 
 @contextmanager
@@ -91,12 +91,12 @@ def disk_full(statement: str) -> OperationalError:
 
 
 def test_a_full_disk_is_no_obstacle_as_there_is_a_reserve_and_it_is_filled_again(full: Storage) -> None:
-    size = full.folders.reserve.stat().st_size
+    size = full.files.reserve.stat().st_size
     assert size == reserve.BYTES
     refused = []
 
     def act(statement: str, _parameters: object) -> None:
-        if WRITES.match(statement) and full.folders.reserve.stat().st_size > size - 2 * reserve.STEP:
+        if WRITES.match(statement) and full.files.reserve.stat().st_size > size - 2 * reserve.STEP:
             refused.append(statement)
             raise disk_full(statement)
 
@@ -104,11 +104,11 @@ def test_a_full_disk_is_no_obstacle_as_there_is_a_reserve_and_it_is_filled_again
         assert delete_scan(full, "scan-1") == []
     assert len(refused) == 3  # the first of all at once, and two before there was room enough
     assert_gone(full)
-    assert full.folders.reserve.stat().st_size == size
+    assert full.files.reserve.stat().st_size == size
 
 
 def test_without_a_reserve_a_full_disk_deletes_nothing_and_says_so(full: Storage) -> None:
-    os.truncate(full.folders.reserve, 0)
+    os.truncate(full.files.reserve, 0)
 
     def act(statement: str, _parameters: object) -> None:
         if WRITES.match(statement):
@@ -117,7 +117,7 @@ def test_without_a_reserve_a_full_disk_deletes_nothing_and_says_so(full: Storage
     with before_statements(full, act), pytest.raises(OperationalError):
         delete_scan(full, "scan-1")
     assert scan_ids(full) == {"scan-1", "scan-2"}
-    assert (full.folders.scan("scan-1") / "scan.ply").is_file()
+    assert (full.files.scan("scan-1") / "scan.ply").is_file()
     assert delete_scan(full, "scan-1") == []
     assert_gone(full)
 
@@ -149,7 +149,7 @@ def test_rows_too_many_for_the_reserve_are_deleted_in_steps_and_an_interrupted_s
         except Killed:
             assert "scan-1" in scan_ids(full) or count_pending_removals(full)
     if "scan-1" in scan_ids(full) and scan_place("scan-1") not in pending_removals(full):
-        assert (full.folders.scan("scan-1") / "scan.ply").is_file()  # killed before it had begun: all is as it was
+        assert (full.files.scan("scan-1") / "scan.ply").is_file()  # killed before it had begun: all is as it was
         assert fit_ids(full) == set(FITS)
         assert delete_scan(full, "scan-1") == []
     assert finish(full) == []
@@ -216,18 +216,18 @@ def test_what_is_being_made_is_not_removed_with_what_was_not_kept(full: Storage)
     for fit in ("refused", "kept"):
         full.make_fit(fit)
     discard(full, "scan-2", fit_place("refused"))
-    assert not full.folders.fit("refused").exists()
-    assert full.folders.fit("kept").is_dir()
+    assert not full.files.fit("refused").exists()
+    assert full.files.fit("kept").is_dir()
     add_waiting_fit(full, "scan-2", "kept")
     assert finish_deletions(full) == []
-    assert full.folders.fit("kept").is_dir()
+    assert full.files.fit("kept").is_dir()
 
 
 def test_what_is_being_made_of_a_scan_that_is_deleted_is_removed(full: Storage) -> None:
     record_creation(full, "scan-1", [fit_place("asked")])
     full.make_fit("asked")
     assert delete_scan(full, "scan-1") == []
-    assert not full.folders.fit("asked").exists()
+    assert not full.files.fit("asked").exists()
     assert_gone(full)
 
 

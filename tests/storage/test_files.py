@@ -1,73 +1,54 @@
-"""Files on the disk and in a store: the rest of the program cannot tell which.
+"""Files of scans and fits in the data folder."""
 
-The store is a folder that fsspec takes for one; what only S3 does is tried in tests/scale.
-"""
-
-import errno
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from breastrig.core import scratch
-from breastrig.core.errors import BadSettings
 from breastrig.storage.deletion import delete_rows, finish_deletions
 from breastrig.storage.file_journal import pending_removals, record_creation
-from breastrig.storage.files import Files, fit_place, scan_place
-from breastrig.storage.location import Location
+from breastrig.storage.files import fit_place, scan_place
+from breastrig.storage.folders import Folders
 from breastrig.storage.rows.scans import ScanRow, add_scan, get_scan
 from breastrig.storage.storage import Storage
-from breastrig.storage.store_files import StoreFiles
 
 
-@pytest.fixture(autouse=True)
-def own_scratch(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
-    """A place for scratch folders that no other test uses."""
-    monkeypatch.setattr(scratch.tempfile, "gettempdir", lambda: str(tmp_path))
-    return tmp_path / f"breastrig-{scratch.os.getuid()}"
-
-
-@pytest.fixture(params=["disk", "store"])
-def storage(request: pytest.FixtureRequest, tmp_path: Path) -> Storage:
-    files = None if request.param == "disk" else f"file://{tmp_path}/store/below"
-    storage = Storage(Location(tmp_path / "data", files=files))
+@pytest.fixture
+def storage(tmp_path: Path) -> Iterator[Storage]:
+    storage = Storage(tmp_path / "data")
     storage.prepare()
     yield storage
     storage.close()
 
 
 @pytest.fixture
-def files(storage: Storage) -> Files:
+def files(storage: Storage) -> Folders:
     return storage.files
 
 
-def keep(files: Files, place: str, **content: bytes) -> None:
+def keep(files: Folders, place: str, **content: bytes) -> None:
     files.make(place)
-    with files.writing(place) as draft:
-        for name, one in content.items():
-            (draft.folder / name).write_bytes(one)
-        draft.keep()
+    for name, one in content.items():
+        (files.folder(place) / name).write_bytes(one)
 
 
-def test_what_was_kept_is_found_and_read(files: Files) -> None:
+def test_what_was_kept_is_found_and_read(files: Folders) -> None:
     keep(files, scan_place("a"), first=b"one", second=b"")
     found = files.find(scan_place("a"), "first")
     assert found is not None
     with found.open() as file:
         assert (file.seek(1), file.read(), found.size) == (1, b"ne", 3)
-    with files.reading(scan_place("a")) as folder:
-        assert {path.name: path.read_bytes() for path in folder.iterdir()} == {"first": b"one", "second": b""}
-    with files.reading(scan_place("a"), ["first", "third"]) as folder:
-        assert (folder / "first").read_bytes() == b"one"
-        assert not (folder / "third").exists()
+    folder = files.folder(scan_place("a"))
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == {"first": b"one", "second": b""}
 
 
-def test_what_is_not_there_is_not_found(files: Files) -> None:
+def test_what_is_not_there_is_not_found(files: Folders) -> None:
     assert files.find(fit_place("nobody"), "result.json") is None
     keep(files, fit_place("a"), first=b"one")
     assert files.find(fit_place("a"), "second") is None
 
 
-def test_another_content_has_another_etag(files: Files) -> None:
+def test_another_content_has_another_etag(files: Folders) -> None:
     keep(files, fit_place("a"), first=b"one")
     etags = []
     for content in (b"two", b"four", b"five"):
@@ -80,7 +61,7 @@ def test_another_content_has_another_etag(files: Files) -> None:
     assert len(set(etags)) == 3
 
 
-def test_removing_leaves_nothing_and_twice_is_no_error(files: Files, tmp_path: Path) -> None:
+def test_removing_leaves_nothing_and_twice_is_no_error(files: Folders, tmp_path: Path) -> None:
     keep(files, scan_place("a"), first=b"skin of a")
     keep(files, scan_place("b"), first=b"skin of b")
     for place in (scan_place("a"), scan_place("a"), fit_place("nobody")):
@@ -124,30 +105,7 @@ def test_what_a_killed_server_was_making_or_removing_is_removed_at_the_next_star
     assert not caplog.records
 
 
-def test_a_draft_that_is_not_kept_is_not_in_the_store(tmp_path: Path, own_scratch: Path) -> None:
-    files = StoreFiles(f"file://{tmp_path}/store")
-    with files.writing(fit_place("a")) as draft:
-        (draft.folder / "first").write_bytes(b"one")
-        assert files.find(fit_place("a"), "first") is None
-    assert files.find(fit_place("a"), "first") is None
-    with files.writing(fit_place("a")) as draft:
-        (draft.folder / "first").write_bytes(b"one")
-        draft.keep()
-        draft.take_back()
-    assert files.find(fit_place("a"), "first") is None
-    assert list(own_scratch.iterdir()) == []
-
-
-def test_on_the_disk_nothing_is_copied(tmp_path: Path) -> None:
-    storage = Storage(tmp_path / "data")
-    storage.prepare()
-    storage.make_fit("a")
-    with storage.files.writing(fit_place("a")) as draft, storage.files.reading(fit_place("a")) as folder:
-        assert draft.folder == folder == storage.folders.fit("a")
-    storage.close()
-
-
-def test_the_way_to_the_server_is_the_same_whatever_the_files_are(storage: Storage) -> None:
+def test_a_fit_is_held_by_one_and_waited_for(storage: Storage) -> None:
     add_scan(storage, ScanRow("scan-1", "2026-01-01T00:00:00.000Z", "ply", "ab" * 32, {}))
     storage.make_fit("fit-1")
     with storage.held("fit-1"):
@@ -155,43 +113,3 @@ def test_the_way_to_the_server_is_the_same_whatever_the_files_are(storage: Stora
     assert storage.wait_until_free("fit-1", 0.02)
     storage.remove(fit_place("fit-1"))
     assert storage.wait_until_free("fit-1", 0.02)
-
-
-@pytest.mark.parametrize(
-    ("url", "sentence"),
-    [
-        ("nosuch://bucket/prefix", "Protocol not known: nosuch"),
-        ("file:///proc/nothing/here", "The files at file:///proc/nothing/here cannot be reached"),
-    ],
-)
-def test_a_store_that_is_none_gives_a_sentence(url: str, sentence: str, tmp_path: Path) -> None:
-    with pytest.raises(BadSettings, match=sentence) as refused:
-        Storage(Location(tmp_path / "data", files=url)).prepare()
-    assert "\n" not in str(refused.value)
-
-
-def test_without_fsspec_the_sentence_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "fsspec.core", None)
-    with pytest.raises(BadSettings, match=r"pip install 'breastrig\[s3\]'"):
-        StoreFiles("s3://bucket/prefix")
-
-
-def test_a_store_that_does_not_answer_is_an_error_of_the_system(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def silent(*_asked: object, **_more: object) -> None:
-        raise RuntimeError("some library's own error")
-
-    files = StoreFiles(f"file://{tmp_path}/store")
-    for verb in ("info", "pipe_file", "find", "rm", "ls"):
-        monkeypatch.setattr(files._fs, verb, silent)
-    for act in (
-        lambda: files.find(fit_place("a"), "b"),
-        lambda: files.write(fit_place("a"), "b", b""),
-        lambda: files.reading(fit_place("a")).__enter__(),
-        lambda: files.remove(fit_place("a")),
-        files.is_empty,
-    ):
-        with pytest.raises(OSError, match=r"does not answer \(RuntimeError\)") as error:
-            act()
-        assert error.value.errno == errno.EIO

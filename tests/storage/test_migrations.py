@@ -18,7 +18,7 @@ from breastrig.core.errors import BadSettings
 from breastrig.core.version import __version__
 from breastrig.storage import schema
 from breastrig.storage.data_folder import SQLITE_FILE
-from breastrig.storage.database import alembic_config, known_revisions
+from breastrig.storage.revisions import alembic_config, known_revisions
 from breastrig.storage.storage import Storage
 
 

@@ -17,7 +17,7 @@ def item(scan: str) -> dict[str, str]:
 
 def add(storage: Storage, scan: str, patient: str | None = None) -> str:
     """The patient that the scan is of."""
-    storage.folders.make(f"scans/{scan}")
+    storage.files.make(f"scans/{scan}")
     facts = {"unit": "mm", "bounds_m": {"min": [0, 0, 0], "max": [1, 1, 1]}}
     add_scan(
         storage,

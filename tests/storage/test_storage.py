@@ -60,7 +60,7 @@ def test_removing_a_folder_touches_nothing_else(storage: Storage, tmp_path: Path
 
 
 def test_a_folder_that_a_process_writes_into_is_waited_for(storage: Storage) -> None:
-    folders = storage.folders
+    folders = storage.files
     folders.make("fits/busy")
     with folders.held("busy"):
         assert not folders.wait_until_free("busy", 0.02)

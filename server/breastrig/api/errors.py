@@ -19,7 +19,7 @@ from werkzeug.exceptions import HTTPException
 
 from breastrig.api.wire.patients import PLAIN
 from breastrig.core import errors
-from breastrig.storage.sqlite import is_damage
+from breastrig.storage.database import is_damage
 from breastrig.storage.storage import Storage
 
 log = logging.getLogger(__name__)

@@ -18,7 +18,6 @@ from breastrig.core.assets import packaged_models
 from breastrig.core.errors import BadSettings, unknown_name
 from breastrig.execution.limits import FitLimits
 from breastrig.service.sweep import KEEP_DAYS
-from breastrig.storage.location import Location
 from breastrig.storage.storage import default_data_folder
 
 PREFIX = "BREASTRIG_"
@@ -38,7 +37,6 @@ class Setting:
     metavar: str | None = None
     none: str = "none"  # how None is shown
     show: Callable[[Any], str] = str  # other values
-    quote: Callable[[str], str] = str  # how text that cannot be used is named in a sentence
 
     def shown(self, value: Any) -> str:
         return self.none if value is None else self.show(value)
@@ -122,27 +120,6 @@ def read_folder(text: str) -> Path:
     return Path(text).expanduser().absolute()
 
 
-def read_database(text: str) -> str:
-    """postgresql://USER:PASSWORD@HOST/NAME, as psycopg knows it."""
-    if not re.fullmatch(r"postgres(ql)?(\+psycopg)?://\S*", text):
-        raise ValueError("is no database; use a URL such as postgresql://USER@HOST/NAME")
-    return text
-
-
-def without_password(url: str) -> str:
-    """The same URL, fit to be shown; also when it is none."""
-    hidden = re.sub(r"(?<=[?&]password=)[^&]*", "***", url)
-    return re.sub(r"(//[^/?#]*?):[^/?#]*@", r"\1:***@", hidden)
-
-
-def read_files(text: str) -> str:
-    if "://" not in text:
-        raise ValueError("is no store of files; use a URL such as s3://BUCKET/PREFIX, or --data for a folder")
-    if "@" in text:
-        raise ValueError("holds credentials; give them to the store's own settings, for S3 AWS_ACCESS_KEY_ID and so on")
-    return text.rstrip("/")
-
-
 def read_scheduler(text: str) -> str:
     if not re.fullmatch(r"[a-z]+://\S+|[^\s:/]+:[0-9]+", text):
         raise ValueError("is no address of a scheduler; use tcp://HOST:8786")
@@ -158,21 +135,6 @@ SETTINGS: dict[str, Setting] = {
     ),
     "port": Setting(read_port, "port to listen on (default 8321; 0: a free one)", lambda: 8321),
     "data": Setting(read_folder, f"where scans and fits are kept (default {SHOWN_DATA})", default_data_folder, "DIR"),
-    "database": Setting(
-        read_database,
-        "keep rows in PostgreSQL: postgresql://USER@HOST/NAME (better in the settings file if it has a password)",
-        metavar="URL",
-        none="SQLite in the data folder",
-        show=without_password,
-        quote=lambda text: without_password(text) if "//" in text else "this",  # it may be a password alone
-    ),
-    "files": Setting(
-        read_files,
-        "keep files in a store: s3://BUCKET/PREFIX",
-        metavar="URL",
-        none="in the data folder",
-        quote=without_password,
-    ),
     "scheduler": Setting(
         read_scheduler,
         "a Dask scheduler, whose workers run the fits (default: processes of this machine)",
@@ -269,7 +231,7 @@ def effective_settings(
         try:
             value = setting.read(str(text))
         except ValueError as error:
-            raise BadSettings(f"{name} ({source}): {setting.quote(str(text)) or 'nothing'} {error}.") from error
+            raise BadSettings(f"{name} ({source}): {text or 'nothing'} {error}.") from error
         found[name] = Found(value, source, setting.shown(value))
     return found
 
@@ -288,11 +250,6 @@ def _read_file(file: Path) -> dict[str, Any]:
         if name not in SETTINGS:
             raise BadSettings(f"{file}: {unknown_name('setting', name, tuple(SETTINGS))}")
     return document
-
-
-def location_of(found: Mapping[str, Found]) -> Location:
-    """Where rows and files are."""
-    return Location(found["data"].value, found["database"].value, found["files"].value)
 
 
 def token_source(found: Mapping[str, Found], environment: Mapping[str, str] = os.environ) -> tuple[str | None, str]:

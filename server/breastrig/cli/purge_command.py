@@ -5,13 +5,12 @@ import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from breastrig.api.settings import read_days, without_password
-from breastrig.cli.service_options import PLACES, add_setting_options, chosen_location
+from breastrig.api.settings import read_days
+from breastrig.cli.service_options import add_setting_options, chosen_data_folder
 from breastrig.core.errors import BadSettings
 from breastrig.service.sweep import overdue
 from breastrig.storage.data_folder import Ownership, ownership_of
 from breastrig.storage.deletion import delete_rows, finish_deletions, remove_files
-from breastrig.storage.location import Location
 from breastrig.storage.rows.scans import scan_ids
 from breastrig.storage.storage import Storage, Unremoved
 
@@ -20,7 +19,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     which = parser.add_mutually_exclusive_group(required=True)
     which.add_argument("--all", action="store_true", help="every scan")
     which.add_argument("--older-than", type=days, metavar="DAYS", help="scans uploaded more than so many days ago")
-    add_setting_options(parser, PLACES)
+    add_setting_options(parser, ["data"])
 
 
 def days(text: str) -> float:
@@ -33,12 +32,12 @@ def days(text: str) -> float:
 
 def run(options: argparse.Namespace) -> int:
     """Deletes for good and says how many; returns 0, or 1 when files could not be removed."""
-    storage = Storage(chosen_location(options))
+    storage = Storage(chosen_data_folder(options))
     try:
         purged = purge(storage, None if options.all else options.older_than)
     finally:
         storage.close()
-    print(f"{_count(purged.scans, 'scan')} deleted from {_place(storage.location)}")
+    print(f"{_count(purged.scans, 'scan')} deleted from {storage.root}")
     for left in purged.left:
         print(f"breastrig: {left.where} cannot be removed ({left.reason})", file=sys.stderr)
     if purged.left:
@@ -54,10 +53,6 @@ def _count(number: int, what: str) -> str:
     return f"{number} {what}{'' if number == 1 else 's'}"
 
 
-def _place(location: Location) -> str:
-    return str(location.root) if location.database is None else without_password(location.database)
-
-
 @dataclass(frozen=True)
 class Purged:
     scans: int  # that were deleted
@@ -69,8 +64,7 @@ def purge(storage: Storage, older_than_days: float | None) -> Purged:
 
     Raises BadSettings when there is no such data folder or a server holds it.
     """
-    rows_here = storage.location.database is None
-    if rows_here and ownership_of(storage.root) is not Ownership.OURS:
+    if ownership_of(storage.root) is not Ownership.OURS:
         raise BadSettings(f"There is no BreastRig data folder at {storage.root}; name it with --data.")
     with storage.exclusive():
         storage.prepare()

@@ -16,7 +16,7 @@ from types import FrameType
 
 from breastrig.api.app import create_app
 from breastrig.api.config import TOKEN_VARIABLE, Config, checked_token
-from breastrig.api.settings import location_of, token_source
+from breastrig.api.settings import token_source
 from breastrig.api.web_server import Server, ServerLimits
 from breastrig.cli.interruption import NUMBERS, raise_if_asked
 from breastrig.cli.service_options import add_service_options, service_settings
@@ -24,9 +24,7 @@ from breastrig.core.log_lines import set_up_logs
 from breastrig.core.notice import RESEARCH_USE_ONLY
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
-from breastrig.execution.worker import preload
 from breastrig.service.service import Service
-from breastrig.service.task_modules import REMOTE_MODULES
 from breastrig.storage.storage import Storage
 from breastrig.workflow.tasks import run_fit, run_pair
 
@@ -34,8 +32,6 @@ from breastrig.workflow.tasks import run_fit, run_pair
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_service_options(parser)
 
-
-SECRETS = (TOKEN_VARIABLE, "BREASTRIG_DATABASE")  # of the environment; the second may hold a password
 
 log = logging.getLogger(__name__)
 
@@ -46,8 +42,7 @@ def run(options: argparse.Namespace) -> int:
     setting = {name: one.value for name, one in found.items()}
     set_up_logs(setting["log"])
     given, token_from = token_source(found)
-    for name in SECRETS:  # they are known now; processes that are started later are not to inherit them
-        os.environ.pop(name, None)
+    os.environ.pop(TOKEN_VARIABLE, None)  # it is known now; processes that are started later are not to inherit it
     config = Config(
         host=setting["host"],
         token=checked_token(setting["host"], given, setting["trusted_proxy"], no_token=setting["no_token"]),
@@ -59,12 +54,9 @@ def run(options: argparse.Namespace) -> int:
         or (setting["log_requests"] == "auto" and not sys.stderr.isatty()),
     )
     limits = FitLimits(workers=setting["workers"], waiting_per_client=setting["waiting_per_client"])
-    location = location_of(found)
-    if location.database is not None or location.files is not None:
-        preload(REMOTE_MODULES)
-    if setting["scheduler"] is not None and (location.database is None or location.files is None):
-        log.warning("only workers on this machine see the data folder; others need --database and --files")
-    storage = Storage(location)
+    if setting["scheduler"] is not None:
+        log.warning("fits need workers on this machine, which see the data folder; `batch` takes any")
+    storage = Storage(setting["data"])
     executor = None if setting["scheduler"] is None else _cluster(setting["scheduler"], limits)
     service = Service(
         storage,

@@ -10,13 +10,9 @@ from breastrig.api.settings import (
     SETTINGS,
     Found,
     effective_settings,
-    location_of,
     read_yes_or_no,
     settings_file,
 )
-from breastrig.storage.location import Location
-
-PLACES = ("data", "database", "files")
 
 
 def add_setting_options(parser: argparse.ArgumentParser, names: Iterable[str]) -> None:
@@ -28,10 +24,10 @@ def add_setting_options(parser: argparse.ArgumentParser, names: Iterable[str]) -
             parser.add_argument(option, type=checked(name), metavar=setting.metavar, help=setting.help)
 
 
-def chosen_location(options: argparse.Namespace) -> Location:
-    """The places that the service would use: environment and settings file count as well."""
-    given = {name: getattr(options, name) for name in PLACES}
-    return location_of(effective_settings(given, settings_file(None)))
+def chosen_data_folder(options: argparse.Namespace) -> Path:
+    """The one that the service would use: environment and settings file count as well."""
+    folder: Path = effective_settings({"data": options.data}, settings_file(None))["data"].value
+    return folder
 
 
 def checked(name: str) -> Callable[[str], str]:
@@ -42,7 +38,7 @@ def checked(name: str) -> Callable[[str], str]:
         try:
             setting.read(text)
         except ValueError as error:
-            raise argparse.ArgumentTypeError(f"{setting.quote(text) or 'nothing'} {error}") from error
+            raise argparse.ArgumentTypeError(f"{text or 'nothing'} {error}") from error
         return text
 
     return check

@@ -12,7 +12,7 @@ from breastrig.core.errors import BadSettings
 from breastrig.core.log_lines import set_up_logs
 from breastrig.execution.dask_worker import run_worker
 from breastrig.execution.limits import FitLimits
-from breastrig.service.task_modules import REMOTE_MODULES, TASK_MODULES
+from breastrig.service.task_modules import TASK_MODULES
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -28,8 +28,7 @@ def run(options: argparse.Namespace) -> int:
     if workers < 1:
         raise BadSettings("--workers must be 1 or more.")
     set_up_logs("auto")
-    modules = (*TASK_MODULES, *REMOTE_MODULES)
-    stopped = run_worker(options.address, workers, lambda: print("Ready for work.", flush=True), modules)
+    stopped = run_worker(options.address, workers, lambda: print("Ready for work.", flush=True), TASK_MODULES)
     if not stopped:
         print(f"breastrig: The scheduler at {options.address} is gone, or let this worker go.", file=sys.stderr)
     return 0 if stopped else 1

@@ -16,7 +16,7 @@ from breastrig.execution.pool import Lane
 from breastrig.service.failed_tasks import explained
 from breastrig.service.fits.fit_worker import earlier_fit, fit_job
 from breastrig.service.kept_models import KeptModels
-from breastrig.storage.files import fit_place, scan_place, upload_name
+from breastrig.storage.files import fit_place, scan_place
 from breastrig.storage.rows.events import event_of_kind
 from breastrig.storage.rows.fits import FitRow, get_fit
 from breastrig.storage.rows.scans import get_scan
@@ -44,9 +44,8 @@ class Moving:
             found: dict[str, Any] | None = self._processes.result(live_pattern, (fit_id, question), WALL_S, fit_id)
             if found is not None:
                 return found
-            reading, models = self._storage.files.reading(fit_place(fit_id)), self._models.of_fits([fit_id])
-            with self.dropped_if_deleted(fit_id), reading as folder, models as model:
-                job = (fit_id, folder, model, question)
+            with self.dropped_if_deleted(fit_id), self._models.of_fits([fit_id]) as model:
+                job = (fit_id, self._storage.files.folder(fit_place(fit_id)), model, question)
                 read: dict[str, Any] = self._processes.result(read_and_live_pattern, job, WALL_S, fit_id)
                 return read
 
@@ -63,8 +62,8 @@ class Moving:
             if found is not None:
                 return found
             scan = get_scan(self._storage, fit.scan)
-            reading = self._storage.files.reading(scan_place(scan.id), [upload_name(scan.file_type)])
-            with self.dropped_if_deleted(fit_id), reading as folder, self._models.of_fits([fit_id]) as model:
+            folder = self._storage.files.folder(scan_place(scan.id))
+            with self.dropped_if_deleted(fit_id), self._models.of_fits([fit_id]) as model:
                 job = fit_job(scan, fit, folder, folder, model)
                 job = replace(job, stance=fit.stance, drawing=None, earlier=earlier_fit(self._storage, fit_id))
                 asked = (fit_id, FollowJob(job, self._not_followed(fit)), landmarks)

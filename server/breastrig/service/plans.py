@@ -5,7 +5,6 @@ its deletion.  Which fits belong to the patient's other scans is decided here: o
 """
 
 import json
-from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any
 
@@ -145,12 +144,13 @@ class Plans:
     def _made(self, planned: PlannedFits) -> dict[str, Any]:
         fits = (planned.fit, *planned.others)
         ids = [fit.id for fit in fits]
-        with explained("Carrying this plan", WALL_S, "give smaller scans", self._storage, ids), ExitStack() as stack:
-            reading = self._storage.files.reading
+        with (
+            explained("Carrying this plan", WALL_S, "give smaller scans", self._storage, ids),
+            self._models.of_fits(ids) as model,
+        ):
             names = [fit.scan if fit.predicted_from is None else fit.id for fit in fits]
-            places = [stack.enter_context(reading(fit_place(fit.id))) for fit in fits]
+            places = [self._storage.files.folder(fit_place(fit.id)) for fit in fits]
             folders = [PlannedFit(place, name) for place, name in zip(places, names, strict=True)]
-            model = stack.enter_context(self._models.of_fits(ids))
             job = PlanJob(planned.document, folders[0], tuple(folders[1:]), model)
             found: dict[str, Any] = self._processes.result(plan_on_fit, (job,), WALL_S)
         return found

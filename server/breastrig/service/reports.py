@@ -6,7 +6,6 @@ it is remembered by.
 """
 
 from collections.abc import Callable, Hashable, Sequence
-from contextlib import ExitStack
 from dataclasses import replace
 
 from breastrig.core import wall_clock
@@ -94,9 +93,11 @@ class Reports:
         return Identity(patient.code, wall_clock.now(), received, True, plan.written_at[:DAY], plan.version)
 
     def _made(self, name: str, ids: list[str], cuts: tuple[Cuts, ...]) -> bytes:
-        with explained("This report", WALL_S, "fit a smaller scan", self._storage, ids), ExitStack() as stack:
-            folders = [stack.enter_context(self._storage.files.reading(fit_place(one))) for one in ids]
-            model = stack.enter_context(self._models.of_fits(ids))
+        with (
+            explained("This report", WALL_S, "fit a smaller scan", self._storage, ids),
+            self._models.of_fits(ids) as model,
+        ):
+            folders = [self._storage.files.folder(fit_place(one)) for one in ids]
             fits = [get_fit(self._storage, one) for one in ids]
             job = ReportJob(
                 folders[0],

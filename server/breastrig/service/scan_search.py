@@ -12,7 +12,7 @@ import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from concurrent.futures import CancelledError, Future, wait
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -116,17 +116,9 @@ class ScanSearch(ABC):
                 future = Future()
                 future.set_result(stored)
                 return future
-            fetched = ExitStack()
-            name = upload_name(scan.file_type)
-            try:
-                folder = fetched.enter_context(self._storage.files.reading(scan_place(scan.id), [name]))
-                function, given = self._task(folder / name, scan)
-                future = self._processes.schedule(keeping, (function, given), self._wall_s, scan.id)
-            except BaseException:
-                fetched.close()
-                raise
+            file = self._storage.files.folder(scan_place(scan.id)) / upload_name(scan.file_type)
+            future = self._processes.schedule(keeping, self._task(file, scan), self._wall_s, scan.id)
             self._running[key] = future
-        future.add_done_callback(lambda _ended: fetched.close())
         future.add_done_callback(lambda ended: self._keep(scan.id, variant, ended))
         return future
 

@@ -14,7 +14,7 @@ import json
 import logging
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
@@ -27,7 +27,7 @@ from breastrig.core.stances import Stance
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits, UploadLimits
 from breastrig.execution.pool import Pool
-from breastrig.execution.worker import preload, scratch_swept
+from breastrig.execution.worker import preload
 from breastrig.scan.stored_scan import STORED
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 from breastrig.service.events.feeds import Notifier, StreamItem, follow
@@ -121,8 +121,7 @@ class Service:
     @contextmanager
     def started(self) -> Iterator["Service"]:
         """Holds the data folder, starts the processes, takes up what an earlier server left; stops all at the end."""
-        swept = nullcontext() if self.storage.location.files is None else scratch_swept()
-        with self.storage.exclusive(), swept:
+        with self.storage.exclusive():
             self.storage.prepare()
             self._clean()
             self.storage.forget_deleted()  # from here on the database's file holds nearly all, so damage is seen
@@ -182,24 +181,13 @@ class Service:
         record_creation(self.storage, scan_id, [place])
         try:
             self.storage.files.make(place)
-            with self.storage.files.writing(place) as draft:
-                upload = draft.folder / upload_name(file_type)
-                sha256 = _keep(source, upload)
-                kept = draft.folder / upload_name(STORED)
-                mesh, small = draft.folder / MESH, draft.folder / THUMBNAIL
-                job = UploadJob(
-                    upload,
-                    units,
-                    kept,
-                    mesh,
-                    small,
-                    self._uploads.triangles,
-                    self._choice.of(chosen),
-                    answers,
-                )
-                facts = self._read(scan_id, job)
-                upload.unlink()
-                draft.keep()
+            folder = self.storage.files.folder(place)
+            upload, kept = folder / upload_name(file_type), folder / upload_name(STORED)
+            sha256 = _keep(source, upload)
+            model_file, triangles = self._choice.of(chosen), self._uploads.triangles
+            job = UploadJob(upload, units, kept, folder / MESH, folder / THUMBNAIL, triangles, model_file, answers)
+            facts = self._read(scan_id, job)
+            upload.unlink()
             lesions: list[dict[str, Any]] = facts.pop("lesions", [])
             labels: list[str] = facts.pop("labels", [])
             row = ScanRow(scan_id, utc_now(), STORED, sha256, facts | chosen)
@@ -364,11 +352,10 @@ class Service:
 
         Raises a BreastRigError with a sentence, NotFound when a fit was deleted meanwhile.
         """
-        reading, both = self.storage.files.reading, (from_fit, to_fit)
+        both = from_fit, to_fit
+        source, goal = (self.storage.files.folder(fit_place(one)) for one in both)
         with (
             explained("Carrying this drawing", TRANSFER_WALL_S, "give smaller scans", self.storage, both),
-            reading(fit_place(from_fit)) as source,
-            reading(fit_place(to_fit)) as goal,
             self.models.of_fits(both) as model,
         ):
             job = TransferJob(source, goal, drawing, other_patient, model, same_patient)

@@ -104,21 +104,17 @@ class ShareSnapshots:
         planned, cuts = self._plans.of_fit(fit.id), shown_cuts(self._storage, fit)
         plan: dict[str, Any] = json.loads(self._plans.laid(planned))
         stored = upload_name(scan.file_type)
-        names = [stored] if share.scan == "full" else []
         with (
             explained("Making this link", WALL_S, "try again, or simplify the scan", self._storage, [fit.id]),
-            files.reading(fit_place(fit.id)) as source,
-            files.reading(scan_place(scan.id), names) as upload,
-            files.writing(place) as draft,
             self._models.of_fits([fit.id]) as model,
         ):
             job = SnapshotJob(
-                fit=source,
+                fit=files.folder(fit_place(fit.id)),
                 plan=plan,
                 items=planned.plan.items,
                 identity=replace(self._reports.identity([fit]), code=""),
-                out=draft.folder,
-                scan=upload / stored if names else None,
+                out=files.folder(place),
+                scan=files.folder(scan_place(scan.id)) / stored if share.scan == "full" else None,
                 file_type=scan.file_type,
                 shows_scan=share.scan != "none",
                 has_notes=share.notes,
@@ -126,4 +122,3 @@ class ShareSnapshots:
                 model=model,
             )
             self._processes.result(write_snapshot, (job,), WALL_S)
-            draft.keep()

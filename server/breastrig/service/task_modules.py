@@ -3,5 +3,3 @@
 from breastrig.workflow.tasks import MODULES
 
 TASK_MODULES = ("breastrig.service.fits.fit_worker", *MODULES, "scipy.interpolate")  # which reports need
-# For rows or files on another machine: half a second to import.
-REMOTE_MODULES = ("breastrig.storage.postgres", "psycopg", "breastrig.storage.store_files", "s3fs")

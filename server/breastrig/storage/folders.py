@@ -1,7 +1,7 @@
 """The files of scans, fits and share links: one folder each, named by an unguessable id, below the data folder.
 
     data/installation           says that the folder is BreastRig's (see `data_folder`)
-    data/breastrig.sqlite3      rows, unless they are elsewhere (see `location`)
+    data/breastrig.sqlite3      rows
     data/scans/ID/              scan.stored (what was read of the upload), mesh.glb (for display), thumbnail.png
     data/fits/ID/               result.json, scan.ply (cleaned), fitted.ply, fitted.glb, drawing.json,
                                 distances.bin, uncertainty.bin, body.bin, fit.log.jsonl
@@ -22,7 +22,6 @@ import threading
 import time
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from pathlib import Path
 
 from breastrig.storage.data_folder import LOCK_FILE, PLACES, RESERVE_FILE, RUBBISH
@@ -34,21 +33,8 @@ def new_id() -> str:
     return secrets.token_urlsafe(16)
 
 
-@dataclass(frozen=True)
-class FolderDraft:
-    """The place's own folder: its files count once what they belong to says so."""
-
-    folder: Path
-
-    def keep(self) -> None:
-        pass
-
-    def take_back(self) -> None:
-        pass
-
-
 class Folders:
-    """The Files of one data folder, in its folders themselves: nothing is copied.  Only their owner can read them."""
+    """The folders of one data folder, which only their owner can read.  May be used from any thread."""
 
     def __init__(self, root: Path) -> None:
         self.root = root
@@ -68,17 +54,14 @@ class Folders:
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
 
     def make(self, place: str) -> None:
+        """Before anything is put there."""
         (self.root / place).mkdir(mode=0o700)
 
-    @contextmanager
-    def reading(self, place: str, names: Collection[str] | None = None) -> Iterator[Path]:
-        yield self.root / place
-
-    @contextmanager
-    def writing(self, place: str) -> Iterator[FolderDraft]:
-        yield FolderDraft(self.root / place)
+    def folder(self, place: str) -> Path:
+        return self.root / place
 
     def find(self, place: str, name: str) -> OpenedFile | None:
+        """The file, if it is there."""
         path = self.root / place / name
         try:
             facts = path.stat()
@@ -87,6 +70,7 @@ class Folders:
         return OpenedFile(path, facts.st_size, f"{facts.st_mtime_ns:x}-{facts.st_size:x}", lambda: path.open("rb"))
 
     def write(self, place: str, name: str, content: bytes) -> None:
+        """Keeps one file, whole or not at all.  Raises OSError."""
         path = self.root / place / name
         partial = path.with_name(f"{name}.part")
         try:
@@ -98,9 +82,9 @@ class Folders:
 
     @contextmanager
     def held(self, fit_id: str) -> Iterator[None]:
-        """By a lock of the fit's folder, which the system releases when the process dies.
+        """Marks the fit as being executed, until the block ends or the process dies; waits for who has it.
 
-        Raises FileNotFoundError when the fit was deleted.
+        By a lock of its folder.  Raises FileNotFoundError when the fit was deleted.
         """
         handle = os.open(self.fit(fit_id), os.O_RDONLY | os.O_DIRECTORY)
         try:
@@ -110,6 +94,7 @@ class Folders:
             os.close(handle)
 
     def wait_until_free(self, fit_id: str, timeout_s: float) -> bool:
+        """Whether nobody executes the fit any more, waiting for that a little."""
         try:
             handle = os.open(self.fit(fit_id), os.O_RDONLY | os.O_DIRECTORY)
         except FileNotFoundError:
@@ -128,6 +113,10 @@ class Folders:
             os.close(handle)
 
     def remove(self, place: str) -> None:
+        """Removes the place with all it holds; one that is not there is no error.
+
+        Raises OSError when something is left of it.
+        """
         folder = self.root / place
         moved = self._moved(folder)
         errors = []
@@ -143,10 +132,12 @@ class Folders:
             raise errors[0]
 
     def left_of(self, place: str) -> str:
+        """For people: where that is which could not be removed."""
         moved = self._moved(self.root / place)
         return str(moved if os.path.lexists(moved) else self.root / place)
 
     def is_empty(self) -> bool:
+        """Whether no scan, no fit and no share is kept."""
         return not any(os.listdir(self.root / kind) for kind in PLACES)
 
     def count_unknown(self, known: Collection[str]) -> int:

@@ -1,8 +1,7 @@
 """Files and rows that belong together: checked at each start.
 
-A server that is started with the files of one installation and the database of another, by a forgotten option, would
-show scans without files and keep files that nobody can delete.  So the database has an id of its own, and the data
-folder and the files carry it.
+A server that is started with the files of one installation and the database of another, by a copy of one file alone,
+would show scans without files and keep files that nobody can delete.  So the database holds the id of the marker.
 """
 
 from pathlib import Path
@@ -13,53 +12,32 @@ from breastrig.core.errors import BadSettings
 from breastrig.storage import schema
 from breastrig.storage.data_folder import installation_id, write_marker
 from breastrig.storage.database import Database
-from breastrig.storage.files import MARK, ROOT, Files
-from breastrig.storage.folders import new_id
+from breastrig.storage.folders import Folders, new_id
 
 
-def check_belonging(database: Database, root: Path, files: Files, beside: bool) -> None:
-    """Raises BadSettings when data folder or files carry another database's id.
+def check_belonging(database: Database, root: Path, files: Folders) -> None:
+    """Raises BadSettings when the data folder carries another database's id, OSError for a full disk.
 
-    A data folder or store without an id gets the database's.  A database without one takes that of the data folder if
-    it lies `beside` the marker there, unless files are kept of which it knows nothing: then it is not theirs.
+    A data folder without an id gets the database's.  A database without one takes that of the data folder, unless files
+    are kept of which it knows nothing: then it is not theirs.
     """
-    marker = installation_id(root)
-    known = database.installation_id()
+    marker, known = installation_id(root), database.installation_id()
     if known is None:
-        if not beside or not (marker is None or files.is_empty() or _has_scans(database)):
+        if not (marker is None or files.is_empty() or _has_scans(database)):
             raise _of_another()
-        known = ensure_id(database, marker)
-    try:
-        if marker is None:
-            write_marker(root, known)
-        elif marker != known:
-            raise _of_another()
-        mark = files.find(ROOT, MARK)
-        if mark is None:
-            files.write(ROOT, MARK, known.encode())
-            return
-    except OSError as error:
-        raise BadSettings(f"Nothing can be written to the place for files ({error.strerror}).") from error
-    with mark.open() as file:
-        if file.read().decode("ascii", "replace") != known:
-            raise _of_another()
-
-
-def ensure_id(database: Database, name: str | None = None) -> str:
-    """The database's id, given to it now if it has none."""
-    known = database.installation_id()
-    if known is not None:
-        return known
-    given = name or new_id()
-    with database.writing() as connection:
-        connection.execute(insert(schema.installation).values(id=given))
-    return given
+        known = marker or new_id()
+        with database.writing() as connection:
+            connection.execute(insert(schema.installation).values(id=known))
+    if marker is None:
+        write_marker(root, known)
+    elif marker != known:
+        raise _of_another()
 
 
 def _of_another() -> BadSettings:
     return BadSettings(
-        "The files belong to another database than this one; name both as they were, or choose an empty place for new "
-        "files."
+        "The files belong to another database than this one; put back a copy of the whole data folder, or choose an "
+        "empty one with --data."
     )
 
 

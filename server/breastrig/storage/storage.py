@@ -1,6 +1,6 @@
 """Everything that is kept, as one thing: rows and files.
 
-`Storage(location)` is cheap and holds no lock; every process opens its own.  The server alone calls `prepare`,
+`Storage(root)` is cheap and holds no lock; every process opens its own.  The server alone calls `prepare`,
 which creates what is missing, and holds `exclusive` as long as it runs, because two servers on one data folder
 would each run the same fits.  Both look first whether the data folder is BreastRig's (see `data_folder`).
 """
@@ -22,11 +22,11 @@ from sqlalchemy.exc import DBAPIError
 from breastrig.core import wall_clock
 from breastrig.core.errors import BadSettings
 from breastrig.core.scratch import sweep_scratch
-from breastrig.storage.data_folder import claim, refuse_foreign
+from breastrig.storage.data_folder import SQLITE_FILE, claim
+from breastrig.storage.database import Database
 from breastrig.storage.files import MARK, MODELS, ROOT, fit_place
 from breastrig.storage.folders import Folders, new_id
-from breastrig.storage.installation_id import check_belonging, ensure_id
-from breastrig.storage.location import Location, open_database, open_files
+from breastrig.storage.installation_id import check_belonging
 from breastrig.storage.reserve import Reserve
 
 log = logging.getLogger(__name__)
@@ -47,37 +47,31 @@ class Unremoved:
 
 
 class Storage:
-    """Rows (`database`) and files (`files`); `folders` are those of the data folder on this machine."""
+    """Rows (`database`) and files (`files`) of one data folder."""
 
-    def __init__(self, location: Location | Path) -> None:
-        self.location = location if isinstance(location, Location) else Location(location)
-        self.root = self.location.root
-        self.folders = Folders(self.root)
-        self.database, self._locks = open_database(self.location, self.folders)
-        self.files = open_files(self.location, self.folders)
-        self.reserve = Reserve(self.folders.reserve)
-        self._sqlite = self.location.database is None
+    def __init__(self, root: Path) -> None:
+        self.root = root
+        self.files = Folders(root)
+        self.database = Database(root / SQLITE_FILE)
+        self.reserve = Reserve(self.files.reserve)
         self._forget_again = False
         self.was_damaged = False  # when the whole database was looked at last
 
     def prepare(self) -> None:
         """Creates folders and tables, or brings older tables up to date.
 
-        Raises BadSettings when the data folder or the place for files belongs to another program or database, cannot be
-        written, is damaged, or was written by a newer version.
+        Raises BadSettings when the data folder belongs to another program or database, cannot be written, is damaged,
+        or was written by a newer version.
         """
         self._claim()
         try:
-            self.using_reserve(self.folders.create)
+            self.using_reserve(self.files.create)
             self.using_reserve(self.database.bring_up_to_date)
-            self.files.create()
             self._forget_priors()
-            self.using_reserve(lambda: check_belonging(self.database, self.root, self.files, self._sqlite))
+            self.using_reserve(lambda: check_belonging(self.database, self.root, self.files))
         except OSError as error:
             raise self._unusable(error.strerror) from error
         except (DBAPIError, sqlite3.Error) as error:
-            if not self._sqlite:
-                raise
             raise self._unusable(str(getattr(error, "orig", error))) from error
 
     def _forget_priors(self) -> None:
@@ -92,35 +86,25 @@ class Storage:
 
         Raises BadSettings when another server holds them, and when the data folder is another program's.
         """
-        refuse_foreign(self.root)
-        with self.database.exclusive():
-            self._claim()
+        self._claim()
+        try:
+            handle = self.using_reserve(lambda: os.open(self.files.lock, os.O_RDWR | os.O_CREAT, 0o600))
+        except OSError as error:
+            raise self._unusable(error.strerror) from error
+        try:
             try:
-                handle = self.using_reserve(lambda: os.open(self.folders.lock, os.O_RDWR | os.O_CREAT, 0o600))
-            except OSError as error:
-                raise self._unusable(error.strerror) from error
-            try:
-                try:
-                    fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                except BlockingIOError as error:
-                    raise BadSettings(
-                        f"Another BreastRig server uses the data folder {self.root}; stop it or choose another with "
-                        "--data."
-                    ) from error
-                yield
-            finally:
-                os.close(handle)
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError as error:
+                raise BadSettings(
+                    f"Another BreastRig server uses the data folder {self.root}; stop it or choose another with --data."
+                ) from error
+            yield
+        finally:
+            os.close(handle)
 
     def _claim(self) -> None:
-        """Makes a new data folder ours: with the id of the rows, if they are elsewhere."""
-        claim(self.root, self._id_of_rows)
-
-    def _id_of_rows(self) -> str:
-        """A new one for those that are to be in the data folder, where nothing comes before the marker."""
-        if self._sqlite:
-            return new_id()
-        self.database.bring_up_to_date()
-        return ensure_id(self.database)
+        """Makes a new data folder ours; nothing comes before the marker."""
+        claim(self.root, new_id)
 
     def _unusable(self, reason: str | None) -> BadSettings:
         return BadSettings(
@@ -146,8 +130,7 @@ class Storage:
 
     def refill_reserve(self) -> None:
         """Sets space aside for the deletion that comes when the disk is full."""
-        if self._sqlite:
-            self.reserve.refill()
+        self.reserve.refill()
 
     def forget_deleted(self) -> None:
         """Gives up what deleted rows still take, now or at the next call of `forget_pending`."""
@@ -164,26 +147,26 @@ class Storage:
             log.error("the database is damaged; put a copy of the data folder in its place")
 
     def has_files(self) -> bool:
-        """Whether the place for files answers and is still the one that was prepared."""
+        """Whether the data folder answers and is still the one that was prepared."""
         try:
             return self.files.find(ROOT, MARK) is not None
         except OSError:
             return False
 
     def make_fit(self, fit_id: str) -> None:
-        """What a fit needs before its row is there: a folder here, to be locked by whoever carries it out."""
-        self.folders.make(fit_place(fit_id))
+        """What a fit needs before its row is there: a folder, to be locked by whoever carries it out."""
+        self.files.make(fit_place(fit_id))
 
     def held(self, fit_id: str) -> AbstractContextManager[None]:
         """Marks the fit as being executed, until the block ends or the process dies; waits for who has it.
 
-        Raises FileNotFoundError when it was deleted, unless the database knows that.
+        Raises FileNotFoundError when it was deleted.
         """
-        return self._locks.held(fit_id)
+        return self.files.held(fit_id)
 
     def wait_until_free(self, fit_id: str, timeout_s: float) -> bool:
         """Whether nobody carries the fit out any more, waiting for that a little."""
-        return self._locks.wait_until_free(fit_id, timeout_s)
+        return self.files.wait_until_free(fit_id, timeout_s)
 
     def remove(self, *places: str) -> list[Unremoved]:
         """Removes the files of scans and fits (`files.scan_place`, `files.fit_place`); none there is no error.
@@ -193,10 +176,7 @@ class Storage:
         left = []
         for place in places:
             try:
-                try:
-                    self.folders.remove(place)
-                finally:
-                    self.files.remove(place)
+                self.files.remove(place)
             except OSError as error:
                 left.append(Unremoved(place, self.files.left_of(place), error.strerror or type(error).__name__))
         with suppress(OSError):
@@ -205,8 +185,7 @@ class Storage:
 
     def count_unknown(self, known: Collection[str]) -> int:
         """How many files and folders lie where scans and fits are kept, and belong to none of these places."""
-        here = self.folders.count_unknown(known)
-        return here if self.location.files is None else here + self.files.count_unknown(known)
+        return self.files.count_unknown(known)
 
     def close(self) -> None:
         self.database.close()

@@ -5,12 +5,11 @@ stored twice.
 """
 
 import json
-from contextlib import suppress
 from typing import Any
 
 from breastrig.core.errors import Conflict, FitFailed, NotFound
 from breastrig.storage.rows.events import append, event_of_kind
-from breastrig.storage.rows.fits import FitRow, get_fit
+from breastrig.storage.rows.fits import FitRow
 from breastrig.storage.storage import Storage
 from breastrig.workflow.events import LAST_KINDS, Event, Started
 
@@ -46,12 +45,6 @@ class EventWriter:
             append(self._storage, self.fit.id, event_json(event), self.fit.attempt)
         except (NotFound, Conflict) as error:
             raise Superseded from error
-
-    def has_other_owner(self) -> bool:
-        """Whether another worker has the fit, or has completed it: then its files are that one's."""
-        with suppress(NotFound):
-            return get_fit(self._storage, self.fit.id).state in ("queued", "running", "done")
-        return False
 
     def _check_model(self, event: Started) -> None:
         known = event_of_kind(self._storage, self.fit.id, "started")

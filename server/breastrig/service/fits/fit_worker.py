@@ -22,9 +22,7 @@ from breastrig.core.model_choice import ModelChoice
 from breastrig.core.scratch import scratch_folder
 from breastrig.core.stances import Stance
 from breastrig.service.events.event_writer import EventWriter, Superseded
-from breastrig.storage.files import Draft, fit_place, scan_place, upload_name
-from breastrig.storage.folders import FolderDraft
-from breastrig.storage.location import Location
+from breastrig.storage.files import fit_place, scan_place, upload_name
 from breastrig.storage.rows.events import event_of_kind
 from breastrig.storage.rows.fits import FitRow, claim_fit, get_fit
 from breastrig.storage.rows.scans import ScanRow, get_scan
@@ -48,22 +46,19 @@ class Runners:
 
 UNWRITTEN = "What this fit found could not be stored, perhaps because the server's disk was full; start the fit again."
 
-UNSEEN = (
-    "The worker of this fit cannot reach the service's data; workers on other machines need a service with --database "
-    "and --files."
-)
+UNSEEN = "The worker of this fit cannot reach the service's data folder; fits of a service need workers on its machine."
 TOO_OFTEN = "This fit was started {} times without an end, as its server or worker ended first; start the fit again."
 ATTEMPTS = 3  # one that takes its machine down with it must not do so for ever
 
 log = logging.getLogger(__name__)
 
 
-def execute_fit(location: Location, fit_id: str, runners: Runners, models: ModelChoice) -> None:
+def execute_fit(root: Path, fit_id: str, runners: Runners, models: ModelChoice) -> None:
     """Runs the fit, and its partner with it, to the end; does nothing when both have ended.
 
     Holds the fits before the claim, so that whoever has ended one can wait until nothing more is written for it.
     """
-    storage = Storage(location)
+    storage = Storage(root)
     try:
         if not storage.has_files():
             raise BadSettings(UNSEEN)
@@ -95,13 +90,10 @@ def _run(storage: Storage, writers: list[EventWriter], runners: Runners, models:
         return
     try:
         with ExitStack() as stack:
-            drafts = [stack.enter_context(_draft(storage, each.fit)) for each in writers]
-            jobs = [
-                stack.enter_context(_job(storage, each.fit, draft.folder, models))
-                for each, draft in zip(writers, drafts, strict=True)
-            ]
+            outs = [stack.enter_context(_out(storage, each.fit)) for each in writers]
+            jobs = [_job(storage, each.fit, out, models) for each, out in zip(writers, outs, strict=True)]
             for which, event in stack.enter_context(closing(_events(runners, jobs))):
-                _record(writers[which], event, drafts[which])
+                writers[which].write(event)  # its files come before the event that says that they are there
     except BreastRigError as error:
         fail(str(error))
     except MemoryError:
@@ -130,44 +122,26 @@ def _events(runners: Runners, jobs: list[FitJob | PredictionJob]) -> Generator[t
                     yield 0, event
 
 
-def _record(writer: EventWriter, event: Event, draft: Draft) -> None:
-    """Stores the event; the files come before the event that says that they are there."""
-    if event.kind != "done" or writer.fit.ended:
-        writer.write(event)
-        return
-    draft.keep()
-    try:
-        writer.write(event)
-    except Superseded:
-        if not writer.has_other_owner():
-            draft.take_back()
-        raise
-
-
 @contextmanager
-def _draft(storage: Storage, fit: FitRow) -> Iterator[Draft]:
+def _out(storage: Storage, fit: FitRow) -> Iterator[Path]:
     """Where the fit's files are written; those of one that has ended already lead nowhere."""
     if fit.ended:
         with scratch_folder() as folder:
-            yield FolderDraft(folder)
+            yield folder
         return
-    with storage.files.writing(fit_place(fit.id)) as draft:
-        yield draft
+    yield storage.files.folder(fit_place(fit.id))
 
 
-@contextmanager
-def _job(storage: Storage, fit: FitRow, out: Path, models: ModelChoice) -> Iterator[FitJob | PredictionJob]:
+def _job(storage: Storage, fit: FitRow, out: Path, models: ModelChoice) -> FitJob | PredictionJob:
     """The fit's task, with its scan at hand; of a prediction the fit that it comes from."""
     scan = get_scan(storage, fit.scan)
     model = models.of(scan.facts)
     if fit.predicted_from is not None:
-        with storage.files.reading(fit_place(fit.predicted_from)) as folder:
-            stance = cast(Stance, fit.asked_stance)
-            yield PredictionJob(folder, out, stance, fit.simulate, fit.drawing, model)
-        return
-    with storage.files.reading(scan_place(scan.id), [upload_name(scan.file_type)]) as folder:
-        earlier = None if fit.start_from is None else earlier_fit(storage, fit.start_from)
-        yield replace(fit_job(scan, fit, folder, out, model), earlier=earlier)
+        folder, stance = storage.files.folder(fit_place(fit.predicted_from)), cast(Stance, fit.asked_stance)
+        return PredictionJob(folder, out, stance, fit.simulate, fit.drawing, model)
+    folder = storage.files.folder(scan_place(scan.id))
+    earlier = None if fit.start_from is None else earlier_fit(storage, fit.start_from)
+    return replace(fit_job(scan, fit, folder, out, model), earlier=earlier)
 
 
 def earlier_fit(storage: Storage, fit_id: str) -> EarlierFit:

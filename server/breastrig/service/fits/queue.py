@@ -144,7 +144,7 @@ class FitQueue:
     def _start(self, fit_id: str, executor: Executor) -> None:
         self._starts[fit_id] = self._starts.get(fit_id, 0) + 1
         self._began[fit_id] = time.monotonic()
-        task = (execute_fit, self._storage.location, fit_id, self._runners, self._models)
+        task = (execute_fit, self._storage.root, fit_id, self._runners, self._models)
         future = executor.schedule(keeping, task, self._wall_s(fit_id), self._scan_of(fit_id))
         self._running[fit_id] = future
         future.add_done_callback(lambda ended: self._on_end(fit_id, ended))
