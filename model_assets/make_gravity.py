@@ -25,8 +25,8 @@ from virtual_patient.sampled import sampled
 from virtual_patient.woman import vertices_of
 
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.volume.gravity.statics import NoEquilibrium
 from breastrig_studies.gravity.solved import solved
+from breastrig_studies.gravity.statics import NoEquilibrium
 
 HERE = Path(__file__).resolve().parent
 WOMEN = 400

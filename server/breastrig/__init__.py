@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from breastrig.interface.model import Rig, load_model
     from breastrig.interface.pair import FitPair, fit_pair, pair_iterates
     from breastrig.interface.posterior import Posterior
-    from breastrig.interface.predict import predict, predicting
+    from breastrig.interface.predict import predict
     from breastrig.interface.run import FitRun, Iterate, fit, iterates
     from breastrig.interface.scan import Scan, read_scan
     from breastrig.interface.transfer import transfer
@@ -80,7 +80,6 @@ __all__ = [
     "measure",
     "pair_iterates",
     "predict",
-    "predicting",
     "propose_landmarks",
     "read_scan",
     "transfer",
@@ -98,7 +97,7 @@ _MODULES = {
     "interface.pair": "FitPair fit_pair pair_iterates",
     "rig.named_parameters": "BonePose Parameters",
     "interface.posterior": "Posterior",
-    "interface.predict": "predict predicting",
+    "interface.predict": "predict",
     "interface.run": "FitRun Iterate fit iterates",
     "interface.scan": "Scan read_scan",
     "interface.transfer": "transfer",

@@ -47,7 +47,6 @@ def test_a_fit_is_accepted_executed_and_described(client: FlaskClient, service: 
         "cuts": "",
         "start_from": None,
         "predicted_from": None,
-        "simulate": False,
         "partner": None,
         "landmarks": {},
         "certain": [],

@@ -2,7 +2,6 @@
 
 import io
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -10,23 +9,30 @@ import numpy as np
 import pypdf
 import pytest
 from flask.testing import FlaskClient
-from helpers.fake_fit import patient_simulation
 from helpers.problems import problem
 from helpers.remembered_fits import run_fit_once
-from helpers.waiting import ended, until
+from helpers.waiting import ended
+from sqlalchemy import update
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.execution.limits import FitLimits
+from breastrig.files.result import RESULT, Verdict, read_result
 from breastrig.service import kept_models
 from breastrig.service.service import Service
+from breastrig.storage import schema
 from breastrig.storage.rows.events import append
-from breastrig.storage.rows.fits import NewFit, add_fits, get_fit
+from breastrig.storage.rows.fits import NewFit, add_fits
 from breastrig.storage.rows.scans import ScanRow, add_scan
 from breastrig.storage.storage import Storage, utc_now
 
 LESION = {"kind": "lesion", "id": "lump", "name": "lump", "radius_mm": 6.0}
 NOT_SCANNED = "Predicted from the standing scan: no scan shows the patient supine."
+
+
+def text_of(pdf: bytes) -> str:
+    """Its words, one blank between them."""
+    return " ".join(" ".join(page.extract_text() for page in pypdf.PdfReader(io.BytesIO(pdf)).pages).split())
 
 
 class Real(NamedTuple):
@@ -46,7 +52,7 @@ class Real(NamedTuple):
 def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Real]:
     storage = Storage(tmp_path_factory.mktemp("predictions"))
     fits = FitLimits(workers=1, grace_s=0.1)
-    service = Service(storage, runner=run_fit_once, predictor=patient_simulation, fits=fits)
+    service = Service(storage, runner=run_fit_once, fits=fits)
     with service.started():
         client = create_app(Config(), service).test_client()
         scan = client.post("/api/examples/standing").json
@@ -70,10 +76,9 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Real]:
 def test_a_prediction_is_a_fit_that_says_what_it_is_and_is_made_once(real: Real) -> None:
     assert real.predict(real.fit["id"], "supine").json == real.predicted
     shown = real.client.get(real.predicted["links"]["self"]).json
-    assert (shown["predicted_from"], shown["stance"], shown["simulate"]) == (real.fit["id"], "supine", False)
+    assert (shown["predicted_from"], shown["stance"]) == (real.fit["id"], "supine")
     events = real.client.get(f"{real.predicted['links']['events']}.json").json["events"]
-    first, *progress, last = (each["event"] for each in events)
-    assert (first["kind"], {each["kind"] for each in progress}, last["kind"]) == ("started", {"progressed"}, "done")
+    assert [each["event"]["kind"] for each in events] == ["started", "done"]
     with real.client.get(real.predicted["links"]["result"]) as file:
         result = file.json
     assert (result["predicted"], result["verdict"]) == (True, {"level": "check", "reasons": [NOT_SCANNED]})
@@ -110,34 +115,38 @@ def test_link_report_and_measures_say_that_it_was_not_scanned(real: Real) -> Non
         shown = file.json
     assert (shown["predicted"], shown["stance_reason"]) == (True, NOT_SCANNED)
     with visitor.get(links["report"]) as report:
-        pages = pypdf.PdfReader(io.BytesIO(report.data)).pages
-        text = " ".join(" ".join(page.extract_text() for page in pages).split())
+        text = text_of(report.data)
     assert NOT_SCANNED in text
     assert "Supine, predicted, front: not scanned with the plan" in text
     assert "supine, predicted, from the scan received" in text
 
 
-def test_a_simulation_is_a_prediction_of_its_own_that_is_followed_and_cancelled(real: Real) -> None:
-    asked = {"stance": "supine", "simulate": True}
-    simulated = real.client.post(real.fit["links"]["predictions"], json=asked).json
-    assert simulated["id"] != real.predicted["id"]
-
-    def events() -> list[dict[str, Any]]:
-        return [each["event"] for each in real.client.get(f"{simulated['links']['events']}.json").json["events"]]
-
-    until(lambda: len(events()) > 1, "its progress")
-    assert events()[1] == {"kind": "progressed", "share": 0.0, "said": "reading the fit"}
-    assert real.client.post(real.fit["links"]["predictions"], json=asked).json == simulated
-    second = real.client.post(real.fit["links"]["predictions"], json=asked | {"stance": "prone"}).json
-    quick = real.predict(real.fit["id"], "prone").json
-    assert ended(real.service, quick["id"]).state == "done"  # the only worker was left to it
-    shown = real.client.get(second["links"]["self"]).json
-    assert (shown["state"], shown["queue_position"]) == ("queued", 1)
-    for each in (simulated, second):
-        until(lambda each=each: get_fit(real.service.storage, each["id"]).state == "running", "its start")
-        assert real.client.post(each["links"]["cancel"]).status_code == 202
-        row = ended(real.service, each["id"])
-        assert (row.state, row.simulate) == ("cancelled", True)
+def test_a_simulation_of_an_earlier_version_opens_says_what_it_is_and_is_not_given_for_a_prediction(real: Real) -> None:
+    """Its row, result and link are as that version left them."""
+    asked = real.predict(real.fit["id"], "prone").json
+    assert ended(real.service, asked["id"]).state == "done"
+    folder = real.service.storage.folders.fit(asked["id"])
+    said = "Simulated by finite elements from the standing scan: no scan shows the patient prone."
+    changed = {"simulated": True, "stance_reason": said, "verdict": Verdict(level="check", reasons=(said,))}
+    (folder / RESULT).write_bytes(read_result(folder).model_copy(update=changed).content())
+    with real.service.storage.database.writing() as connection:
+        connection.execute(update(schema.fits).where(schema.fits.c.id == asked["id"]).values(simulate=True))
+    with real.client.get(asked["links"]["result"]) as answer:
+        assert (answer.json["simulated"], answer.json["verdict"]["reasons"]) == (True, [said])
+    share = real.client.post(asked["links"]["shares"], json={"scan": "plain"})
+    visitor = real.client.application.test_client()
+    links = visitor.post("/api/shared/open", json={"token": share.json["url"].removeprefix("/s#")}).json["links"]
+    with visitor.get(links["result"]) as answer:
+        assert (answer.json["simulated"], answer.json["stance_reason"]) == (True, said)
+    with visitor.get(links["report"]) as report:
+        assert said in text_of(report.data)
+    anew = real.predict(real.fit["id"], "prone").json
+    assert anew["id"] != asked["id"]
+    assert ended(real.service, anew["id"]).state == "done"
+    with real.client.get(anew["links"]["result"]) as answer:
+        assert "simulated" not in answer.json
+    refused = real.client.post(real.fit["links"]["predictions"], json={"stance": "prone", "simulate": True})
+    assert "simulate" in problem(refused, 422)
 
 
 def test_what_cannot_be_predicted_is_refused_with_one_sentence(real: Real, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -176,7 +185,6 @@ def test_one_that_was_cancelled_is_made_again(tmp_path: Path) -> None:
     supine = NewFit(scan="scan", stance="supine", landmarks_mm={}, predicted_from="fit")
     assert add_fits(storage, utc_now(), {"a": supine}) == "a"
     assert add_fits(storage, utc_now(), {"b": supine}) == "a"
-    assert add_fits(storage, utc_now(), {"c": replace(supine, simulate=True)}) == "c"
     append(storage, "a", {"kind": "cancelled", "reason": "A test said so."})
     assert add_fits(storage, utc_now(), {"d": supine}) == "d"
     storage.close()

@@ -62,9 +62,6 @@ LISTED = {  # why they are not run here, or the test that runs them
     "tests/cli/test_ink_command.py": [
         "breastrig ink scan.zip -o drawing.json",
     ],
-    "tests/cli/test_predict_command.py": [
-        "breastrig predict standing/ --stance prone --with supine/ --simulate -o hanging/",
-    ],
     "tests/studies": [
         "breastrig evaluate cohort/ -o evidence/",
         "breastrig evaluate COHORT --quick",

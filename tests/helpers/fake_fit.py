@@ -8,7 +8,6 @@ import os
 import signal
 import time
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
@@ -24,7 +23,7 @@ from breastrig.scan.clean import clean
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
 from breastrig.workflow.events import Done, Event, Iterated, NodePose, Started
-from breastrig.workflow.jobs import FitJob, PredictionJob
+from breastrig.workflow.jobs import FitJob
 from helpers.results import NOTHING, TO_LANDMARKS, result_document
 from helpers.toy_rig import toy_rig
 
@@ -137,20 +136,6 @@ def patient(job: FitJob) -> Iterator[Event]:
         yield iterated(iteration)
         (job.out / "partial").write_text(str(iteration))
         time.sleep(0.02)
-
-
-def patient_simulation(job: PredictionJob) -> Iterator[Event]:
-    """Real predictions; simulations that go on for longer than anybody waits."""
-    from breastrig.workflow.predictions.run_prediction import run_prediction
-
-    if not job.simulate:
-        yield from run_prediction(job)
-        return
-    for number, event in enumerate(run_prediction(replace(job, simulate=False))):
-        yield event
-        if number:
-            break
-    time.sleep(600.0)
 
 
 def unhurried(job: FitJob) -> Iterator[Event]:

@@ -9,10 +9,10 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.volume.breast_skin import breast_skins
-from breastrig.volume.gravity.soft_breast import published
 from breastrig.volume.tetrahedra import chest_wall
 from breastrig_studies.gravity import solved as study
 from breastrig_studies.gravity.estimate import read_women
+from breastrig_studies.gravity.soft_breast import published
 
 
 @pytest.fixture(scope="module")

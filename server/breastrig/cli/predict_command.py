@@ -1,8 +1,6 @@
 """`breastrig predict OUT --stance supine -o PREDICTED`: the patient of a fit in a stance that was not scanned.
 
 PREDICTED gets the files of a fit, marked as predicted; `breastrig transfer --to PREDICTED` shows drawings on it.
-`--simulate` solves the patient's own breasts by finite elements: minutes.  `--with OTHER_OUT`, her fit in a further
-stance, says how stiff they are.
 """
 
 import argparse
@@ -10,50 +8,29 @@ import sys
 from pathlib import Path
 from typing import get_args
 
-from tqdm import tqdm
-
 from breastrig.cli.earlier_fits import say_unchecked
-from breastrig.cli.interruption import raise_if_asked
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder, say_misfits
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.stances import Stance
 from breastrig.files.result import fit_set
-from breastrig.interface.predict import predicting
+from breastrig.interface.predict import predict
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("fit", type=Path, metavar="OUT", help="folder that `breastrig fit` wrote")
     parser.add_argument("--stance", choices=get_args(Stance), required=True, help="the stance to predict")
-    parser.add_argument(
-        "--with", dest="other", type=Path, metavar="OTHER_OUT", help="her fit in a further stance, for --simulate"
-    )
-    parser.add_argument(
-        "--simulate",
-        action="store_true",
-        help="by finite elements of her own breasts: minutes, and not surer (decision 0020)",
-    )
-    parser.add_argument("--no-progress", action="store_true", help="no progress bar")
     parser.add_argument("--model", type=model_path, metavar="MODEL", help="the rig of the fit, when not the package's")
     add_output_options(parser, "PREDICTED", "folder for the results")
 
 
 def run(options: argparse.Namespace) -> int:
     """Predicts and writes; returns 0, or 4 where a pattern does not fit on the predicted body."""
-    inputs = [*files_of_fit(options.fit), *files_of_fit(options.other), *files_of_model(options.model)]
-    quiet = options.no_progress or not sys.stderr.isatty()
-    with (
-        all_or_nothing(output_folder(options, [fit_set(Path())], inputs)) as out,
-        tqdm(total=1.0, bar_format="{percentage:3.0f}%|{bar}| {desc}", leave=False, disable=quiet) as bar,
-    ):
-        run = predicting(options.fit, options.stance, options.model, other=options.other, simulate=options.simulate)
-        for step in run:
-            raise_if_asked()
-            bar.set_description_str(step.said, refresh=False)
-            bar.update(step.share - bar.n)
-        found = run.result()
+    inputs = [*files_of_fit(options.fit), *files_of_model(options.model)]
+    with all_or_nothing(output_folder(options, [fit_set(Path())], inputs)) as out:
+        found = predict(options.fit, options.stance, options.model)
         found.write(out)
-    say_unchecked(options.fit, options.other)
+    say_unchecked(options.fit)
     if sys.stdout.isatty():
         print(f"{found.verdict.reasons[0]}  Lines on the breasts within {found.in_metres.result.line_error_mm:.0f} mm.")
     return say_misfits(found.drawing_missing)

@@ -27,7 +27,6 @@ class FitLimits:
     workers: int = field(default_factory=lambda: max(1, min(8, _cores())))  # one fit keeps one core busy
     memory_bytes: int = 6 * GIB  # address space; a fit touches about 0.5 GiB
     wall_s: float = 120.0  # a fit takes about a second; a slow machine with a huge scan may take many
-    simulation_wall_s: float = 1800.0  # finite elements of one patient take minutes
     waiting_per_client: int = (
         50  # nearly a minute of work for one core; a script waits for some before it asks for more
     )

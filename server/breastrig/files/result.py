@@ -195,7 +195,7 @@ class ResultFile(Document):
     simulated: bool = Field(
         default=False,
         exclude_if=not_,
-        description="predicted by finite elements of this patient's own breasts; absent in others",
+        description="by finite elements of this patient's own breasts, as an earlier version predicted; else absent",
     )
     preset: str
     refined: bool = Field(description="whether surface, drawing and distances are those of the free-form layer")

@@ -101,10 +101,9 @@ class Service:
             for places in (self._uploads.workers, self._uploads.workers, HANDS)
         )
         self._workers = executor or self.pool.lane(fit_limits.workers, fit_limits.memory_bytes)
-        simulations = executor or self.pool.lane(1, fit_limits.memory_bytes)
         runners = Runners(runner, pair_runner, predictor)
         self._choice = model_choice(model)
-        self._queue = FitQueue(storage, self._workers, simulations, fit_limits, runners, self._choice)
+        self._queue = FitQueue(storage, self._workers, fit_limits, runners, self._choice)
         self.readiness = Readiness(storage, {"read uploads": self._readers, "fit": self._workers})
         self._waiting = WaitingCap(storage, fit_limits.waiting_per_client)
         self.proposals = Proposals(storage, self._others, self._uploads.wall_s, proposer, self._choice)
@@ -280,7 +279,7 @@ class Service:
         self._queue.wake()
         return made
 
-    def add_prediction(self, fit_id: str, stance: Stance, simulate: bool, client: str | None = None) -> str:
+    def add_prediction(self, fit_id: str, stance: Stance, client: str | None = None) -> str:
         """Puts a prediction from a fit that is done into the queue; its id, that of the same one made before.
 
         Raises NotFound, Conflict when the fit is not done, BadInput when nothing can be predicted from it, TooMany.
@@ -304,7 +303,6 @@ class Service:
             cuts=fit.cuts,
             refine=True,
             predicted_from=fit_id,
-            simulate=simulate,
         )
         return self.add_fit(prediction, client=client)
 

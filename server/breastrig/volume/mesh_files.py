@@ -23,7 +23,7 @@ NEEDS = '{} files need "breastrig[volume]"; install it, or write .scn or .feb.'
 ENDINGS = "A volume is written as .vtu, .msh, .scn (SOFA) or .feb (FEBio); give a file with one of these endings."
 DENSITY = 1000.0  # kg/m³, of fat and gland within a tenth
 GRAVITY = 9.81  # m/s²
-YOUNG = 750.0  # Pa, three times the median shear modulus of volume/gravity/tissue.toml (decision 0020)
+YOUNG = 750.0  # Pa, three times the median shear modulus of breastrig_studies/gravity/tissue.toml (decision 0020)
 POISSON = 0.48  # nearly incompressible, and still bearable for linear tetrahedra
 SOFA_PLUGINS = (
     "Constraint.Projective",

@@ -10,7 +10,7 @@ so that the heights seen in one stance say z, and z the others (conditional Gaus
 Machine Learning, 2006, 2.3 and 12.2).  The numbers are data beside the rig, found by its hash.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Annotated, Literal
@@ -93,7 +93,7 @@ def gravity_prior(rig: Rig) -> GravityPrior | None:
 
 def predicted(rig: Rig, vertices: Array, stance: str, goal: str) -> Predicted:
     """The (V, 3) m vertices of a body that was fitted in `stance`, in `goal`.  Raises BadInput."""
-    prior = prior_between(rig, (stance,), goal)
+    prior = prior_between(rig, stance, goal)
     local = stood_up(rig, vertices, stance)
     breasts = []
     for each in breast_skins(rig):
@@ -104,12 +104,12 @@ def predicted(rig: Rig, vertices: Array, stance: str, goal: str) -> Predicted:
     return with_breasts(rig, vertices, stance, goal, breasts)
 
 
-def prior_between(rig: Rig, seen: Iterable[str], goal: str) -> GravityPrior:
+def prior_between(rig: Rig, stance: str, goal: str) -> GravityPrior:
     """BadInput where nothing is known of the rig, or nothing is to be predicted."""
     prior = gravity_prior(rig)
     if prior is None:
         raise BadInput(f"What gravity does to {rig.name} is not known; only the package's own model is predicted.")
-    if goal in seen:
+    if goal == stance:
         raise BadInput(f"A scan is {goal} already; ask for another stance.")
     return prior
 
@@ -125,7 +125,7 @@ def with_breasts(
 ) -> Predicted:
     """The (V, 3) m body in another posture, with its breasts moved: of left and right (P, 3) m in the template's frame
     at the skin that the breast moves, and (P,) m radii."""
-    prior = prior_between(rig, (stance,), goal)
+    prior = prior_between(rig, stance, goal)
     _, turn = in_template(rig, vertices, stance)
     moves, radii = posture(rig, goal) - posture(rig, stance), np.full(len(vertices), prior.posture)
     for each, (move, within) in zip(breast_skins(rig), breasts, strict=True):

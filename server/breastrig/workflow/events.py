@@ -1,4 +1,4 @@
-"""The events of a fit, in order: started, iterated … (of a prediction progressed …), then exactly one of done, failed,
+"""The events of a fit, in order: started, iterated … (none of a prediction), then exactly one of done, failed,
 cancelled.
 
 They are the only record of its course: stored first, then sent, replayed from any number.  `nodes` speaks
@@ -64,14 +64,6 @@ class Iterated(IterationNumbers, Event):
     nodes: list[NodePose]
 
 
-class Progressed(Event):
-    """How far a prediction is."""
-
-    kind: Literal["progressed"] = "progressed"
-    share: float = Field(description="of the work that is done, 0 to 1")
-    said: str = Field(description="what is done next, in a few words")
-
-
 class Done(Event):
     kind: Literal["done"] = "done"
     result: ResultFile = Field(
@@ -90,5 +82,5 @@ class Cancelled(Event):
     reason: str = "The fit was cancelled."
 
 
-FitEvent = Annotated[Started | Iterated | Progressed | Done | Failed | Cancelled, Field(discriminator="kind")]
+FitEvent = Annotated[Started | Iterated | Done | Failed | Cancelled, Field(discriminator="kind")]
 LAST_KINDS = frozenset({"done", "failed", "cancelled"})

@@ -59,7 +59,6 @@ class PredictionJob:
     fit: Path  # folder of a fit
     out: Path
     stance: Stance
-    simulate: bool = False  # by finite elements, in minutes
     drawing: str | None = None  # that the fit was asked for
     model: Path | None = None  # None: the torso of the package
 

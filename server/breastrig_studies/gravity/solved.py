@@ -11,10 +11,10 @@ from breastrig.core.arrays import Array
 from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig
 from breastrig.volume.breast_skin import breast_skins
-from breastrig.volume.gravity.soft_breast import DIRECTIONS, G, drawn, published, soft_breast
-from breastrig.volume.gravity.statics import NoEquilibrium
 from breastrig.volume.known_volume import known_volume
 from breastrig.volume.tetrahedra import nodes_between
+from breastrig_studies.gravity.soft_breast import DIRECTIONS, G, drawn, published, soft_breast
+from breastrig_studies.gravity.statics import NoEquilibrium
 
 STIFFER, TRIES = 2.0, 4
 TILT = np.radians(5.0)  # standard deviation of how a trunk leans in any position

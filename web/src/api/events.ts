@@ -1,12 +1,11 @@
 // A fit's events as they come: typed, in order, each once, whatever the connection does.
 // EventSource resumes by itself after a break; when it gives up (the service answered with an error), we open a
 // new one after a while and ask for the events after the last that we saw; unless the fit is gone, which is its end.
-import type { Done, Ended, Iterated, Progressed, Started } from "./types";
+import type { Done, Ended, Iterated, Started } from "./types";
 
 interface Bodies {
   started: Started;
   iterated: Iterated;
-  progressed: Progressed; // of a prediction
   done: Done;
   failed: Ended;
   cancelled: Ended;
@@ -21,7 +20,7 @@ export function dispatch<K extends Kind>(handlers: Handlers, event: FitEvent<K>)
   handlers[event.kind](event);
 }
 
-const IS_LAST: Record<Kind, boolean> = { started: false, iterated: false, progressed: false, done: true, failed: true, cancelled: true };
+const IS_LAST: Record<Kind, boolean> = { started: false, iterated: false, done: true, failed: true, cancelled: true };
 const KINDS = Object.keys(IS_LAST) as Kind[];
 const PATIENCE_MS = 2000;
 const CLOSED = 2; // EventSource.CLOSED, which does not exist where the unit tests run

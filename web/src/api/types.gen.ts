@@ -147,7 +147,7 @@ export type EventPage = {
 export type EventRecord = {
   /** number of the event, from 1; the stream's `id:` */
   id: number;
-  event: Started | Iterated | Progressed | Done | Failed | Cancelled;
+  event: Started | Iterated | Done | Failed | Cancelled;
 };
 
 export type ExampleEntry = {
@@ -239,8 +239,6 @@ export type Fit = {
   start_from: string | null;
   /** of a prediction: id of the fit that it was made from */
   predicted_from: string | null;
-  /** whether it was asked to be predicted by finite elements */
-  simulate: boolean;
   /** id of the other stance's fit when both are fitted together */
   partner: string | null;
   /** number of the last stored event, 0 before the first */
@@ -1055,8 +1053,6 @@ export type PlannedShape = {
 /** A stance that no scan shows. */
 export type PredictionRequest = {
   stance: "standing" | "supine" | "prone";
-  /** by finite elements of this body, in minutes; else by a cohort of such bodies */
-  simulate?: boolean;
 };
 
 /** RFC 9457 problem details. */
@@ -1070,15 +1066,6 @@ export type Problem = {
   errors?: FieldError[] | null;
   /** what the file does not say and a person knows */
   question?: Question | null;
-};
-
-/** How far a prediction is. */
-export type Progressed = {
-  kind?: "progressed";
-  /** of the work that is done, 0 to 1 */
-  share: number;
-  /** what is done next, in a few words */
-  said: string;
 };
 
 export type ProposedLandmark = {
@@ -1143,7 +1130,7 @@ export type ResultFile = {
   stance_asked?: boolean;
   /** computed from the scan of another stance, of whose fit the distances are; absent in fits */
   predicted?: boolean;
-  /** predicted by finite elements of this patient's own breasts; absent in others */
+  /** by finite elements of this patient's own breasts, as an earlier version predicted; else absent */
   simulated?: boolean;
   preset: string;
   /** whether surface, drawing and distances are those of the free-form layer */

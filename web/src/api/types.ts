@@ -40,7 +40,6 @@ export type {
   PlanTumour,
   PredictionRequest,
   Problem,
-  Progressed,
   ProposedLandmark,
   ProposedLandmarks,
   Scan,

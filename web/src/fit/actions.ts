@@ -96,7 +96,6 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
     stopFollowing = followFit(fit.links.events, {
       handlers: {
         started: ({ body }) => (fit = { ...fit, started: body, drawingName: body.drawing }),
-        progressed: () => undefined,
         iterated: ({ body }) => (fit = { ...fit, iterations: [...fit.iterations, body], shown: fit.iterations.length, playing: false }),
         done: (event) => {
           unseen = null;
@@ -121,7 +120,6 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
 
   const handlers: Handlers = {
     started: ({ body }) => change({ started: body, drawingName: body.drawing }),
-    progressed: () => undefined, // no fit of a scan has it
     iterated: ({ body }) => {
       const fit = store.get().fit;
       if (!fit) return;

@@ -25,8 +25,8 @@ export function createOtherPane(stances: StancesActions): Panel<Shown> & { capti
   const work = button(words.workHere, () => void stances.swap(), "outlined");
   const aside = iconButton("close", words.remove(""), () => stances.remove());
   const following = el("span", { class: "muted small", hidden: true }, words.following);
-  const made = createPredictedNote(stances);
-  const head = el("div", { class: "pane-caption" }, name, made.badge, work, following, el("span", { class: "spring" }), made.tools, aside);
+  const made = createPredictedNote();
+  const head = el("div", { class: "pane-caption" }, name, made.badge, work, following, el("span", { class: "spring" }), made.busy, aside);
   const element = el("section", { class: "other-stage", hidden: true }, canvas, overlay, head, made.note);
   const lost = el("div", { class: "no-graphics", role: "alert", hidden: true }, el("p", {}, errors.graphicsLost), button(errors.loadAgain, () => location.reload(), "outlined"));
   element.append(lost);

@@ -59,7 +59,7 @@ export function createStancesDialog(stances: StancesActions, dismiss: () => void
       if (!isAdding && element.open) element.close();
       if (!isAdding) return;
       show(busy, isBringing || predicting !== null);
-      setText(busy, predicting ? made.busy(predicting.stance) : words.busy);
+      setText(busy, predicting ? made.busy(predicting) : words.busy);
       show(choices, !isBringing && predicting === null);
       wrong.set(state.problems.stances);
       const examplesShown = state.scan?.example ? state.examples : []; // they are all of one patient

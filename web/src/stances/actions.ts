@@ -250,7 +250,6 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     },
 
     predict,
-    cancelPrediction: leave,
 
     compare: (isComparing: boolean): void =>
       store.set((state) => ({

@@ -1,5 +1,4 @@
 // A stance that was not scanned: predicted from the fit in work, shown beside it, and predicted anew with each other fit.
-// Its simulation, in minutes, takes its place when it is done.
 import { ApiError, type Client } from "../api/client";
 import { followFit } from "../api/events";
 import type { Stance } from "../api/types";
@@ -8,7 +7,7 @@ import { messageOf, withProblem } from "../store/problems";
 import { only, type Store } from "../store/store";
 import type { ViewSlice } from "../viewer/state";
 import { loadFit } from "./load";
-import { isPredicted, type Predicting, predictedOf, stanceOf, type StancesSlice, type Workspace, workspaceOf } from "./state";
+import { isPredicted, predictedOf, stanceOf, type StancesSlice, type Workspace, workspaceOf } from "./state";
 import * as text from "./text";
 
 const words = text.stances.predicted;
@@ -20,18 +19,16 @@ export function predictActions<Whole extends State>(store: Store<Whole>, client:
   let run = 0; // the prediction that was asked for last
 
   const set = (change: (state: State) => Partial<State>): void => store.set((state) => change(state) as Partial<Whole>);
-  const put = (predicting: Predicting | null, more: Partial<State> = {}): void => set((state) => ({ ...more, stances: { ...state.stances, predicting } }));
+  const put = (predicting: Stance | null, more: Partial<State> = {}): void => set((state) => ({ ...more, stances: { ...state.stances, predicting } }));
 
-  /** Nobody waits for it any more; one that takes minutes is ended at the service too. */
+  /** Nobody waits for it any more. */
   function leave(): void {
     run += 1;
     stopFollowing();
-    const { predicting } = store.get().stances;
-    if (predicting?.simulate && predicting.cancel !== null) void client.cancel(predicting.cancel).catch(() => undefined);
-    if (predicting) put(null);
+    if (store.get().stances.predicting) put(null);
   }
 
-  async function predict(stance: Stance, simulate = false): Promise<void> {
+  async function predict(stance: Stance): Promise<void> {
     const { scan, fit } = store.get();
     if (!scan || fit?.state !== "done") return;
     leave();
@@ -40,19 +37,16 @@ export function predictActions<Whole extends State>(store: Store<Whole>, client:
     const end = (why: string | null): void => {
       if (isMine()) put(null, withProblem(store.get(), "stances", why));
     };
-    const begun: Predicting = { stance, simulate, share: 0, said: "", cancel: null };
-    put(begun, withProblem(store.get(), "stances", null));
+    put(stance, withProblem(store.get(), "stances", null));
     try {
       await flush();
-      const { id, links } = await client.predict(fit.links.predictions, { stance, simulate });
+      const { id, links } = await client.predict(fit.links.predictions, { stance });
       if (!isMine()) return;
-      put({ ...begun, cancel: links.cancel });
       const nothing = (): void => undefined;
       stopFollowing = followFit(links.events, {
         handlers: {
           started: nothing,
           iterated: nothing,
-          progressed: ({ body }) => (isMine() ? put({ ...begun, ...body, cancel: links.cancel }) : stopFollowing()),
           done: () => void show(id, isMine).catch((error: unknown) => end(messageOf(error))),
           failed: ({ body }) => end(body.reason),
           cancelled: () => end(null),

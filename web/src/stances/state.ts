@@ -17,15 +17,6 @@ export type Workspace = Pick<
 
 export type PatientScan = Patient["scans"][number];
 
-/** A prediction that is being made. */
-export interface Predicting {
-  readonly stance: Stance;
-  readonly simulate: boolean;
-  readonly share: number; // of the work that is done
-  readonly said: string; // what is done now
-  readonly cancel: string | null; // the service's link, once it has one
-}
-
 export interface StancesState {
   readonly other: Workspace | null;
   readonly isSecond: boolean; // the page works on the one that came second: it stands to the right
@@ -36,7 +27,7 @@ export interface StancesState {
   readonly hers: readonly PatientScan[]; // the patient's scans beside the one in work
   readonly named: Patient | null; // another one, whose code was typed: her scans are to choose from, if they are hers
   readonly isCarrying: boolean;
-  readonly predicting: Predicting | null;
+  readonly predicting: Stance | null; // the one that is being predicted
   readonly measures: { readonly isOpen: boolean; readonly isBusy: boolean; readonly of: string; readonly file: MeasuresFile | null; readonly pointed: string | null }; // pointed: at this row, measureKey
 }
 

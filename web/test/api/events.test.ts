@@ -32,7 +32,6 @@ function follow(whyOver?: () => Promise<string | null>) {
   const handlers: Handlers = {
     started: note("started"),
     iterated: note("iterated"),
-    progressed: note("progressed"),
     done: note("done"),
     failed: note("failed"),
     cancelled: note("cancelled"),

@@ -140,8 +140,7 @@ def predict_stance(fit_id: str, json_data: wire.PredictionRequest) -> tuple[wire
     uncertainty says how far off it may be.  The same prediction is made once, however often it is asked for.
     """
     context = app_context()
-    client = client_of(request.remote_addr)
-    made = context.service.add_prediction(fit_id, json_data.stance, json_data.simulate, client)
+    made = context.service.add_prediction(fit_id, json_data.stance, client_of(request.remote_addr))
     cuts = cuts_digest(get_fit(context.service.storage, made).cuts)
     answer = wire.FitAccepted(id=made, links=fit_links(made), cuts=cuts, partner=None)
     return answer, 202, {"Location": answer.links.self}

@@ -320,9 +320,6 @@ class PredictionRequest(Wire):
     """A stance that no scan shows."""
 
     stance: StanceName
-    simulate: bool = Field(
-        False, strict=True, description="by finite elements of this body, in minutes; else by a cohort of such bodies"
-    )
 
 
 class MovedLandmarks(Wire):
@@ -397,7 +394,6 @@ class Fit(Wire):
     cuts: str = Field(description="the digest of what was cut out of the scan when this fit was asked for")
     start_from: str | None = Field(description="id of the fit that this one went on from")
     predicted_from: str | None = Field(description="of a prediction: id of the fit that it was made from")
-    simulate: bool = Field(description="whether it was asked to be predicted by finite elements")
     partner: str | None = Field(description="id of the other stance's fit when both are fitted together")
     last_event: int = Field(description="number of the last stored event, 0 before the first")
     iterations: int = Field(description="number of iterated events so far")

@@ -138,7 +138,7 @@ def _job(storage: Storage, fit: FitRow, out: Path, models: ModelChoice) -> FitJo
     model = models.of(scan.facts)
     if fit.predicted_from is not None:
         folder, stance = storage.files.folder(fit_place(fit.predicted_from)), cast(Stance, fit.asked_stance)
-        return PredictionJob(folder, out, stance, fit.simulate, fit.drawing, model)
+        return PredictionJob(folder, out, stance, fit.drawing, model)
     folder = storage.files.folder(scan_place(scan.id))
     earlier = None if fit.start_from is None else earlier_fit(storage, fit.start_from)
     return replace(fit_job(scan, fit, folder, out, model), earlier=earlier)

@@ -47,21 +47,17 @@ class FitQueue:
         self,
         storage: Storage,
         processes: Executor,
-        simulations: Executor,
         limits: FitLimits,
         runners: Runners,
         models: ModelChoice,
     ) -> None:
-        """`simulations` executes simulations, one at a time: they take minutes, and no fit waits for them."""
         self._storage = storage
         self._processes = processes
-        self._simulations = simulations
         self._limits = limits
         self._runners = runners
         self._models = models
         self._lock = threading.RLock()
         self._running: dict[str, Any] = {}  # fit id -> future
-        self._simulating: set[str] = set()  # of these
         self._starts: dict[str, int] = {}
         self._began: dict[str, float] = {}  # fit id -> time.monotonic() of its last start
         self.notify_end: Callable[[str, float], None] | None = None  # (state, seconds) of each fit that ends
@@ -78,19 +74,13 @@ class FitQueue:
         return interrupted, waiting
 
     def wake(self) -> None:
-        """Gives free workers the oldest waiting fits, and starts the oldest waiting simulation when none runs."""
+        """Gives free workers the oldest waiting fits."""
         with self._lock:
-            while not self._stopping and len(self._running) - len(self._simulating) < self._processes.workers:
+            while not self._stopping and len(self._running) < self._processes.workers:
                 fit_id = next_queued(self._storage, set(self._running))
                 if fit_id is None:
                     break
-                self._start(fit_id, self._processes)
-            if self._stopping or self._simulating:
-                return
-            fit_id = next_queued(self._storage, set(self._running), simulate=True)
-            if fit_id is not None:
-                self._simulating.add(fit_id)
-                self._start(fit_id, self._simulations)
+                self._start(fit_id)
 
     def cancel(self, fit_id: str) -> FitRow:
         """Ends the fit, and its partner, and kills their process.
@@ -141,11 +131,11 @@ class FitQueue:
             except Exception:
                 log.exception("the queue cannot be read")
 
-    def _start(self, fit_id: str, executor: Executor) -> None:
+    def _start(self, fit_id: str) -> None:
         self._starts[fit_id] = self._starts.get(fit_id, 0) + 1
         self._began[fit_id] = time.monotonic()
         task = (execute_fit, self._storage.root, fit_id, self._runners, self._models)
-        future = executor.schedule(keeping, task, self._wall_s(fit_id), self._scan_of(fit_id))
+        future = self._processes.schedule(keeping, task, self._limits.wall_s, self._scan_of(fit_id))
         self._running[fit_id] = future
         future.add_done_callback(lambda ended: self._on_end(fit_id, ended))
 
@@ -154,7 +144,6 @@ class FitQueue:
         try:
             with self._lock:
                 self._running.pop(fit_id, None)
-                self._simulating.discard(fit_id)
                 seconds = time.monotonic() - self._began.pop(fit_id)
                 if self._stopping:
                     return
@@ -193,7 +182,7 @@ class FitQueue:
             if fit.ended:
                 continue
             if isinstance(error, TimeoutError):
-                self._end(each, Failed(reason=f"The fit took longer than {self._wall_s(each):g} s and was stopped."))
+                self._end(each, Failed(reason=f"The fit took longer than {self._limits.wall_s:g} s and was stopped."))
             elif fit.state == "queued" and self._starts[fit_id] < STARTS:
                 return
             else:
@@ -206,12 +195,6 @@ class FitQueue:
         with suppress(NotFound):
             return get_fit(self._storage, fit_id).both
         return (fit_id,)
-
-    def _wall_s(self, fit_id: str) -> float:
-        with suppress(NotFound):
-            if get_fit(self._storage, fit_id).simulate:
-                return self._limits.simulation_wall_s
-        return self._limits.wall_s
 
     def _scan_of(self, fit_id: str) -> str | None:
         """The scan that the fit looks at; None for two, for a prediction, and for a fit that was deleted meanwhile."""

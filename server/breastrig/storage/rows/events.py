@@ -31,7 +31,7 @@ NEWS = (
     select(
         schema.events.c.fit,
         func.max(schema.events.c.position),
-        func.max(case((schema.events.c.kind.in_(("iterated", "progressed")), 0), else_=1)),
+        func.max(case((schema.events.c.kind == "iterated", 0), else_=1)),
     )
     .where(schema.events.c.position > bindparam("position"))
     .group_by(schema.events.c.fit)
@@ -92,8 +92,6 @@ def _changes(event: dict[str, Any]) -> dict[str, Any]:
         case "iterated":
             numbers = {key: value for key, value in event.items() if key not in ("kind", "nodes")}
             return {"iterations": schema.fits.c.iterations + 1, "numbers": numbers}
-        case "progressed":
-            return {}
         case "done":
             verdict = event.get("result", {}).get("verdict") or {}
             return {"state": "done", "verdict": verdict.get("level")}

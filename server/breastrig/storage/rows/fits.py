@@ -36,7 +36,6 @@ class NewFit:
     refine: bool = False
     start_from: str | None = None  # an earlier fit of the same scan
     predicted_from: str | None = None  # of a prediction: the fit of the same scan, in another stance
-    simulate: bool = False  # of a prediction: by finite elements
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,7 +133,7 @@ def _same_prediction(connection: Connection, new_fit: NewFit) -> str | None:
     """One that waits, runs or is done; those that failed or were cancelled are made again."""
     if new_fit.predicted_from is None:
         return None
-    asked = {"predicted_from": new_fit.predicted_from, "asked_stance": new_fit.stance, "simulate": new_fit.simulate}
+    asked = {"predicted_from": new_fit.predicted_from, "asked_stance": new_fit.stance, "simulate": False}
     found = select(schema.fits.c.id).filter_by(**asked).where(schema.fits.c.state.in_(STATES[:3]))
     return connection.execute(found).scalars().first()
 
@@ -197,13 +196,13 @@ def _leader() -> ColumnElement[str]:
     return case((or_(table.c.leads, table.c.partner.is_(None)), table.c.id), else_=table.c.partner)
 
 
-def next_queued(storage: Storage, besides: set[str], simulate: bool = False) -> str | None:
-    """The oldest queued fit, or simulation, that is not among `besides`; of two partners the one that leads."""
+def next_queued(storage: Storage, besides: set[str]) -> str | None:
+    """The oldest queued fit that is not among `besides`; of two partners the one that leads."""
     table = schema.fits
     with storage.database.reading() as connection:
         query = (
             select(_leader())
-            .where(table.c.state == "queued", table.c.simulate.is_(simulate), _leader().not_in(besides))
+            .where(table.c.state == "queued", _leader().not_in(besides))
             .order_by(table.c.place)
             .limit(1)
         )
@@ -213,10 +212,10 @@ def next_queued(storage: Storage, besides: set[str], simulate: bool = False) -> 
 def queue_positions(storage: Storage, fit_ids: Sequence[str]) -> dict[str, int]:
     """{fit: 1 for the next to run, 2 for the one after it}; those that do not wait are not in it.
 
-    Two stances fitted together are in the queue once, in the place of the leading one; simulations have their own.
+    Two stances fitted together are in the queue once, in the place of the leading one.
     """
     table, leader = schema.fits, schema.fits.alias("leader")
-    position = func.dense_rank().over(partition_by=leader.c.simulate, order_by=leader.c.place)
+    position = func.dense_rank().over(order_by=leader.c.place)
     queue = select(table.c.id, position.label("position")).join(leader, leader.c.id == _leader())
     waiting = queue.where(table.c.state == "queued").subquery()
     with storage.database.reading() as connection:

@@ -4,7 +4,7 @@ What the scan has seen is moved, skin, lines and landmarks, as the prediction mo
 does not follow the skin alone: `breastrig transfer` carries it, with the prediction's radius.
 """
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -32,42 +32,19 @@ from breastrig.gltf.replay import fitted_glb
 from breastrig.report.body_frame import body_frame
 from breastrig.report.files.geometry_files import surface_ply
 from breastrig.rig.model import Rig
-from breastrig.volume.gravity.simulated import Patient, Progress, simulated
-from breastrig.volume.predicted import predicted, prior_between
+from breastrig.volume.predicted import predicted
 from breastrig.workflow.folder.fit_folder import fit_folder_of
-from breastrig.workflow.folder.one_body import body_doubt
 from breastrig.workflow.lines.transfer import drawing_document
-from breastrig.workflow.volume import volume_of
 
 SAYS = "predicted: no scan shows this body"  # inside each file that may travel alone
 
 
-def predict_steps(
-    rig: Rig, folder: Path, goal: Stance, simulate: bool = False, other: Path | None = None
-) -> Generator[Progress, None, dict[str, bytes]]:
-    """FIT_FILES by name, of the fit in `folder` as the patient would be in `goal`; whoever stops asking cancels.
-
-    `simulate`: this patient's own breasts are solved by finite elements, which takes minutes.  `other` is the folder of
-    a fit of the same patient in another stance, that says how stiff they are.  Raises BadInput, and NoEquilibrium
-    where her breasts do not come to rest.
-    """
-    yield Progress(0.0, "reading the fit")
+def prediction(rig: Rig, folder: Path, goal: Stance) -> dict[str, bytes]:
+    """FIT_FILES by name, of the fit in `folder` as the patient would be in `goal`.  Raises BadInput."""
     fit = fit_folder_of(folder, rig)
     if fit.result.predicted:
         raise BadInput("This fit is itself predicted; predict from the fit of a scan.")
-    second = None if other is None else fit_folder_of(other, rig)
-    if second is not None and not simulate:
-        raise BadInput("A second fit says how stiff the breasts are, which is for a simulation: add --simulate.")
-    if second is not None and (second.result.predicted or second.stance == fit.stance):
-        raise BadInput("The second fit must be that of a scan of the same patient in another stance.")
-    doubt = None if second is None else body_doubt(fit, second)
-    fits = [fit] if second is None else [fit, second]
-    prior_between(rig, [each.stance for each in fits], goal)
-    if simulate:
-        patient = Patient(rig, volume_of(fit), fit.vertices, fit.stance)
-        found = yield from simulated(patient, goal, None if second is None else (second.stance, second.vertices))
-    else:
-        found = predicted(rig, fit.vertices, fit.stance, goal)
+    found = predicted(rig, fit.vertices, fit.stance, goal)
     radii = found.radii if fit.radii is None else np.hypot(found.radii, fit.radii)
     search = fit.fitted_scan.search(rig)
     moves = found.vertices - fit.vertices
@@ -87,15 +64,11 @@ def predict_steps(
     for shape in drawing.get("shapes", ()):
         if shape.get("points"):
             shape["points"] = moved_by_unit(shape["points"])
-    scans = " and ".join(f"the {each.stance} scan" for each in fits)
-    said = (
-        f"{'Simulated by finite elements' if simulate else 'Predicted'} from {scans}: no scan shows the patient {goal}."
-    )
-    reasons = (said,) if doubt is None else (said, doubt)
+    said = f"Predicted from the {fit.stance} scan: no scan shows the patient {goal}."
     shown = signed_distances(fit.fitted_scan.target, fit.vertices, rig.faces)  # lines lie on skin that the scan shows
     lines_mm = round(1e3 * line_error(rig, radii, np.isfinite(shown)), 1)
-    result = _result(rig, fit.result, found.vertices, radii, goal, reasons, moved_by_unit)
-    result = result.model_copy(update={"simulated": simulate, "line_error_mm": lines_mm})
+    result = _result(rig, fit.result, found.vertices, radii, goal, said, moved_by_unit)
+    result = result.model_copy(update={"line_error_mm": lines_mm})
     surface = surface_ply(moved(fit.surface.vertices), fit.surface.faces, per_unit, SAYS)
     made = {
         "scan.ply": surface,
@@ -127,7 +100,7 @@ def _result(
     vertices: Array,
     radii: Array,
     goal: Stance,
-    reasons: tuple[str, ...],
+    said: str,
     moved: Callable[[Any], list[list[float]]],
 ) -> ResultFile:
     names = list(given.landmarks)
@@ -142,9 +115,9 @@ def _result(
         update={
             "predicted": True,
             "stance": goal,
-            "stance_reason": reasons[0],
+            "stance_reason": said,
             "refined": True,
-            "verdict": Verdict(level="check", reasons=reasons),
+            "verdict": Verdict(level="check", reasons=(said,)),
             "landmarks": dict(zip(names, moved(list(given.landmarks.values())), strict=True)),
             "landmarks_picked": dict(
                 zip(given.landmarks_picked, moved(list(given.landmarks_picked.values())), strict=True)

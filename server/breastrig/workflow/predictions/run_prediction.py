@@ -8,13 +8,13 @@ from collections.abc import Generator
 from breastrig.core.private_files import write_files
 from breastrig.files.result import RESULT, parsed_result, read_result
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.workflow.events import Done, Event, Progressed, Started
+from breastrig.workflow.events import Done, Event, Started
 from breastrig.workflow.jobs import PredictionJob
-from breastrig.workflow.predictions.predict import predict_steps
+from breastrig.workflow.predictions.predict import prediction
 
 
 def run_prediction(job: PredictionJob) -> Generator[Event, None, None]:
-    """Started, Progressed …, Done; a BreastRigError instead when it cannot be done.
+    """Started, Done; a BreastRigError instead when it cannot be done.
 
     Writes the files of a fit before Done.
     """
@@ -27,13 +27,6 @@ def run_prediction(job: PredictionJob) -> Generator[Event, None, None]:
         drawing=job.drawing,
         iterations_limit=0,
     )
-    steps = predict_steps(rig, job.fit, job.stance, job.simulate)
-    while True:
-        try:
-            step = next(steps)
-        except StopIteration as end:
-            files: dict[str, bytes] = end.value
-            break
-        yield Progressed(share=step.share, said=step.said)
+    files = prediction(rig, job.fit, job.stance)
     write_files(files, job.out)
     yield Done(result=parsed_result(files[RESULT], job.fit.name))

@@ -16,10 +16,10 @@ from scipy.spatial import cKDTree
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.rig.model import Rig
 from breastrig.volume.breast_skin import AROUND, OF_AN_ARM, breast_skins
-from breastrig.volume.gravity.statics import SoftBody, Tissue
 from breastrig.volume.known_volume import known_volume
 from breastrig.volume.tetrahedra import depths
 from breastrig.volume.volume_mesh import REGIONS, SOFT, outer_triangles
+from breastrig_studies.gravity.statics import SoftBody, Tissue
 
 GLAND = 0.035  # m, how far gland reaches behind the nipple
 LAYER = 0.65  # depth from which on tissue is the wall's loose layer
@@ -96,7 +96,7 @@ def soft_breast(rig: Rig, side: str) -> SoftBreast:
 
 def published() -> dict[str, Any]:
     """The distributions of tissue.toml with their sources."""
-    return tomllib.loads((resources.files("breastrig.volume.gravity") / "tissue.toml").read_text("utf-8"))
+    return tomllib.loads((resources.files("breastrig_studies.gravity") / "tissue.toml").read_text("utf-8"))
 
 
 def drawn(table: dict[str, Any], deviations: Array) -> Stiffness:

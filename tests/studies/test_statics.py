@@ -6,7 +6,7 @@ from scipy.optimize import brentq
 from skfem import MeshTet
 
 from breastrig.core.arrays import Array, Integers
-from breastrig.volume.gravity.statics import NoEquilibrium, SoftBody, Tissue
+from breastrig_studies.gravity.statics import NoEquilibrium, SoftBody, Tissue
 
 DOWN = np.array([0.0, 0.0, -9.81])
 

@@ -16,8 +16,8 @@ from scipy.sparse.linalg import splu
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import BreastRigError
 from breastrig.geometry.normals import face_crosses
-from breastrig.volume.gravity.materials import Law, Membrane, NeoHookean
 from breastrig.volume.tetrahedra import shape_gradients
+from breastrig_studies.gravity.materials import Law, Membrane, NeoHookean
 
 TOLERANCE = 1e-4  # m, of the last Newton step; what is left is its square
 STEPS, HALVINGS = 24, 8  # of Newton and of its line search

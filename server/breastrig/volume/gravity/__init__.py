@@ -1,1 +1,0 @@
-"""Soft tissue under gravity: hyperelastic statics by finite elements."""
