@@ -21,6 +21,7 @@ from breastrig.files.result import RESULT, Verdict, read_result
 from breastrig.service import kept_models
 from breastrig.service.service import Service
 from breastrig.storage import schema
+from breastrig.storage.files import fit_place
 from breastrig.storage.rows.events import append
 from breastrig.storage.rows.fits import NewFit, add_fits
 from breastrig.storage.rows.scans import ScanRow, add_scan
@@ -125,7 +126,7 @@ def test_a_simulation_of_an_earlier_version_opens_says_what_it_is_and_is_not_giv
     """Its row, result and link are as that version left them."""
     asked = real.predict(real.fit["id"], "prone").json
     assert ended(real.service, asked["id"]).state == "done"
-    folder = real.service.storage.folders.fit(asked["id"])
+    folder = real.service.storage.files.folder(fit_place(asked["id"]))
     said = "Simulated by finite elements from the standing scan: no scan shows the patient prone."
     changed = {"simulated": True, "stance_reason": said, "verdict": Verdict(level="check", reasons=(said,))}
     (folder / RESULT).write_bytes(read_result(folder).model_copy(update=changed).content())
