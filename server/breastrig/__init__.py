@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from breastrig.interface.landmarks import Proposal, Proposals, propose_landmarks
     from breastrig.interface.measure import Measure, Number, measure
     from breastrig.interface.model import Rig, load_model
-    from breastrig.interface.pair import FitPair, fit_pair, pair_iterates
     from breastrig.interface.posterior import Posterior
     from breastrig.interface.predict import predict
     from breastrig.interface.run import FitRun, Iterate, fit, iterates
@@ -54,7 +53,6 @@ __all__ = [
     "Drawing",
     "Fit",
     "FitFailed",
-    "FitPair",
     "FitRun",
     "Ink",
     "InkLine",
@@ -74,11 +72,9 @@ __all__ = [
     "__version__",
     "find_ink",
     "fit",
-    "fit_pair",
     "iterates",
     "load_model",
     "measure",
-    "pair_iterates",
     "predict",
     "propose_landmarks",
     "read_scan",
@@ -94,7 +90,6 @@ _MODULES = {
     "interface.landmarks": "Proposal Proposals propose_landmarks",
     "interface.measure": "Measure Number measure",
     "interface.model": "Rig load_model",
-    "interface.pair": "FitPair fit_pair pair_iterates",
     "rig.named_parameters": "BonePose Parameters",
     "interface.posterior": "Posterior",
     "interface.predict": "predict",

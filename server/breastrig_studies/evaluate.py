@@ -69,7 +69,6 @@ def possible_tables(results: Results) -> list[Table]:
         *([study_tables.shape_order_table(rig, results.useful)] if studied else []),
         study_tables.compliance_table(found, presets),
         study_tables.peers_table(found, presets),
-        study_tables.two_stances_table(found),
         transfer_tables.transfer_table(found),
         transfer_tables.transfer_lines_table(found),
         transfer_tables.lesions_table(found),

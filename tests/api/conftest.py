@@ -78,7 +78,6 @@ def service(tmp_path_factory: pytest.TempPathFactory, config: Config) -> Iterato
     service = Service(
         storage,
         runner=fake_fit.mostly_patient,
-        pair_runner=fake_fit.mostly_patient_pair,
         proposer=fake_proposals.at_the_nipple,
         model=config.model,
         examples=config.examples,

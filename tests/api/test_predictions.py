@@ -23,7 +23,7 @@ from breastrig.service.service import Service
 from breastrig.storage import schema
 from breastrig.storage.files import fit_place
 from breastrig.storage.rows.events import append
-from breastrig.storage.rows.fits import NewFit, add_fits
+from breastrig.storage.rows.fits import NewFit, add_fit
 from breastrig.storage.rows.scans import ScanRow, add_scan
 from breastrig.storage.storage import Storage, utc_now
 
@@ -184,8 +184,8 @@ def test_one_that_was_cancelled_is_made_again(tmp_path: Path) -> None:
     storage.prepare()
     add_scan(storage, ScanRow("scan", utc_now(), "ply", "ab" * 32, {}))
     supine = NewFit(scan="scan", stance="supine", landmarks_mm={}, predicted_from="fit")
-    assert add_fits(storage, utc_now(), {"a": supine}) == "a"
-    assert add_fits(storage, utc_now(), {"b": supine}) == "a"
+    assert add_fit(storage, utc_now(), "a", supine) == "a"
+    assert add_fit(storage, utc_now(), "b", supine) == "a"
     append(storage, "a", {"kind": "cancelled", "reason": "A test said so."})
-    assert add_fits(storage, utc_now(), {"d": supine}) == "d"
+    assert add_fit(storage, utc_now(), "d", supine) == "d"
     storage.close()

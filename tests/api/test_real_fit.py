@@ -226,37 +226,6 @@ def test_the_model_follows_a_landmark_that_is_dragged_and_nothing_is_kept(real: 
 
 
 @pytest.mark.slow
-def test_two_stances_are_fitted_together_with_bodies_alike(real: tuple[Service, FlaskClient]) -> None:
-    service, client = real
-    scans = {name: client.post(f"/api/examples/{name}").json for name in ("standing", "supine")}
-    picked = {name: scan["example_landmarks"]["landmarks"] for name, scan in scans.items()}
-    second = {"scan": scans["supine"]["id"], "landmarks": picked["supine"]}
-    body = {"scan": scans["standing"]["id"], "landmarks": picked["standing"], "with": second}
-    answer = client.post("/api/fits", json=body).json
-    results = {}
-    for name, one in (("standing", answer), ("supine", answer["partner"])):
-        fit = ended(service, one["id"])
-        assert fit.state == "done", fit.reason
-        with client.get(one["links"]["result"]) as result:
-            results[name] = result.json
-        assert results[name]["stance"] == name
-        assert results[name]["surface_distance_mm"]["mean"] < 3.0
-        assert results[name]["landmark_distance_mm"]["mean"] < 8.0
-        received = client.get(one["links"]["events"] + ".json").json["events"]
-        assert [each["event"]["kind"] for each in received] == ["started", *["iterated"] * fit.iterations, "done"]
-        left = (service.storage.files.fit(one["id"]) / "result.json").read_text()
-        assert not any(scan["id"] in left for scan in scans.values())
-    scales = [[bone["scale"] for bone in result["parameters"]["bones"]] for result in results.values()]
-    assert np.allclose(*scales, atol=0.2)
-    assert not np.allclose(*scales, atol=1e-6)
-    rotations = [[bone["rotation_xyzw"] for bone in result["parameters"]["bones"]] for result in results.values()]
-    assert not np.allclose(*rotations, atol=1e-3)
-    for scan in scans.values():
-        client.delete(scan["links"]["self"])
-    assert nothing_left(service)
-
-
-@pytest.mark.slow
 def test_a_pattern_follows_a_hand_and_its_parameters_give_the_same_lines_in_the_plan(
     real: tuple[Service, FlaskClient],
 ) -> None:

@@ -116,7 +116,7 @@ def test_what_other_programs_do_without_changing_what_is_said_is_no_exchange(fit
     (fit / "result.json").write_text(json.dumps(shorter(document | {"clinic_room": 4})))
     breastrig.Fit.load(fit).save(tmp_path / "saved")
     breastrig.Fit.load(tmp_path / "saved")
-    write_patient([tmp_path / "saved"], "K7M-4QX", [None])
+    write_patient(tmp_path / "saved", "K7M-4QX", None)
     assert breastrig.Fit.load(tmp_path / "saved").in_metres.result.patient.code == "K7M-4QX"
 
 

@@ -174,7 +174,7 @@ def test_the_code_stands_on_every_page_and_in_the_name_of_the_file(
 @pytest.mark.slow
 @pytest.mark.usefixtures("quick_reports")
 def test_a_fit_keeps_the_code_and_the_day_of_its_scan(copy_of_a_fit: Path, tmp_path: Path) -> None:
-    assert write_patient([copy_of_a_fit], " K7M-4QX ", [date(2026, 11, 20)]) == "K7M-4QX"
+    assert write_patient(copy_of_a_fit, " K7M-4QX ", date(2026, 11, 20)) == "K7M-4QX"
     out = tmp_path / "out"
     assert main(["report", str(copy_of_a_fit), "-o", str(out)]) == 0
     assert pdf_of(out).name == "K7M-4QX_standing_2026-11-20_report.pdf"

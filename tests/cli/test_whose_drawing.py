@@ -21,7 +21,8 @@ from breastrig.workflow.report import laid_plan
 def fits(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("fits")
     write_example_fits(folder)
-    write_patient([folder / "standing", folder / "supine"], "K7M-4QX", [None, None])
+    for stance in ("standing", "supine"):
+        write_patient(folder / stance, "K7M-4QX", None)
     return folder
 
 

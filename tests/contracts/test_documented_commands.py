@@ -53,9 +53,6 @@ RUN = {  # in this order, each as the lines on the right; an empty list: as it s
     "breastrig purge": ["breastrig purge --all --data data"],
 }
 LISTED = {  # why they are not run here, or the test that runs them
-    "tests/cli/test_fit_two_stances.py": [
-        "breastrig fit standing.ply --with supine.ply -o both/",
-    ],
     "tests/cli/test_batch_command.py": [
         "breastrig batch manifest.csv -o results/",
     ],

@@ -26,7 +26,7 @@ from breastrig.energies.table_contact import TableContact
 from breastrig.geometry.plane import Plane
 from breastrig.least_squares.newton import assemble
 from breastrig.rig.joints import Joints
-from breastrig.rig.model import Rig
+from breastrig.rig.model import LEAST_GAP, Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.state import BodyState
 
@@ -119,7 +119,7 @@ def test_the_normal_equations_are_those_of_the_jacobian(name: str, toy_rig: Rig)
     rng = np.random.default_rng(6)
     term = TERMS[name](toy_rig, rng)
     for state in (random_state(toy_rig, rng), random_state(toy_rig, rng)):
-        lin, found = term.linearise(state), assemble([term], [], state)
+        lin, found = term.linearise(state), assemble([term], state)
         hessian, gradient = lin.jacobian.T @ lin.jacobian, lin.jacobian.T @ lin.residual
         np.testing.assert_allclose(found.hessian, hessian, rtol=0, atol=1e-10 * np.abs(hessian).max())
         np.testing.assert_allclose(found.gradient, gradient, rtol=0, atol=1e-10 * np.abs(gradient).max())
@@ -146,6 +146,16 @@ def test_a_rigid_move_of_the_whole_rig_strains_no_joint(toy_rig: Rig) -> None:
     turned = random_parameters(toy_rig, rng).rotations[0]
     moved = BodyState(toy_rig, rest.moved(turned, rng.normal(size=3)))
     np.testing.assert_allclose(JointRest(Joints(toy_rig, toy_rig.joints)).residual(moved), 0.0, atol=1e-9)
+
+
+def test_a_joint_that_gives_nothing_gives_the_least_that_can_be_solved(toy_rig: Rig) -> None:
+    rng = np.random.default_rng(4)
+    stiff = tuple(replace(joint, translation_sigma=0.0) for joint in toy_rig.joints)
+    least = tuple(replace(joint, translation_sigma=LEAST_GAP) for joint in toy_rig.joints)
+    x = random_state(toy_rig, rng)
+    found, known = (JointRest(Joints(toy_rig, joints)).residual(x) for joints in (stiff, least))
+    assert np.isfinite(found).all()
+    np.testing.assert_array_equal(found, known)
 
 
 def test_a_joint_inside_its_limit_costs_nothing_and_one_beyond_it_does(toy_rig: Rig) -> None:

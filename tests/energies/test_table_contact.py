@@ -7,7 +7,7 @@ from helpers.rig_patient import patient
 from breastrig.correspondence.target import ScanTarget
 from breastrig.energies.table_contact import TableContact
 from breastrig.fitting.fit import FitTask
-from breastrig.fitting.problem import expected_joints, prior_terms, table_contact
+from breastrig.fitting.problem import prior_terms, table_contact
 from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.plane import Plane
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -68,4 +68,4 @@ def test_only_a_lying_patient_on_a_table_that_is_seen_rests_on_it(torso: Rig) ->
     found = table_contact(lying)
     assert found is not None
     assert sum(map(len, found.groups)) > 0.9 * len(torso.regions["back"])
-    assert "table_contact" in {term.name for term in prior_terms(lying, expected_joints(lying))}
+    assert "table_contact" in {term.name for term in prior_terms(lying)}

@@ -13,7 +13,7 @@ from breastrig.fitting.body.expected_body import cohort_belief, expected_body
 from breastrig.fitting.fit import FitIterate, fit_iterates
 from breastrig.fitting.picks.checked_fit import ended
 from breastrig.fitting.posterior import Posterior
-from breastrig.fitting.problem import expected_joints, prior_terms
+from breastrig.fitting.problem import prior_terms
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.uncertainty.contribution import (
@@ -158,7 +158,7 @@ def test_a_lying_fit_is_learned_of_and_expected_among_those_who_lie(rig: Rig) ->
         assert expected is not None
         away = np.array([expected.mean, own.mean]) - found.mean
         off[stance] = np.linalg.norm(np.linalg.solve(np.linalg.cholesky(own.covariance), away.T), axis=0)
-        again = prior_terms(replace(task, rig=known, stance=stance), expected_joints(task))[0]
+        again = prior_terms(replace(task, rig=known, stance=stance))[0]
         assert isinstance(again, BodyPrior)
         np.testing.assert_array_equal(again.mean, expected.mean)
     assert off["supine"][0] < 0.8 * off["supine"][1]

@@ -9,7 +9,7 @@ from helpers.example_patient import Patient, example_patient, silent
 
 from breastrig.core.arrays import Array, Booleans
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.problem import expected_joints, prior_terms
+from breastrig.fitting.problem import prior_terms
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.task import FitTask
 from breastrig.least_squares.newton import assemble
@@ -73,7 +73,7 @@ def test_an_unseen_breast_takes_the_shape_of_the_seen_one(patient: Patient) -> N
     assert np.sqrt(np.mean(np.square(list(seen.values())))) > 0.2
     task = FitTask(rig, ScanTarget(patient.vertices, patient.faces), x, load_recipe("default"), {})
     state = BodyState(rig, x)
-    system = assemble(prior_terms(task, expected_joints(task)), [], state)
+    system = assemble(prior_terms(task), state)
     free = [
         k for k, shape in enumerate(rig.shapes) if shape.name.endswith("_R") and shape.min < x.weights[k] < shape.max
     ]

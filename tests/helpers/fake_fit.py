@@ -196,32 +196,3 @@ def silent(job: FitJob) -> Iterator[Event]:
 def mostly_patient(job: FitJob) -> Iterator[Event]:
     """The preset chooses: "paper" is patient, everything else quick."""
     return patient(job) if job.preset == "paper" else quick(job)
-
-
-def quick_pair(first: FitJob, second: FitJob) -> Iterator[tuple[int, Event]]:
-    """The events of both, step by step, as of one job."""
-    for events in zip(quick(first), quick(second), strict=True):
-        yield from enumerate(events)
-
-
-def patient_pair(first: FitJob, second: FitJob) -> Iterator[tuple[int, Event]]:
-    for events in zip(patient(first), patient(second), strict=True):
-        yield from enumerate(events)
-
-
-def failing_pair(first: FitJob, second: FitJob) -> Iterator[tuple[int, Event]]:
-    yield 0, started(first)
-    yield 1, started(second)
-    raise FitFailed("The model found no skin near it; place three landmarks.")
-
-
-def half_dying_pair(first: FitJob, second: FitJob) -> Iterator[tuple[int, Event]]:
-    """The first is done when the process is killed."""
-    yield 1, started(second)
-    for event in quick(first):
-        yield 0, event
-    os.kill(os.getpid(), signal.SIGKILL)
-
-
-def mostly_patient_pair(first: FitJob, second: FitJob) -> Iterator[tuple[int, Event]]:
-    return patient_pair(first, second) if first.preset == "paper" else quick_pair(first, second)

@@ -44,7 +44,6 @@ def serving(
     service = Service(
         Storage(root),
         runner=runner,
-        pair_runner=fake_fit.mostly_patient_pair,
         proposer=fake_proposals.at_the_nipple,
         model=model,
         fits=FitLimits(workers=2, grace_s=0.1),

@@ -28,6 +28,5 @@ if __name__ == "__main__":
     set_clock_ahead(float(os.environ.get("FAKE_DAYS_AHEAD", "0")))
     remember_uploads()
     serve_command.run_fit = getattr(fake_fit, os.environ.get("FAKE_FIT", "mostly_patient"))
-    serve_command.run_pair = fake_fit.mostly_patient_pair
     with_token = {"BREASTRIG_TOKEN", "FAKE_TOKEN"} & os.environ.keys() or "--token-file" in sys.argv
     sys.exit(main(["serve", *([] if with_token else ["--no-token"]), *sys.argv[1:]]))

@@ -15,7 +15,7 @@ from breastrig.core.errors import BreastRigError
 
 SCAN = str(asset_folder("example") / "standing" / "scan.ply")
 PLACES = {
-    *("find_ink", "fit", "fit_pair", "iterates", "pair_iterates", "propose_landmarks", "read_scan", "transfer"),
+    *("find_ink", "fit", "iterates", "propose_landmarks", "read_scan", "transfer"),
     *("predict", "volume_mesh"),
 }
 

@@ -27,7 +27,7 @@ def box(rng: np.random.Generator, size: int) -> Bounds:
     return Bounds(lower, upper)
 
 
-def best_of_all_active_sets(h, g, bounds, rows, right) -> np.ndarray:
+def best_of_all_active_sets(h, g, bounds) -> np.ndarray:
     """The minimiser, found by trying every unknown free, at its lower and at its upper bound."""
     size, best, least = len(g), None, np.inf
     for chosen in product((LOWER, FREE, UPPER), repeat=size):
@@ -36,52 +36,41 @@ def best_of_all_active_sets(h, g, bounds, rows, right) -> np.ndarray:
         if not np.isfinite(step).all():
             continue
         free = np.flatnonzero(state == FREE)
-        c = rows[:, free]
-        system = np.block([[h[np.ix_(free, free)], c.T], [c, np.zeros((len(rows), len(rows)))]])
-        wanted = np.concatenate([-(g + h @ step)[free], right - rows @ step])
-        solved = np.linalg.lstsq(system, wanted, rcond=None)[0]
-        step[free] = solved[: len(free)]
+        step[free] = np.linalg.solve(h[np.ix_(free, free)], -(g + h @ step)[free])
         inside = (step >= bounds.lower - 1e-12).all() and (step <= bounds.upper + 1e-12).all()
         energy = 0.5 * step @ h @ step + g @ step
-        if inside and np.abs(rows @ step - right).max(initial=0.0) < 1e-9 and energy < least:
+        if inside and energy < least:
             best, least = step, energy
     assert best is not None
     return best
 
 
-def kkt_residual(h, g, bounds, rows, right, step, multipliers) -> float:
+def kkt_residual(h, g, bounds, step) -> float:
     """How far the conditions of Karush, Kuhn and Tucker are from being met, in standard deviations.
 
     A step along the negative slope must end where it began when it is cut at the bounds.
     """
     size = 1.0 / np.sqrt(np.diag(h))
-    slope = (h @ step + g + rows.T @ multipliers) * size
+    slope = (h @ step + g) * size
     stays = np.clip(step / size - slope, bounds.lower / size, bounds.upper / size) - step / size
-    return max(np.abs(stays).max(), np.abs(rows @ step - right).max(initial=0.0))
+    return float(np.abs(stays).max())
 
 
-@pytest.mark.parametrize("equations", [0, 1, 2])
 @pytest.mark.parametrize("seed", range(12))
-def test_no_active_set_is_better(seed: int, equations: int) -> None:
+def test_no_active_set_is_better(seed: int) -> None:
     rng = np.random.default_rng(seed)
     size = 5
     h, g, bounds = hessian_of(rng, size), 3.0 * rng.normal(size=size), box(rng, size)
-    rows = rng.normal(size=(equations, size))
-    right = rows @ np.clip(0.2 * rng.normal(size=size), bounds.lower, bounds.upper)  # so that there is a step
-    step, _ = minimiser(h, g, bounds, rows, right)
-    np.testing.assert_allclose(step, best_of_all_active_sets(h, g, bounds, rows, right), atol=1e-9)
+    np.testing.assert_allclose(minimiser(h, g, bounds), best_of_all_active_sets(h, g, bounds), atol=1e-9)
 
 
-@pytest.mark.parametrize("equations", [0, 24, 48])
 @pytest.mark.parametrize("seed", range(5))
-def test_a_program_of_a_fits_size_meets_its_conditions(seed: int, equations: int) -> None:
+def test_a_program_of_a_fits_size_meets_its_conditions(seed: int) -> None:
     rng = np.random.default_rng(seed)
     size = 136
     h, g, bounds = hessian_of(rng, size, 2.0), 30.0 * rng.normal(size=size), box(rng, size)
-    rows = rng.normal(size=(equations, size))
-    right = rows @ np.clip(rng.normal(size=size), bounds.lower, bounds.upper)
-    step, multipliers = minimiser(h, g, bounds, rows, right)
-    assert kkt_residual(h, g, bounds, rows, right, step, multipliers) < 1e-9
+    step = minimiser(h, g, bounds)
+    assert kkt_residual(h, g, bounds, step) < 1e-9
     assert (step >= bounds.lower).all()  # to the last bit
     assert (step <= bounds.upper).all()
     at_bound = (step == bounds.lower) | (step == bounds.upper)
@@ -92,11 +81,11 @@ def test_a_program_of_a_fits_size_meets_its_conditions(seed: int, equations: int
 def test_weights_that_sum_to_one_may_fall_again(seed: int) -> None:
     """The limit of a row is an inequality: where the energy asks for less than the sum, it is released."""
     rng = np.random.default_rng(seed)
-    h, none = hessian_of(rng, 6), np.zeros((0, 6))
+    h = hessian_of(rng, 6)
     wish = np.array([0.5, -0.2, 0.4, 0.3, 0.1, 0.2])  # sums to 1.3
     for target, sums_to_limit in ((wish, True), (-0.1 * np.abs(wish), False)):
         bounds = Bounds(np.full(6, -np.inf), np.full(6, np.inf), np.ones((1, 6)), np.array([0.0]))
-        step, _ = minimiser(h, -h @ target, bounds, none, np.zeros(0))
+        step = minimiser(h, -h @ target, bounds)
         assert step.sum() <= 1e-10
         if sums_to_limit:  # the projection in the norm of h onto the plane
             across = np.linalg.solve(h, np.ones(6))
@@ -108,27 +97,26 @@ def test_weights_that_sum_to_one_may_fall_again(seed: int) -> None:
 def test_without_bounds_and_rows_it_is_one_linear_system(rng: np.random.Generator) -> None:
     h, g = hessian_of(rng, 7), rng.normal(size=7)
     free = Bounds(np.full(7, -np.inf), np.full(7, np.inf))
-    step, multipliers = minimiser(h, g, free, np.zeros((0, 7)), np.zeros(0))
-    np.testing.assert_allclose(h @ step, -g, atol=1e-9)
-    assert multipliers.shape == (0,)
+    np.testing.assert_allclose(h @ minimiser(h, g, free), -g, atol=1e-9)
 
 
 def test_the_given_arrays_stay_as_they_are(rng: np.random.Generator) -> None:
-    h, g, bounds, rows = hessian_of(rng, 8), rng.normal(size=8), box(rng, 8), rng.normal(size=(2, 8))
-    given = [h, g, bounds.lower, bounds.upper, rows]
+    h, g, around = hessian_of(rng, 8), rng.normal(size=8), box(rng, 8)
+    bounds = Bounds(around.lower, around.upper, rng.normal(size=(2, 8)), np.zeros(2))
+    given = [h, g, bounds.lower, bounds.upper, bounds.rows, bounds.row_limits]
     copies = [array.copy() for array in given]
-    minimiser(h, g, bounds, rows, np.zeros(2))
+    minimiser(h, g, bounds)
     for array, copy in zip(given, copies, strict=True):
         np.testing.assert_array_equal(array, copy)
 
 
 def test_a_matrix_that_is_not_positive_definite_is_refused() -> None:
-    free, none = Bounds(np.full(2, -np.inf), np.full(2, np.inf)), np.zeros((0, 2))
+    free = Bounds(np.full(2, -np.inf), np.full(2, np.inf))
     with pytest.raises(sla.LinAlgError, match="not positive definite"):
-        minimiser(np.diag([1.0, -1.0]), np.ones(2), free, none, np.zeros(0))
+        minimiser(np.diag([1.0, -1.0]), np.ones(2), free)
 
 
-def test_bounds_that_contradict_an_equation_are_refused() -> None:
-    bounds, sum_is = Bounds(np.zeros(2), np.ones(2)), np.ones((1, 2))
+def test_bounds_that_contradict_a_row_are_refused() -> None:
+    bounds = Bounds(np.zeros(2), np.ones(2), np.ones((1, 2)), np.array([-1.0]))
     with pytest.raises(sla.LinAlgError, match="no solution"):
-        minimiser(np.eye(2), np.zeros(2), bounds, sum_is, np.array([-1.0]))
+        minimiser(np.eye(2), np.zeros(2), bounds)

@@ -75,7 +75,7 @@ def test_what_nobody_sees_is_in_no_code(hidden: str, tmp_path: Path) -> None:
     with pytest.raises(BadInput, match=rf"nobody sees \(U\+{ord(hidden):04X}\)"):
         one_line(f"A{hidden}1")
     with pytest.raises(BadInput, match="nobody sees"):
-        write_patient([tmp_path], f"A{hidden}1", [None])
+        write_patient(tmp_path, f"A{hidden}1", None)
 
 
 def test_one_code_is_one_however_its_letters_are_composed() -> None:

@@ -122,15 +122,6 @@ def test_results_have_an_etag_and_ranges(running: Running, done: dict[str, Any])
     assert json.loads(running.client.get(done["links"]["result"]).data) == told
 
 
-def test_two_stances_are_fitted_by_one_job(running: Running, scan: dict[str, Any], torso: bytes) -> None:
-    other = uploaded(running, torso)
-    fit = asked(running, scan, **{"with": {"scan": other["id"]}})
-    for each in (fit, fit["partner"]):
-        ended(running.service, each["id"])
-        assert kinds(running, each) == KINDS
-        assert running.client.get(each["links"]["result"]).status_code == 200
-
-
 def test_more_fits_than_workers_all_run(running: Running, scan: dict[str, Any]) -> None:
     fits = [asked(running, scan) for _ in range(3)]
     assert {ended(running.service, fit["id"]).state for fit in fits} == {"done"}

@@ -5,11 +5,10 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 
 import pytest
-from helpers.fake_fit import quick_pair
 from helpers.fake_proposals import at_the_nipple
 
 from breastrig.execution.limits import FitLimits, UploadLimits
-from breastrig.service.fits.fit_worker import PairRunner, Runner
+from breastrig.service.fits.fit_worker import Runner
 from breastrig.service.scan_search import Proposer
 from breastrig.service.service import Service
 from breastrig.storage.folders import new_id
@@ -43,7 +42,6 @@ def serving(storage: Storage) -> MakeService:
 
     def make(
         runner: Runner,
-        pair_runner: PairRunner = quick_pair,
         proposer: Proposer = at_the_nipple,
         uploads: UploadLimits | None = None,
         **limits: float,
@@ -52,7 +50,6 @@ def serving(storage: Storage) -> MakeService:
         service = Service(
             Storage(storage.root),
             runner=runner,
-            pair_runner=pair_runner,
             proposer=proposer,
             uploads=uploads,
             fits=fits,

@@ -28,16 +28,6 @@ def test_places_in_the_queue_count_from_one_and_move_up(serving, scan_id: str) -
         assert queue_positions(service.storage, waiting) == dict(zip(waiting[1:], (1, 2), strict=True))
 
 
-def test_two_stances_are_in_the_queue_once(serving, scan_id: str) -> None:
-    with serving(fake_fit.patient, fake_fit.patient_pair, workers=1) as service:
-        running = ask(service, scan_id)
-        until(lambda: get_fit(service.storage, running).state == "running", "the first to run")
-        leading = ask(service, scan_id, other=NewFit(scan=scan_id, landmarks_mm={}))
-        partner = get_fit(service.storage, leading).partner
-        last = ask(service, scan_id)
-        assert queue_positions(service.storage, [leading, partner, last]) == {leading: 1, partner: 1, last: 2}
-
-
 def test_who_follows_a_waiting_fit_hears_its_place_each_time_it_changes(serving, scan_id: str) -> None:
     with serving(fake_fit.patient, workers=1) as service:
         running, second, third = (ask(service, scan_id) for _ in range(3))

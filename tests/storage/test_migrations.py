@@ -19,6 +19,7 @@ from breastrig.core.version import __version__
 from breastrig.storage import schema
 from breastrig.storage.data_folder import SQLITE_FILE
 from breastrig.storage.revisions import alembic_config, known_revisions
+from breastrig.storage.rows.fits import get_fit, next_queued, queue_positions
 from breastrig.storage.storage import Storage
 
 
@@ -41,6 +42,30 @@ def test_the_tables_of_the_first_revision_are_brought_to_this_version(storage: S
         rows.executescript(Path(__file__).with_name("tables_0001.sql").read_text())
     storage.prepare()
     assert_tables_of_this_version(storage)
+
+
+def test_two_stances_that_were_fitted_together_stay_as_two_fits(storage: Storage) -> None:
+    storage.close()
+    file = storage.root / SQLITE_FILE
+    file.unlink()
+    with closing(sqlite3.connect(file)) as rows:
+        rows.executescript(Path(__file__).with_name("tables_0001.sql").read_text())
+        known = ("id", "created_at", "file_type", "sha256", "facts")
+        fit = (
+            *("id", "place", "scan", "created_at", "state", "stance", "preset", "landmarks_mm"),
+            *("last_event", "iterations", "partner", "leads"),
+        )
+        for number, (scan, own, other, state) in enumerate(
+            [("s", "a", "b", "done"), ("t", "b", "a", "done"), ("s", "c", "d", "queued"), ("t", "d", "c", "queued")]
+        ):
+            rows.execute(f"INSERT OR IGNORE INTO scans {known} VALUES (?, 'then', 'ply', 'ab', '{{}}')", (scan,))
+            values = (own, number, scan, "then", state, "auto", "default", "{}", 0, 0, other, own < other)
+            rows.execute(f"INSERT INTO fits {fit} VALUES ({', '.join('?' * len(fit))})", values)
+        rows.commit()
+    storage.prepare()
+    assert [get_fit(storage, name).state for name in "abcd"] == ["done", "done", "queued", "queued"]
+    assert queue_positions(storage, ["c", "d"]) == {"c": 1, "d": 2}
+    assert next_queued(storage, {"c"}) == "d"
 
 
 def test_a_database_of_another_version_is_refused_and_left_alone(

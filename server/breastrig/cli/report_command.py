@@ -76,7 +76,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _stances(options: argparse.Namespace) -> tuple[Path, Path | None]:
-    """The folder or folders of the fits; a fit of two stances together left both in one."""
+    """The folder or folders of the fits; an earlier version's fit of two stances left both in one."""
     fit: Path = options.fit
     if options.other is None and (fit / "pair.json").is_file():
         return fit / "first", fit / "second"

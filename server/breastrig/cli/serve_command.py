@@ -26,7 +26,7 @@ from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
-from breastrig.workflow.tasks import run_fit, run_pair
+from breastrig.workflow.tasks import run_fit
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -61,7 +61,6 @@ def run(options: argparse.Namespace) -> int:
     service = Service(
         storage,
         runner=run_fit,
-        pair_runner=run_pair,
         model=config.model,
         uploads=config.uploads,
         fits=limits,

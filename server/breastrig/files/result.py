@@ -374,16 +374,15 @@ def folder_name(folder: Path) -> str:
     return folder.resolve().name[:100]
 
 
-def write_patient(folders: Sequence[Path], code: str, scanned: Sequence[date | None]) -> str:
-    """Writes the code, or a random one for all of them, into each folder's result.json and drawing; the code."""
+def write_patient(folder: Path, code: str, scanned: date | None) -> str:
+    """Writes the code, or a random one, into the folder's result.json and drawing; returns the code."""
     given = one_line(code)[:CODE_CHARACTERS]
     chosen = given or random_code()
-    for folder, day in zip(folders, scanned, strict=True):
-        patient = ResultPatient(code=chosen, given=bool(given), scanned=day)
-        result = read_result(folder).model_copy(update={"patient": patient})
-        if result.files:  # the drawing says whose it is, too
-            drawing = json_bytes(json.loads((folder / DRAWING).read_bytes()) | {"patient": chosen})
-            write_private(folder / DRAWING, drawing)
-            result = result.model_copy(update={"files": {**result.files, DRAWING: _sha256(drawing)}})
-        write_private(folder / RESULT, result.content())
+    patient = ResultPatient(code=chosen, given=bool(given), scanned=scanned)
+    result = read_result(folder).model_copy(update={"patient": patient})
+    if result.files:  # the drawing says whose it is, too
+        drawing = json_bytes(json.loads((folder / DRAWING).read_bytes()) | {"patient": chosen})
+        write_private(folder / DRAWING, drawing)
+        result = result.model_copy(update={"files": {**result.files, DRAWING: _sha256(drawing)}})
+    write_private(folder / RESULT, result.content())
     return chosen

@@ -1,6 +1,6 @@
 """How sure a fit is: the Gaussian at the end of the objective that it has minimised (Laplace's approximation).
 
-The covariance of the unknowns is the inverse of Gauss-Newton's H with the joints' part in it.  It knows the scan's
+The covariance of the unknowns is the inverse of Gauss-Newton's H.  It knows the scan's
 noise and the priors, not that the model cannot show every body, so whoever uses it adds that misfit.
 """
 
@@ -11,7 +11,6 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.task import FitTask
-from breastrig.least_squares.problem import HARD
 from breastrig.least_squares.quadratic_program import cholesky, solve_lower
 from breastrig.rig.normal_equations import vertex_variances
 from breastrig.rig.parameters import RigParameters
@@ -29,9 +28,7 @@ class Posterior:
         problem, stage = ScanProblem(task, partners=partners), task.recipe.stages[-1]
         self.task, self.state = task, BodyState(task.rig, x)
         terms = problem.terms(stage, 1.0, self.state, problem.matches(stage, 1.0, self.state))
-        system = problem.system(terms, self.state)
-        held = system.constraint_jacobian
-        hessian = system.hessian + held.T @ (held / np.maximum(system.compliance, HARD)[:, None])
+        hessian = problem.system(terms, self.state).hessian
         self._factor = cholesky(hessian + np.diag(FLOOR * problem.scaling))
         self.picks = terms.picks
         self.expected = [term for term in terms.residuals if term.name in OF_BODIES]  # what it expected of the body

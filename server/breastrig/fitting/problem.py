@@ -1,8 +1,7 @@
 """What a fit minimises for one scan: the observations that it gives, what is expected of a body, and where to stop.
 
 At a state of the model a stage of the recipe asks for matches and makes terms of them (equations 7 to 9); the priors
-(equations 4 and 5 and ours) and joints (equation 6) do not depend on the scan.  A fit of two stances has two of these
-problems (two_stances.py), the fit of one scan one; bounds and free unknowns stand here too, so that both move alike.
+(equations 4 and 5 and ours) and joints (equation 6) do not depend on the scan.
 """
 
 import time
@@ -33,8 +32,8 @@ from breastrig.fitting.body.relief import observe_relief
 from breastrig.fitting.observation_weights import observation_weights
 from breastrig.fitting.recipe import Body, Hanging, Range, Scales, Shapes, Stage
 from breastrig.fitting.task import FitIterate, FitTask
-from breastrig.least_squares.newton import Status, System, Value, assemble, value
-from breastrig.least_squares.problem import Constraint, ResidualTerm, inlier_chance, mixture_cost, outlier_cost
+from breastrig.least_squares.newton import Status, System, assemble, energy_of
+from breastrig.least_squares.problem import ResidualTerm, inlier_chance, mixture_cost, outlier_cost
 from breastrig.least_squares.quadratic_program import Bounds
 from breastrig.rig.blocks import block
 from breastrig.rig.cohort_belief import Gaussian
@@ -68,9 +67,10 @@ class ScanProblem:
     def __init__(self, task: FitTask, *, partners: bool = True) -> None:
         """`partners`: whether a pick tells where its partner is; what judges picks lets none vouch for itself."""
         self.task = task
-        self._joints = expected_joints(task)
-        self.priors = prior_terms(task, self._joints)
-        self.held: list[Constraint[BodyState]] = [JointRest(self._joints)]
+        joints = expected_joints(task)
+        self.priors = prior_terms(task)
+        self._limits = [] if (sigma := task.recipe.joints.limit_sigma) is None else [JointLimits(joints, sigma)]
+        self._rest = JointRest(joints)
         self.scaling = step_scaling(task)
         self._picks = Landmarks(task.rig, tuple(task.given.values())) if task.given else None
         self.relief = task.relief
@@ -105,14 +105,14 @@ class ScanProblem:
         temperature, observed = along(stage.temperature, progress), self.task.recipe.observed
         data, beyond = data_term(self.task, stage, temperature, state, matches)
         picks = None if self._picks is None else self._counted(stage, temperature, state, self._picks)
-        followed = [data] if picks is None else [data, picks]
-        priors = self.priors
+        known = [*self.priors, data, *self._limits]
+        followed = [] if picks is None else [picks]
         if stage.looks_at_form or self.task.stance == PRONE:  # a prone body is found by its breasts
-            form, partners = self._seen(state, [*priors, data], picks)
+            form, partners = self._seen(state, [*known, self._rest], picks)
             rig = self.task.rig
             followed += [Landmarks(rig, form, times=temperature * observed.form, name="form")] if form else []
             followed += [Landmarks(rig, partners, times=temperature, name="partners")] if partners else []
-        return Terms([*priors, *followed], picks, beyond)
+        return Terms([*known, *followed, self._rest], picks, beyond)
 
     def _counted(self, stage: Stage, temperature: float, state: BodyState, picks: Landmarks) -> Landmarks:
         """The picks at this temperature; far ones less where another place may have been meant."""
@@ -131,18 +131,18 @@ class ScanProblem:
         if self.partners is None:
             self.partners = ()
             if picks is not None:
-                without = assemble(others, self.held, state)
+                without = assemble(others, state)
                 self.partners = mirrored_landmarks(self.task, state, picks, without, self.scaling)
         return tuple(self.relief.values()), self.partners
 
     def system(self, terms: Terms, state: BodyState) -> System:
         """Gauss-Newton's quadratic model."""
-        found = assemble(terms.residuals, self.held, state)
+        found = assemble(terms.residuals, state)
         return replace(found, energy=found.energy + terms.beyond)
 
-    def value(self, terms: Terms, state: BodyState) -> Value:
-        """The energy (equation 9)."""
-        return value(terms.residuals, self.held, state) + Value(terms.beyond)
+    def energy(self, terms: Terms, state: BodyState) -> float:
+        """What is to become small (equation 9)."""
+        return energy_of(terms.residuals, state) + terms.beyond
 
     def free(self, stage: Stage) -> Booleans:
         """(P,) what the stage lets move."""
@@ -258,12 +258,10 @@ def expected_joints(task: FitTask) -> Joints:
     return Joints(task.rig, joints, rest_turns(task.rig, task.stance))
 
 
-def prior_terms(task: FitTask, joints: Joints) -> list[ResidualTerm[BodyState]]:
-    """The terms that no scan changes."""
+def prior_terms(task: FitTask) -> list[ResidualTerm[BodyState]]:
+    """The terms that no scan changes, but for those of the joints."""
     rig, recipe = task.rig, task.recipe
     terms = [*body_terms(rig, recipe.shapes, recipe.scales, recipe.body, task.stance, _hanging_of(task))]
-    if recipe.joints.limit_sigma is not None:
-        terms.append(JointLimits(joints, recipe.joints.limit_sigma))
     if recipe.shapes.symmetry_sigma or recipe.scales.symmetry_sigma:
         terms.append(Symmetry(rig, recipe.shapes.symmetry_sigma or np.inf, recipe.scales.symmetry_sigma or np.inf))
     if recipe.shapes.folding is not None:

@@ -37,7 +37,7 @@ class Observations(SettingsPart):
 
 class Joints(SettingsPart):
     rotation_sigma: Positive | None = None  # rad, the same for all joints; else the rig's own
-    translation_sigma: Annotated[float, Field(ge=0.0)] | None = None  # m; 0 is a hard joint; else the rig's own
+    translation_sigma: Positive | None = None  # m; else the rig's own
     rotation_factor: Positive = 1.0
     translation_factor: Annotated[float, Field(ge=0.0)] = 1.0
     limit_sigma: Positive | None = None  # rad, how softly the rig's limits are met; absent: no limits

@@ -207,7 +207,7 @@ def fit(
 
 @dataclass(frozen=True)
 class Settings:
-    """What both kinds of fits are asked in the same words."""
+    """What is asked of a fit, in a program's words."""
 
     stance: str
     preset: Preset

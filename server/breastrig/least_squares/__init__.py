@@ -1,1 +1,1 @@
-"""Nonlinear least squares with constraints and bounds; knows nothing of bodies."""
+"""Nonlinear least squares with bounds; knows nothing of bodies."""

@@ -1,14 +1,8 @@
 """What a least-squares problem is made of.
 
 Energy E(x) = ½ Σ_terms |r(x)|², every residual divided by its expected size, so that 1 means one standard
-deviation.  Constraints g(x) are held in compliant form with Lagrange multipliers λ:
-
-    [ H   Cᵀ ] [ d ]     [ −∇E ]
-    [ C  −K  ] [ λ ]  =  [ −g  ]        K = diag(compliance); 0 is a hard constraint
-
-which for K > 0 equals adding ½ gᵀ K⁻¹ g to the energy (Tournier et al., Stable constrained dynamics, 2015;
-reference 30 of the paper).  Where K is at most HARD the division would drown the rest in rounding: there the
-constraint is an equation of the step, met whatever it costs.
+deviation.  An equation g(x) = 0 with a compliance (Tournier et al., Stable constrained dynamics, 2015; reference 30 of
+the paper) is a residual like any other, with the root of the compliance as its sigma.
 """
 
 from abc import ABC, abstractmethod
@@ -18,8 +12,6 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 
 from breastrig.core.arrays import Array
-
-HARD = 1e-10  # m² or rad²; nobody can tell a joint that gives 0.01 mm or 0.01 mrad from one that gives nothing
 
 X_contra = TypeVar("X_contra", contravariant=True)
 
@@ -74,23 +66,6 @@ class StructuredTerm(ABC, Generic[X_contra]):
     @abstractmethod
     def normal_equations(self, x: X_contra, /) -> NormalEquations:
         """What `linearise` would give when multiplied out."""
-
-
-class Constraint(Protocol[X_contra]):
-    """Equations g(x) = 0, each with a compliance (0 is hard)."""
-
-    @property
-    def name(self) -> str: ...
-
-    @property
-    def compliance(self) -> Array:
-        """(C,) in the square of the equation's unit; HARD and less is a hard constraint."""
-
-    def residual(self, x: X_contra) -> Array:
-        """(C,) the violation g."""
-
-    def linearise(self, x: X_contra) -> Linearisation:
-        """g and its Jacobian."""
 
 
 def inlier_chance(r: Array, even: Array | float | None) -> Array:

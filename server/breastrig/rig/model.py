@@ -39,6 +39,9 @@ class Bone:
     mirror: str  # name of the bone on the other side, its own name when it lies in the middle
 
 
+LEAST_GAP = 1e-5  # m, of a joint: nobody can tell 0.01 mm from none, and a smaller size drowns the rest in rounding
+
+
 @dataclass(frozen=True, eq=False)
 class Joint:
     """A point rigidly attached to the two scalable bones that it links."""
@@ -47,7 +50,7 @@ class Joint:
     child: int  # bone index
     anchor: Array  # (3,) m, body frame at rest
     rotation_sigma: float  # rad, expected size of the relative rotation between two patients or stances
-    translation_sigma: float  # m, expected gap of the joint; 0 is a hard joint
+    translation_sigma: float  # m, expected gap of the joint; a fit takes at least LEAST_GAP
     rotation_limit: float  # rad, largest allowed relative rotation
 
 

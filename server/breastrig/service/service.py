@@ -32,7 +32,7 @@ from breastrig.scan.stored_scan import STORED
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 from breastrig.service.events.feeds import Notifier, StreamItem, follow
 from breastrig.service.failed_tasks import FULL, explained
-from breastrig.service.fits.fit_worker import PairRunner, Predictor, Runner, Runners
+from breastrig.service.fits.fit_worker import Predictor, Runner, Runners
 from breastrig.service.fits.queue import FitQueue, WaitingCap
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.moving import Moving
@@ -48,12 +48,12 @@ from breastrig.storage.file_journal import record_creation
 from breastrig.storage.files import MESH, THUMBNAIL, fit_place, scan_place, upload_name
 from breastrig.storage.folders import new_id
 from breastrig.storage.rows import scans as scan_rows
-from breastrig.storage.rows.fits import FitRow, NewFit, Once, add_fits, fits_of_scan, get_fit, made_before
+from breastrig.storage.rows.fits import FitRow, NewFit, Once, add_fit, fits_of_scan, get_fit, made_before
 from breastrig.storage.rows.patients import get_patient, put_items_of_scan, scans_of_patient
 from breastrig.storage.rows.scans import ScanRow
 from breastrig.storage.storage import Storage, Unremoved, utc_now
 from breastrig.workflow.jobs import TransferJob, UploadJob
-from breastrig.workflow.tasks import keeping, propose_on_file, read_upload, run_fit, run_pair, run_prediction, transfer
+from breastrig.workflow.tasks import keeping, propose_on_file, read_upload, run_fit, run_prediction, transfer
 
 CHUNK = 2**20
 HANDS = 4  # patterns or landmarks that are moved at once
@@ -79,7 +79,6 @@ class Service:
         storage: Storage,
         *,
         runner: Runner = run_fit,
-        pair_runner: PairRunner = run_pair,
         predictor: Predictor = run_prediction,
         proposer: Proposer = propose_on_file,
         model: Path | None = None,
@@ -101,7 +100,7 @@ class Service:
             for places in (self._uploads.workers, self._uploads.workers, HANDS)
         )
         self._workers = executor or self.pool.lane(fit_limits.workers, fit_limits.memory_bytes)
-        runners = Runners(runner, pair_runner, predictor)
+        runners = Runners(runner, predictor)
         self._choice = model_choice(model)
         self._queue = FitQueue(storage, self._workers, fit_limits, runners, self._choice)
         self.readiness = Readiness(storage, {"read uploads": self._readers, "fit": self._workers})
@@ -261,10 +260,8 @@ class Service:
             row, _ = self.add_scan(source, "ply", "auto")
         return row, json.loads(example.landmarks.read_text(encoding="utf-8"))["landmarks"]
 
-    def add_fit(
-        self, new_fit: NewFit, other: NewFit | None = None, once: Once | None = None, client: str | None = None
-    ) -> str:
-        """Puts a fit into the queue; its id.  With `other` it is fitted together with a second stance.
+    def add_fit(self, new_fit: NewFit, once: Once | None = None, client: str | None = None) -> str:
+        """Puts a fit into the queue; its id.
 
         The same request `once` more gives the id of the first.  Raises NotFound when a scan is gone, BadInput when
         `once` has the key of another request, TooMany when so many fits of the `client` wait already.
@@ -274,7 +271,7 @@ class Service:
             if made is not None:
                 return made
         with self._waiting.place(client) as waits:
-            made = self._add_fit(new_fit, other, once)
+            made = self._add_fit(new_fit, once)
             waits(made)
         self._queue.wake()
         return made
@@ -306,19 +303,18 @@ class Service:
         )
         return self.add_fit(prediction, client=client)
 
-    def _add_fit(self, new_fit: NewFit, other: NewFit | None, once: Once | None) -> str:
-        new_fits = {new_id(): one for one in (new_fit, other) if one is not None}
-        places = [fit_place(fit_id) for fit_id in new_fits]
-        record_creation(self.storage, new_fit.scan, places)
+    def _add_fit(self, new_fit: NewFit, once: Once | None) -> str:
+        fit_id = new_id()
+        place = fit_place(fit_id)
+        record_creation(self.storage, new_fit.scan, [place])
         try:
-            for fit_id in new_fits:
-                self.storage.make_fit(fit_id)
-            made = add_fits(self.storage, utc_now(), new_fits, once)
+            self.storage.make_fit(fit_id)
+            made = add_fit(self.storage, utc_now(), fit_id, new_fit, once)
         except BaseException:
-            discard(self.storage, new_fit.scan, *places)
+            discard(self.storage, new_fit.scan, place)
             raise
-        if made not in new_fits:
-            discard(self.storage, new_fit.scan, *places)
+        if made != fit_id:
+            discard(self.storage, new_fit.scan, place)
         return made
 
     def cancel_fit(self, fit_id: str) -> FitRow:

@@ -8,7 +8,7 @@ steps, once the files have made room.
 import logging
 from functools import partial
 
-from sqlalchemy import Connection, delete, select, update
+from sqlalchemy import Connection, delete, select
 from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 
 from breastrig.storage import schema
@@ -168,5 +168,4 @@ def _places(connection: Connection, scan_id: str, fits: list[str]) -> list[str]:
 
 
 def _delete_fits(connection: Connection, fits: list[str]) -> None:
-    connection.execute(update(schema.fits).where(schema.fits.c.partner.in_(fits)).values(partner=None))
     connection.execute(delete(schema.fits).where(schema.fits.c.id.in_(fits)))

@@ -24,7 +24,6 @@ from sqlalchemy import (
     TypeDecorator,
     UniqueConstraint,
     false,
-    true,
 )
 
 metadata = MetaData()
@@ -138,8 +137,6 @@ fits = Table(
     Column("start_from", String(32)),  # an earlier fit of the same scan, whose last pose this one goes on from
     Column("predicted_from", String(32)),  # of a prediction: the fit of the scan, which is of another stance
     Column("simulate", Boolean, nullable=False, server_default=false()),  # of an earlier version: by finite elements
-    Column("partner", String(32)),  # the fit of the other stance, when both are fitted together
-    Column("leads", Boolean, nullable=False, server_default=true()),  # of two partners one waits in the queue for both
     Column("attempt", Integer, nullable=False, server_default="0"),  # how often a worker has started it
     Column("last_event", Integer, nullable=False, default=0),
     Column("iterations", Integer, nullable=False, default=0),

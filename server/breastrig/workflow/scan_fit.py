@@ -1,7 +1,7 @@
 """What is asked of a fit, checked, and a scan made ready for its first iteration.
 
-The single fit and the fit of two stances share it, whether they come from files (FitJob) or from a program that has
-read its scan already.  Everything that can be wrong with the request itself is found before the scan is looked at.
+Shared by fits from files (FitJob) and fits of a program that has read its scan already.  Everything that can be wrong
+with the request itself is found before the scan is looked at.
 """
 
 import time

@@ -12,7 +12,6 @@ from breastrig_studies.studies.trust.reliability import LEVELS
 from breastrig_studies.tables.accuracy import FAMILIES, groups, of, value
 from breastrig_studies.tables.breasts import of_all
 from breastrig_studies.tables.certainty import KINDS
-from breastrig_studies.tables.studies import PICKS
 from breastrig_studies.tables.table import Cell, Row, Table
 
 HEADINGS = {"independent": "independent bodies", "makehuman": "MakeHuman bodies"}
@@ -240,30 +239,6 @@ def peers_figure(table: Table) -> Chart:
     return RowChart(labels, panels)
 
 
-def two_stances_figure(table: Table) -> Chart:
-    """Carried points: fits apart, fits together, and simple means, with true picks and with picks 5 mm off."""
-    names = [column.name for column in table.columns]
-    headings = {word: HEADINGS[key] for key, word in FAMILIES.items()}
-    panels, labels = [], []
-    for picks in PICKS:
-        rows = [row for row in table.rows if not row.mean and not row.note and row.cells[4] == picks]
-        words = [spaced(f"{row.cells[1]}, {row.cells[2]} to {row.cells[3]}") for row in rows]
-        labels = [(headings[str(row.cells[0])], word) for row, word in zip(rows, words, strict=True)]
-        series = []
-        for label, column in (
-            ("fits apart", "separate_mm"),
-            ("together", "together_mm"),
-            ("smooth, apart", "smooth_separate_mm"),
-            ("smooth, together", "smooth_together_mm"),
-            ("rigid", "rigid_mm"),
-            ("spline", "spline_mm"),
-        ):
-            cells = [row.cells[names.index(column)] for row in rows]
-            series.append(Series(label, [[] if cell is None else [float(cell)] for cell in cells]))
-        panels.append(Panel(f"to the true point, mean mm; picks {picks}", series))
-    return RowChart(labels, panels)
-
-
 def reliability_figure(table: Table) -> Chart:
     """What is said against what is covered, for each group of places; see tables/certainty.py."""
     said = [100.0 * level for level in LEVELS]
@@ -299,6 +274,4 @@ def all_figures(results: Results, tables: dict[str, Table]) -> dict[str, Chart]:
         charts["reliability"] = reliability_figure(of_all(tables["reliability"]))
     if "peers" in tables:
         charts["peers"] = peers_figure(tables["peers"])
-    if "two_stances" in tables and any(not row.note for row in tables["two_stances"].rows):
-        charts["two_stances"] = two_stances_figure(tables["two_stances"])
     return {name: chart for name, chart in charts.items() if has_numbers(chart)}

@@ -28,7 +28,6 @@ TABLES = (
     "blendshape_order",
     "compliances",
     "peers",
-    "two_stances",
     "transfer",
     "transfer_lines",
     "lesions",

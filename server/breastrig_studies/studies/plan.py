@@ -82,10 +82,7 @@ class Plan:
         for _, group in groupby(self.plain, lambda case: case.patient):
             cases = tuple(group)
             if {case.stance for case in cases} >= {"standing", "supine"}:
-                units += [
-                    Unit(cases, question, self.recipes[0], self.model)
-                    for question in ("two_stances", "transfer", "prediction")
-                ]
+                units += [Unit(cases, question, self.recipes[0], self.model) for question in ("transfer", "prediction")]
             if (cases[0].folder.parent / LESIONS).is_file():
                 units.append(Unit(cases, "lesions", self.recipes[0], self.model))
         return units

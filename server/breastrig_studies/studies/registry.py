@@ -30,7 +30,6 @@ from breastrig_studies.studies.trust import certainty
 from breastrig_studies.studies.trust.asked import asked
 from breastrig_studies.studies.trust.captured import captured
 from breastrig_studies.studies.trust.verdicts import verdicts
-from breastrig_studies.studies.two_stances import gain
 
 REPEATS = 3  # fits whose median time counts ...
 ENOUGH_SECONDS = 1.0  # ... unless one takes this long: then chance matters less
@@ -81,11 +80,6 @@ def _of_one_case(question: Answer) -> Answer:
     return answer
 
 
-def two_stances(cases: tuple[Case, ...], rig: Rig, recipe: Recipe) -> dict[str, Any]:
-    """The gain of fitting two stances of one patient together."""
-    return {"rows": gain(cases, rig, recipe, lambda _: None)}
-
-
 ANSWERS: dict[str, Answer] = {
     "accuracy": _of_one_case(accuracy),
     "halves": _of_one_case(landmark_study.halves),
@@ -104,7 +98,6 @@ ANSWERS: dict[str, Answer] = {
     "captured": _of_one_case(captured),
     "prone": _of_one_case(prone),
     "peer": _of_one_case(peers.peer),
-    "two_stances": two_stances,
     "transfer": transfer_study,
     "lesions": lesions_study,
     "prediction": prediction_study,

@@ -41,7 +41,7 @@ ANSWERING = (  # the code that an answer depends on, besides the module of the q
     "breastrig_studies/studies/trust/reliability.py",
     "breastrig_studies/cohort.py",
 )
-WITH_DRAWINGS = ("two_stances", "transfer", "other_patient", "ink_transfer")
+WITH_DRAWINGS = ("transfer", "other_patient", "ink_transfer")
 ASKED = ("asked", "captured")
 OF_COLOUR = ("colour_landmarks", "ink", "ink_transfer")
 
@@ -88,7 +88,7 @@ def source_digest(question: str) -> str:
     module = ANSWERS[question].__module__.replace(".", "/") + ".py"
     own: tuple[str, ...] = (module,)
     if question in WITH_DRAWINGS:
-        own += ("breastrig_studies/studies/two_stances.py", "breastrig/drawings")
+        own += ("breastrig_studies/studies/transfer.py", "breastrig/drawings")
     if question in OF_COLOUR:
         own += ("breastrig/colour",)
     if question in ASKED:

@@ -36,9 +36,8 @@ from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig_studies.cohort import Case
-from breastrig_studies.studies.case import Scene, read_scene
+from breastrig_studies.studies.case import SEEN_COSINE, SEEN_DISTANCE, Scene, read_scene
 from breastrig_studies.studies.trust.reliability import covered_at_levels
-from breastrig_studies.studies.two_stances import on_the_chest, seen
 
 PICKS = ("true", "5 mm off", "one 30 mm off")
 ALL = "all"  # lines, or regions, together
@@ -47,6 +46,7 @@ CLICK, WRONG = 0.005, 0.03  # m
 WRONG_PICK = "nipple_L"
 STROKES, SHORTEST, LONGEST, STEP = 200, 0.02, 0.05, 0.005  # how many, and in m
 SEED = 11
+CHEST = 0.13  # m from the line between the nipples
 
 Picks = dict[str, Array]
 
@@ -59,6 +59,24 @@ class Places:
     true: Array  # (M, 3) m, in B's frame
     lines: tuple[str, ...]  # (M,) lumpectomy, meridians or strokes
     on_breast: Booleans  # (M,)
+
+
+def seen(scene: Scene) -> Booleans:
+    """(V,) vertices of the truth that the scan shows."""
+    assert scene.truth is not None
+    distance, nearest = scene.target.vertex_tree.query(scene.truth.vertices)
+    normals = vertex_normals(scene.truth.vertices, scene.truth.triangles)
+    facing = np.einsum("vi,vi->v", normals, scene.target.normals[nearest])
+    return np.asarray((distance < SEEN_DISTANCE) & (facing > SEEN_COSINE))
+
+
+def on_the_chest(scene: Scene) -> Booleans:
+    """(V,) vertices of the truth within CHEST of the line between the nipples."""
+    assert scene.truth is not None
+    left, right = scene.landmarks["nipple_L"], scene.landmarks["nipple_R"]
+    across, vertices = right - left, scene.truth.vertices
+    share = np.clip((vertices - left) @ across / (across @ across), 0.0, 1.0)
+    return np.asarray(np.linalg.norm(vertices - left - share[:, None] * across, axis=1) < CHEST)
 
 
 def transfer_study(cases: tuple[Case, ...], rig: Rig, recipe: Recipe) -> dict[str, Any]:

@@ -1,22 +1,17 @@
-"""From records to tables: the number of blendshapes, the compliances, the peers, and two stances together."""
+"""From records to tables: the number of blendshapes, the compliances, and the peers."""
 
 from collections.abc import Sequence
-from typing import Any
 
 from breastrig.rig.model import Rig
 from breastrig_studies.studies.plan import FACTORS, ORDERS, compliances, counts, first_shapes
 from breastrig_studies.studies.result_cache import Record
 from breastrig_studies.studies.sensitivity import TERMS
-from breastrig_studies.tables.accuracy import FAMILIES, LANDMARKS, PATIENT, SURFACE, TRUTH, WHO, groups, of, value
-from breastrig_studies.tables.table import Cell, Column, Row, Table, mean, mean_row
+from breastrig_studies.tables.accuracy import FAMILIES, LANDMARKS, SURFACE, TRUTH, WHO, groups, of, value
+from breastrig_studies.tables.table import Cell, Column, Row, Table, mean
 
 NUMBERS = ("surface_mm", "truth_mm", "landmarks_mm")
 TIME = Column("time_s", "time s", 3)
 PICKS = ("true", "5 mm off")
-CARRIED = (  # paths into a row of two_stances.gain
-    *("separate_mm.mean", "together_mm.mean", "smooth_separate_mm.mean", "smooth_together_mm.mean"),
-    *("smooth_together_mm.p95", "rigid_mm", "spline_mm"),
-)
 PEERS = {"rigid": "rigid closest points", "nricp_amberg": "free-form (nricp_amberg)"}
 
 
@@ -94,42 +89,4 @@ def peers_table(records: Sequence[Record], presets: Sequence[str]) -> Table:
             failed = next((record.failed for record in same if record.failed), None)
             numbers = means_of(same, (*NUMBERS, "time_s"))
             table.rows.append(Row((FAMILIES[family], setting, words, *numbers), note=failed or ""))
-    return table
-
-
-def two_stances_table(records: Sequence[Record]) -> Table:
-    """Points carried from one stance to the other: fits apart, fitted together, and simple means."""
-    columns = (
-        PATIENT,
-        Column("from", "from", key=True),
-        Column("to", "to", key=True),
-        Column("picks", "picks", key=True),
-        Column("separate_mm", "fits apart"),
-        Column("together_mm", "together"),
-        Column("smooth_separate_mm", "smooth, apart"),
-        Column("smooth_together_mm", "smooth, together"),
-        Column("smooth_together_p95_mm", "95 %"),
-        Column("rigid_mm", "rigid"),
-        Column("spline_mm", "spline"),
-    )
-    caption = (
-        "Mean distance between the carried and the true corresponding point, mm; smooth is the program's transfer."
-    )
-    table = Table("two_stances", caption, (WHO[0], *columns))
-    for family in FAMILIES:
-        for picks in PICKS:
-            rows = []
-            for record in of(records, "two_stances"):
-                if record.case.family != family:
-                    continue
-                if record.failed:
-                    blank: list[Cell] = ["", "", picks, *(None for _ in CARRIED)]
-                    rows.append(Row((FAMILIES[family], record.case.patient, *blank), note=record.failed))
-                for found in record.answer.get("rows", []):
-                    errors: dict[str, Any] = found["clicks"] if picks == PICKS[1] else found
-                    numbers = [value(errors, path) for path in CARRIED]
-                    who = (FAMILIES[family], record.case.patient, found["from"], found["to"], picks)
-                    rows.append(Row((*who, *numbers)))
-            if rows:
-                table.rows.extend([*rows, mean_row((FAMILIES[family], "mean", "", "", picks), rows)])
     return table

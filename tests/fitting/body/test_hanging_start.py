@@ -23,7 +23,6 @@ from breastrig.fitting.scan_orientation import orientation_from, scan_orientatio
 from breastrig.fitting.starts.orientation import start_from_scan
 from breastrig.fitting.starts.second_start import iterates_with_second_start
 from breastrig.fitting.task import FitTask
-from breastrig.fitting.two_stances import ALIKE, ONE_BODY, Coupling, PairIterate, fit_pair_iterates
 from breastrig.fitting.verdicts.fit_signals import fit_signals
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
@@ -81,37 +80,6 @@ def test_nipples_of_breasts_that_hang_are_found_without_landmarks(rig: Rig) -> N
     assert [each.iteration for each in twice] == list(range(len(twice)))
     assert all(a.elapsed_s <= b.elapsed_s for a, b in pairwise(twice))
     assert [each.status is Status.RUNNING for each in twice] == [True] * (len(twice) - 1) + [False]
-    assert len(twice) > len(once)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("coupling", [ALIKE, ONE_BODY])
-def test_two_stances_of_breasts_that_hang_begin_again_together(rig: Rig, coupling: Coupling) -> None:
-    def off(recipe: Recipe) -> tuple[list[PairIterate], Array]:
-        """All iterates, and m from the nipples of both stances to the true ones."""
-        scans = [woman(HANGING, stance) for stance in STANCES]
-        starts = [start_from_scan(rig, target, FRONT).parameters for target, _ in scans]
-        first, second = (
-            FitTask(rig, target, start, recipe, {}, stance)
-            for (target, _), start, stance in zip(scans, starts, STANCES, strict=True)
-        )
-        found = list(fit_pair_iterates(first, second, coupling))
-        gaps = [
-            rig.landmark_points(NIPPLES).positions(pose(rig, each.parameters), rig.faces) - [at[n] for n in NIPPLES]
-            for each, (_, at) in zip((found[-1].first, found[-1].second), scans, strict=True)
-        ]
-        return found, np.linalg.norm(gaps, axis=2).mean(axis=1)
-
-    recipe = load_recipe("default")
-    once, flattened = off(recipe.model_copy(update={"hanging": None}))
-    twice, found = off(recipe)
-    assert flattened.min() > (0.05 if coupling is ALIKE else 0.01)  # one body's other stance holds its breasts up
-    assert found.max() < 0.02
-    assert found.mean() < flattened.mean()
-    assert {twice[-1].first.hanging, twice[-1].second.hanging} == {("ptosis_L", "ptosis_R")}
-    assert [each.iteration for each in twice] == list(range(len(twice)))
-    assert [each.status is Status.RUNNING for each in twice] == [True] * (len(twice) - 1) + [False]
-    assert all(a.first.elapsed_s <= b.first.elapsed_s for a, b in pairwise(twice))
     assert len(twice) > len(once)
 
 

@@ -6,7 +6,7 @@ from helpers.rig_patient import patient
 
 from breastrig.core.arrays import Array
 from breastrig.fitting.fit import FitTask, fit_iterates
-from breastrig.fitting.picks.checked_fit import agreeing_picks, checked_iterates, without
+from breastrig.fitting.picks.checked_fit import checked_iterates, without
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import load_recipe
@@ -133,18 +133,6 @@ def test_at_most_a_third_is_rejected(torso: Rig) -> None:
         wrong[f"{side}_L"], wrong[f"{side}_R"] = true[f"{side}_R"], true[f"{side}_L"]
     last = list(checked_iterates(task_of(torso, 5, wrong, true)))[-1]
     assert sum(len(doubt.names) for doubt in last.not_followed) <= len(true) // 3
-
-
-@pytest.mark.slow
-def test_a_fit_of_two_stances_takes_the_same_picks(torso: Rig) -> None:
-    _, true, _ = patient(torso, 5)
-    wrong = true | {"nipple_L": true["nipple_R"], "nipple_R": true["nipple_L"]}
-    task = task_of(torso, 5, wrong, true)
-    kept, rejected = agreeing_picks(task)
-    assert [doubt.names for doubt in rejected] == [("nipple_L", "nipple_R")]
-    assert set(kept.landmarks) == set(true) - {"nipple_L", "nipple_R"}
-    begun = tuple(checked_iterates(task))
-    assert agreeing_picks(task, begun)[1] == rejected, "nothing is fitted again"
 
 
 @pytest.mark.slow

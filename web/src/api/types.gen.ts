@@ -239,8 +239,6 @@ export type Fit = {
   start_from: string | null;
   /** of a prediction: id of the fit that it was made from */
   predicted_from: string | null;
-  /** id of the other stance's fit when both are fitted together */
-  partner: string | null;
   /** number of the last stored event, 0 before the first */
   last_event: number;
   /** number of iterated events so far */
@@ -257,8 +255,6 @@ export type FitAccepted = {
   links: FitLinks;
   /** the digest of what is cut out of the scan */
   cuts: string;
-  /** the fit of the second scan, when there is one */
-  partner?: FitPartner | null;
 };
 
 export type FitLinks = {
@@ -287,13 +283,6 @@ export type FitPage = {
   next: string | null;
 };
 
-export type FitPartner = {
-  id: string;
-  links: FitLinks;
-  /** the digest of what is cut out of its scan */
-  cuts: string;
-};
-
 /** What is asked of a fit. */
 export type FitRequest = {
   /** id of the scan */
@@ -312,8 +301,6 @@ export type FitRequest = {
   refine?: boolean;
   /** id of a fit of the same scan that is done: this one goes on from there, with its landmarks where they are now, in fewer iterations */
   start_from?: string | null;
-  /** another scan of the same patient: both are fitted together, bodies held alike; preset, drawing and refine hold for both */
-  with?: OtherStance | null;
 };
 
 /** How the body seems to lie in the scan's own axes; a proposal for the camera. */
@@ -713,19 +700,6 @@ export type NodePose = {
   scale?: number[] | null;
   /** blendshape weights in the model's order (on the mesh node) */
   weights?: number[] | null;
-};
-
-/** The second scan of a fit of two stances together. */
-export type OtherStance = {
-  /** id of the scan */
-  scan: string;
-  stance?: "auto" | "standing" | "supine" | "prone";
-  /** millimetres, the scan's own frame; by default those stored with the scan */
-  landmarks?: Record<string, [number, number, number]> | null;
-  /** names of landmarks that are followed whatever all else says; by default those stored with the scan, or none where the request brings landmarks of its own */
-  certain?: string[] | null;
-  /** 0 to 1, of landmarks that were proposed and only agreed to, as the proposal says it: each keeps the proposal's error. 1 says that a person has looked closely; of a landmark that stands exactly where it was proposed, and of which nothing is said, the proposal's own is taken; by default those stored with the scan, as `certain` */
-  confidence?: Record<string, number> | null;
 };
 
 /** Lines that were drawn on a scan; fields of other drawing files are passed over and not kept. */

@@ -14,7 +14,7 @@ from breastrig.api.errors import refuse
 from breastrig.api.place_checks import check_landmarks
 from breastrig.api.trusted_proxy import client_of
 from breastrig.api.wire import common as wire
-from breastrig.core.errors import BadScan, BadSettings, Conflict, NotFound, unknown_name
+from breastrig.core.errors import BadSettings, Conflict, NotFound, unknown_name
 from breastrig.core.picks import Picks
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.fitting.presets.preset_files import preset_names
@@ -44,9 +44,6 @@ def start_fit(
     With an `Idempotency-Key` the same request may be sent again: it is answered with the fit that it started
     first, as long as that fit is kept.  The same key with another request gives 422.
 
-    With `with` two stances of one patient are fitted together, by one job: each has a fit of its own, with its own
-    events and files, and names the other as its `partner`.  Cancelling one cancels both.
-
     With `start_from` a fit goes on from an earlier one of the same scan: for when a landmark was moved.
     """
     context = app_context()
@@ -58,48 +55,34 @@ def start_fit(
         raise BadSettings(unknown_name("preset", json_data.preset, presets))
     if json_data.drawing is not None:
         asked_drawing(rig, json_data.drawing)
-    other = json_data.with_
-    if other is not None and other.scan == json_data.scan:
-        raise BadScan("Two stances need two scans; leave `with` out to fit one scan.")
-    if other is not None and context.model_of(get_scan(storage, other.scan).facts).rig is not rig:
-        raise BadScan("These scans are to be fitted with different models; upload one of them again, with the other's.")
     if json_data.start_from is not None:
         _check_start(json_data, json_data.start_from)
-    new_fit = _new_fit(json_data, json_data)
     fit_id = context.service.add_fit(
-        new_fit,
-        None if other is None else _new_fit(json_data, other),
+        _new_fit(json_data),
         _once(headers_data.idempotency_key, json_data),
         client=client_of(request.remote_addr),
     )
-    made = get_fit(storage, fit_id)
-    partner = None
-    if made.partner is not None:
-        second = get_fit(storage, made.partner)
-        partner = wire.FitPartner(id=second.id, links=fit_links(second.id), cuts=cuts_digest(second.cuts))
-    answer = wire.FitAccepted(id=fit_id, links=fit_links(fit_id), cuts=cuts_digest(made.cuts), partner=partner)
+    cuts = cuts_digest(get_fit(storage, fit_id).cuts)
+    answer = wire.FitAccepted(id=fit_id, links=fit_links(fit_id), cuts=cuts)
     return answer, 202, {"Location": answer.links.self}
 
 
 def _check_start(asked: wire.FitRequest, start_from: str) -> None:
     earlier = get_fit(app_context().service.storage, start_from)
-    if asked.with_ is not None:
-        raise BadSettings("Two stances together find their own start; leave `start_from` or `with` out.")
     if earlier.scan != asked.scan or earlier.predicted_from is not None:
         raise BadSettings("A fit goes on from a fit of the same scan; leave `start_from` out for another one.")
     if earlier.state != "done":
         raise Conflict(f"A fit goes on from one that is done; that one is {earlier.state}.")
 
 
-def _new_fit(asked: wire.FitRequest, stance: wire.OtherStance) -> NewFit:
-    """One scan's part of the request."""
+def _new_fit(asked: wire.FitRequest) -> NewFit:
     context = app_context()
-    scan = get_scan(context.service.storage, stance.scan)
-    picks = _picks(scan, stance)
+    scan = get_scan(context.service.storage, asked.scan)
+    picks = _picks(scan, asked)
     check_landmarks(picks, scan, context.model_of(scan.facts))
     return NewFit(
         scan=scan.id,
-        stance=stance.stance,
+        stance=asked.stance,
         preset=asked.preset,
         drawing=asked.drawing,
         landmarks_mm=picks.points_mm,
@@ -111,13 +94,13 @@ def _new_fit(asked: wire.FitRequest, stance: wire.OtherStance) -> NewFit:
     )
 
 
-def _picks(scan: ScanRow, stance: wire.OtherStance) -> Picks:
+def _picks(scan: ScanRow, asked: wire.FitRequest) -> Picks:
     """As the request says, else as they are stored with the scan."""
     context = app_context()
-    said: dict[str, Any] = {} if stance.certain is None else {"certain": tuple(stance.certain)}
-    said |= {} if stance.confidence is None else {"confidence": stance.confidence}
-    brought = stance.landmarks is not None
-    picks = Picks(stance.landmarks or {}) if brought else get_landmarks(context.service.storage, scan.id)
+    said: dict[str, Any] = {} if asked.certain is None else {"certain": tuple(asked.certain)}
+    said |= {} if asked.confidence is None else {"confidence": asked.confidence}
+    brought = asked.landmarks is not None
+    picks = Picks(asked.landmarks or {}) if brought else get_landmarks(context.service.storage, scan.id)
     return context.service.proposals.agreed(scan.id, context.model_of(scan.facts).rig.sha256, replace(picks, **said))
 
 
@@ -142,7 +125,7 @@ def predict_stance(fit_id: str, json_data: wire.PredictionRequest) -> tuple[wire
     context = app_context()
     made = context.service.add_prediction(fit_id, json_data.stance, client_of(request.remote_addr))
     cuts = cuts_digest(get_fit(context.service.storage, made).cuts)
-    answer = wire.FitAccepted(id=made, links=fit_links(made), cuts=cuts, partner=None)
+    answer = wire.FitAccepted(id=made, links=fit_links(made), cuts=cuts)
     return answer, 202, {"Location": answer.links.self}
 
 

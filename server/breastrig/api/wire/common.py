@@ -277,8 +277,8 @@ class Ink(Wire):
     shapes: list[InkShape]
 
 
-class OtherStance(Wire):
-    """The second scan of a fit of two stances together."""
+class FitRequest(Wire):
+    """What is asked of a fit."""
 
     scan: Name = Field(description="id of the scan")
     stance: StanceWish = "auto"
@@ -289,11 +289,6 @@ class OtherStance(Wire):
     confidence: dict[Name, Confidence] | None = Field(
         None, max_length=200, description=f"{CONFIDENCE}; by default those stored with the scan, as `certain`"
     )
-
-
-class FitRequest(OtherStance):
-    """What is asked of a fit."""
-
     preset: Name = "default"
     drawing: Annotated[str, Field(min_length=1, max_length=LONGEST_DRAWING)] | None = Field(
         None,
@@ -307,12 +302,6 @@ class FitRequest(OtherStance):
         None,
         description="id of a fit of the same scan that is done: this one goes on from there, with its landmarks "
         "where they are now, in fewer iterations",
-    )
-    with_: OtherStance | None = Field(
-        None,
-        alias="with",
-        description="another scan of the same patient: both are fitted together, bodies held alike; preset, drawing "
-        "and refine hold for both",
     )
 
 
@@ -365,17 +354,10 @@ class FitLinks(Wire):
     predictions: str
 
 
-class FitPartner(Wire):
-    id: str
-    links: FitLinks
-    cuts: str = Field(description="the digest of what is cut out of its scan")
-
-
 class FitAccepted(Wire):
     id: str
     links: FitLinks
     cuts: str = Field(description="the digest of what is cut out of the scan")
-    partner: FitPartner | None = Field(None, description="the fit of the second scan, when there is one")
 
 
 class Fit(Wire):
@@ -394,7 +376,6 @@ class Fit(Wire):
     cuts: str = Field(description="the digest of what was cut out of the scan when this fit was asked for")
     start_from: str | None = Field(description="id of the fit that this one went on from")
     predicted_from: str | None = Field(description="of a prediction: id of the fit that it was made from")
-    partner: str | None = Field(description="id of the other stance's fit when both are fitted together")
     last_event: int = Field(description="number of the last stored event, 0 before the first")
     iterations: int = Field(description="number of iterated events so far")
     numbers: IterationNumbers | None = Field(description="of the last iteration")

@@ -14,7 +14,6 @@ from breastrig.core.stances import split_side
 from breastrig.energies.landmarks import LandmarkObservation, Landmarks
 from breastrig.fitting.task import FitTask
 from breastrig.least_squares.newton import System
-from breastrig.least_squares.problem import HARD
 from breastrig.least_squares.quadratic_program import cholesky, solve_lower
 from breastrig.rig.similarity import umeyama
 from breastrig.rig.state import BodyState
@@ -59,9 +58,7 @@ def mirrored_landmarks(
 
 def _without_picks(state: BodyState, picks: Landmarks, others: System, scaling: Array) -> Array:
     """(L, 3) m by which the model's landmarks move, to first order, when the picks are left out."""
-    held = others.constraint_jacobian
-    hessian = others.hessian + held.T @ (held / np.maximum(others.compliance, HARD)[:, None])
-    factor = cholesky(hessian + np.diag(DAMPING * scaling))
+    factor = cholesky(others.hessian + np.diag(DAMPING * scaling))
     pull = picks.linearise(state)
     step = solve_lower(factor, solve_lower(factor, pull.residual @ pull.jacobian), transposed=True)
     rig = state.rig

@@ -51,14 +51,6 @@ def ended(task: FitTask, last: FitIterate) -> FitTask:
     return replace(without(task, last.not_followed), relief=last.relief, hanging=last.hanging)
 
 
-def agreeing_picks(task: FitTask, known_iterates: Sequence[FitIterate] = ()) -> tuple[FitTask, tuple[Doubt, ...]]:
-    """The task without rejected picks, and these; fits anew unless all iterates of its fit are known."""
-    if not task.picked:
-        return task, ()
-    *_, last = known_iterates or checked_iterates(task)
-    return without(task, last.not_followed), last.not_followed
-
-
 def _parts(recipe: Recipe) -> tuple[Recipe | None, Recipe | None]:
     """The stages that doubt picks, and those after them."""
     robust = [index for index, stage in enumerate(recipe.stages) if stage.doubts_picks]

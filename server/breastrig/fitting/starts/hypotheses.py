@@ -10,11 +10,13 @@ import numpy as np
 
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.body.hanging_start import opening_of
-from breastrig.fitting.fit import InitialPoint, Problem, iterates
+from breastrig.fitting.fit import InitialPoint, iterates
+from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.recipe import Recipe, Stage, load_recipe
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import Similarity, similar_parameters
+from breastrig.rig.state import BodyState
 
 GOING_ON = 2  # hypotheses, after the first stage
 
@@ -23,13 +25,13 @@ GOING_ON = 2  # hypotheses, after the first stage
 class Opening:
     """The stages that open a task's fit, as far as they were gone through."""
 
-    problem: Problem
+    problem: ScanProblem
     iterates: tuple[FitIterate, ...] = ()
     place: Similarity | None = None  # of the rest pose, where it began
 
     @property
     def task(self) -> FitTask:
-        return self.problem.scans[0].task
+        return self.problem.task
 
     @property
     def energy(self) -> float:
@@ -39,12 +41,12 @@ class Opening:
     def after(self, stage: Stage) -> "Opening":
         """One stage further."""
         if not self.iterates:
-            return replace(self, iterates=tuple(each for (each,) in iterates(self.problem, [stage])))
+            return replace(self, iterates=tuple(iterates(self.problem, [stage])))
         *before, last = self.iterates
         if not last.is_finite:
             return self
-        at = InitialPoint(self.problem.at([last.parameters]), last.energy, last.iteration)
-        return replace(self, iterates=(*before, *(each for (each,) in iterates(self.problem, [stage], at))))
+        at = InitialPoint(BodyState(self.task.rig, last.parameters), last.energy, last.iteration)
+        return replace(self, iterates=(*before, *iterates(self.problem, [stage], at)))
 
 
 def judge() -> Recipe:
@@ -56,7 +58,7 @@ def ranked(rig: Rig, target: ScanTarget, places: Sequence[Similarity], stance: s
     """Openings from the rest pose at these places, the best first; those behind have not gone to the end."""
     stages = opening_of(judge())
     tasks = [FitTask(rig, target, similar_parameters(rig, place), judge(), {}, stance) for place in places]
-    left = [Opening(Problem([task]), place=place) for task, place in zip(tasks, places, strict=True)]
+    left = [Opening(ScanProblem(task), place=place) for task, place in zip(tasks, places, strict=True)]
     behind: list[Opening] = []
     for stage in stages:
         left = sorted((each.after(stage) for each in left), key=lambda each: each.energy)

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from breastrig.core.arrays import Array, Integers
-from breastrig.rig.model import Rig
+from breastrig.rig.model import LEAST_GAP, Rig
 from breastrig.rig.validation.drawings import drawing_findings, on_triangle
 from breastrig.rig.validation.finding import Finding, named
 from breastrig.rig.validation.mesh import mesh_findings
@@ -39,7 +39,15 @@ def check_rig(rig: Rig, is_torso: bool = False) -> list[Finding]:
         return findings
     findings += [_length(rig), *mesh_findings(rig)]
     findings += [_weight_sums(rig), _influences(rig), _smooth_weights(rig)]
-    findings += [_bones(rig), _rest_frames(rig), _joints(rig), _names(rig), _ranges(rig), _useful_shapes(rig)]
+    findings += [
+        _bones(rig),
+        _rest_frames(rig),
+        _joints(rig),
+        _names(rig),
+        _ranges(rig),
+        _joints_give(rig),
+        _useful_shapes(rig),
+    ]
     findings += [
         _landmarks(rig),
         _left_and_right(rig),
@@ -257,6 +265,13 @@ def _ranges(rig: Rig) -> Finding:
             wrong.append(f"the joint at {rig.bones[joint.child].name}")
     detail = "they must hold rest (weight 0, scale 1) and have a size: " + named(wrong) if wrong else "all hold rest"
     return Finding("ranges and sizes make sense", not wrong, detail)
+
+
+def _joints_give(rig: Rig) -> Finding:
+    stiff = [rig.bones[joint.child].name for joint in rig.joints if joint.translation_sigma < LEAST_GAP]
+    least = f"{1e3 * LEAST_GAP:g} mm"
+    detail = f"{named(stiff)}: a fit expects gaps of {least} there." if stiff else f"at least {least}"
+    return Finding("joints give a little", not stiff, detail, "advice")
 
 
 def _useful_shapes(rig: Rig) -> Finding:

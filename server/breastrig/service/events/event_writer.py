@@ -35,8 +35,6 @@ class EventWriter:
         go on as it began.
         """
         self._written += 1
-        if self.fit.ended:  # of two stances one may be done when their worker is lost
-            return
         if event.kind not in LAST_KINDS and self._written <= self.fit.last_event:
             if isinstance(event, Started):
                 self._check_model(event)

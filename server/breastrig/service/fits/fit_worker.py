@@ -9,8 +9,8 @@ fits are deterministic, so the events that are stored already are only counted.
 
 import json
 import logging
-from collections.abc import Callable, Generator, Iterator
-from contextlib import ExitStack, closing, contextmanager, suppress
+from collections.abc import Callable, Generator
+from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import cast
@@ -19,7 +19,6 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from breastrig.core.errors import BadSettings, BreastRigError, NotFound
 from breastrig.core.model_choice import ModelChoice
-from breastrig.core.scratch import scratch_folder
 from breastrig.core.stances import Stance
 from breastrig.service.events.event_writer import EventWriter, Superseded
 from breastrig.storage.files import fit_place, scan_place, upload_name
@@ -31,16 +30,14 @@ from breastrig.workflow.events import Event, Failed
 from breastrig.workflow.jobs import EarlierFit, FitJob, PredictionJob
 
 Runner = Callable[[FitJob], Generator[Event, None, None]]
-PairRunner = Callable[[FitJob, FitJob], Generator[tuple[int, Event], None, None]]
 Predictor = Callable[[PredictionJob], Generator[Event, None, None]]
 
 
 @dataclass(frozen=True)
 class Runners:
-    """The functions that run one fit, two stances together, and a prediction; importable by name in a worker."""
+    """The functions that run a fit and a prediction; importable by name in a worker."""
 
-    one: Runner
-    two: PairRunner
+    fit: Runner
     prediction: Predictor
 
 
@@ -54,21 +51,18 @@ log = logging.getLogger(__name__)
 
 
 def execute_fit(root: Path, fit_id: str, runners: Runners, models: ModelChoice) -> None:
-    """Runs the fit, and its partner with it, to the end; does nothing when both have ended.
+    """Runs the fit to its end; does nothing when it has ended.
 
-    Holds the fits before the claim, so that whoever has ended one can wait until nothing more is written for it.
+    Holds the fit before the claim, so that whoever has ended it can wait until nothing more is written for it.
     """
     storage = Storage(root)
     try:
         if not storage.has_files():
             raise BadSettings(UNSEEN)
-        with ExitStack() as stack:
-            for each in get_fit(storage, fit_id).both:
-                stack.enter_context(storage.held(each))
+        with storage.held(fit_id):
             fit = claim_fit(storage, fit_id)
             if fit is not None:
-                both = [fit, *(get_fit(storage, each) for each in fit.both[1:])]
-                _run(storage, [EventWriter(storage, each) for each in both], runners, models)
+                _run(storage, EventWriter(storage, fit), runners, models)
     except (FileNotFoundError, NotFound):
         log.info("fit %s was deleted before it ran", fit_id)
     except Superseded:
@@ -77,23 +71,21 @@ def execute_fit(root: Path, fit_id: str, runners: Runners, models: ModelChoice) 
         storage.close()
 
 
-def _run(storage: Storage, writers: list[EventWriter], runners: Runners, models: ModelChoice) -> None:
-    first = writers[0].fit
+def _run(storage: Storage, writer: EventWriter, runners: Runners, models: ModelChoice) -> None:
+    fit = writer.fit
 
     def fail(reason: str) -> None:
-        for each in writers:
-            with suppress(Superseded):
-                each.write(Failed(reason=reason))
+        with suppress(Superseded):
+            writer.write(Failed(reason=reason))
 
-    if max(each.fit.attempt for each in writers) > ATTEMPTS:
+    if fit.attempt > ATTEMPTS:
         fail(TOO_OFTEN.format(ATTEMPTS))
         return
     try:
-        with ExitStack() as stack:
-            outs = [stack.enter_context(_out(storage, each.fit)) for each in writers]
-            jobs = [_job(storage, each.fit, out, models) for each, out in zip(writers, outs, strict=True)]
-            for which, event in stack.enter_context(closing(_events(runners, jobs))):
-                writers[which].write(event)  # its files come before the event that says that they are there
+        job = _job(storage, fit, storage.files.folder(fit_place(fit.id)), models)
+        with closing(_events(runners, job)) as events:
+            for event in events:
+                writer.write(event)  # its files come before the event that says that they are there
     except BreastRigError as error:
         fail(str(error))
     except MemoryError:
@@ -103,33 +95,15 @@ def _run(storage: Storage, writers: list[EventWriter], runners: Runners, models:
     except SQLAlchemyError:
         fail(UNWRITTEN)
     except OSError as error:
-        log.error("fit %s met an error of the disk or the system: %s", first.id, error.strerror)
+        log.error("fit %s met an error of the disk or the system: %s", fit.id, error.strerror)
         fail(UNWRITTEN)
     except Exception:
-        log.exception("fit %s broke", first.id)
+        log.exception("fit %s broke", fit.id)
         fail("The fit broke for a reason inside BreastRig; the server's log says it.")
 
 
-def _events(runners: Runners, jobs: list[FitJob | PredictionJob]) -> Generator[tuple[int, Event], None, None]:
-    """(0, or 1 for the partner, and its next event)."""
-    match jobs:
-        case FitJob() as first, FitJob() as second:
-            with closing(runners.two(first, second)) as pairs:
-                yield from pairs
-        case (job, *_):
-            with closing(runners.prediction(job) if isinstance(job, PredictionJob) else runners.one(job)) as events:
-                for event in events:
-                    yield 0, event
-
-
-@contextmanager
-def _out(storage: Storage, fit: FitRow) -> Iterator[Path]:
-    """Where the fit's files are written; those of one that has ended already lead nowhere."""
-    if fit.ended:
-        with scratch_folder() as folder:
-            yield folder
-        return
-    yield storage.files.folder(fit_place(fit.id))
+def _events(runners: Runners, job: FitJob | PredictionJob) -> Generator[Event, None, None]:
+    return runners.prediction(job) if isinstance(job, PredictionJob) else runners.fit(job)
 
 
 def _job(storage: Storage, fit: FitRow, out: Path, models: ModelChoice) -> FitJob | PredictionJob:

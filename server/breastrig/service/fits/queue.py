@@ -83,16 +83,15 @@ class FitQueue:
                 self._start(fit_id)
 
     def cancel(self, fit_id: str) -> FitRow:
-        """Ends the fit, and its partner, and kills their process.
+        """Ends the fit and kills its process.
 
         Raises NotFound, or Conflict when it is done or failed.
         """
         asked = get_fit(self._storage, fit_id)
         if asked.ended and asked.state != "cancelled":
             raise Conflict(f"This fit has already ended: it is {asked.state}.")
-        for each in asked.both:
-            self._end(each, Cancelled())
-        self._kill(asked.both[0])
+        self._end(fit_id, Cancelled())
+        self._kill(fit_id)
         found = get_fit(self._storage, fit_id)
         if found.state != "cancelled":  # it came to its own end in between
             raise Conflict(f"This fit has already ended: it is {found.state}.")
@@ -101,11 +100,9 @@ class FitQueue:
     def drop(self, fit_ids: list[str]) -> None:
         """Ends fits that are about to be deleted, or already are, and waits until their processes are dead."""
         for fit_id in fit_ids:
-            for each in self._both(fit_id):
-                why = "The scan was deleted." if each in fit_ids else "The other stance's scan was deleted."
-                end = partial(self._end, each, Cancelled(reason=why))
-                self._surely(each, partial(self._storage.using_reserve, end))  # a full disk must not hinder it
-                self._kill(each)
+            end = partial(self._end, fit_id, Cancelled(reason="The scan was deleted."))
+            self._surely(fit_id, partial(self._storage.using_reserve, end))  # a full disk must not hinder it
+            self._kill(fit_id)
         for fit_id in fit_ids:
             if not self._storage.wait_until_free(fit_id, KILL_S):
                 log.error("the process of fit %s does not end", fit_id)
@@ -173,34 +170,25 @@ class FitQueue:
                 again.start()
 
     def _settle(self, fit_id: str, error: BaseException | None) -> None:
-        """Makes sure that the fit, and its partner, have an end."""
-        for each in self._both(fit_id):
-            try:
-                fit = get_fit(self._storage, each)
-            except NotFound:  # deleted in the meantime
-                continue
-            if fit.ended:
-                continue
-            if isinstance(error, TimeoutError):
-                self._end(each, Failed(reason=f"The fit took longer than {self._limits.wall_s:g} s and was stopped."))
-            elif fit.state == "queued" and self._starts[fit_id] < STARTS:
-                return
-            else:
-                log.error("fit %s ended without an end: %s", each, type(error).__name__)
-                self._end(each, Failed(reason=_why(error)))
+        """Makes sure that the fit has an end."""
+        with suppress(NotFound):  # deleted in the meantime
+            fit = get_fit(self._storage, fit_id)
+            if not fit.ended:
+                if isinstance(error, TimeoutError):
+                    reason = f"The fit took longer than {self._limits.wall_s:g} s and was stopped."
+                    self._end(fit_id, Failed(reason=reason))
+                elif fit.state == "queued" and self._starts[fit_id] < STARTS:
+                    return
+                else:
+                    log.error("fit %s ended without an end: %s", fit_id, type(error).__name__)
+                    self._end(fit_id, Failed(reason=_why(error)))
         self._starts.pop(fit_id, None)
 
-    def _both(self, fit_id: str) -> tuple[str, ...]:
-        """The fit and its partner, the leading one first, as far as they are still known."""
-        with suppress(NotFound):
-            return get_fit(self._storage, fit_id).both
-        return (fit_id,)
-
     def _scan_of(self, fit_id: str) -> str | None:
-        """The scan that the fit looks at; None for two, for a prediction, and for a fit that was deleted meanwhile."""
+        """The scan that the fit looks at; None for a prediction, and for a fit that was deleted meanwhile."""
         with suppress(NotFound):
             fit = get_fit(self._storage, fit_id)
-            return fit.scan if len(fit.both) == 1 and fit.predicted_from is None else None
+            return fit.scan if fit.predicted_from is None else None
         return None
 
     def _end(self, fit_id: str, event: Event) -> None:
@@ -232,7 +220,7 @@ RETRY_S = 2  # a fit takes about a second
 
 
 class WaitingCap:
-    """Counts each client's waiting fits; one fit of two stances counts once."""
+    """Counts each client's waiting fits."""
 
     def __init__(self, storage: Storage, most: int) -> None:
         self._storage = storage

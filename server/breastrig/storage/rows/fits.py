@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, bindparam, case, func, insert, or_, select, update
+from sqlalchemy import Connection, bindparam, func, insert, select, update
 
 from breastrig.core.errors import BadInput, Conflict, NotFound
 from breastrig.core.picks import Points
@@ -44,8 +44,6 @@ class FitRow(NewFit):
 
     id: str
     asked_stance: str  # auto, standing, supine, prone
-    partner: str | None  # the fit of the other stance, made by the same job
-    leads: bool  # of two partners the one that waits in the queue for both
     created_at: str
     state: str  # queued, running, done, failed, cancelled
     attempt: int  # how often a worker has started it; events of an earlier attempt are refused
@@ -58,13 +56,6 @@ class FitRow(NewFit):
     @property
     def ended(self) -> bool:
         return self.state in ENDED
-
-    @property
-    def both(self) -> tuple[str, ...]:
-        """The ids of this fit and its partner, the leading one first."""
-        if self.partner is None:
-            return (self.id,)
-        return (self.id, self.partner) if self.leads else (self.partner, self.id)
 
 
 @dataclass(frozen=True)
@@ -81,42 +72,37 @@ class Once:
         return cls(key_sha256, request_sha256)
 
 
-def add_fits(storage: Storage, created_at: str, new_fits: dict[str, NewFit], once: Once | None = None) -> str:
-    """Puts a fit {id: new_fit}, or two stances to be fitted together, at the end of the queue.
+def add_fit(storage: Storage, created_at: str, fit_id: str, new_fit: NewFit, once: Once | None = None) -> str:
+    """Puts a fit at the end of the queue.
 
-    Gives the first id, or that of the fit which the same request, or the same prediction, has made before.  Raises
-    NotFound when a scan is gone, BadInput when the key came with another request.
+    Returns its id, or that of the fit which the same request, or the same prediction, has made before.  Raises
+    NotFound when the scan is gone, BadInput when the key came with another request.
     """
-    first, *others = new_fits
     with storage.database.writing() as connection:
-        same = _same_prediction(connection, new_fits[first])
+        same = _same_prediction(connection, new_fit)
         if same is not None:
             return same
         if once is not None:
             made = _made_before(connection, once)
             if made is not None:
                 return made
-        for fit_id, new_fit in new_fits.items():
-            check_scan(connection, new_fit.scan)
-            place = connection.execute(select(func.coalesce(func.max(schema.fits.c.place), 0) + 1)).scalar_one()
-            partner = others[0] if others and fit_id == first else first
-            values = {
-                **asdict(new_fit),
-                "asked_stance": new_fit.stance,
-                "id": fit_id,
-                "partner": partner if others else None,
-                "leads": fit_id == first,
-                "place": place,
-                "created_at": created_at,
-                "state": "queued",
-                "last_event": 0,
-                "iterations": 0,
-            }
-            connection.execute(insert(schema.fits).values(values))
-        clear_entries(connection, map(fit_place, new_fits))
+        check_scan(connection, new_fit.scan)
+        place = connection.execute(select(func.coalesce(func.max(schema.fits.c.place), 0) + 1)).scalar_one()
+        values = {
+            **asdict(new_fit),
+            "asked_stance": new_fit.stance,
+            "id": fit_id,
+            "place": place,
+            "created_at": created_at,
+            "state": "queued",
+            "last_event": 0,
+            "iterations": 0,
+        }
+        connection.execute(insert(schema.fits).values(values))
+        clear_entries(connection, [fit_place(fit_id)])
         if once is not None:
-            connection.execute(insert(schema.asked_once).values(fit=first, **asdict(once)))
-    return first
+            connection.execute(insert(schema.asked_once).values(fit=fit_id, **asdict(once)))
+    return fit_id
 
 
 def _made_before(connection: Connection, once: Once) -> str | None:
@@ -161,18 +147,15 @@ def shown_cuts(storage: Storage, fit: FitRow) -> Cuts:
 
 
 def claim_fit(storage: Storage, fit_id: str) -> FitRow | None:
-    """Begins a new attempt at a fit that waits or runs, and at its partner; None when there is nothing to do.
+    """Begins a new attempt at a fit that waits or runs; None when there is nothing to do.
 
-    Whoever was at it before can store nothing more.  One of two partners may have ended already.
+    Whoever was at it before can store nothing more.
     """
     table = schema.fits
     with storage.database.writing() as connection:
-        row = connection.execute(select(table).where(table.c.id == fit_id)).one_or_none()
-        if row is None:
-            return None
         claimed = connection.execute(
             update(table)
-            .where(table.c.id.in_((fit_id, row.partner)), table.c.state.in_(("queued", "running")))
+            .where(table.c.id == fit_id, table.c.state.in_(("queued", "running")))
             .values(state="running", attempt=table.c.attempt + 1)
         )
         if claimed.rowcount == 0:
@@ -190,19 +173,13 @@ def put_back(storage: Storage) -> int:
         return connection.execute(update(table).where(table.c.state == "running").values(state="queued")).rowcount
 
 
-def _leader() -> ColumnElement[str]:
-    """The id under which a fit is executed: that of the leading partner, who may have ended already."""
-    table = schema.fits
-    return case((or_(table.c.leads, table.c.partner.is_(None)), table.c.id), else_=table.c.partner)
-
-
 def next_queued(storage: Storage, besides: set[str]) -> str | None:
-    """The oldest queued fit that is not among `besides`; of two partners the one that leads."""
+    """The oldest queued fit that is not among `besides`."""
     table = schema.fits
     with storage.database.reading() as connection:
         query = (
-            select(_leader())
-            .where(table.c.state == "queued", _leader().not_in(besides))
+            select(table.c.id)
+            .where(table.c.state == "queued", table.c.id.not_in(besides))
             .order_by(table.c.place)
             .limit(1)
         )
@@ -210,14 +187,10 @@ def next_queued(storage: Storage, besides: set[str]) -> str | None:
 
 
 def queue_positions(storage: Storage, fit_ids: Sequence[str]) -> dict[str, int]:
-    """{fit: 1 for the next to run, 2 for the one after it}; those that do not wait are not in it.
-
-    Two stances fitted together are in the queue once, in the place of the leading one.
-    """
-    table, leader = schema.fits, schema.fits.alias("leader")
-    position = func.dense_rank().over(order_by=leader.c.place)
-    queue = select(table.c.id, position.label("position")).join(leader, leader.c.id == _leader())
-    waiting = queue.where(table.c.state == "queued").subquery()
+    """{fit: 1 for the next to run, 2 for the one after it}; those that do not wait are not in it."""
+    table = schema.fits
+    position = func.row_number().over(order_by=table.c.place)
+    waiting = select(table.c.id, position.label("position")).where(table.c.state == "queued").subquery()
     with storage.database.reading() as connection:
         rows = connection.execute(select(waiting).where(waiting.c.id.in_(fit_ids)))
         return {row.id: int(row.position) for row in rows}

@@ -36,7 +36,7 @@ def rises(posterior: Posterior) -> Array:
 
     def energy(step: Array) -> float:
         state = posterior.state.retract(step)
-        return problem.value(problem.terms(stage, 1.0, state, problem.matches(stage, 1.0, state)), state).energy
+        return problem.energy(problem.terms(stage, 1.0, state, problem.matches(stage, 1.0, state)), state)
 
     ended = energy(np.zeros(posterior.state.dof))
     steps = [posterior.sample(random) for _ in range(STEPS)]

@@ -1,4 +1,4 @@
-"""Two stances, and drawings carried between them, from a program: in every digit what the commands write."""
+"""Drawings carried between two stances, from a program: in every digit what the commands write."""
 
 import json
 from dataclasses import replace
@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.example_fits import write_example_fits
-from helpers.same_files import assert_same_files
 
 import breastrig
 from breastrig.cli.main import main
@@ -37,32 +36,6 @@ def fits() -> tuple[breastrig.Fit, breastrig.Fit]:
 def document(file: Path) -> dict:
     found: dict = json.loads(file.read_text())
     return found
-
-
-@pytest.mark.slow
-def test_a_pair_is_saved_as_the_command_writes_it_and_loaded_again(tmp_path: Path) -> None:
-    pair = breastrig.fit_pair(*SCANS, *PICKS, drawing=None)
-    pair.save(tmp_path / "ours")
-    command = ["fit", str(SCANS[0]), "--landmarks", str(PICKS[0]), "--with", str(SCANS[1])]
-    command += ["--with-landmarks", str(PICKS[1]), "--drawing", "none", "-o", str(tmp_path / "theirs")]
-    assert main(command) == 0
-    assert_same_files(tmp_path / "ours", tmp_path / "theirs")
-    found = breastrig.FitPair.load(tmp_path / "ours")
-    assert found.document == pair.document
-    assert (found.first.stance, found.second.stance) == ("standing", "supine")
-    np.testing.assert_array_equal(found.second.vertices, pair.second.vertices.astype("<f4"))
-    with pytest.raises(breastrig.BadInput, match="There is no pair of fits in first"):
-        breastrig.FitPair.load(tmp_path / "ours" / "first")
-
-
-def test_the_two_of_a_pair_are_iterated_hand_in_hand() -> None:
-    run = breastrig.pair_iterates(*SCANS, drawing=None, stance="standing", second_stance="supine")
-    first, second = next(run)
-    assert (first.iteration, second.iteration) == (0, 0)
-    assert first.vertices.shape == second.vertices.shape == breastrig.load_model().template.shape
-    run.close()
-    with pytest.raises(breastrig.BadScan, match="same file"):
-        breastrig.fit_pair(SCANS[0], SCANS[0])
 
 
 @pytest.mark.slow
