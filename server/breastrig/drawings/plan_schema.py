@@ -113,9 +113,9 @@ class ScanOfPlan(Part):
 class Plan(Part):
     """All items of one patient, in the order in which they were made; points are mm in their own scan's frame."""
 
-    schema_: Literal["breastrig/plan@1"] = Field(PLAN_SCHEMA, alias="schema")
+    schema_: Literal["breastrig/plan@1"] = Field(default=PLAN_SCHEMA, alias="schema")
     unit: Literal["mm"] = "mm"
-    patient: PatientCode | None = Field(None, description="the patient's code; another's plan is asked about")
+    patient: PatientCode | None = Field(default=None, description="the patient's code; another's plan is asked about")
     scans: list[ScanOfPlan] = Field(default=[], max_length=20, description="that the items name")
     items: list[PlanItem] = Field(max_length=ITEMS)
 

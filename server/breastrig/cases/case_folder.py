@@ -1,0 +1,227 @@
+"""One case: opened, made, and its scans put in and looked at."""
+
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, suppress
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TypeVar
+
+from pydantic import BaseModel
+
+from breastrig.cases import layout
+from breastrig.cases.documents import CaseDocument, ScanDocument, content_of, read_document
+from breastrig.cases.layout import Surroundings, new_id, scan_part, surroundings_of
+from breastrig.cases.writing import LOCK, NONE_HERE, locked, put, stamp_of, sync_folder, writing
+from breastrig.core import wall_clock
+from breastrig.core.errors import BadInput, NeedsYes, NotFound
+from breastrig.core.identity import CODE_CHARACTERS, one_line, random_code
+from breastrig.core.private_files import private_folder, shown
+from breastrig.core.scratch import locked_folder, remove_abandoned
+
+COMING = ".coming-"  # folders of what comes in; those of killed programs are removed
+NO_SCAN = "There is no such scan; it may have been deleted."
+
+Read = TypeVar("Read", bound=BaseModel)
+
+
+@dataclass(frozen=True)
+class ScanEntry:
+    """One scan of a case."""
+
+    id: str
+    document: ScanDocument
+
+
+class CaseFolder:
+    """A case that is there.  May be used from any thread and process; nothing is remembered of what it holds."""
+
+    def __init__(self, path: Path) -> None:
+        """Raises NotFound when there is no case."""
+        self.path = path.absolute()
+        if not (self.path / layout.CASE).is_file():
+            raise NotFound(f"There is no case at {shown(path)}; name a folder that holds {layout.CASE}.")
+
+    @staticmethod
+    def create(path: Path, code: str = "") -> "CaseFolder":
+        """A new case without scans under that code, a random one where it is empty.
+
+        Raises BadInput where something is already, or nothing can be written.
+        """
+        chosen = checked_code(code) or random_code()
+        document = CaseDocument(code=chosen, created_at=utc_now())
+        try:
+            private_folder(path.absolute().parent)
+            with _coming(path.absolute().parent) as folder:
+                put(folder, layout.CASE, content_of(document))
+                put(folder, LOCK, b"")
+                os.rename(folder, path)
+            sync_folder(path.absolute().parent)
+        except OSError as error:
+            if os.path.lexists(path):
+                raise BadInput(f"{shown(path)} is there already; name a new folder for the case.") from error
+            raise BadInput(f"{shown(path)} cannot be written ({error.strerror}); choose another place.") from error
+        return CaseFolder(path)
+
+    @property
+    def id(self) -> str:
+        return self.path.name
+
+    @cached_property
+    def around(self) -> Surroundings:
+        return surroundings_of(self.path)
+
+    @property
+    def stamp(self) -> int:
+        """Another number after each change.  Raises NotFound."""
+        try:
+            return stamp_of(self.path)
+        except FileNotFoundError as error:
+            raise NotFound(NONE_HERE) from error
+
+    def writing(self) -> AbstractContextManager[None]:
+        """Holds the case for changes inside the block.  Raises NotFound when it is gone, Conflict when it is busy."""
+        return writing(self.path)
+
+    def holding(self) -> AbstractContextManager[None]:
+        """Holds the case for reading: nobody writes inside the block.  Raises likewise."""
+        return locked(self.path)
+
+    def document(self) -> CaseDocument:
+        """Raises NotFound when the case is gone, BadInput when the file is damaged."""
+        found = self.read(layout.CASE, CaseDocument)
+        if found is None:
+            raise NotFound(NONE_HERE)
+        return found
+
+    def rename(self, code: str) -> CaseDocument:
+        """Gives the patient another code, a new random one where it is empty.  Raises NotFound, BadInput."""
+        chosen = checked_code(code) or random_code()
+        with self.writing():
+            document = self.document().model_copy(update={"code": chosen})
+            put(self.path, layout.CASE, content_of(document))
+        return document
+
+    def content(self, name: str) -> bytes | None:
+        """A file of the case by its name inside it; None where there is none."""
+        try:
+            return (self.path / name).read_bytes()
+        except (FileNotFoundError, NotADirectoryError):
+            return None
+
+    def read(self, name: str, kind: type[Read]) -> Read | None:
+        """A document of the case; None where there is none.  Raises BadInput when it is damaged."""
+        content = self.content(name)
+        return None if content is None else read_document(kind, content, name)
+
+    def scan_ids(self) -> set[str]:
+        """Of the scans that are here."""
+        try:
+            names = {name for name in os.listdir(self.path / layout.SCANS) if layout.ID.fullmatch(name)}
+        except FileNotFoundError:
+            return set()
+        return names - self._deleted() if names else names
+
+    def _deleted(self) -> set[str]:
+        """Scans that are deleted, though their folder may still be in its place."""
+        return {scan for scan, deleted in self.around.marks().items() if deleted}
+
+    def scans(self) -> list[ScanEntry]:
+        """The first that came first.  Raises BadInput for a damaged one."""
+        found = [ScanEntry(each, document) for each in self.scan_ids() if (document := self._scan(each)) is not None]
+        return sorted(found, key=lambda one: (one.document.created_at, one.id))
+
+    def scan(self, scan_id: str) -> ScanDocument:
+        """Raises NotFound."""
+        self.check_scan(scan_id)
+        found = self._scan(scan_id)
+        if found is None:
+            raise NotFound(NO_SCAN)
+        return found
+
+    def _scan(self, scan_id: str) -> ScanDocument | None:
+        return self.read(f"{scan_part(scan_id)}/{layout.SCAN}", ScanDocument)
+
+    def scan_folder(self, scan_id: str) -> Path:
+        return self.path / scan_part(scan_id)
+
+    def check_scan(self, scan_id: str) -> None:
+        """Raises NotFound when the scan is not here: under `writing`, that stays so."""
+        folder = self.scan_folder(scan_id)
+        if not folder.is_dir() or scan_id in self._deleted():
+            raise NotFound(NO_SCAN)
+
+    @contextmanager
+    def incoming(self) -> Iterator[Path]:
+        """A private folder for what is to become part of the case; what is left in it goes at the end of the block."""
+        with _coming(self.around.incoming) as folder:
+            yield folder
+
+    def add_scan(self, made: Path, document: ScanDocument, scan_id: str = "", again: bool = False) -> str:
+        """Puts a scan's folder, made in `incoming`, into the case, whole; its id.
+
+        Raises NotFound when the case is gone, NeedsYes where it has a scan of the same file and nobody said `again`.
+        """
+        scan_id = scan_id or new_id()
+        put(made, layout.SCAN, content_of(document))
+        for file in made.iterdir():
+            file.chmod(0o600)
+            sync_file(file)
+        with self.writing():
+            if not again and any(one.document.sha256 == document.sha256 for one in self.scans()):
+                raise NeedsYes("This scan is already here: the same file is one of this patient's scans", "again")
+            self.put_folder(made, scan_part(scan_id))
+        return scan_id
+
+    def put_folder(self, made: Path, part: str) -> None:
+        """Renames a folder that was made in `incoming` to its place inside the case; under `writing`."""
+        target = self.path / part
+        private_folder(target.parent)
+        os.rename(made, target)
+        sync_folder(target.parent)
+
+
+@contextmanager
+def _coming(parent: Path) -> Iterator[Path]:
+    """A folder that is renamed to its place inside the block, or removed."""
+    private_folder(parent)
+    remove_abandoned(parent, COMING)
+    with locked_folder(parent, COMING) as holder:
+        made = Path(tempfile.mkdtemp(dir=holder))
+        yield made
+
+
+def sync_file(file: Path) -> None:
+    """Its content is on the disk."""
+    descriptor = os.open(file, os.O_RDWR)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def remove_tree(path: Path) -> None:
+    """Removes as much as can be removed, never what a link leads to.  Raises OSError when something is left."""
+    if path.is_symlink() or not path.is_dir():
+        path.unlink(missing_ok=True)
+        return
+    shutil.rmtree(path, ignore_errors=True)
+    if os.path.lexists(path):
+        with suppress(FileNotFoundError):
+            shutil.rmtree(path)  # once more, to hear what is in the way
+
+
+def checked_code(code: str) -> str:
+    """A code as it is kept.  Raises BadInput."""
+    found = one_line(code)
+    if len(found) > CODE_CHARACTERS:
+        raise BadInput(f"A patient's code has at most {CODE_CHARACTERS} characters; shorten it.")
+    return found
+
+
+def utc_now() -> str:
+    """ISO 8601 in UTC, to the millisecond; sorts as text in the order of time."""
+    return wall_clock.now().isoformat(timespec="milliseconds").replace("+00:00", "Z")

@@ -1,0 +1,148 @@
+"""What people and searches say of one scan: landmarks, cuts, ink, answers, proposals; one document each.
+
+Each is replaced as a whole; where the ETag of the one that was seen is given, only that one.
+"""
+
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+from pydantic import BaseModel
+
+from breastrig.cases import layout
+from breastrig.cases.case_folder import CaseFolder
+from breastrig.cases.documents import (
+    NOTHING,
+    AnswersDocument,
+    CutsDocument,
+    InkDocument,
+    ProposalsDocument,
+    content_of,
+    etag_of,
+)
+from breastrig.cases.layout import scan_part
+from breastrig.cases.writing import Changed, put
+from breastrig.core.errors import BadDrawing, Conflict
+from breastrig.core.picks import Picks
+from breastrig.core.units import METRES_PER_UNIT
+from breastrig.scan.landmarks.landmark_files import (
+    certain_landmarks,
+    landmark_confidences,
+    landmark_file,
+    read_landmarks,
+)
+
+NOT_YET = "The ink of this scan has not been looked for yet; ask for it first."
+
+Read = TypeVar("Read", bound=BaseModel)
+
+
+def get_landmarks(case: CaseFolder, scan_id: str) -> Picks:
+    """In mm, the scan's frame; empty when nobody has placed any.  Raises NotFound, BadLandmarks for a damaged file."""
+    case.check_scan(scan_id)
+    content = case.content(f"{scan_part(scan_id)}/{layout.LANDMARKS}")
+    if content is None:
+        return Picks({})
+    points, unit = read_landmarks(content)
+    per_unit = 1e3 * METRES_PER_UNIT[unit or case.scan(scan_id).facts["unit"]]
+    return Picks(
+        {name: (per_unit * point).tolist() for name, point in points.items()},
+        certain_landmarks(content),
+        landmark_confidences(content),
+    )
+
+
+def put_landmarks(case: CaseFolder, scan_id: str, picks: Picks, seen: str | None = None) -> str:
+    """Replaces them; the new ETag.  Raises NotFound, Changed."""
+    return _put(case, scan_id, layout.LANDMARKS, landmark_document(picks), seen)
+
+
+def landmark_document(picks: Picks) -> bytes:
+    """breastrig/landmarks@1 in mm."""
+    places = {name: np.array(point) for name, point in picks.points_mm.items()}
+    return landmark_file(places, "json", "mm", picks.certain, picks.confidence)
+
+
+def get_cuts(case: CaseFolder, scan_id: str) -> tuple[dict[str, Any], ...]:
+    """The first that was made first; none where nothing was cut.  Raises NotFound."""
+    found = _get(case, scan_id, layout.CUTS, CutsDocument)
+    return () if found is None else tuple(found.cuts)
+
+
+def put_cuts(case: CaseFolder, scan_id: str, cuts: tuple[dict[str, Any], ...], seen: str | None = None) -> str:
+    """Replaces them; the new ETag.  Raises NotFound, Changed."""
+    return _put(case, scan_id, layout.CUTS, content_of(CutsDocument(cuts=list(cuts))), seen)
+
+
+def get_ink(case: CaseFolder, scan_id: str) -> InkDocument | None:
+    """The lines that were found; None when nobody has looked yet.  Raises NotFound."""
+    return _get(case, scan_id, layout.INK, InkDocument)
+
+
+def put_ink(case: CaseFolder, scan_id: str, drawing: dict[str, Any]) -> None:
+    """Keeps what was found; what was dropped stays dropped.  Raises NotFound."""
+    with case.writing():
+        before = _get(case, scan_id, layout.INK, InkDocument)
+        found = InkDocument.model_validate(drawing | {"dropped": [] if before is None else before.dropped})
+        put(case.path, f"{scan_part(scan_id)}/{layout.INK}", content_of(found))
+
+
+def drop_ink(case: CaseFolder, scan_id: str, dropped: dict[str, bool]) -> InkDocument:
+    """Keeps of the named shapes whether they are none of the plan; others stay as they are.
+
+    Raises NotFound, Conflict before its ink was found, BadDrawing for a name that it has not.
+    """
+    with case.writing():
+        found = _get(case, scan_id, layout.INK, InkDocument)
+        if found is None:
+            raise Conflict(NOT_YET)
+        names = [shape["name"] for shape in found.shapes]
+        strange = next((name for name in dropped if name not in names), None)
+        if strange is not None:
+            raise BadDrawing(f'No line called "{strange}" was found on this scan; name one of those that were.')
+        now = [name for name in names if dropped.get(name, name in found.dropped)]
+        changed = found.model_copy(update={"dropped": now})
+        put(case.path, f"{scan_part(scan_id)}/{layout.INK}", content_of(changed))
+    return changed
+
+
+def get_answers(case: CaseFolder, scan_id: str) -> AnswersDocument:
+    """What a person has said of the scan.  Raises NotFound."""
+    return _get(case, scan_id, layout.ANSWERS, AnswersDocument) or AnswersDocument()
+
+
+def put_answers(case: CaseFolder, scan_id: str, answers: AnswersDocument, seen: str | None = None) -> str:
+    """Replaces them; the new ETag.  Raises NotFound, Changed."""
+    return _put(case, scan_id, layout.ANSWERS, content_of(answers), seen)
+
+
+def get_proposals(case: CaseFolder, scan_id: str, key: str) -> dict[str, Any] | None:
+    """The landmarks that were proposed under that key; None when none were.  Raises NotFound."""
+    found = _get(case, scan_id, layout.PROPOSALS, ProposalsDocument)
+    return None if found is None or found.key != key else found.landmarks
+
+
+def put_proposals(case: CaseFolder, scan_id: str, key: str, landmarks: dict[str, Any]) -> None:
+    """Keeps them in place of others.  Raises NotFound."""
+    _put(case, scan_id, layout.PROPOSALS, content_of(ProposalsDocument(key=key, landmarks=landmarks)), None)
+
+
+def etag_of_scan(case: CaseFolder, scan_id: str, name: str) -> str:
+    """The ETag of one of the scan's documents; NOTHING where there is none.  Raises NotFound."""
+    case.check_scan(scan_id)
+    content = case.content(f"{scan_part(scan_id)}/{name}")
+    return NOTHING if content is None else etag_of(content)
+
+
+def _get(case: CaseFolder, scan_id: str, name: str, kind: type[Read]) -> Read | None:
+    case.check_scan(scan_id)
+    return case.read(f"{scan_part(scan_id)}/{name}", kind)
+
+
+def _put(case: CaseFolder, scan_id: str, name: str, content: bytes, seen: str | None) -> str:
+    with case.writing():
+        etag = etag_of_scan(case, scan_id, name)
+        if seen is not None and seen != etag:
+            raise Changed(etag)
+        put(case.path, str(Path(scan_part(scan_id)) / name), content)
+    return etag_of(content)

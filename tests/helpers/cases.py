@@ -1,0 +1,41 @@
+"""Cases without meshes, for tests of their documents."""
+
+import secrets
+from pathlib import Path
+
+from breastrig.cases import layout
+from breastrig.cases.case_folder import CaseFolder
+from breastrig.cases.documents import FitDocument, ScanDocument
+from breastrig.cases.fits import add_fit
+from breastrig.cases.layout import new_id
+from breastrig.drawings.plan_schema import PlanNote
+
+FACTS = {"unit": "mm", "stance": {"proposed": "standing"}}
+
+
+def data_folder(root: Path) -> Path:
+    """An empty one; where its cases are."""
+    (root / layout.CASES).mkdir(parents=True)
+    (root / layout.MARK).write_text(new_id())
+    return root / layout.CASES
+
+
+def new_case(cases: Path, code: str = "") -> CaseFolder:
+    return CaseFolder.create(cases / new_id(), code)
+
+
+def new_scan(case: CaseFolder, skin: bytes = b"skin") -> str:
+    """A scan of a file of its own."""
+    with case.incoming() as made:
+        (made / layout.STORED).write_bytes(skin)
+        (made / layout.MESH).write_bytes(skin)
+        document = ScanDocument(created_at="2026-01-01T00:00:00.000Z", sha256=secrets.token_hex(32), facts=FACTS)
+        return case.add_scan(made, document)
+
+
+def new_fit(case: CaseFolder, scan: str) -> str:
+    return add_fit(case, scan, FitDocument(asked_at="2026-01-02T00:00:00.000Z"))
+
+
+def note(scan: str, text: str = "a note", item: str = "") -> PlanNote:
+    return PlanNote(id=item or new_id(), scan=scan, text=text)
