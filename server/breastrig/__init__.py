@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         FitFailed,
         TooLarge,
     )
+    from breastrig.interface.cases.case import Case, CaseFit, CaseScan
     from breastrig.interface.drawing import Drawing, Lesion, Line
     from breastrig.interface.fit_result import Fit
     from breastrig.interface.ink import Ink, InkLine, find_ink
@@ -50,6 +51,9 @@ __all__ = [
     "BadSettings",
     "BonePose",
     "BreastRigError",
+    "Case",
+    "CaseFit",
+    "CaseScan",
     "Drawing",
     "Fit",
     "FitFailed",
@@ -84,6 +88,7 @@ __all__ = [
 
 _MODULES = {
     "core.errors": ("BadDrawing BadInput BadLandmarks BadModel BadScan BadSettings BreastRigError FitFailed TooLarge"),
+    "interface.cases.case": "Case CaseFit CaseScan",
     "interface.drawing": "Drawing Lesion Line",
     "interface.fit_result": "Fit",
     "interface.ink": "Ink InkLine find_ink",

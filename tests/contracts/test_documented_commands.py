@@ -56,6 +56,16 @@ LISTED = {  # why they are not run here, or the test that runs them
     "tests/cli/test_batch_command.py": [
         "breastrig batch manifest.csv -o results/",
     ],
+    "tests/cli/test_case_command.py": [
+        "breastrig case create her/ --code K7M-4QX",
+        "breastrig case add her/ standing.ply",
+        "breastrig case landmarks her/ landmarks.json",
+        "breastrig case fit her/",
+        "breastrig case plan her/ -o plan.json",
+        "breastrig case plan her/ --put plan.json --same-patient",
+        "breastrig case plan her/ --undo 1",
+        "breastrig case show her/",
+    ],
     "tests/cli/test_ink_command.py": [
         "breastrig ink scan.zip -o drawing.json",
     ],
@@ -201,7 +211,7 @@ def test_what_the_lines_name_is_there(
         if words[0] == "breastrig" and words[1] != "COMMAND":
             assert words[1] in commands, line
             options = [word for word in words[2:] if word.startswith("-")]
-            verb = words[2:3] if words[1] in ("model", "cohort", "presets") and options else []
+            verb = words[2:3] if words[1] in ("case", "model", "cohort", "presets") and options else []
             command = " ".join([words[1], *verb])
             if options and command not in helps:
                 with pytest.raises(SystemExit):

@@ -10,13 +10,14 @@ from helpers.waiting import ask_for_fit, ended, stored_events, until
 from sqlalchemy.exc import OperationalError
 
 from breastrig.core.errors import Conflict, NotFound
-from breastrig.service.events.event_writer import OTHER_MODEL, event_json
+from breastrig.service.events.event_writer import OTHER_MODEL
 from breastrig.service.fits import queue
 from breastrig.service.fits.fit_worker import TOO_OFTEN, UNSEEN, fit_job
 from breastrig.storage.rows.events import append, events_after
 from breastrig.storage.rows.fits import claim_fit, get_fit
 from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
+from breastrig.workflow.events import event_json
 from breastrig.workflow.jobs import FitJob
 
 pytestmark = pytest.mark.long

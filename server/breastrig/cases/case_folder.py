@@ -14,7 +14,7 @@ from pydantic import BaseModel
 
 from breastrig.cases import layout
 from breastrig.cases.documents import CaseDocument, ScanDocument, content_of, read_document
-from breastrig.cases.layout import Surroundings, new_id, scan_part, surroundings_of
+from breastrig.cases.layout import Surroundings, data_folder_of, new_id, scan_part, surroundings_of
 from breastrig.cases.writing import LOCK, NONE_HERE, locked, put, stamp_of, sync_folder, writing
 from breastrig.core import wall_clock
 from breastrig.core.errors import BadInput, NeedsYes, NotFound
@@ -53,9 +53,10 @@ class CaseFolder:
         """
         chosen = checked_code(code) or random_code()
         document = CaseDocument(code=chosen, created_at=utc_now())
+        root = data_folder_of(path.absolute())
         try:
             private_folder(path.absolute().parent)
-            with _coming(path.absolute().parent) as folder:
+            with _coming(path.absolute().parent if root is None else root / layout.INCOMING) as folder:
                 put(folder, layout.CASE, content_of(document))
                 put(folder, LOCK, b"")
                 os.rename(folder, path)

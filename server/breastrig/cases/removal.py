@@ -12,12 +12,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from breastrig.cases import layout
-from breastrig.cases.case_folder import CaseFolder, remove_tree, sync_file
+from breastrig.cases.case_folder import COMING, CaseFolder, remove_tree, sync_file
 from breastrig.cases.fits import is_at_work
 from breastrig.cases.layout import scan_part
 from breastrig.cases.plans import forget_items, renamed, stored_plan, write_plan
 from breastrig.cases.writing import LOCK, sync_folder, writing
 from breastrig.core.errors import Conflict, NeedsYes, NotFound
+from breastrig.core.scratch import remove_abandoned
 
 FROM, TO = b"from", b"to"  # in the file of a scan that is being moved
 AT_WORK = "A fit of this scan is running; cancel it or wait for its end, then move the scan."
@@ -113,6 +114,8 @@ def sweep(root: Path) -> list[Left]:
     """
     left = []
     rubbish, cases = root / layout.RUBBISH, root / layout.CASES
+    if (root / layout.INCOMING).is_dir():
+        remove_abandoned(root / layout.INCOMING, COMING)
     for name in sorted(os.listdir(rubbish)) if rubbish.is_dir() else ():
         case_id, _, scan_id = name.partition(".")
         if not layout.ID.fullmatch(case_id) or (scan_id and not layout.ID.fullmatch(scan_id)):

@@ -22,6 +22,7 @@ COMMANDS = {
     "landmarks": "propose the landmarks on one scan",
     "ink": "find lines that were drawn on the skin of one scan",
     "batch": "fit the model to many scans",
+    "case": "a patient's folder: scans, fits, plan and its versions",
     "cohort": "learn a prior from a clinic's fits, merge, share",
     "presets": "list the presets of fits, or show one",
     "model": "describe, check or build the model",

@@ -17,6 +17,7 @@ from breastrig.scan.hand_cuts import read_cuts, without_hand_cuts
 from breastrig.scan.piece import TakenSegment
 from breastrig.scan.read import coloured_scan
 from breastrig.scan.scan import Scan as ScanInMetres
+from breastrig.scan.stored_scan import read_stored
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers, checked_answers
 
 if TYPE_CHECKING:
@@ -133,6 +134,11 @@ def read_scan(
 def read_coloured(source: str | Path, units: str = "auto", answers: VolumeAnswers = NOTHING_SAID) -> Scan:
     """As `read_scan` with the texture, but for looking at its colours only: where it is too large it is left out."""
     return _scan(coloured_scan(existing(source), None, units, answers), existing(source))
+
+
+def scan_of_stored(file: Path) -> Scan:
+    """What a case keeps of a scan.  Raises BadScan when it is damaged."""
+    return _scan(read_stored(file, for_display=False), file)
 
 
 def _scan(found: ScanInMetres, file: Path | None) -> Scan:

@@ -5,7 +5,7 @@ They are the only record of its course: stored first, then sent, replayed from a
 glTF's own words, so that the page applies an event and a .gltf file with the same code.
 """
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -84,3 +84,11 @@ class Cancelled(Event):
 
 FitEvent = Annotated[Started | Iterated | Done | Failed | Cancelled, Field(discriminator="kind")]
 LAST_KINDS = frozenset({"done", "failed", "cancelled"})
+
+
+def event_json(event: Event) -> dict[str, Any]:
+    """The event as it is stored and sent; a node names only what changes."""
+    body = event.model_dump(mode="json")
+    if "nodes" in body:
+        body["nodes"] = [{key: value for key, value in node.items() if value is not None} for node in body["nodes"]]
+    return body

@@ -5,13 +5,12 @@ stored twice.
 """
 
 import json
-from typing import Any
 
 from breastrig.core.errors import Conflict, FitFailed, NotFound
 from breastrig.storage.rows.events import append, event_of_kind
 from breastrig.storage.rows.fits import FitRow
 from breastrig.storage.storage import Storage
-from breastrig.workflow.events import LAST_KINDS, Event, Started
+from breastrig.workflow.events import LAST_KINDS, Event, Started, event_json
 
 OTHER_MODEL = "The model was exchanged after this fit had started; start the fit again."
 
@@ -48,11 +47,3 @@ class EventWriter:
         known = event_of_kind(self._storage, self.fit.id, "started")
         if known is not None and json.loads(known.json).get("model_sha256") != event.model_sha256:
             raise FitFailed(OTHER_MODEL)
-
-
-def event_json(event: Event) -> dict[str, Any]:
-    """The event as it is stored and sent; a node names only what changes."""
-    body = event.model_dump(mode="json")
-    if "nodes" in body:
-        body["nodes"] = [{key: value for key, value in node.items() if value is not None} for node in body["nodes"]]
-    return body

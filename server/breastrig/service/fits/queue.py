@@ -20,13 +20,12 @@ from breastrig.core.errors import BreastRigError, Conflict, NotFound, TooMany
 from breastrig.core.model_choice import ModelChoice
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
-from breastrig.service.events.event_writer import event_json
 from breastrig.service.failed_tasks import FULL
 from breastrig.service.fits.fit_worker import UNWRITTEN, Runners, execute_fit
 from breastrig.storage.rows.events import append
 from breastrig.storage.rows.fits import FitRow, fits_in_state, get_fit, next_queued, put_back, still_queued
 from breastrig.storage.storage import Storage
-from breastrig.workflow.events import Cancelled, Event, Failed
+from breastrig.workflow.events import Cancelled, Event, Failed, event_json
 from breastrig.workflow.tasks import keeping
 
 STARTS = 3  # a process may die before it has claimed its fit; then the fit is started again, so often at most

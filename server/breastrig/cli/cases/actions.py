@@ -1,0 +1,175 @@
+"""The actions of `breastrig case`: each takes its options and returns the exit code."""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from tqdm import tqdm
+
+from breastrig.cases import layout
+from breastrig.cases.case_folder import CaseFolder
+from breastrig.cli.interruption import raise_if_asked
+from breastrig.cli.output_options import output_file
+from breastrig.core.documents import json_bytes
+from breastrig.core.errors import BadInput, NotFound
+from breastrig.core.output_files import all_or_nothing
+from breastrig.core.private_files import read_ordinary, shown, write_private
+from breastrig.interface.cases.case import Case, CaseScan
+from breastrig.scan.volumes.answers import segments_of_words
+
+PLAN_BYTES = 50_000_000
+
+
+def create(options: argparse.Namespace) -> int:
+    print(f"{Case.create(options.case, options.code).code} in {options.case}")
+    return 0
+
+
+def add(options: argparse.Namespace) -> int:
+    case = Case(options.case)
+    scan_id = case.add_scan(
+        options.scan,
+        options.units,
+        model=options.model,
+        frame=options.frame,
+        segments=segments_of_words(options.segment) or None,
+        again=options.again,
+    )
+    numbers = {scan.id: number for number, scan in enumerate(case.scans, start=1)}
+    scan = next(each for each in case.scans if each.id == scan_id)
+    for said in scan.notes:
+        print(f"breastrig: {said}", file=sys.stderr)
+    print(f"scan {numbers[scan_id]}: {_about(scan)}")
+    return 0
+
+
+def landmarks(options: argparse.Namespace) -> int:
+    case = Case(options.case)
+    scan = _chosen(case, options.scan)
+    case.put_landmarks(scan.id, options.landmarks)
+    print(f"{len(case.landmarks(scan.id))} landmarks")
+    return 0
+
+
+def fit(options: argparse.Namespace) -> int:
+    case = Case(options.case)
+    scan = _chosen(case, options.scan)
+    drawing = None if options.drawing == "none" else options.drawing
+    run = case.fitting(scan.id, stance=options.stance, preset=options.preset, drawing=drawing, refine=options.refine)
+    try:
+        for _ in tqdm(run, unit="step", leave=False, disable=not sys.stderr.isatty()):
+            raise_if_asked()
+        fit = run.result()
+    finally:
+        run.close()
+    for reason in fit.verdict.reasons:
+        print(f"breastrig: {fit.verdict.level}: {reason}", file=sys.stderr)
+    print(f"{fit.verdict.level}, {fit.stance}; {case.fits(scan.id)[-1].folder}")
+    return 3 if fit.verdict.level == "unusable" else 0
+
+
+def plan(options: argparse.Namespace) -> int:
+    case = Case(options.case)
+    if options.output is not None:
+        if options.seen or options.scan or options.same_patient:
+            raise BadInput("--seen, --scan and --same-patient belong to --put and --undo; leave them out with -o.")
+        content = json_bytes(case.plan(options.version))
+        with all_or_nothing(output_file(options, [])) as out:
+            write_private(out / options.output.name, content)
+        return 0
+    if options.version is not None or options.force:
+        raise BadInput("--version and --force belong to -o; --undo takes the number of a version itself.")
+    if options.undo is not None:
+        number = case.undo(options.undo, options.seen)
+    else:
+        scan = _chosen(case, options.scan).id if options.scan else ""
+        number = case.put_plan(_document(options.put), options.seen, scan=scan, same_patient=options.same_patient)
+    print(f"version {number}")
+    return 0
+
+
+def _document(file: Path) -> dict[str, object]:
+    try:
+        found = json.loads(read_ordinary(file, PLAN_BYTES))
+    except OSError as error:
+        raise BadInput(f"{shown(file)} cannot be read ({error.strerror}); check the name.") from error
+    except (ValueError, RecursionError) as error:
+        raise BadInput(f"{shown(file)} is no JSON; give a plan or drawing that BreastRig has written.") from error
+    if not isinstance(found, dict):
+        raise BadInput(f"{shown(file)} is no plan; give one that BreastRig has written.")
+    return found
+
+
+def show(options: argparse.Namespace) -> int:
+    case = Case(options.case)
+    plan = case.plan()
+    print(f"{case.code}   plan: version {plan['version']}, {len(plan['items'])} items, seen {case.plan_etag}")
+    for number, scan in enumerate(case.scans, start=1):
+        print(f"scan {number}: {_about(scan)}")
+        for fit in case.fits(scan.id):
+            said = ", ".join(part for part in (fit.verdict, fit.stance, fit.reason) if part)
+            print(f"  fit of {fit.asked_at[:16]}: {fit.state}{said and ', '}{said}   {fit.id}")
+    return 0
+
+
+def _about(scan: CaseScan) -> str:
+    return f"{scan.created_at[:10]}, {scan.stance}, {scan.triangles:,} triangles, {scan.unit}   {scan.id}"
+
+
+def list_cases(options: argparse.Namespace) -> int:
+    folder = options.case / layout.CASES if (options.case / layout.MARK).is_file() else options.case
+    if not folder.is_dir():
+        raise NotFound(f"There is no folder {shown(folder)}; check the name.")
+    found = 0
+    for each in sorted(folder.iterdir()):
+        if (each / layout.CASE).is_file():
+            case = CaseFolder(each)
+            document = case.document()
+            found += 1
+            print(f"{document.code}   {document.created_at[:10]}, {len(case.scan_ids())} scans   {each}")
+    if not found:
+        print(f"breastrig: there is no case in {shown(folder)}", file=sys.stderr)
+    return 0
+
+
+def rename(options: argparse.Namespace) -> int:
+    case = Case(options.case)
+    case.rename(options.code)
+    print(case.code)
+    return 0
+
+
+def move(options: argparse.Namespace) -> int:
+    case = Case(options.case)
+    scan = _chosen(case, options.scan)
+    case.move_scan(scan.id, Case(options.target), again=options.again)
+    return 0
+
+
+def delete(options: argparse.Namespace) -> int:
+    case = Case(options.case)
+    if options.all:
+        case.delete()
+    else:
+        case.delete_scan(_chosen(case, options.scan).id)
+    return 0
+
+
+def _chosen(case: Case, name: str) -> CaseScan:
+    """The scan by its number or id; without a name the only one."""
+    scans = case.scans
+    if not scans:
+        raise NotFound("This case has no scan yet; add one with `breastrig case add`.")
+    if name == "":
+        if len(scans) > 1:
+            raise BadInput(
+                f"This case has {len(scans)} scans; say which with --scan (`breastrig case show` lists them)."
+            )
+        return scans[0]
+    if name.isdecimal() and 1 <= int(name) <= len(scans):
+        return scans[int(name) - 1]
+    found = next((scan for scan in scans if scan.id == name), None)
+    if found is None:
+        raise NotFound(f"This case has no scan {name[:40]}; `breastrig case show` lists its scans.")
+    return found

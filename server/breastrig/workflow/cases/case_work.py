@@ -1,0 +1,139 @@
+"""A case at work: a scan read into it, a fit carried out in it.  Knows neither processes nor rows."""
+
+from collections.abc import Generator, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from breastrig.cases import layout
+from breastrig.cases.case_folder import CaseFolder, sync_file, utc_now
+from breastrig.cases.documents import FitDocument, ScanDocument
+from breastrig.cases.fits import CANCELLED, Claim, add_fit, claimed, get_fit
+from breastrig.cases.of_scans import get_cuts, get_landmarks
+from breastrig.cases.plans import put_items_of_scan
+from breastrig.cases.writing import replace
+from breastrig.core.errors import BreastRigError, Conflict
+from breastrig.core.model_choice import FACT, model_choice
+from breastrig.core.units import UNIT_CHOICES
+from breastrig.drawings.plan_schema import PlanLesion
+from breastrig.files.result import FIT_FILES, RESULT
+from breastrig.scan.limits import TRIANGLES
+from breastrig.scan.stored_scan import STORED
+from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
+from breastrig.workflow.events import Event, Failed, event_json
+from breastrig.workflow.jobs import FitJob, UploadJob
+from breastrig.workflow.read_upload import read_upload
+from breastrig.workflow.run_fit import run_fit
+
+BROKE = "The fit broke for a reason inside BreastRig; start the fit again."
+AT_WORK = "Somebody else is at work at this fit; wait for its end."
+
+
+def read_into_case(
+    case: CaseFolder,
+    file: Path,
+    sha256: str,
+    units: str = "auto",
+    model: str = "",
+    answers: VolumeAnswers = NOTHING_SAID,
+    again: bool = False,
+) -> str:
+    """Reads a scan's file and keeps what was read of it, without names and comments; the scan's id.
+
+    `model` is the name of the packaged model to fit it with, empty for the first.  What a label map shows inside
+    becomes items of the plan.  Raises BadScan, TooLarge, NeedsYes where the case has that file already and nobody said
+    `again`; then nothing is kept.
+    """
+    assert units in UNIT_CHOICES
+    own = model_choice(None)
+    chosen = {FACT: model} if model in own.others else {}
+    with case.incoming() as made:
+        kept, mesh, small = (made / name for name in (layout.STORED, layout.MESH, layout.THUMBNAIL))
+        facts = read_upload(UploadJob(file, units, kept, mesh, small, TRIANGLES, own.of(chosen), answers))
+        lesions: list[dict[str, Any]] = facts.pop("lesions", [])
+        facts.pop("labels", None)  # the file's own words are nowhere kept
+        scan_id = case.add_scan(
+            made, ScanDocument(created_at=utc_now(), sha256=sha256, facts=facts | chosen), again=again
+        )
+    if lesions:
+        items = [PlanLesion.model_validate({"id": layout.new_id(), "scan": scan_id, **each}) for each in lesions]
+        put_items_of_scan(case, scan_id, "lesion", items)
+    return scan_id
+
+
+def ask_fit(case: CaseFolder, scan_id: str, **asked: Any) -> str:
+    """Keeps a fit of the scan, with its landmarks and cuts as they are now; the fit's id.  Raises NotFound."""
+    picks = get_landmarks(case, scan_id)
+    document = FitDocument(
+        asked_at=utc_now(),
+        landmarks_mm=picks.points_mm,
+        certain=list(picks.certain),
+        confidence=picks.confidence,
+        cuts=list(get_cuts(case, scan_id)),
+        **asked,
+    )
+    return add_fit(case, scan_id, document)
+
+
+def fit_events(case: CaseFolder, scan_id: str, fit_id: str, model: Path | None = None) -> Generator[Event, None, None]:
+    """Carries out a fit that was asked for: its events, each stored before it is handed on.
+
+    `model` is another rig than the scan's.  Who leaves the generator cancels the fit.  Raises Conflict when
+    somebody else is at it, the fit's own BreastRigError after it is stored as its end.
+    """
+    with claimed(case, scan_id, fit_id) as claim:
+        if claim is None:
+            if get_fit(case, scan_id, fit_id).state in ("queued", "running"):
+                raise Conflict(AT_WORK)
+            return
+        with _told(claim), case.incoming() as made:
+            for event in run_fit(_job(case, scan_id, claim.document, made, model)):
+                if event.kind == "done":
+                    _put_files(made, claim.folder)
+                if not claim.append(event_json(event)):
+                    return  # it was cancelled
+                yield event
+
+
+@contextmanager
+def _told(claim: Claim) -> Iterator[None]:
+    """What ends the fit is its last event."""
+    try:
+        yield
+    except BreastRigError as error:
+        claim.end(event_json(Failed(reason=str(error))))
+        raise
+    except (GeneratorExit, KeyboardInterrupt):
+        claim.end(CANCELLED)
+        raise
+    except Exception:
+        with suppress(OSError, BreastRigError):
+            claim.end(event_json(Failed(reason=BROKE)))
+        raise
+
+
+def _put_files(made: Path, folder: Path) -> None:
+    """The fit's files in their place, result.json last; the log is there already."""
+    for name in (*(each for each in FIT_FILES if each not in (layout.LOG, RESULT)), RESULT):
+        sync_file(made / name)
+        replace(made / name, folder / name)
+
+
+def _job(case: CaseFolder, scan_id: str, asked: FitDocument, out: Path, model: Path | None) -> FitJob:
+    facts = case.scan(scan_id).facts
+    return FitJob(
+        scan=case.scan_folder(scan_id) / layout.STORED,
+        out=out,
+        landmarks_mm=asked.landmarks_mm,
+        certain=tuple(asked.certain),
+        landmark_confidence=asked.confidence,
+        units=facts["unit"],
+        file_type=STORED,
+        stance=asked.stance,
+        preset=asked.preset,
+        drawing=asked.drawing,
+        model=model or model_choice(None).of(facts),
+        refine=asked.refine,
+        orientation=None if asked.cuts else facts.get("orientation"),  # that is of the whole scan
+        cuts=tuple(asked.cuts),
+    )
