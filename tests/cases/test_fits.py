@@ -100,7 +100,7 @@ def test_the_fourth_start_is_an_honest_failure(case: CaseFolder, scan: str, fit:
     assert "started 3 times" in found.last["reason"]
 
 
-def test_a_cancelled_fit_is_not_begun_and_a_running_one_stops_at_the_next_event(
+def test_a_cancelled_fit_is_not_started_and_a_running_one_stops_at_the_next_event(
     case: CaseFolder, scan: str, fit: str
 ) -> None:
     waiting = new_fit(case, scan)
@@ -121,7 +121,7 @@ def test_a_cancelled_fit_is_not_begun_and_a_running_one_stops_at_the_next_event(
         cancel_fit(case, scan, done)
 
 
-def test_a_cancellation_whose_writer_was_killed_is_told_by_the_next(case: CaseFolder, scan: str, fit: str) -> None:
+def test_a_cancellation_whose_writer_was_killed_is_written_by_the_next(case: CaseFolder, scan: str, fit: str) -> None:
     (case.path / fit_part(scan, fit) / layout.CANCEL).touch()
     assert get_fit(case, scan, fit).state == "cancelled"
     with claimed(case, scan, fit) as claim:

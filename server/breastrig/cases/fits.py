@@ -1,4 +1,4 @@
-"""Fits of a scan: asked for, carried out by the one who holds their claim, and told line by line.
+"""Fits of a scan: asked for, run by the one who holds their claim, one event a line.
 
 `fit.log.jsonl` is the stream of events: line N is event N, and a line counts with its newline.  Only the holder of
 `.claim`, a lock of the kernel, appends; so a fit has one end, whoever dies.  The end is appended under the case's lock.
@@ -80,7 +80,7 @@ def get_fit(case: CaseFolder, scan_id: str, fit_id: str) -> FitEntry:
 
 
 def _state(folder: Path, last: dict[str, Any] | None) -> str:
-    """The last line says it, else `cancel`, else nobody has begun."""
+    """The last line says it, else `cancel`, else nobody has started."""
     if last is not None and last["kind"] in ENDED:
         return str(last["kind"])
     if (folder / layout.CANCEL).exists():
@@ -126,7 +126,7 @@ class Claim:
         self.document = get_fit(case, scan_id, fit_id).document
         self._cut_half_line()
         self.stored = len(events_after(self.folder))
-        self._told = 0
+        self._counted = 0
         last = last_event(self.folder)
         self._ended = last is not None and last["kind"] in ENDED
 
@@ -140,9 +140,9 @@ class Claim:
         Fits are deterministic: an attempt that follows a lost one tells the same again.  Raises OSError for a full
         disk, ValueError for numbers that are not finite, NotFound when the fit was deleted.
         """
-        self._told += 1
+        self._counted += 1
         is_end = event["kind"] in ENDED
-        if not is_end and self._told <= self.stored:
+        if not is_end and self._counted <= self.stored:
             return True
         if self._ended:
             return False

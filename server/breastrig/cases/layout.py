@@ -9,7 +9,7 @@
                                  `breastrig fit` writes
     .../fits/F/links/L/          link.json, shown-N/
 
-A case in a data folder stands in `data/cases/`; what is on its way in or out is in `data/incoming/` and
+A case of a data folder is in `data/cases/`; what is on its way in or out is in `data/incoming/` and
 `data/rubbish/`.  A case that stands alone has both inside itself.
 """
 
@@ -65,7 +65,7 @@ class Surroundings:
 
 
 def data_folder_of(case: Path) -> Path | None:
-    """The data folder that a case stands in; None: it stands alone."""
+    """The data folder that a case is in; None: it stands alone."""
     root = case.parent.parent
     return root if case.parent.name == CASES and (root / MARK).is_file() else None
 

@@ -65,7 +65,7 @@ class CaseScan:
 
 
 class Case:
-    """One patient under a code: a folder with her scans, their landmarks and fits, and her plan with its versions.
+    """One patient under a code: a folder with scans, their landmarks and fits, and the plan with its versions.
 
     Nothing is remembered: each call looks into the folder, which other programs may change at the same time.  Errors
     are one sentence: NotFound (a kind of BadInput) for what is gone, BadInput for what can be mended.

@@ -1,4 +1,4 @@
-"""A case at work: a scan read into it, a fit carried out in it.  Knows neither processes nor rows."""
+"""A case at work: a scan read into it, a fit run in it.  Knows neither processes nor rows."""
 
 from collections.abc import Generator, Iterator
 from contextlib import contextmanager, suppress
@@ -76,7 +76,7 @@ def ask_fit(case: CaseFolder, scan_id: str, **asked: Any) -> str:
 
 
 def fit_events(case: CaseFolder, scan_id: str, fit_id: str, model: Path | None = None) -> Generator[Event, None, None]:
-    """Carries out a fit that was asked for: its events, each stored before it is handed on.
+    """Runs a fit that was asked for: its events, each stored before it is handed on.
 
     `model` is another rig than the scan's.  Who leaves the generator cancels the fit.  Raises Conflict when
     somebody else is at it, the fit's own BreastRigError after it is stored as its end.
@@ -86,7 +86,7 @@ def fit_events(case: CaseFolder, scan_id: str, fit_id: str, model: Path | None =
             if get_fit(case, scan_id, fit_id).state in ("queued", "running"):
                 raise Conflict(AT_WORK)
             return
-        with _told(claim), case.incoming() as made:
+        with _ending(claim), case.incoming() as made:
             for event in run_fit(_job(case, scan_id, claim.document, made, model)):
                 if event.kind == "done":
                     _put_files(made, claim.folder)
@@ -96,7 +96,7 @@ def fit_events(case: CaseFolder, scan_id: str, fit_id: str, model: Path | None =
 
 
 @contextmanager
-def _told(claim: Claim) -> Iterator[None]:
+def _ending(claim: Claim) -> Iterator[None]:
     """What ends the fit is its last event."""
     try:
         yield
