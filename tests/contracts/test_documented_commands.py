@@ -66,6 +66,10 @@ LISTED = {  # why they are not run here, or the test that runs them
         "breastrig case plan patient/ --undo 1",
         "breastrig case show patient/",
     ],
+    "tests/cli/test_index_command.py": [
+        "breastrig case create DATA",
+        "breastrig index DATA",
+    ],
     "tests/cli/test_ink_command.py": [
         "breastrig ink scan.zip -o drawing.json",
     ],

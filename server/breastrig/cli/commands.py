@@ -29,11 +29,12 @@ COMMANDS = {
     "serve": "serve the page and the HTTP API",
     "worker": "run fits for a Dask scheduler",
     "config": "show the settings of the service",
+    "index": "make the index of a data folder's cases again",
     "purge": "delete stored scans and all that was made of them",
 }
 
 OF_THE_SERVER = ("serve", "config", "purge")  # they need the extra `server`
-OF_UNIX = (*OF_THE_SERVER, "batch", "worker")  # processes with limits, and locks of folders
+OF_UNIX = (*OF_THE_SERVER, "batch", "index", "worker")  # processes with limits, and locks of folders
 
 
 def own_module(command: str) -> Any:

@@ -23,6 +23,13 @@ def random_code() -> str:
     return f"{letters[:3]}-{letters[3:]}"
 
 
+def code_key(code: str) -> str:
+    """What codes are sorted by: numbers in them by their value, those without one last."""
+    if code == "":
+        return "1"
+    return "0" + re.sub(r"[0-9]+", lambda found: f"{len(found[0].lstrip('0')):02}{found[0].lstrip('0')}", code.lower())
+
+
 @dataclass(frozen=True)
 class Identity:
     """What stands on every page of a report."""

@@ -22,7 +22,8 @@ PLAN_BYTES = 50_000_000
 
 
 def create(options: argparse.Namespace) -> int:
-    print(f"{Case.create(options.case, options.code).code} in {options.case}")
+    case = Case.create(options.case, options.code)
+    print(f"{case.code} in {case.path}")
     return 0
 
 

@@ -79,8 +79,11 @@ class Case:
     def create(path: str | Path, code: str = "") -> "Case":
         """Makes a case in a new folder, under a code of your own (never a name), or a random one.
 
-        Raises BadInput where something is already, or nothing can be written.
+        In a data folder, a new folder of its cases.  Raises BadInput where something is already, or nothing can be
+        written.
         """
+        if (Path(path) / layout.MARK).is_file():
+            path = Path(path) / layout.CASES / layout.new_id()
         return Case(CaseFolder.create(Path(path), checked_code(code)).path)
 
     @property

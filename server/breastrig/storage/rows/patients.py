@@ -4,7 +4,6 @@ Every scan is of one patient; a patient goes with her last scan.  A plan is repl
 one that is there: each has a version, and earlier ones are kept for undoing.
 """
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -12,7 +11,7 @@ from typing import Any, Literal
 from sqlalchemy import ColumnElement, Connection, delete, exists, func, insert, select, update
 
 from breastrig.core.errors import Conflict, NeedsYes, NotFound
-from breastrig.core.identity import random_code
+from breastrig.core.identity import code_key, random_code
 from breastrig.storage import schema
 from breastrig.storage.rows.queries import by_key, is_there, newest_first, no_such_scan, value_of
 from breastrig.storage.storage import Storage, utc_now
@@ -37,13 +36,6 @@ class PlanRow:
     items: tuple[Document, ...] = ()  # as breastrig/plan@1 has them
     is_whole: bool = False  # somebody has written it as a whole: what it does not name is not wanted
     written_at: str = ""  # ISO 8601, UTC; empty in plans of earlier versions
-
-
-def code_key(code: str) -> str:
-    """What codes are sorted by, on every database the same: numbers in them by their value, those without one last."""
-    if code == "":
-        return "1"
-    return "0" + re.sub(r"[0-9]+", lambda found: f"{len(found[0].lstrip('0')):02}{found[0].lstrip('0')}", code.lower())
 
 
 def put_scan(

@@ -1,0 +1,30 @@
+"""`breastrig index DATA`: makes the index of a data folder's cases again, from their folders."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from breastrig.core.errors import BadInput
+from breastrig.index.index import Index
+from breastrig.storage.data_folder import Ownership, ownership_of
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("data", type=Path, metavar="DATA", help="the data folder")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Says what was found; returns 0, or 1 where a case has a damaged document."""
+    if ownership_of(options.data) is not Ownership.OURS:
+        raise BadInput(f"There is no BreastRig data folder at {options.data}; check the name.")
+    index = Index(options.data)
+    found = index.rebuild()
+    index.close()
+    print(f"{found.cases} cases, {found.scans} scans, {found.fits} fits")
+    if not found.links_kept:
+        print("breastrig: there was no index to take over: links are closed, sessions are over.", file=sys.stderr)
+    if found.busy:
+        print(f"breastrig: {found.busy} cases are being written; they are read at the next look.", file=sys.stderr)
+    for case_id in found.unreadable:
+        print(f"breastrig: the case {case_id} has a damaged document; put a copy back.", file=sys.stderr)
+    return 1 if found.unreadable else 0

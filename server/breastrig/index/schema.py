@@ -1,0 +1,61 @@
+"""The tables of the index.  All but three of them repeat what the folders say.
+
+Only here are the secrets of links (an export of a case must hold no passcode's hash, as six digits are guessed
+offline), when links were opened, sessions that were ended, and the order of fits that were asked for at the same moment.
+Another VERSION means another form: the three tables are copied if they can be read, the rest is made again.
+"""
+
+VERSION = 1
+OF_FOLDERS = ("cases", "scans", "fits")
+ONLY_HERE = ("link_secrets", "openings", "ended_sessions")
+
+TABLES = """
+CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE cases (
+    id TEXT PRIMARY KEY,
+    code TEXT NOT NULL,
+    code_key TEXT NOT NULL,       -- what codes are sorted by
+    code_search TEXT NOT NULL,    -- what they are searched by
+    created_at TEXT NOT NULL,
+    first_scan TEXT NOT NULL,     -- when the first of its scans came; empty without any
+    plan INTEGER NOT NULL,        -- version
+    stamp INTEGER NOT NULL        -- of the folder that was read, ns
+) WITHOUT ROWID;
+CREATE INDEX cases_newest ON cases (created_at, id);
+CREATE INDEX cases_by_code ON cases (code_key, id);
+CREATE INDEX cases_by_deletion ON cases (first_scan, id);
+CREATE TABLE scans (
+    id TEXT PRIMARY KEY,
+    patient TEXT NOT NULL,
+    created_at TEXT NOT NULL,
+    stance TEXT NOT NULL,         -- as proposed
+    sha256 TEXT NOT NULL
+) WITHOUT ROWID;
+CREATE INDEX scans_of_case ON scans (patient, created_at, id);
+CREATE INDEX scans_newest ON scans (created_at, id);
+CREATE TABLE fits (
+    place INTEGER PRIMARY KEY AUTOINCREMENT,  -- order among those of one moment
+    id TEXT NOT NULL UNIQUE,
+    patient TEXT NOT NULL,
+    scan TEXT NOT NULL,
+    asked_at TEXT NOT NULL,
+    state TEXT NOT NULL,
+    verdict TEXT,
+    predicted_from TEXT
+);
+CREATE INDEX fits_of_case ON fits (patient);
+CREATE INDEX fits_of_scan ON fits (scan, asked_at, place);
+CREATE INDEX fits_waiting ON fits (asked_at, place) WHERE state = 'queued';
+CREATE TABLE link_secrets (
+    link TEXT PRIMARY KEY,
+    token_sha256 TEXT NOT NULL UNIQUE,
+    passcode_hash TEXT,
+    wrong INTEGER NOT NULL DEFAULT 0,
+    wrong_at TEXT,
+    forgiven INTEGER NOT NULL DEFAULT 0
+) WITHOUT ROWID;
+CREATE TABLE openings (id INTEGER PRIMARY KEY, link TEXT NOT NULL, opened_at TEXT NOT NULL, visit_hmac TEXT);
+CREATE INDEX openings_of_link ON openings (link);
+CREATE INDEX openings_of_visit ON openings (visit_hmac);
+CREATE TABLE ended_sessions (id_sha256 TEXT PRIMARY KEY, ended_at TEXT NOT NULL) WITHOUT ROWID;
+"""
