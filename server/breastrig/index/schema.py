@@ -1,7 +1,7 @@
 """The tables of the index.  All but three of them repeat what the folders say.
 
 Only here are the secrets of links (an export of a case must hold no passcode's hash, as six digits are guessed
-offline), when links were opened, sessions that were ended, and the order of fits that were asked for at the same moment.
+offline), when links were opened, sessions that were ended, and the order of fits of one moment.
 Another VERSION means another form: the three tables are copied if they can be read, the rest is made again.
 """
 
