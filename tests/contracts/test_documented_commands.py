@@ -66,6 +66,9 @@ LISTED = {  # why they are not run here, or the test that runs them
         "breastrig case plan patient/ --undo 1",
         "breastrig case show patient/",
     ],
+    "tests/service/test_bring_over.py": [
+        "breastrig backup DATA -o FOLDER",
+    ],
     "tests/cli/test_index_command.py": [
         "breastrig case create DATA",
         "breastrig index DATA",

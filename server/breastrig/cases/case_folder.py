@@ -56,7 +56,7 @@ class CaseFolder:
         root = data_folder_of(path.absolute())
         try:
             private_folder(path.absolute().parent)
-            with _coming(path.absolute().parent if root is None else root / layout.INCOMING) as folder:
+            with coming(path.absolute().parent if root is None else root / layout.INCOMING) as folder:
                 put(folder, layout.CASE, content_of(document))
                 put(folder, LOCK, b"")
                 os.rename(folder, path)
@@ -158,7 +158,7 @@ class CaseFolder:
     @contextmanager
     def incoming(self) -> Iterator[Path]:
         """A private folder for what is to become part of the case; what is left in it goes at the end of the block."""
-        with _coming(self.around.incoming) as folder:
+        with coming(self.around.incoming) as folder:
             yield folder
 
     def add_scan(self, made: Path, document: ScanDocument, scan_id: str = "", again: bool = False) -> str:
@@ -186,7 +186,7 @@ class CaseFolder:
 
 
 @contextmanager
-def _coming(parent: Path) -> Iterator[Path]:
+def coming(parent: Path) -> Iterator[Path]:
     """A folder that is renamed to its place inside the block, or removed."""
     private_folder(parent)
     remove_abandoned(parent, COMING)

@@ -45,6 +45,11 @@ class ScanDocument(Document):
     created_at: str
     sha256: str = Field(description="of the file's bytes")
     facts: dict[str, Any] = Field(description="what reading found: unit, counts, bounds, frame, stance, notes")
+    file: str = Field(
+        default="scan.stored",
+        pattern=r"^scan\.[a-z0-9]{1,8}$",
+        description="of early versions the upload",
+    )
 
 
 class CutsDocument(Document):

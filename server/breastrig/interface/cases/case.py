@@ -25,7 +25,7 @@ from breastrig.interface.landmarks import Landmarks, landmarks_in_mm
 from breastrig.interface.model import loaded
 from breastrig.interface.one_thread import one_thread
 from breastrig.interface.run import FitRun
-from breastrig.interface.scan import Scan, ScanSource, existing, scan_of_stored
+from breastrig.interface.scan import Scan, ScanSource, existing, read_coloured, scan_of_stored
 from breastrig.report.pages.printable import check_printable, checked_code
 from breastrig.scan.hand_cuts import read_cuts
 from breastrig.scan.volumes.answers import checked_answers
@@ -130,8 +130,9 @@ class Case:
 
     def read_scan(self, scan: str) -> Scan:
         """The scan as `breastrig.read_scan` gives it: vertices (V, 3) in its own unit and frame.  Raises BadInput."""
-        self._folder.check_scan(scan)
-        return scan_of_stored(self._folder.scan_folder(scan) / layout.STORED)
+        known = self._folder.scan(scan)
+        file = self._folder.scan_folder(scan) / known.file
+        return scan_of_stored(file) if known.file == layout.STORED else read_coloured(file, known.facts["unit"])
 
     def landmarks(self, scan: str) -> dict[str, Array]:
         """Name -> (3,) place in the scan's unit and frame, as a person has placed it.  Raises BadInput."""

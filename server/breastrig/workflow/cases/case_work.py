@@ -18,7 +18,6 @@ from breastrig.core.units import UNIT_CHOICES
 from breastrig.drawings.plan_schema import PlanLesion
 from breastrig.files.result import FIT_FILES, RESULT
 from breastrig.scan.limits import TRIANGLES
-from breastrig.scan.stored_scan import STORED
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 from breastrig.workflow.events import Event, Failed, event_json
 from breastrig.workflow.jobs import FitJob, UploadJob
@@ -120,15 +119,16 @@ def _put_files(made: Path, folder: Path) -> None:
 
 
 def _job(case: CaseFolder, scan_id: str, asked: FitDocument, out: Path, model: Path | None) -> FitJob:
-    facts = case.scan(scan_id).facts
+    scan = case.scan(scan_id)
+    facts = scan.facts
     return FitJob(
-        scan=case.scan_folder(scan_id) / layout.STORED,
+        scan=case.scan_folder(scan_id) / scan.file,
         out=out,
         landmarks_mm=asked.landmarks_mm,
         certain=tuple(asked.certain),
         landmark_confidence=asked.confidence,
         units=facts["unit"],
-        file_type=STORED,
+        file_type=scan.file.partition(".")[2],
         stance=asked.stance,
         preset=asked.preset,
         drawing=asked.drawing,
