@@ -21,6 +21,8 @@ def test_from_a_file_to_a_plan_and_back(tmp_path: Path, capsys: pytest.CaptureFi
     assert "scan 1:" in capsys.readouterr().out
     assert main(["case", "landmarks", case, str(STANDING / "landmarks.json")]) == 0
     assert main(["case", "fit", case, "--drawing", "none"]) == 0
+    assert main(["case", "predict", case, "--stance", "supine"]) == 0
+    assert "supine, predicted from" in capsys.readouterr().out
     assert main(["case", "plan", case, "-o", str(plan)]) == 0
     document = json.loads(plan.read_text())
     assert (document["patient"], document["version"], document["items"]) == ("K7M-4QX", 0, [])
@@ -69,6 +71,7 @@ def test_scans_are_named_by_number_or_id_and_never_guessed(tmp_path: Path, capsy
         (["show", "NOWHERE"], "There is no case at"),
         (["list", "NOWHERE"], "There is no folder"),
         (["fit", "CASE"], "has no scan yet"),
+        (["predict", "CASE", "--stance", "prone"], "has no scan yet"),
         (["create", "CASE"], "is there already"),
         (["plan", "CASE", "-o", "x.json", "--seen", "0"], "belong to --put and --undo"),
         (["plan", "CASE", "--undo", "7"], "not kept any more"),

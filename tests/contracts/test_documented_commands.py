@@ -61,6 +61,7 @@ LISTED = {  # why they are not run here, or the test that runs them
         "breastrig case add patient/ standing.ply",
         "breastrig case landmarks patient/ landmarks.json",
         "breastrig case fit patient/",
+        "breastrig case predict patient/ --stance supine",
         "breastrig case plan patient/ -o plan.json",
         "breastrig case plan patient/ --put plan.json --same-patient",
         "breastrig case plan patient/ --undo 1",

@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 import breastrig
+from breastrig.cases.case_folder import CaseFolder
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import Conflict, NeedsYes
 from breastrig.files.result import FIT_FILES
+from breastrig.workflow.cases.case_work import ask_fit, fit_events
 
 EXAMPLE = asset_folder("example")
 pytestmark = pytest.mark.slow
@@ -83,6 +85,31 @@ def test_a_plan_is_replaced_by_who_has_seen_it_and_undone(case: breastrig.Case) 
         case.put_plan(
             {"schema": "breastrig/plan@1", "items": [{"kind": "pattern", "id": "p", "name": "flower"}]}, scan=scan
         )
+
+
+def test_a_prediction_is_kept_as_a_fit(case: breastrig.Case) -> None:
+    scan = case.scans[0].id
+    fit = case.fits(scan)[0]
+    found = case.predict(fit.id, "supine")
+    kept = case.fits(scan)[-1]
+    assert (kept.state, kept.stance, kept.predicted_from) == ("done", "supine", fit.id)
+    alone = breastrig.predict(case.load_fit(fit.id), "supine")
+    assert np.array_equal(found.vertices, alone.vertices)
+    with pytest.raises(breastrig.BadInput, match="itself predicted"):
+        case.predict(kept.id, "prone")
+    with pytest.raises(breastrig.BadInput, match="standing already"):
+        case.predict(fit.id, "standing")
+    with pytest.raises(breastrig.BadInput, match="auto"):
+        case.predict(fit.id, "auto")
+
+
+def test_a_fit_goes_on_from_an_earlier_one(case: breastrig.Case) -> None:
+    folder, scan = CaseFolder(case.path), case.scans[0].id
+    first = case.fits(scan)[0]
+    again = ask_fit(folder, scan, start_from=first.id, drawing=None)
+    events = list(fit_events(folder, scan, again))
+    assert len(events) < len((first.folder / "fit.log.jsonl").read_text().splitlines())
+    assert case.load_fit(again).stance == "standing"
 
 
 def test_who_stops_a_fit_cancels_it_and_a_failed_one_says_why(case: breastrig.Case) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from breastrig.cli.cases import actions as actions_of
 from breastrig.cli.scan_options import add_scan_options
 from breastrig.core.assets import packaged_models
-from breastrig.core.stances import STANCES
+from breastrig.core.stances import AUTO, STANCES
 from breastrig.workflow.jobs import FIRST
 
 
@@ -20,6 +20,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     _action(actions, "add", "read a scan into a case", actions_of.add, _add_options)
     _action(actions, "landmarks", "replace a scan's landmarks", actions_of.landmarks, _landmarks_options)
     _action(actions, "fit", "fit a scan of a case, and keep the fit in it", actions_of.fit, _fit_options)
+    _action(actions, "predict", "the patient of a scan in another stance", actions_of.predict, _predict_options)
     _action(actions, "plan", "write the plan into a file, replace it, or undo a change", actions_of.plan, _plan_options)
     _action(actions, "show", "what is in a case", actions_of.show, _no_options)
     _action(actions, "list", "the cases of a folder or data folder", actions_of.list_cases, None)
@@ -80,6 +81,11 @@ def _fit_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--preset", default="default", metavar="NAME", help="default or paper")
     parser.add_argument("--drawing", default=FIRST, metavar="NAME", help="as for breastrig fit; or none")
     parser.add_argument("--refine", action=argparse.BooleanOptionalAction, default=True, help="as for breastrig fit")
+
+
+def _predict_options(parser: argparse.ArgumentParser) -> None:
+    _scan_option(parser)
+    parser.add_argument("--stance", required=True, choices=[each for each in STANCES if each != AUTO], help="wanted")
 
 
 def _plan_options(parser: argparse.ArgumentParser) -> None:

@@ -70,6 +70,18 @@ def fit(options: argparse.Namespace) -> int:
     return 3 if fit.verdict.level == "unusable" else 0
 
 
+def predict(options: argparse.Namespace) -> int:
+    """From the newest fit of the scan that is done."""
+    case = Case(options.case)
+    scan = _chosen(case, options.scan)
+    done = [fit for fit in case.fits(scan.id) if fit.state == "done" and fit.predicted_from is None]
+    if not done:
+        raise NotFound("This scan has no fit that is done; fit it with `breastrig case fit`.")
+    found = case.predict(done[-1].id, options.stance)
+    print(f"{found.verdict.level}, {found.stance}, predicted from {done[-1].id}; {case.fits(scan.id)[-1].folder}")
+    return 0
+
+
 def plan(options: argparse.Namespace) -> int:
     case = Case(options.case)
     if options.output is not None:
@@ -110,7 +122,8 @@ def show(options: argparse.Namespace) -> int:
         print(f"scan {number}: {_about(scan)}")
         for fit in case.fits(scan.id):
             said = ", ".join(part for part in (fit.verdict, fit.stance, fit.reason) if part)
-            print(f"  fit of {fit.asked_at[:16]}: {fit.state}{said and ', '}{said}   {fit.id}")
+            kind = "fit" if fit.predicted_from is None else "prediction"
+            print(f"  {kind} of {fit.asked_at[:16]}: {fit.state}{said and ', '}{said}   {fit.id}")
     return 0
 
 

@@ -17,6 +17,7 @@ from breastrig.cases.removal import Left, delete_case, delete_scan, move_scan
 from breastrig.core.arrays import Array, frozen
 from breastrig.core.errors import BadInput, Conflict, FitFailed, NotRemoved, unknown_name
 from breastrig.core.picks import Picks
+from breastrig.core.stances import AUTO, STANCES
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.patterns import drawing_with
 from breastrig.drawings.plan_schema import PlanLesion, PlanLine, PlanNote, asked_of, checked_plan
@@ -29,7 +30,7 @@ from breastrig.interface.scan import Scan, ScanSource, existing, read_coloured, 
 from breastrig.report.pages.printable import check_printable, checked_code
 from breastrig.scan.hand_cuts import read_cuts
 from breastrig.scan.volumes.answers import checked_answers
-from breastrig.workflow.cases.case_work import ask_fit, fit_events, read_into_case
+from breastrig.workflow.cases.case_work import ask_fit, ask_prediction, fit_events, read_into_case
 from breastrig.workflow.events import Event
 from breastrig.workflow.folder.whose import asked_about
 from breastrig.workflow.jobs import FIRST
@@ -48,6 +49,7 @@ class CaseFit:
     verdict: str | None  # good, uncalibrated, check or unusable; None before the end
     stance: str | None  # as it was fitted; None before the end
     folder: Path  # what `breastrig fit` writes is here once it is done
+    predicted_from: str | None = None  # the fit of the scan, where this is another stance than the scan's
 
 
 @dataclass(frozen=True)
@@ -189,11 +191,25 @@ class Case:
         Who leaves the loop and calls `close()` cancels the fit.
         """
         fit_id = ask_fit(self._folder, scan, stance=stance, preset=preset, drawing=drawing, refine=refine)
+        return self._running(scan, fit_id, model)
+
+    def predict(self, fit: str, stance: str, *, model: str | Path | None = None) -> Fit:
+        """The patient of a fit, by its id, in another stance; kept in the case as a fit, with its events.
+
+        Values are in the scan's unit and frame, as those of `breastrig.predict`.  Raises BadInput, Conflict for a fit
+        that is not done.
+        """
+        if stance not in STANCES or stance == AUTO:
+            raise BadInput(unknown_name("stance", stance, tuple(each for each in STANCES if each != AUTO)))
+        predicted = ask_prediction(self._folder, fit, stance)
+        return self._running(find_fit(self._folder, fit).scan, predicted, model).result()
+
+    def _running(self, scan: str, fit: str, model: str | Path | None) -> FitRun[Event, Fit]:
         rig = None if model is None else Path(model)
 
         def steps() -> Generator[Event, None, Fit]:
-            yield from fit_events(self._folder, scan, fit_id, rig)
-            return self.load_fit(fit_id, rig)
+            yield from fit_events(self._folder, scan, fit, rig)
+            return self.load_fit(fit, rig)
 
         return FitRun(steps(), 0)
 
@@ -314,6 +330,7 @@ def _fit(folder: CaseFolder, entry: FitEntry) -> CaseFit:
         verdict=(result.get("verdict") or {}).get("level"),
         stance=result.get("stance"),
         folder=folder.path / layout.fit_part(entry.scan, entry.id),
+        predicted_from=entry.document.predicted_from,
     )
 
 

@@ -1,26 +1,29 @@
 """A case at work: a scan read into it, a fit run in it.  Knows neither processes nor rows."""
 
+import json
 from collections.abc import Generator, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder, sync_file, utc_now
 from breastrig.cases.documents import FitDocument, ScanDocument
-from breastrig.cases.fits import CANCELLED, Claim, add_fit, claimed, get_fit
+from breastrig.cases.fits import CANCELLED, Claim, add_fit, claimed, events_after, find_fit, get_fit
 from breastrig.cases.of_scans import get_cuts, get_landmarks
 from breastrig.cases.plans import put_items_of_scan
 from breastrig.cases.writing import replace
-from breastrig.core.errors import BreastRigError, Conflict
+from breastrig.core.errors import BadInput, BreastRigError, Conflict
 from breastrig.core.model_choice import FACT, model_choice
+from breastrig.core.stances import Stance
 from breastrig.core.units import UNIT_CHOICES
 from breastrig.drawings.plan_schema import PlanLesion
 from breastrig.files.result import FIT_FILES, RESULT
 from breastrig.scan.limits import TRIANGLES
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 from breastrig.workflow.events import Event, Failed, event_json
-from breastrig.workflow.jobs import FitJob, UploadJob
+from breastrig.workflow.jobs import EarlierFit, FitJob, PredictionJob, UploadJob
+from breastrig.workflow.predictions.run_prediction import run_prediction
 from breastrig.workflow.read_upload import read_upload
 from breastrig.workflow.run_fit import run_fit
 
@@ -74,6 +77,22 @@ def ask_fit(case: CaseFolder, scan_id: str, **asked: Any) -> str:
     return add_fit(case, scan_id, document)
 
 
+def ask_prediction(case: CaseFolder, fit_id: str, stance: str) -> str:
+    """Keeps that the patient of a fit is wanted in another stance; the id of what will be a fit like any other.
+
+    Raises NotFound, Conflict when the fit is not done, BadInput when nothing can be predicted from it.
+    """
+    fit = find_fit(case, fit_id)
+    if fit.document.predicted_from is not None:
+        raise BadInput("This fit is itself predicted; predict from the fit of a scan.")
+    if fit.state != "done" or fit.last is None:
+        raise Conflict(f"This fit is {fit.state}; a stance is predicted from a fit that is done.")
+    if fit.last["result"]["stance"] == stance:
+        raise BadInput(f"The scan is {stance} already; ask for another stance.")
+    asked = {"asked_at": utc_now(), "stance": stance, "predicted_from": fit_id, "start_from": None}
+    return add_fit(case, fit.scan, fit.document.model_copy(update=asked))
+
+
 def fit_events(case: CaseFolder, scan_id: str, fit_id: str, model: Path | None = None) -> Generator[Event, None, None]:
     """Runs a fit that was asked for: its events, each stored before it is handed on.
 
@@ -86,7 +105,7 @@ def fit_events(case: CaseFolder, scan_id: str, fit_id: str, model: Path | None =
                 raise Conflict(AT_WORK)
             return
         with _ending(claim), case.incoming() as made:
-            for event in run_fit(_job(case, scan_id, claim.document, made, model)):
+            for event in _events(_job(case, scan_id, claim.document, made, model)):
                 if event.kind == "done":
                     _put_files(made, claim.folder)
                 if not claim.append(event_json(event)):
@@ -118,9 +137,17 @@ def _put_files(made: Path, folder: Path) -> None:
         replace(made / name, folder / name)
 
 
-def _job(case: CaseFolder, scan_id: str, asked: FitDocument, out: Path, model: Path | None) -> FitJob:
+def _events(job: FitJob | PredictionJob) -> Generator[Event, None, None]:
+    return run_prediction(job) if isinstance(job, PredictionJob) else run_fit(job)
+
+
+def _job(case: CaseFolder, scan_id: str, asked: FitDocument, out: Path, model: Path | None) -> FitJob | PredictionJob:
     scan = case.scan(scan_id)
     facts = scan.facts
+    rig = model or model_choice(None).of(facts)
+    if asked.predicted_from is not None:
+        source = case.path / layout.fit_part(scan_id, asked.predicted_from)
+        return PredictionJob(source, out, cast(Stance, asked.stance), asked.drawing, rig)
     return FitJob(
         scan=case.scan_folder(scan_id) / scan.file,
         out=out,
@@ -132,8 +159,20 @@ def _job(case: CaseFolder, scan_id: str, asked: FitDocument, out: Path, model: P
         stance=asked.stance,
         preset=asked.preset,
         drawing=asked.drawing,
-        model=model or model_choice(None).of(facts),
+        model=rig,
         refine=asked.refine,
         orientation=None if asked.cuts else facts.get("orientation"),  # that is of the whole scan
         cuts=tuple(asked.cuts),
+        earlier=None if asked.start_from is None else _earlier(case, scan_id, asked.start_from),
     )
+
+
+def _earlier(case: CaseFolder, scan_id: str, fit_id: str) -> EarlierFit:
+    """A fit that is done, as its last iteration stands, to go on from.  Raises NotFound, Conflict."""
+    get_fit(case, scan_id, fit_id)
+    lines = [json.loads(line) for _, line in events_after(case.path / layout.fit_part(scan_id, fit_id))]
+    first = next((event for event in lines if event["kind"] == "started"), None)
+    last = next((event for event in reversed(lines) if event["kind"] == "iterated"), None)
+    if first is None or last is None:
+        raise Conflict("The fit to go on from has not come to a first iteration; start the fit without it.")
+    return EarlierFit(first["stance"], last["nodes"], first["model_sha256"])
