@@ -28,8 +28,11 @@ if TYPE_CHECKING:
         TooLarge,
     )
     from breastrig.interface.cases.case import Case, CaseFit, CaseScan
+    from breastrig.interface.draw import draw, project
     from breastrig.interface.drawing import Drawing, Lesion, Line
+    from breastrig.interface.example import Example, example
     from breastrig.interface.fit_result import Fit
+    from breastrig.interface.frame import Frame
     from breastrig.interface.ink import Ink, InkLine, find_ink
     from breastrig.interface.landmarks import Proposal, Proposals, propose_landmarks
     from breastrig.interface.measure import Measure, Number, measure
@@ -55,9 +58,11 @@ __all__ = [
     "CaseFit",
     "CaseScan",
     "Drawing",
+    "Example",
     "Fit",
     "FitFailed",
     "FitRun",
+    "Frame",
     "Ink",
     "InkLine",
     "Iterate",
@@ -74,12 +79,15 @@ __all__ = [
     "TooLarge",
     "Volume",
     "__version__",
+    "draw",
+    "example",
     "find_ink",
     "fit",
     "iterates",
     "load_model",
     "measure",
     "predict",
+    "project",
     "propose_landmarks",
     "read_scan",
     "transfer",
@@ -89,8 +97,11 @@ __all__ = [
 _MODULES = {
     "core.errors": ("BadDrawing BadInput BadLandmarks BadModel BadScan BadSettings BreastRigError FitFailed TooLarge"),
     "interface.cases.case": "Case CaseFit CaseScan",
+    "interface.draw": "draw project",
     "interface.drawing": "Drawing Lesion Line",
+    "interface.example": "Example example",
     "interface.fit_result": "Fit",
+    "interface.frame": "Frame",
     "interface.ink": "Ink InkLine find_ink",
     "interface.landmarks": "Proposal Proposals propose_landmarks",
     "interface.measure": "Measure Number measure",

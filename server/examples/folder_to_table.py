@@ -1,9 +1,9 @@
-"""A folder of scans into a table: one row a scan, with its verdict, distances and breast measures.
+"""A folder of scans into a table.
 
-    python folder_to_table.py scans/ table.csv
-
-A scan with a landmark file of the same name beside it (a.ply, a.json) is fitted with that.  What cannot be fitted gets
-a row with the reason.  (`breastrig batch` does many scans on all cores and goes on where it was interrupted.)
+One row a scan, with its verdict, distances and breast measures: `python folder_to_table.py scans/ table.csv`,
+or the packaged patient's two scans without arguments. A scan with a landmark file of the same name beside it
+(a.ply, a.json) is fitted with that; what cannot be fitted gets a row with the reason. (`breastrig batch` does
+many scans on all cores and goes on where it was interrupted.)
 """
 
 import csv
@@ -47,4 +47,7 @@ def main(folder: str, table: str) -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    if len(sys.argv) == 3:
+        main(*sys.argv[1:])
+    else:
+        main(str(breastrig.example("standing").scan.parent), "folder_to_table.csv")

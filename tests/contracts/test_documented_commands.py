@@ -134,8 +134,7 @@ LISTED = {  # why they are not run here, or the test that runs them
         "breastrig COMMAND --help",
     ],
     "tests/examples": [
-        "python server/examples/fit_with_plot.py model_assets/example/standing/scan.ply "
-        "model_assets/example/standing/landmarks.json fit.png",
+        "python server/examples/watch_fit.py",
     ],
     "tests/model_assets": [
         "python model_assets/correctives.py FOLDER",

@@ -16,7 +16,7 @@ from breastrig.core.errors import BreastRigError
 SCAN = str(asset_folder("example") / "standing" / "scan.ply")
 PLACES = {
     *("find_ink", "fit", "iterates", "propose_landmarks", "read_scan", "transfer"),
-    *("predict", "volume_mesh"),
+    *("predict", "volume_mesh", "draw", "project", "example"),
 }
 
 

@@ -37,16 +37,20 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class Lesion:
-    """A ball inside the body, in a scan's unit and frame; lengths in their names' unit."""
+    """A ball inside the body, in a scan's unit and frame; lengths in their names' unit.
+
+    `Lesion(name, center, radius_mm)` is one to be drawn or carried; the rest is what `draw` and `transfer` say of it.
+    """
 
     name: str
     center: Array  # (3,)
     radius_mm: float
-    error_mm: float | None  # radius that holds its true centre with 90 %; 0 where it was given, None: not known
-    ellipsoid_mm: Array | None  # (3, 3) semi-axes, a row each, of the ellipsoid that holds it with 90 %
-    depth_mm: float  # below the fitted skin
-    seen: bool  # whether the scan shows the skin next to it; where not, its depth is the model's guess
-    distances_mm: dict[str, tuple[float, float, float]]  # skin, nipple_L, chest_wall, lines: with a 90 % band, or nan
+    error_mm: float | None = None  # radius that holds its true centre with 90 %; 0 where given, None: not known
+    ellipsoid_mm: Array | None = None  # (3, 3) semi-axes, a row each, of the ellipsoid that holds it with 90 %
+    depth_mm: float = np.nan  # below the fitted skin
+    seen: bool = False  # whether the scan shows the skin next to it; where not, its depth is the model's guess
+    distances_mm: dict[str, tuple[float, float, float]] = field(default_factory=dict)  # skin, nipple_L, chest_wall,
+    # lines: with a 90 % band, or nan
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,8 +10,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from html import escape
+from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from breastrig.core.private_files import write_files
 from breastrig.files.result import FIT_FILES, RESULT, UNCERTAINTY, DoubtedPick, damaged, fit_set, folder_name
 from breastrig.fitting.verdicts.verdict import Verdict
 from breastrig.interface.drawing import Drawing, Lesion, drawing_of
+from breastrig.interface.frame import Frame, frame_of
 from breastrig.interface.model import Model, Rig, loaded, public
 from breastrig.interface.one_thread import one_thread
 from breastrig.interface.posterior import Posterior, posterior_of
@@ -36,6 +38,7 @@ from breastrig.workflow.lines.transfer import lesions_document
 
 if TYPE_CHECKING:
     import trimesh
+    from PIL.Image import Image
 
 
 class FitFiles:
@@ -136,6 +139,50 @@ class Fit:
         return np.asarray(frozen(1e-3 * found / self.metres_per_unit))
 
     @property
+    def line_error_mm(self) -> float | None:
+        """How far off lines on the breasts may be, across them (90 %), in mm; None where it is not known."""
+        return self.in_metres.result.line_error_mm
+
+    @cached_property
+    def landmark_radii(self) -> dict[str, float]:
+        """The radius around each of `landmarks` that holds its true place with 90 %, in the scan's unit.
+
+        Empty where nobody has calibrated the model.
+        """
+        radii = self.in_metres.result.landmark_uncertainty_mm
+        return {name: 1e-3 * mm / self.metres_per_unit for name, mm in radii.items()}
+
+    @cached_property
+    def frame(self) -> Frame:
+        """Where left, up and front are on this body."""
+        return frame_of(self.in_metres.rig, self.in_metres.vertices, self.metres_per_unit)
+
+    def picture(
+        self,
+        view: str = "front",
+        *,
+        show: Literal["distances", "uncertainty", "model", "scan"] = "distances",
+        drawing: Drawing | None = None,
+        size: tuple[int, int] = (480, 560),
+    ) -> "Image":
+        """A picture of `size` (width, height) pixels, without a display.
+
+        Args:
+            view: front, left, right, back, three_quarter, three_quarter_right, top or below.
+            show: distances (the model, blue inside the scan's skin and orange outside, grey where the scan shows
+                nothing), uncertainty (the model, darker where its 90 % radius is larger, to 20 mm), or the bare
+                model or scan.
+            drawing: Lines and lesions on it, in this fit's unit and frame.
+            size: Width and height in pixels.
+
+        Raises:
+            BadSettings: For another view.
+        """
+        from breastrig.interface.picture import fit_picture  # rendering, which other programs need not load
+
+        return fit_picture(self.in_metres, view, show, () if drawing is None else drawing.lines, size)
+
+    @property
     def posterior(self) -> Posterior:
         """What the fit leaves open of pose and shape.  Raises BadInput for a fit that was loaded: no file has it."""
         if self.known_posterior is None:
@@ -195,9 +242,9 @@ class Fit:
 
     def _repr_html_(self) -> str:
         """The same with a picture from the front, as notebooks show it: model coloured by its distance to the scan."""
-        from breastrig.interface.picture import picture_png  # rendering, which other programs need not load
-
-        image = b64encode(picture_png(self.in_metres)).decode("ascii")
+        stream = BytesIO()
+        self.picture(size=(300, 360)).save(stream, "PNG")
+        image = b64encode(stream.getvalue()).decode("ascii")
         said = escape(f"{repr(self)[1:-1]}. {' '.join(self.verdict.reasons)}")
         return f'<figure><img alt="fitted model" src="data:image/png;base64,{image}"><p>{said}</p></figure>'
 

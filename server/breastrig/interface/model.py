@@ -2,8 +2,10 @@
 
 from dataclasses import fields
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from breastrig.core.arrays import Array
 from breastrig.core.assets import model_path
@@ -11,6 +13,9 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig import model
 from breastrig.rig.cohort_prior import read_prior, with_prior
 from breastrig.rig.named_parameters import Parameters, posed, sampled
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
 
 
 class Rig(model.Rig):
@@ -29,6 +34,31 @@ class Rig(model.Rig):
         The joints hold, limits are kept, the root bone is at rest.
         """
         return sampled(self, rng)
+
+    def picture(
+        self,
+        vertices: ArrayLike,
+        *,
+        unit: str = "m",
+        view: str = "front",
+        colours: ArrayLike | None = None,
+        size: tuple[int, int] = (300, 360),
+    ) -> "Image":
+        """A picture of a body of this model, without a display.
+
+        Args:
+            vertices: (V, 3) in `unit`.
+            unit: m, dm, cm, mm, in or ft.
+            view: As in `Fit.picture`.
+            colours: (V, 3) red, green and blue, 0 to 1; None: grey.
+            size: Width and height in pixels.
+
+        Raises:
+            BadSettings: For another view.
+        """
+        from breastrig.interface.picture import body_picture  # rendering, which other programs need not load
+
+        return body_picture(self, np.asarray(vertices), unit, view, colours, size)
 
 
 Model = model.Rig | str | Path | None  # loaded, its .glb, a packaged one's name, or None for the torso of the package

@@ -1,26 +1,62 @@
-"""A small picture of a fit, for notebooks."""
+"""Pictures of fits and bodies without a display, for programs."""
 
-import io
+from collections.abc import Sequence
+from typing import Literal
 
+import numpy as np
+from numpy.typing import ArrayLike
 from PIL import Image
 
+from breastrig.core.arrays import Array
+from breastrig.core.units import METRES_PER_UNIT
+from breastrig.interface.drawing import Line
 from breastrig.interface.one_thread import one_thread
-from breastrig.rendering.picture import Layer, Scene, diverging_colours
-from breastrig.report.pictures import views_of
+from breastrig.rendering.picture import NEUTRAL, Layer, Scene, camera, diverging_colours
+from breastrig.rendering.picture import Line as DrawnLine
+from breastrig.report.body_frame import body_frame
+from breastrig.report.pictures import line_colour, uncertainty_colours
+from breastrig.rig.model import Rig
 from breastrig.workflow.folder.fit_folder import FitFolder
 from breastrig.workflow.report import stance_of
 
-SIZE = (300, 360)  # pixels
-LIMIT_MM = 5.0  # where the colours end: blue inside the scan's skin, orange outside
+LIMIT_MM = 5.0  # where the colours of distances end: blue inside the scan's skin, orange outside
 
 
-def picture_png(found: FitFolder) -> bytes:
-    """PNG of the fitted model from the front, coloured by its signed distance to the scan."""
+def fit_picture(
+    found: FitFolder,
+    view: str,
+    show: Literal["distances", "uncertainty", "model", "scan"],
+    lines: Sequence[Line],
+    size: tuple[int, int],
+) -> Image.Image:
+    """As `Fit.picture`; points of the lines are in the fit's unit."""
     with one_thread():
-        stance = stance_of(found)
-        [view] = views_of(stance, ("front",), SIZE[0] / SIZE[1])
-        colours = diverging_colours(1e3 * stance.distances, LIMIT_MM)
-        picture = Scene([Layer(stance.vertices, stance.rig.faces, colours)]).render(view, SIZE)
-    stream = io.BytesIO()
-    Image.fromarray(picture).save(stream, "PNG")
-    return stream.getvalue()
+        surface = Layer(found.vertices, found.rig.faces)
+        if show == "scan":
+            surface = Layer(found.surface.vertices, found.surface.faces)
+        elif show == "distances":
+            distances = 1e3 * stance_of(found).distances
+            surface = Layer(found.vertices, found.rig.faces, diverging_colours(distances, LIMIT_MM))
+        elif show == "uncertainty":
+            radii = np.full(len(found.vertices), np.nan) if found.radii is None else 1e3 * found.radii
+            surface = Layer(found.vertices, found.rig.faces, uncertainty_colours(radii))
+        frame = body_frame(found.rig, found.vertices).axes
+        drawn = [
+            DrawnLine(
+                found.metres_per_unit * np.asarray(line.points), line_colour(line.color), size[1] / 200.0, line.closed
+            )
+            for line in lines
+        ]
+        eye = camera(view, found.vertices, frame, size[0] / size[1])
+        return Image.fromarray(Scene([surface]).render(eye, size, drawn))
+
+
+def body_picture(
+    rig: Rig, vertices: Array, unit: str, view: str, colours: ArrayLike | None, size: tuple[int, int]
+) -> Image.Image:
+    """As `Rig.picture`."""
+    with one_thread():
+        places = METRES_PER_UNIT[unit] * np.asarray(vertices, dtype=np.float64)
+        eye = camera(view, places, body_frame(rig, places).axes, size[0] / size[1])
+        layer = Layer(places, rig.faces, NEUTRAL if colours is None else np.asarray(colours, dtype=np.float64))
+        return Image.fromarray(Scene([layer]).render(eye, size))

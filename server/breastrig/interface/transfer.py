@@ -1,6 +1,6 @@
 """A drawing of one scan on another, for programs: of fits in memory or in folders."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
@@ -8,8 +8,10 @@ from typing import Any
 from breastrig.core.errors import BadInput
 from breastrig.core.private_files import write_files
 from breastrig.core.scratch import scratch_folder
+from breastrig.drawings.plan_schema import PLAN_SCHEMA
 from breastrig.files.result import FIT_FILES, RESULT, UNCERTAINTY
-from breastrig.interface.drawing import Drawing, Line, document_of, drawing_of
+from breastrig.interface.draw import Drawn, items_of
+from breastrig.interface.drawing import Drawing, Lesion, Line, document_of, drawing_of
 from breastrig.interface.fit_result import Fit
 from breastrig.interface.model import Model, loaded
 from breastrig.interface.one_thread import one_thread
@@ -23,7 +25,7 @@ READ = ("scan.ply", "fitted.ply", UNCERTAINTY, RESULT)  # what a transfer reads 
 def transfer(
     source: Fit | str | Path,
     target: Fit | str | Path,
-    drawing: Drawing | Sequence[Line] | Mapping[str, Any] | str | Path | None = None,
+    drawing: Drawn | None = None,
     *,
     other_patient: bool = False,
     same_patient: bool = False,
@@ -34,8 +36,8 @@ def transfer(
     Args:
         source: The fit, or its folder, on whose scan the drawing was made.
         target: The fit, or its folder, on whose scan it is shown.
-        drawing: `Line`s with points (M, 3) in the source scan's unit and frame; a `Drawing`; a document
-            breastrig/drawing@1 or the path of one; None: the drawing that the first fit has.
+        drawing: `Line` objects with points (M, 3) and `Lesion` objects, in the source scan's unit and frame; a `Drawing`; a document
+            breastrig/drawing@1 or plan@1, or the path of one; None: the drawing that the first fit has.
         other_patient: Whether the scans are of two patients: the same place of the model instead of the same skin.
         same_patient: Whether the drawing is this patient's though its file names another's code and scan.
         model: Of folders, where it is not the package's; a `Fit` has its own.
@@ -53,7 +55,7 @@ def transfer(
     if len(rigs) > 1:
         raise BadInput(f"The fits were made with several models ({_names(rigs)}); fit both scans with one.")
     [rig] = rigs.values()
-    document, inputs = _document(source, drawing)
+    document, inputs = _document(source, drawing, rig)
     inputs += tuple(Path(each) / name for each in (source, target) if not isinstance(each, Fit) for name in FIT_FILES)
     with ExitStack() as stack:
         folders = [stack.enter_context(folder_of(each, with_drawing=document is None)) for each in (source, target)]
@@ -67,18 +69,27 @@ def _names(rigs: Mapping[str, Rig]) -> str:
 
 
 def _document(
-    source: Fit | str | Path, drawing: Drawing | Sequence[Line] | Mapping[str, Any] | str | Path | None
+    source: Fit | str | Path, drawing: Drawn | None, rig: Rig
 ) -> tuple[dict[str, Any] | None, tuple[Path, ...]]:
     """The drawing as a document, None for the source's own; and the files that it is from."""
     if drawing is None:
         return None, ()
     if isinstance(drawing, str | Path):
         return drawing_document(Path(drawing)), (Path(drawing),)
-    if isinstance(drawing, Drawing):
-        return drawing.document, drawing.inputs
     if isinstance(drawing, Mapping):
         return dict(drawing), ()
-    return document_of(drawing), ()
+    inputs = drawing.inputs if isinstance(drawing, Drawing) else ()
+    if isinstance(drawing, Drawing):
+        if not drawing.lesions:
+            return drawing.document, inputs
+        projected = {each["name"] for each in drawing.document["shapes"] if each.get("kind") == "lesion"}
+        drawing = [*(line for line in drawing.lines if line.name not in projected), *drawing.lesions]
+    given = [drawing] if isinstance(drawing, Line | Lesion) else drawing
+    lines = [each for each in given if not isinstance(each, Lesion)]
+    if len(lines) == len(given):
+        return document_of(lines), inputs
+    fit = (source if isinstance(source, Fit) else Fit.load(source, rig)).in_metres
+    return {"schema": PLAN_SCHEMA, "items": items_of(given, fit)}, inputs
 
 
 @contextmanager

@@ -68,17 +68,17 @@ def _predicted_pictures(stance: Stance, cameras: Sequence[Camera], size: tuple[i
 def uncertainty_pictures(stance: Stance, cameras: Sequence[Camera], size: tuple[int, int]) -> list[Picture]:
     """The model, the darker the farther off its places may be; grey where that is not known."""
     assert stance.radii is not None
-    scene = Scene([Layer(stance.vertices, stance.rig.faces, _uncertain(1e3 * stance.radii))])
+    scene = Scene([Layer(stance.vertices, stance.rig.faces, uncertainty_colours(1e3 * stance.radii))])
     return [scene.render(view, size) for view in cameras]
 
 
 def colour_bar(width: int, height: int) -> Picture:
     """(height, width, 3): from 0 at the left to LEAST_SURE_MM at the right."""
-    colours = _uncertain(np.linspace(0.0, LEAST_SURE_MM, width))
+    colours = uncertainty_colours(np.linspace(0.0, LEAST_SURE_MM, width))
     return np.rint(255.0 * np.broadcast_to(colours, (height, width, 3))).astype(np.uint8)
 
 
-def _uncertain(radii_mm: Array) -> Array:
+def uncertainty_colours(radii_mm: Array) -> Array:
     """(M, 3), pale at 0 to dark at LEAST_SURE_MM."""
     share = np.clip(np.nan_to_num(radii_mm) / LEAST_SURE_MM, 0.0, 1.0)[..., None]
     colours = (1.0 - share) * np.asarray(SURE) + share * np.asarray(UNSURE)
