@@ -33,7 +33,8 @@ def draw(fit: Fit, drawing: Drawn | None = None, tumours: Sequence[str] = ()) ->
     Args:
         fit: On whose scan it is made.
         drawing: A pattern in mm ("reduction:areola_mm=42"), a drawing of the model by its name, several joined by +;
-            `Line` and `Lesion` objects in the scan's unit and frame; a document breastrig/plan@1 or drawing@1, or its Path.
+            `Line` and `Lesion` objects in the scan's unit and frame; a document breastrig/plan@1 or drawing@1, or its
+            Path.
         tumours: Circles on the skin, as in `fit`: "L:10,45,12".
 
     Returns:

@@ -36,8 +36,9 @@ def transfer(
     Args:
         source: The fit, or its folder, on whose scan the drawing was made.
         target: The fit, or its folder, on whose scan it is shown.
-        drawing: `Line` objects with points (M, 3) and `Lesion` objects, in the source scan's unit and frame; a `Drawing`; a document
-            breastrig/drawing@1 or plan@1, or the path of one; None: the drawing that the first fit has.
+        drawing: `Line` objects with points (M, 3) and `Lesion` objects, in the source scan's unit and frame; a
+            `Drawing`; a document breastrig/drawing@1 or plan@1, or the path of one; None: the drawing that the first
+            fit has.
         other_patient: Whether the scans are of two patients: the same place of the model instead of the same skin.
         same_patient: Whether the drawing is this patient's though its file names another's code and scan.
         model: Of folders, where it is not the package's; a `Fit` has its own.
