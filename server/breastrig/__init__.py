@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from breastrig.interface.model import Rig, load_model
     from breastrig.interface.posterior import Posterior
     from breastrig.interface.predict import predict
+    from breastrig.interface.report import write_report
     from breastrig.interface.run import FitRun, Iterate, fit, iterates
     from breastrig.interface.scan import Scan, read_scan
     from breastrig.interface.transfer import transfer
@@ -92,6 +93,7 @@ __all__ = [
     "read_scan",
     "transfer",
     "volume_mesh",
+    "write_report",
 ]
 
 _MODULES = {
@@ -109,6 +111,7 @@ _MODULES = {
     "rig.named_parameters": "BonePose Parameters",
     "interface.posterior": "Posterior",
     "interface.predict": "predict",
+    "interface.report": "write_report",
     "interface.run": "FitRun Iterate fit iterates",
     "interface.scan": "Scan read_scan",
     "interface.transfer": "transfer",

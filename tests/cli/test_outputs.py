@@ -13,7 +13,7 @@ from helpers.cohort import write_patient
 from helpers.example_fits import write_example_fits
 from helpers.remembered_measures import measured_once
 
-from breastrig.cli import fit_command, landmarks_command, report_command
+from breastrig.cli import fit_command, landmarks_command
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.files.result import FIT_FILES
@@ -58,7 +58,7 @@ def without_work(monkeypatch: pytest.MonkeyPatch) -> None:
 
     for name in ("iterates", "pair_iterates"):
         monkeypatch.setattr(fit_command, name, work)
-    monkeypatch.setattr(report_command, "write_report", work)
+    monkeypatch.setattr("breastrig.interface.report.write_three_files", work)
     monkeypatch.setattr(landmarks_command, "propose_landmarks", work)
 
 

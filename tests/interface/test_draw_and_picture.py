@@ -119,3 +119,20 @@ def test_pictures_show_the_body_and_its_lines(fits: Fits) -> None:
     assert len(different) == 4
     with pytest.raises(breastrig.BadSettings, match="view"):
         fit.picture("inside")
+
+
+def test_a_report_of_fits_in_memory_is_that_of_their_folders(fits: Fits, tmp_path: Path) -> None:
+    pattern = breastrig.draw(fits[0], "reduction:areola_mm=42")
+    assert breastrig.write_report(fits[0], tmp_path / "memory", fits[1], plan=pattern, code="P-1") == ()
+    for fit, name in zip(fits, ("standing", "supine"), strict=True):
+        fit.save(tmp_path / name)
+    pattern.save(tmp_path / "plan.json")
+    breastrig.write_report(
+        tmp_path / "standing", tmp_path / "folders", tmp_path / "supine", plan=tmp_path / "plan.json", code="P-1"
+    )
+    for name in ("report.json", "measures.csv"):
+        assert (tmp_path / "memory" / name).read_bytes() == (tmp_path / "folders" / name).read_bytes()
+    [pdf] = (tmp_path / "memory").glob("*.pdf")
+    assert pdf.name.startswith("P-1_standing-supine")
+    with pytest.raises(breastrig.BadInput):
+        breastrig.write_report(tmp_path / "standing", tmp_path / "standing" / "result.json")

@@ -3,27 +3,10 @@
 import argparse
 from pathlib import Path
 
-from threadpoolctl import threadpool_limits
-
-from breastrig.cli.earlier_fits import unchecked
-from breastrig.cli.output_options import (
-    add_output_options,
-    add_same_patient,
-    files_of_fit,
-    files_of_model,
-    output_folder,
-    say_misfits,
-)
-from breastrig.core import wall_clock
+from breastrig.cli.interruption import raise_if_asked
+from breastrig.cli.output_options import add_output_options, add_same_patient, say_misfits
 from breastrig.core.assets import model_path
-from breastrig.core.identity import SAYS_NOTHING, Identity, file_name, random_code
-from breastrig.core.output_files import OutputSet, all_or_nothing
-from breastrig.files.result import ResultPatient, read_result
-from breastrig.report.document import SCHEMA
-from breastrig.report.pages.printable import checked_code
-from breastrig.workflow.jobs import ReportJob
-from breastrig.workflow.lines.transfer import drawing_document
-from breastrig.workflow.report import MEASURES_TABLE, REPORT_RECORD, write_report
+from breastrig.interface.report import write_report
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -50,28 +33,17 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Writes report.json, measures.csv and the PDF; returns 0, or 4 where something is not drawn."""
     fit, other = _stances(options)
-    inputs = [options.plan, *files_of_fit(fit), *files_of_fit(other), *files_of_model(options.model)]
-    plan = None if options.plan is None else drawing_document(options.plan)
-    results = [read_result(folder) for folder in (fit, other) if folder is not None]
-    known = [result.patient or ResultPatient() for result in results]
-    code = (
-        checked_code(options.code) or next((each.code for each in known if each.given), known[0].code) or random_code()
+    missing = write_report(
+        fit,
+        options.output,
+        other,
+        plan=options.plan,
+        code=options.code,
+        same_patient=options.same_patient,
+        force=options.force,
+        model=options.model,
+        asked_to_stop=raise_if_asked,
     )
-    scanned = tuple(each.scanned.isoformat() if each.scanned else "" for each in known)
-    version = 0 if plan is None else plan.get("version", 0)
-    identity = Identity(code, wall_clock.now(), scanned, plan_version=version if isinstance(version, int) else 0)
-    codes = {each.code for each in known if each.given}
-    doubts: tuple[str, ...] = (
-        (f"The fits carry two codes ({', '.join(sorted(codes))}); {SAYS_NOTHING}",) if len(codes) > 1 else ()
-    )
-    doubts += unchecked((fit, other))
-    pdf = file_name(code, " ".join(each.stance for each in results), identity.day, "report.pdf")
-    files = OutputSet(Path(), (MEASURES_TABLE, pdf, REPORT_RECORD), REPORT_RECORD, SCHEMA, varying=True)
-    with threadpool_limits(1), all_or_nothing(output_folder(options, [files], inputs)) as out:
-        job = ReportJob(
-            fit, other, options.model, plan=plan, same_patient=options.same_patient, identity=identity, doubts=doubts
-        )
-        missing = write_report(job, out, pdf)
     return say_misfits(missing)
 
 

@@ -15,6 +15,7 @@ from pydantic import Field, FiniteFloat, ValidationError, model_validator
 from breastrig.core.errors import BadDrawing
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.stances import Stance
+from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.drawing_schema import SCHEMA, DrawnShape, GivenDrawing, Part, PatientCode, Point, Title
 
 PLAN_SCHEMA: Literal["breastrig/plan@1"] = "breastrig/plan@1"
@@ -159,13 +160,23 @@ def checked_plan(document: dict[str, Any]) -> Plan:
     except RecursionError as error:
         raise BadDrawing("This plan is nested too deeply; give a file that BreastRig has written.") from error
     elsewhere = next((shape.name for shape in drawing.shapes if not shape.points), None)
-    if elsewhere is not None or drawing.unit not in ("mm", None):
-        raise BadDrawing("A drawing becomes a plan where its points lie on a scan, in mm; give a plan or such a file.")
+    if elsewhere is not None:
+        raise BadDrawing("A drawing becomes a plan where its points lie on a scan; give a plan or such a file.")
+    to_mm = 1e3 * METRES_PER_UNIT[drawing.unit or "mm"]
     return Plan(
         schema=PLAN_SCHEMA,
         patient=drawing.patient,
-        items=[line_item(shape.model_dump(), f"line-{k}", "") for k, shape in enumerate(drawing.shapes, 1)],
+        items=[
+            _in_mm(line_item(shape.model_dump(), f"line-{k}", ""), to_mm) for k, shape in enumerate(drawing.shapes, 1)
+        ],
     )
+
+
+def _in_mm(line: PlanLine, to_mm: float) -> PlanLine:
+    if to_mm == 1.0:
+        return line
+    points = [[round(to_mm * value, 3) for value in point] for point in line.points]
+    return PlanLine.model_validate(line.model_dump() | {"points": points})
 
 
 def line_item(shape: dict[str, Any], item_id: str, scan: str) -> PlanLine:

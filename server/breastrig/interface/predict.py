@@ -8,7 +8,7 @@ from breastrig.core.stances import Stance
 from breastrig.interface.fit_result import Fit
 from breastrig.interface.model import Model, loaded
 from breastrig.interface.one_thread import one_thread
-from breastrig.interface.transfer import folder_of
+from breastrig.interface.transfer import READ, folder_of
 from breastrig.workflow.predictions.predict import prediction
 
 
@@ -20,6 +20,6 @@ def predict(fit: Fit | str | Path, stance: Stance, model: Model = None) -> Fit:
     folders.  Raises BadInput, also for a model of which nobody knows what gravity does to it.
     """
     rig = fit.model if isinstance(fit, Fit) else loaded(model)
-    with one_thread(), folder_of(fit, with_drawing=True) as folder, scratch_folder() as made:
+    with one_thread(), folder_of(fit, (*READ, "drawing.json")) as folder, scratch_folder() as made:
         write_files(prediction(rig, folder, stance), made)
         return Fit.load(made, rig)

@@ -1,6 +1,6 @@
 """A drawing of one scan on another, for programs: of fits in memory or in folders."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
@@ -59,7 +59,10 @@ def transfer(
     document, inputs = _document(source, drawing, rig)
     inputs += tuple(Path(each) / name for each in (source, target) if not isinstance(each, Fit) for name in FIT_FILES)
     with ExitStack() as stack:
-        folders = [stack.enter_context(folder_of(each, with_drawing=document is None)) for each in (source, target)]
+        folders = [
+            stack.enter_context(folder_of(each, READ if document is not None else (*READ, "drawing.json")))
+            for each in (source, target)
+        ]
         with one_thread():
             found = transfer_with(rig, TransferJob(folders[0], folders[1], document, other_patient, None, same_patient))
     return drawing_of(found, inputs)
@@ -94,12 +97,11 @@ def _document(
 
 
 @contextmanager
-def folder_of(fit: Fit | str | Path, with_drawing: bool) -> Iterator[Path]:
-    """A folder of the fit; for the moment, where it has none."""
+def folder_of(fit: Fit | str | Path, names: Sequence[str]) -> Iterator[Path]:
+    """A folder with these files of the fit; for the moment, where it has none."""
     if not isinstance(fit, Fit):
         yield Path(fit)
         return
     with scratch_folder() as folder:
-        names = (*READ, "drawing.json") if with_drawing else READ
         write_files(fit.files.several(names), folder)
         yield folder

@@ -111,9 +111,9 @@ def _joint(result: ResultFile) -> tuple[tuple[str, ...], Array] | None:
     return None if found is None else (names, 1e-6 * found)
 
 
-def reported(job: ReportJob) -> list[Reported]:
-    """Reads and measures; BadInput says what is wrong with a folder."""
-    rig: Rig = read_rig(job.model or default_rig_path())
+def reported(job: ReportJob, rig: Rig | None = None) -> list[Reported]:
+    """Reads and measures; BadInput says what is wrong with a folder.  `rig` is that of the job, read already."""
+    rig = rig or read_rig(job.model or default_rig_path())
     folders = [job.fit] if job.other is None else [job.fit, job.other]
     whole = [fit_folder_of(folder, rig) for folder in folders]
     if job.plan is not None:
@@ -177,12 +177,12 @@ def _measures_csv(stances: list[Reported]) -> bytes:
     return csv_bytes(flat_rows([(each.name, each.rows) for each in stances]), verdicts)
 
 
-def write_report(job: ReportJob, folder: Path, pdf_name: str) -> tuple[str, ...]:
+def write_three_files(job: ReportJob, folder: Path, pdf_name: str, rig: Rig | None = None) -> tuple[str, ...]:
     """Writes the three files; returns why patterns and items are not drawn, a sentence each.
 
     BadInput when the folder cannot be written.
     """
-    stances = reported(job)
+    stances = reported(job, rig)
     write_files(_files(stances, job.identity, pdf_name), folder)
     planned = (each.text for stance in stances for each in stance.plan if each.text.startswith(NOT_DRAWN))
     return tuple(dict.fromkeys((*(why for stance in stances for why in stance.result.drawing_missing), *planned)))
