@@ -56,8 +56,7 @@ def without_work(monkeypatch: pytest.MonkeyPatch) -> None:
     def work(*_: object, **__: object) -> None:
         raise AssertionError("the work began")
 
-    for name in ("iterates", "pair_iterates"):
-        monkeypatch.setattr(fit_command, name, work)
+    monkeypatch.setattr(fit_command, "iterates", work)
     monkeypatch.setattr("breastrig.interface.report.write_three_files", work)
     monkeypatch.setattr(landmarks_command, "propose_landmarks", work)
 
@@ -106,23 +105,6 @@ def test_a_fit_does_not_replace_what_the_user_has_there(scan: Path, capsys: pyte
     assert "fitted.glb, drawing.json" in said
     assert "--force" in said
     assert files(own.parent) == before
-
-
-@pytest.mark.usefixtures("without_work")
-@pytest.mark.parametrize("kind", ["hard", "symbolic"])
-def test_neither_scan_of_two_is_replaced(
-    kind: str, scan: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Here OUT/second/scan.ply is the second scan under another name."""
-    place = tmp_path / "both" / "second" / "scan.ply"
-    place.parent.mkdir(parents=True)
-    if kind == "hard":
-        place.hardlink_to(scan)
-    else:
-        place.symlink_to(scan)
-    first = str(EXAMPLE / "supine" / "scan.ply")
-    command = ["fit", first, "--with", str(scan), "-o", str(tmp_path / "both"), "--force"]
-    assert "which this command reads" in refused(command, capsys)
 
 
 @pytest.mark.slow

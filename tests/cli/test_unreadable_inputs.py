@@ -43,7 +43,6 @@ def pipe(tmp_path: Path) -> str:
         ["fit", "NAME"],
         ["fit", SCAN, "--landmarks", "NAME"],
         ["fit", SCAN, "--cuts", "NAME"],
-        ["fit", SCAN, "--with", "NAME"],
         ["fit", SCAN, "--model", "NAME.glb"],
         ["fit", SCAN, "--preset", "NAME.toml"],
         ["fit", SCAN, "--drawing", "NAME"],
@@ -80,7 +79,6 @@ def test_an_endless_name_of_an_output_is_one_short_line(
     [
         ["fit", "FILE"],
         ["fit", SCAN, "--landmarks", "FILE"],
-        ["fit", SCAN, "--with", "FILE"],
         ["fit", SCAN, "--model", "FILE"],
         ["landmarks", "FILE"],
         ["transfer", "--from", "here", "--to", "here", "--drawing", "FILE"],

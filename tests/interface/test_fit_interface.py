@@ -372,13 +372,9 @@ def test_what_was_cut_away_in_the_page_is_cut_by_program_and_command(cuts: Path,
     assert said["scan"]["triangles"] == len(scan.faces)
 
 
-def test_a_file_that_holds_no_cuts_and_cuts_of_no_scan_are_refused(
-    cuts: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_file_that_holds_no_cuts_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["fit", str(STANDING), "--cuts", str(PICKS), "-o", str(tmp_path / "out")]) == 2
     assert "a file of cuts is what GET /api/scans/ID/cuts answers" in capsys.readouterr().err
-    assert main(["fit", str(STANDING), "--with-cuts", str(cuts), "-o", str(tmp_path / "out")]) == 2
-    assert "need --with SCAN_B" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
 
