@@ -131,8 +131,9 @@ class ScanProblem:
         if self.partners is None:
             self.partners = ()
             if picks is not None:
-                without = assemble(others, state)
-                self.partners = mirrored_landmarks(self.task, state, picks, without, self.scaling)
+                self.partners = mirrored_landmarks(
+                    self.task, state, picks, lambda: assemble(others, state), self.scaling
+                )
         return tuple(self.relief.values()), self.partners
 
     def system(self, terms: Terms, state: BodyState) -> System:

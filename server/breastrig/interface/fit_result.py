@@ -34,7 +34,6 @@ from breastrig.scan.clean import Surface
 from breastrig.workflow.fit_recorder import FitOutcome
 from breastrig.workflow.folder.fit_files import fit_file, result_of
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_of_files, fitted, read_fit_files
-from breastrig.workflow.lines.transfer import lesions_document
 
 if TYPE_CHECKING:
     import trimesh
@@ -201,6 +200,8 @@ class Fit:
     @cached_property
     def lesions(self) -> tuple[Lesion, ...]:
         """What the label map that was fitted shows inside, with depth and distances; `transfer` carries it."""
+        from breastrig.workflow.lines.transfer import lesions_document  # skin maps and plans, as for the picture below
+
         with one_thread():
             return drawing_of(lesions_document(self.in_metres)).lesions
 

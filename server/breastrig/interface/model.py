@@ -1,6 +1,7 @@
 """The model as programs load it."""
 
 from dataclasses import fields
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -80,7 +81,13 @@ def load_model(path: str | Path | None = None) -> Rig:
 
 def public(rig: model.Rig) -> Rig:
     """The same model as programs hold it."""
-    return rig if isinstance(rig, Rig) else Rig(**{each.name: getattr(rig, each.name) for each in fields(rig)})
+    return rig if isinstance(rig, Rig) else _public(rig)
+
+
+@lru_cache(maxsize=4)
+def _public(rig: model.Rig) -> Rig:
+    """The same object each time, as `read_rig` gives it: what is derived of a model is kept with it."""
+    return Rig(**{each.name: getattr(rig, each.name) for each in fields(rig)})
 
 
 def loaded(given: Model) -> Rig:

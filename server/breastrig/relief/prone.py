@@ -6,7 +6,6 @@ lies between the folds.  Errors are those on made bodies (breastrig_studies/virt
 """
 
 import numpy as np
-from scipy.ndimage import gaussian_filter
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.stances import OUTWARDS
@@ -78,6 +77,8 @@ def _depth(local: Array, faces: Integers, x: Array, y: Array, high: float) -> Ar
 
 def _smoothed(depth: Array, size: float) -> Array:
     """Gaussian of this standard deviation (m) over the skin that there is."""
+    from scipy.ndimage import gaussian_filter  # slow to load, and few scans are prone
+
     there: Booleans = np.isfinite(depth)
     share = gaussian_filter(there.astype(np.float64), size / STEP)
     mean = gaussian_filter(np.where(there, depth, 0.0), size / STEP) / np.maximum(share, 1e-6)

@@ -6,6 +6,7 @@ the model's `breast_base`, corrected by measures.toml; the band is that of its e
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -100,10 +101,15 @@ def breast_outline(rig: Rig, side: str) -> DrawnShape | None:
     return found if f"nipple_{side}" in rig.landmark_names else None
 
 
+@lru_cache(maxsize=16)
 def vertices_within(rig: Rig, side: str) -> Booleans | None:
-    """(V,) the vertices inside the breast's outline; None for a rig without one."""
+    """(V,) the vertices inside the breast's outline, read-only; None for a rig without one."""
     outline = breast_outline(rig, side)
-    return None if outline is None else _within(rig, outline, f"nipple_{side}")
+    if outline is None:
+        return None
+    inside = _within(rig, outline, f"nipple_{side}")
+    inside.flags.writeable = False
+    return inside
 
 
 def seen_share(stance: Stance, side: str) -> float | None:

@@ -40,7 +40,6 @@ from breastrig.scan.stored_scan import STORED, read_stored
 from breastrig.scan.units import decide_unit, extent
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 from breastrig.scan.volumes.gzipped import GZIP_START, gunzipped
-from breastrig.scan.volumes.label_map import label_map_pieces
 
 PICTURE_TOO_LARGE = "The picture of this scan is over a limit and was left out; scale it down to have its colours."
 UNPAINTED_ARRAYS = (
@@ -209,6 +208,8 @@ def _guarded(kind: str, parse: Callable[[], Pieces]) -> Pieces:
 
 def _label_map(data: bytes, kind: str, units: str, answers: VolumeAnswers) -> Pieces:
     """What a label map holds, in mm."""
+    from breastrig.scan.volumes.label_map import label_map_pieces  # SciPy's filters, and few scans are volumes
+
     if units not in UNIT_CHOICES:
         raise BadSettings(unknown_name("unit", units, UNIT_CHOICES))
     if units not in ("auto", "mm"):

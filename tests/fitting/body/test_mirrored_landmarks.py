@@ -90,7 +90,7 @@ def look(task: FitTask) -> tuple[BodyState, dict[str, LandmarkObservation]]:
     terms = problem.terms(stage, 1.0, state, problem.matches(stage, 1.0, state))
     assert terms.picks is not None
     others = [each for each in terms.residuals if each is not terms.picks and each.name not in ("form", "partners")]
-    found = mirrored_landmarks(task, state, terms.picks, assemble(others, state), problem.scaling)
+    found = mirrored_landmarks(task, state, terms.picks, lambda: assemble(others, state), problem.scaling)
     return state, {each.name: each for each in found}
 
 

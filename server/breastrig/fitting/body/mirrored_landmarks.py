@@ -6,6 +6,7 @@ which balances all others where a fit has settled.  Partners on skin that the sc
 """
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -26,11 +27,11 @@ UNSHOWN_ERROR = (
 
 
 def mirrored_landmarks(
-    task: FitTask, state: BodyState, picks: Landmarks, others: System, scaling: Array
+    task: FitTask, state: BodyState, picks: Landmarks, others: Callable[[], System], scaling: Array
 ) -> tuple[LandmarkObservation, ...]:
     """Of the picks' partners that nobody picked, where the recipe knows how alike two sides are.
 
-    `others` is the quadratic model of all terms but the picks' at `state`; scaling: see step_scaling.
+    `others` gives the quadratic model of all terms but the picks' at `state`; scaling: see step_scaling.
     """
     rig = task.rig
     partners = {landmark.name: landmark.mirror for landmark in rig.landmarks}
@@ -44,7 +45,7 @@ def mirrored_landmarks(
     points = rig.landmark_points()
     places = points.positions(state.vertices, rig.faces)
     axes = umeyama(points.positions(rig.template, rig.faces), places).rotation
-    places = places + _without_picks(state, picks, others, scaling)
+    places = places + _without_picks(state, picks, others(), scaling)
     index = {name: k for k, name in enumerate(rig.landmark_names)}
     over = axes @ np.diag([-1.0, 1.0, 1.0]) @ axes.T
     mirrored = []

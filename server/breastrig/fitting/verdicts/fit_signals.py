@@ -44,6 +44,7 @@ def fit_signals(
     rig: Rig, x: RigParameters, compared: Comparison, clearness: float | None, part: Booleans | None = None
 ) -> FitSignals:
     """Of the model posed by `x`, `compared` with its scan; of (V,) `part` of its vertices, and what moves them."""
+    is_whole = part is None
     part = np.ones(len(compared.vertices), dtype=np.bool_) if part is None else part
     found = compared.accepted
     here = part[found.vertices]
@@ -56,8 +57,9 @@ def fit_signals(
     cosines = np.einsum("mi,mi->m", compared.normals[found.vertices[asked]], found.normals[asked])
     stride = max(1, len(compared.target.vertices) // SCAN_POINTS)
     distances, inside, facing = compared.from_scan(stride)
-    nearest = cKDTree(compared.vertices).query(compared.target.vertices[::stride])[1]
-    inside = inside & part[nearest]
+    if not is_whole:
+        nearest = cKDTree(compared.vertices).query(compared.target.vertices[::stride])[1]
+        inside = inside & part[nearest]
     gaps = distances[inside & facing]
     low, high = (np.array([getattr(shape, end) for shape in rig.shapes]) for end in ("min", "max"))
     known = body_statistics(rig)

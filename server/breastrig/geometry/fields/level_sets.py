@@ -22,9 +22,10 @@ class Isoline:
 
 def crossings(vertices: Array, faces: Integers, values: Array, level: float) -> Array:
     """(M, 3) points of the edges where the (V,) values pass the level; each edge once, ordered by its ends."""
-    edges = np.unique(np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
-    edges = edges[(values[edges[:, 0]] > level) != (values[edges[:, 1]] > level)]
-    return _cut(vertices, values, level, edges)
+    above = values > level
+    edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    edges = edges[above[edges[:, 0]] != above[edges[:, 1]]]  # few, and sorting all would take the most time here
+    return _cut(vertices, values, level, np.unique(np.sort(edges, axis=1), axis=0))
 
 
 def part_above(vertices: Array, faces: Integers, values: Array, level: float) -> tuple[Array, Integers]:
