@@ -122,6 +122,7 @@ def seg(
     jitter: float = 0.0,
     shares: bool = True,
     spacing: bool = True,
+    thickness: bool = False,
 ) -> Dataset:
     """A DICOM segmentation with what its frames need and hardly anything else; masks (I, J, K) by segment numbers.
 
@@ -152,6 +153,8 @@ def seg(
     measures.PixelSpacing = [SIZES[1], SIZES[0]]
     if spacing:
         measures.SpacingBetweenSlices = SIZES[2]
+    if thickness:
+        measures.SliceThickness = SIZES[2]
     for number, at, content in frames:
         group, place = Dataset(), Dataset()
         left = LOW[0] + (SIZES[0] * (shape[0] - 1) if turned else 0.0)

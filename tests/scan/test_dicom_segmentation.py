@@ -182,6 +182,19 @@ def test_every_second_frame_that_is_missing_is_bridged_and_said() -> None:
     assert len(read_scan(file_of(seg(masks(), absent=lambda number, at: at % 2 == 1, spacing=False))).lesions) == 1
 
 
+def test_frames_that_may_be_missing_are_said_where_only_the_thickness_tells() -> None:
+    def notes(*, every: int, spacing: bool, thickness: bool) -> list[str]:
+        made = seg(masks(), absent=lambda number, at: at % every > 0, spacing=spacing, thickness=thickness)
+        return [note for note in read_scan(file_of(made)).notes if "frames may be missing" in note]
+
+    for every in (2, 3):
+        (said,) = notes(every=every, spacing=False, thickness=True)
+        assert said.startswith(f"Frames lie {every * SIZES[2]:.3g} mm apart, {every} times the slices' thickness")
+    assert notes(every=1, spacing=False, thickness=True) == []
+    assert notes(every=2, spacing=False, thickness=False) == []
+    assert notes(every=2, spacing=True, thickness=True) == [], "they are bridged"
+
+
 def test_several_missing_frames_leave_the_skin_open_there_and_are_said() -> None:
     scan = read_scan(file_of(seg(masks(), absent=lambda number, at: 40 <= at <= 42)))
     assert "3 slices are missing between others, more than one in a row; the skin is open there." in scan.notes

@@ -346,6 +346,16 @@ def test_each_tile_of_a_texture_has_its_own_picture(name: str) -> None:
     assert scan.notes == ((companions.OTHER_ENDING,) if name == "another ending" else ())
 
 
+def test_triangles_across_the_border_of_two_tiles_are_counted() -> None:
+    lines = tiled_obj().split(b"\n")
+    at = [k for k, line in enumerate(lines) if line.startswith(b"vt ")]
+    for face in np.flatnonzero(ACROSS == 0)[[3, 9, 15]]:  # one corner of each lies on the next tile
+        lines[at[3 * face]] = b"vt 1.05 %.6f" % tiled_places()[face, 0, 1]
+    materials = f"{MTL}map_Kd s.<UDIM>.png\n".encode()
+    scan = read_scan(zipped({"scan.obj": b"\n".join(lines), "scan.mtl": materials, **tile_pictures(*UDIM)}))
+    assert scan.notes == (tiles.ACROSS_BORDER.format(count=3),)
+
+
 @pytest.mark.parametrize("written", ["s.<UDIM>.png", "s.1001.png"])
 def test_a_tile_whose_picture_is_missing_is_said(written: str) -> None:
     pictures = tile_pictures(*UDIM[:2])

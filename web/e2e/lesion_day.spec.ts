@@ -49,6 +49,9 @@ test("which side is left is asked with pictures; called off, nothing is uploaded
   await expect(dialog).toContainText("does not say which side is left");
   expect.soft(await seriousFindings(page)).toEqual([]);
   expect.soft(await smallTargets(page)).toEqual([]);
+  await page.setViewportSize({ width: 1280, height: 720 });
+  expect(await dialog.locator("[data-value]").count(), "as many as a file without any code has").toBe(8);
+  await expect(dialog.getByRole("button", { name: "Cancel" }), "without a scroll").toBeInViewport({ ratio: 1 });
   await page.keyboard.press("Enter");
   await expect(dialog, "no answer is the default").toBeVisible();
   await page.keyboard.press("Escape");

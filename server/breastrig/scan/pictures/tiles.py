@@ -19,6 +19,11 @@ from breastrig.scan.piece import Piece, part
 NUMBER = re.compile(r"<udim>|%\(udim\)d|(?<!\d)1\d{3}(?!\d)(?=[^/\\]*$)", re.IGNORECASE)
 PAIR = re.compile(r"<uvtile>|(?<![^\W_])u\d{1,2}_v\d{1,2}(?!\d)(?=[^/\\]*$)", re.IGNORECASE)
 FIRST, ACROSS = 1001, 10  # UDIM's first tile, and how many are in a row
+BORDER = 1e-4  # of a tile's width, a pixel of the largest pictures: coordinates are rounded
+ACROSS_BORDER = (
+    "{count} triangles reach across the border of two tiles of the texture and are painted with one tile's picture; "
+    "cut the texture there for exact colours."
+)
 MISSING = "The texture of this scan has several tiles, and not all of their pictures are beside it ({count} missing)."
 
 
@@ -38,6 +43,8 @@ def painted_by_tiles(piece: Piece, written: str, files: Companions) -> tuple[Pie
         return (replace(piece, picture=files.picture(written)),)
     if None in pictures:
         files.note(MISSING.format(count=pictures.count(None)))
+    if len(used) > 1 and (count := _crossing(piece, used[which.ravel()])):
+        files.note(ACROSS_BORDER.format(count=count))
     return tuple(
         _on_tile(part(piece, which.ravel() == index), used[index], picture, files)
         for index, picture in enumerate(pictures)
@@ -49,6 +56,13 @@ def _on_tile(piece: Piece, tile: Integers, picture: str | None, files: Companion
         return replace(piece, uv=None)
     inside = np.clip(piece.uv - tile, 0.0, 1.0)  # a triangle that reaches onto the next tile is painted up to its edge
     return replace(piece, uv=inside, picture=files.picture(picture))
+
+
+def _crossing(piece: Piece, tiles: Integers) -> int:
+    """How many triangles reach beyond their (F, 2) tiles."""
+    assert piece.uv is not None
+    beyond = np.abs(piece.uv[piece.faces] - tiles[:, None] - 0.5) - 0.5  # NaN, without a place, is never more
+    return int(np.count_nonzero((beyond > BORDER).any(axis=(1, 2))))
 
 
 def _tiles(piece: Piece) -> Integers:

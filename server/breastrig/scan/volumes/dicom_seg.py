@@ -97,6 +97,7 @@ class _Frames:
     down: Array  # (3,) mm, along a column
     segments: list[int | None]  # of each frame; None where its pixels are the segments' numbers
     named_step: float | None  # mm between slices, as the file says
+    thickness: float | None  # mm of a slice, as the file says
 
 
 @dataclass
@@ -145,6 +146,7 @@ def read_segmentation(data: bytes) -> Volume:
             notes.append(f"Segment {number} has no frame in {which} between others; the neighbours were joined there.")
     if not segments:
         raise BadScan("This DICOM segmentation holds no segment; export it again.")
+    notes += _perhaps_coarser(frames, float(np.linalg.norm(step)))
     gaps = tuple(Gap(2, first, last) for first, last in runs(missing) if last > first)
     return Volume(shape, tuple(segments), (Reading("", "", affine),), notes=(*notes, *gaps_said(gaps)), gaps=gaps)
 
@@ -250,9 +252,10 @@ def _frames(dataset: Any) -> _Frames:
             raise BadScan("This DICOM segmentation does not say to which segments its frames belong; export it again.")
         segments = [None] * count
     named = said(0, "PixelMeasuresSequence", "SpacingBetweenSlices", 1)
-    step = None if named is None or named[0] <= 0.0 else float(named[0])
+    thick = said(0, "PixelMeasuresSequence", "SliceThickness", 1)
+    step, thickness = (None if each is None or each[0] <= 0.0 else float(each[0]) for each in (named, thick))
     pixel = _pixels(dataset, count, rows, columns)
-    return _Frames(pixel, np.asarray(places), size[1] * across, size[0] * down, segments, step)
+    return _Frames(pixel, np.asarray(places), size[1] * across, size[0] * down, segments, step, thickness)
 
 
 def _numbers(value: Any, size: int) -> NDArray[np.float64]:
@@ -339,6 +342,22 @@ def _slices(frames: _Frames) -> tuple[Integers, Array, Booleans]:
     missing = np.ones(int(index.max()) + 1, np.bool_)
     missing[index] = False
     return index, fit[1], missing
+
+
+def _perhaps_coarser(frames: _Frames, step: float) -> list[str]:
+    """A sentence where frames lie `step` mm apart, a multiple of the slices' thickness, and no spacing is named.
+
+    Slices may be thinner than their distance, so nothing is bridged.
+    """
+    if frames.named_step is not None or frames.thickness is None:
+        return []
+    times = step / frames.thickness
+    if round(times) < 2 or abs(times - round(times)) > NEARLY:
+        return []
+    return [
+        f"Frames lie {step:.3g} mm apart, {round(times)} times the slices' thickness, and the file does not name the "
+        "distance between slices: frames may be missing. Look at the skin, or export the segmentation with all frames."
+    ]
 
 
 def _held(frames: _Frames, slices: Integers) -> dict[int, _Held]:

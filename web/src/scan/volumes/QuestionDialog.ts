@@ -25,7 +25,7 @@ export function createQuestionDialog(actions: Pick<ScanActions, "answer">): Pane
     problem,
     el("p", { class: "muted small" }, words.how),
     choices,
-    el("div", { class: "answers" }, button(words.cancel, cancel, "quiet outlined")),
+    el("div", { class: "answers stays" }, button(words.cancel, cancel, "quiet outlined")),
   );
   return {
     element,
