@@ -160,7 +160,7 @@ def _mm(distance: float | None) -> str:
 def summary(result: ResultFile) -> str:
     """What a result.json says in one line: first what it is good for, distances to the skin after that."""
     level = result.verdict.level if result.verdict else "check"
-    sure = "" if level == "unusable" else sure_text(result.line_error_mm, list(result.landmark_uncertainty_mm.values()))
+    sure = "" if level == "unusable" else sure_text(result, result.drawn_line_error_mm)
     found, alone = (_mm(each.surface_distance_mm.mean) for each in (result, result.distances))
     to_scan = f"{found} to the scan" + (f" (the model alone {alone})" if result.refined else "")
     picks = result.landmark_distance_mm.mean

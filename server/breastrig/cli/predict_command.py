@@ -32,5 +32,6 @@ def run(options: argparse.Namespace) -> int:
         found.write(out)
     say_unchecked(options.fit)
     if sys.stdout.isatty():
-        print(f"{found.verdict.reasons[0]}  Lines on the breasts within {found.in_metres.result.line_error_mm:.0f} mm.")
+        said = lines_text(found.line_error_mm, found.drawn_line_error_mm)
+        print(f"{found.verdict.reasons[0]}  {said[:1].upper()}{said[1:]}.")
     return say_misfits(found.drawing_missing)

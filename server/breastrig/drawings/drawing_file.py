@@ -16,6 +16,7 @@ from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.drawing_schema import GivenDrawing, GivenShape, ReadDrawing
+from breastrig.drawings.line_error import drawn_error
 from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import DrawnShape, Rig
@@ -99,7 +100,13 @@ def shape_document(line: Polyline, metres_per_unit: float) -> dict[str, Any]:
     }
     if line.error is not None and np.isfinite(line.error).any():
         document["error_mm"] = millimetres(line.error)
+        document["line_error_mm"] = rounded_mm(drawn_error([line]))
     return document
+
+
+def rounded_mm(length: float | None) -> float | None:
+    """A length in m as a tenth of a millimetre, which is how line errors are told."""
+    return None if length is None else round(1e3 * length, 1)
 
 
 def millimetres(lengths: Array) -> list[float | None]:

@@ -38,6 +38,7 @@ WHOSE = "the patient's code; another's drawing is asked about"
 MADE_ON = "sha256 of the scan that it was made on"
 IS_BRIDGED = "for each point whether it is not on the skin, because the scan has a hole there"
 ERROR = "for each point the radius in millimetres that holds its true place with 90 %; null where it is not known"
+LINE_ERROR = "how far off nine of ten of its places are, mm, measured across it, as a fit's line_error_mm"
 
 
 def _is_none(value: object) -> bool:
@@ -74,6 +75,7 @@ class DrawnShape(_Shape):
     points: list[Point] = Field(min_length=1, description=ON_THE_SKIN)
     bridged: list[bool] | None = Field(None, description=IS_BRIDGED, exclude_if=_is_not_said)
     error_mm: list[Radius | None] | None = Field(None, description=ERROR, exclude_if=_is_not_said)
+    line_error_mm: Radius | None = Field(None, description=LINE_ERROR, exclude_if=_is_none)
 
     @model_validator(mode="after")
     def _says_it_of_each_point(self) -> Self:

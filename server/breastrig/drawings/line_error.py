@@ -1,4 +1,4 @@
-"""How far off each point of a line may be: radii that hold its true place with 90 %.
+"""How far off a line may be: radii that hold the true place of each of its points with 90 %, and one number across it.
 
 A line that the fit projects is as far off as the model under it.  A line that is carried from one scan to another is
 off by what both fits are off there, whatever it was off before; but what they share (one model, one body) cancels, so
@@ -6,7 +6,7 @@ the square sum of both radii is taken down by a factor, and what the skin itself
 known skin (skin_maps).  A prediction shares nothing with the truth, so that its radii count in full.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -24,6 +24,15 @@ ACROSS = 0.71  # of a place's radius: across a line through it (docs/decisions/0
 def across(radii: Array) -> float:
     """Line error (90 %) in the radii's unit, measured across the line: of a fit's breasts, and of any line."""
     return ACROSS * float(np.sqrt(np.mean(np.square(radii))))
+
+
+def drawn_error(lines: Iterable[Polyline]) -> float | None:
+    """Line error (90 %) in m of the line of which least is known; None where nothing is known of any.
+
+    This is the number of an item, which has one or several lines, and of everything that is drawn on a scan.
+    """
+    radii = [line.error[np.isfinite(line.error)] for line in lines if line.error is not None]
+    return max((across(known) for known in radii if len(known)), default=None)
 
 
 def radii_at(rig: Rig, fitted: ClosestPointSearch, radii: Array, points: Array) -> Array:

@@ -235,6 +235,12 @@ class ResultFile(Document):
         description="how far off nine of ten places of lines on the breasts are, measured across the line; "
         "null where it is not known",
     )
+    drawn_line_error_mm: FiniteFloat | None = Field(
+        None,
+        exclude_if=not_,
+        description="the same of the lines of the fit's own drawing, of which least is known: then this is the one "
+        "that is told; absent where nothing is drawn",
+    )
     landmarks_agreed: list[str] = Field([], description="names of those that were proposed and only agreed to")
     landmarks: dict[str, Three] = Field(
         description="of the fitted model, or where the scan's colours show them (landmarks_seen), in the scan's frame "

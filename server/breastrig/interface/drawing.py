@@ -29,6 +29,7 @@ class Line:
     distance_from_mm: Array | None = None  # (M,) of a carried line: from its first scan to the model there; or nan
     distance_to_mm: Array | None = None  # (M,) and from the scan that it is on now to the model there
     error_mm: Array | None = None  # (M,) the radius that holds each point's true place with 90 %, nan where not known
+    line_error_mm: float | None = None  # how far off nine of ten of its places are, measured across it; None: not known
 
     def __repr__(self) -> str:
         over = 0 if self.bridged is None else int(np.count_nonzero(self.bridged))
@@ -84,6 +85,7 @@ class _Shape(BaseModel):
     distance_from_mm: list[float | None] | None = None
     distance_to_mm: list[float | None] | None = None
     error_mm: list[float | None] | None = None
+    line_error_mm: float | None = None
 
 
 class _Distance(BaseModel):
@@ -141,6 +143,7 @@ def _line(shape: _Shape) -> Line:
         _distances(shape.distance_from_mm),
         _distances(shape.distance_to_mm),
         _distances(shape.error_mm),
+        shape.line_error_mm,
     )
 
 

@@ -28,7 +28,7 @@ from breastrig.interface.frame import Frame, frame_of
 from breastrig.interface.model import Model, Rig, loaded, public
 from breastrig.interface.one_thread import one_thread
 from breastrig.interface.posterior import Posterior, posterior_of
-from breastrig.report.bands import sure_text
+from breastrig.report.bands import lines_text
 from breastrig.rig.named_parameters import Parameters, parameters_by_name
 from breastrig.scan.clean import Surface
 from breastrig.workflow.fit_recorder import FitOutcome
@@ -95,6 +95,9 @@ class Fit:
     parameters: Parameters = field(init=False)
     stance: str = field(init=False)  # standing | supine | prone
     verdict: Verdict = field(init=False)  # level (good | uncalibrated | check | unusable) and reasons
+    # how far off nine of ten places of lines on the breasts are, measured across the line; None: not known
+    line_error_mm: float | None = field(init=False)
+    drawn_line_error_mm: float | None = field(init=False)  # the same of the drawing's lines; None: nothing is drawn
     converged: bool = field(init=False)
     stop_reason: str = field(init=False)
     iterations: int = field(init=False)
@@ -252,7 +255,7 @@ class Fit:
     def __repr__(self) -> str:
         mean = self.in_metres.result.surface_distance_mm.mean
         far = "no pair" if mean is None else f"{mean:.2f} mm to the scan"
-        sure = sure_text(self.in_metres.result.line_error_mm, ())
+        sure = lines_text(self.line_error_mm, self.drawn_line_error_mm)
         good = f"{self.verdict.level}{sure and f': {sure}'}"
         return f"<Fit: {self.stance}, {good}; {far}, {self.iterations} iterations, in {self.unit}>"
 
@@ -302,6 +305,8 @@ def _public_values(found: FitFolder) -> dict[str, Any]:
         ),
         "stance": found.stance,
         "verdict": Verdict(result.verdict.level, tuple(result.verdict.reasons)),
+        "line_error_mm": result.line_error_mm,
+        "drawn_line_error_mm": result.drawn_line_error_mm,
         "converged": result.converged,
         "stop_reason": result.stop_reason,
         "iterations": result.iterations,

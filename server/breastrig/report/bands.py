@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.files.result import ResultFile
 from breastrig.report.stance import MODEL, Place
 from breastrig.report.table import Row, Value
 
@@ -41,10 +42,21 @@ def margins_text(radii: Sequence[float | None]) -> str:
     return f"± {known[0]}{most} mm{unknown}"
 
 
-def sure_text(lines_mm: float | None, landmarks_mm: Sequence[float]) -> str:
-    """What a fit is good for: lines on the breasts ± 6 mm, landmarks ± 2 to 4 mm; empty where nothing is known."""
-    said = [] if lines_mm is None else [f"lines on the breasts {margin_text(lines_mm)}"]
-    return ", ".join([*said, f"landmarks {margins_text(landmarks_mm)}"] if landmarks_mm else said)
+def lines_text(lines_mm: float | None, drawn_mm: float | None) -> str:
+    """How far off lines may be (90 %), across them: drawn lines ± 6 mm, or lines on the breasts where none is drawn.
+
+    Empty where nothing is known.  Both are line errors (drawings/line_error.py), of the line or the breast of which
+    less is known, in mm.
+    """
+    what, mm = ("lines on the breasts", lines_mm) if drawn_mm is None else ("drawn lines", drawn_mm)
+    return "" if mm is None else f"{what} {margin_text(mm)}"
+
+
+def sure_text(result: ResultFile, drawn_mm: float | None) -> str:
+    """What a fit is good for: drawn lines ± 6 mm, landmarks ± 2 to 4 mm; empty where nothing is known."""
+    landmarks = list(result.landmark_uncertainty_mm.values())
+    said = [lines_text(result.line_error_mm, drawn_mm), f"landmarks {margins_text(landmarks)}" if landmarks else ""]
+    return ", ".join(filter(None, said))
 
 
 def half_width(radii: Sequence[float | None], share: float = OF_LENGTH) -> float | None:

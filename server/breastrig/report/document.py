@@ -43,6 +43,7 @@ class Reported:
     plan: tuple[PlannedItem, ...] = ()
     lesions: tuple[Mapping[str, Any], ...] = ()  # as plan_document has them
     doubts: tuple[str, ...] = ()  # about the stances together: whether they are of one patient
+    drawn_mm: float | None = None  # line error of what is drawn here; None: nothing, or nothing is known of it
 
 
 def stance_said(result: ResultFile) -> str:
@@ -64,7 +65,10 @@ def report_document(stances: Sequence[Reported]) -> dict[str, object]:
         "notice": LIMITS_OF_USE,
         "breastrig": __version__,
         "stances": [
-            {"name": one.name} | {key: said[key] for key in FROM_RESULT if key in said} | _lesions(one)
+            {"name": one.name}
+            | {key: said[key] for key in FROM_RESULT if key in said}
+            | {"drawn_line_error_mm": one.drawn_mm}
+            | _lesions(one)
             for one in stances
             for said in [one.result.document()]
         ],

@@ -12,7 +12,8 @@ from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadDrawing, BadInput
 from breastrig.core.identity import Identity
 from breastrig.core.private_files import read_ordinary, write_files
-from breastrig.drawings.drawing_file import FILE_BYTES, lines_on_scan, planned_on_scan
+from breastrig.drawings.drawing_file import FILE_BYTES, lines_on_scan, planned_on_scan, rounded_mm
+from breastrig.drawings.line_error import drawn_error
 from breastrig.drawings.plan_schema import PLAN_SCHEMA, checked_plan
 from breastrig.files.result import Distances, ResultFile, damaged, folder_name, joint_covariance
 from breastrig.geometry.polyline import Polyline
@@ -60,16 +61,17 @@ def planned_lines(folder: Path, unit: str, plan: PlanLines | None) -> tuple[Poly
     if plan is None:
         return drawn_lines(folder, unit)
     document, is_whole = plan
-    planned = _without_own_errors(planned_on_scan(document), document)
+    planned = planned_on_scan(document)
     if is_whole:
         return planned
     named = {line.name for line in planned}
     return (*(line for line in drawn_lines(folder, unit) if line.name not in named), *planned)
 
 
-def _without_own_errors(lines: tuple[Polyline, ...], document: dict[str, Any]) -> tuple[Polyline, ...]:
-    """What was planned on this very scan is where it was put: only what is carried has an error here."""
-    here = {shape["name"] for shape in document["shapes"] if not shape.get("carried", True)}
+def _without_own_errors(lines: tuple[Polyline, ...], plan: PlanLines | None) -> tuple[Polyline, ...]:
+    """What was planned on this very scan is where it was put: only what is carried has an error there."""
+    shapes = () if plan is None else plan[0]["shapes"]
+    here = {shape["name"] for shape in shapes if not shape.get("carried", True)}
     return tuple(replace(line, error=None) if line.name in here else line for line in lines)
 
 
@@ -122,9 +124,9 @@ def reported(job: ReportJob, rig: Rig | None = None) -> list[Reported]:
     plans = laid_plan(rig, job.plan, fits) if job.plan is not None else (job.plans or (None,) * len(fits))
     for folder, fit in zip(folders, fits, strict=True):
         _check_distances(folder, fit.result)
+    drawn = [planned_lines(folder, fit.unit, plan) for folder, fit, plan in zip(folders, fits, plans, strict=True)]
     stances = [
-        stance_of(fit, planned_lines(folder, fit.unit, plan))
-        for folder, fit, plan in zip(folders, fits, plans, strict=True)
+        stance_of(fit, _without_own_errors(lines, plan)) for fit, lines, plan in zip(fits, drawn, plans, strict=True)
     ]
     doubt = body_doubt(*fits) if len(fits) == 2 else None
     doubts = (*job.doubts, *((doubt,) if doubt else ()))
@@ -132,8 +134,11 @@ def reported(job: ReportJob, rig: Rig | None = None) -> list[Reported]:
     rows = [measures(stance) for stance in stances]
     doubts += contradictions(list(zip(names, rows, strict=True)))
     return [
-        Reported(name, stance, fit.result, measured, _in_words(job, plan, fit), _lesions(plan), doubts)
-        for name, stance, fit, measured, plan in zip(names, stances, fits, rows, plans, strict=True)
+        Reported(
+            name, stance, fit.result, measured, _in_words(job, plan, fit), _lesions(plan), doubts,
+            rounded_mm(drawn_error(lines)),
+        )
+        for name, stance, fit, measured, plan, lines in zip(names, stances, fits, rows, plans, drawn, strict=True)
     ]
 
 

@@ -107,9 +107,6 @@ class PlannedShape(DrawnShape):
     kind: Literal["line", "pattern", "tumour", "lesion", "note"]
     carried: bool = Field(description="whether it was made on another scan")
     depth_mm: float | None = Field(None, description="of a tumour, below the skin")
-    line_error_mm: float | None = Field(
-        None, description="how far off nine of ten of its places are, measured across it, as a fit's line_error_mm"
-    )
     mirrored: bool = Field(False, exclude_if=not_, description="the line of the other side, mirrored")
 
 

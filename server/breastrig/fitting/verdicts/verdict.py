@@ -32,7 +32,7 @@ UNKNOWN_MODEL = Reason(
 )
 NO_SKIN = Reason("The model found no skin that faces as it does", ("check the scan",))
 NOT_CONVERGED = "The fit did not converge"
-FAR_LINES, WITH_MARGIN = "Lines on the breasts may be {:.0f} mm off", "plan with that margin"
+FAR_LINES, WITH_MARGIN = "Lines may be far off", "plan with their margin"  # whose number stands beside it
 UNKNOWN_LINES = "Where lines on the breasts lie is not known"
 OTHER_STANCE = "How far off a fit of a {} body may be has not been measured"
 LOOK_CLOSELY = "look at it closely"
@@ -164,7 +164,7 @@ def verdict(
         nowhere = (Reason(UNKNOWN_LINES, (given.advice,)),) if unknown else ()
         return Verdict("unusable", sentences((*nowhere, *agreed, *found, *broken, *asked)))
     far = line_error is not None and line_error > (limits.lines.placed if placed else limits.lines.check)
-    lines = (Reason(FAR_LINES.format(1e3 * (line_error or 0.0)), (given.advice, WITH_MARGIN)),) if far else ()
+    lines = (Reason(FAR_LINES, (given.advice, WITH_MARGIN)),) if far else ()
     unlike = () if stance in limits.stances else (Reason(OTHER_STANCE.format(stance), (LOOK_CLOSELY,)),)
     notes = tuple(replace(each, note=placed and impossible < limits.refused_at) for each in found)
     reasons = sorted((*lines, *agreed, *notes, *stopped, *asked, *unlike), key=lambda each: each.note)

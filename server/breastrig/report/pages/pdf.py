@@ -343,7 +343,7 @@ def _verdict(one: Reported) -> str:
     """What the fit is good for: how far off a line may be, then the landmarks; results of earlier versions say less."""
     result = one.result
     level = VERDICTS[result.verdict.level if result.verdict else "check"]
-    sure = sure_text(result.line_error_mm, list(result.landmark_uncertainty_mm.values()))
+    sure = sure_text(result, one.drawn_mm)
     return f"{one.name.capitalize()}: {level}{sure and f': {sure}'}."
 
 

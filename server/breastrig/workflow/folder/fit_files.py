@@ -21,7 +21,8 @@ from breastrig.correspondence.distances import (
     summary_mm,
     surface_summary_mm,
 )
-from breastrig.drawings.drawing_file import shape_document
+from breastrig.drawings.drawing_file import rounded_mm, shape_document
+from breastrig.drawings.line_error import drawn_error
 from breastrig.files.result import (
     BODY,
     FIT_FILES,
@@ -124,7 +125,8 @@ def result_of(outcome: FitOutcome) -> ResultFile:
         median_plane=_median_plane(outcome),
         landmark_uncertainty_mm={} if outcome.radii is None else _in_mm(outcome.radii.landmarks),
         landmark_covariance_mm2=[] if outcome.radii is None else _upper_mm2(outcome.radii.joint),
-        line_error_mm=None if outcome.radii is None else round(1e3 * outcome.radii.lines, 1),
+        line_error_mm=None if outcome.radii is None else rounded_mm(outcome.radii.lines),
+        drawn_line_error_mm=rounded_mm(drawn_error(outcome.lines)),
         landmarks_agreed=list(ready.agreed),
         landmarks={name: _rounded(place / per_unit) for name, place in (model_landmarks | seen).items()},
         landmarks_seen={name: each.reason for name, each in outcome.seen.items()},

@@ -14,7 +14,6 @@ from breastrig.core.arrays import Array
 from breastrig.core.errors import BadInput
 from breastrig.drawings.drawing_file import shape_document
 from breastrig.drawings.inside.lesions import BALL, Distance, PlacedLesion, Slice
-from breastrig.drawings.line_error import across
 from breastrig.drawings.plan_on_scan import PlannedLine, PlannedScan, PlanOnScan, plan_on_scan
 from breastrig.drawings.plan_schema import (
     Plan,
@@ -156,12 +155,6 @@ def _place(point: Array, fit: FitFolder) -> list[float]:
     return [round(float(value), 6) for value in point / fit.metres_per_unit]
 
 
-def _line_error(each: PlannedLine) -> dict[str, float]:
-    """Of a line as of the fit's breasts, so that both stand on one screen; nothing where it is not known."""
-    known = np.zeros(0) if each.line.error is None else each.line.error[np.isfinite(each.line.error)]
-    return {"line_error_mm": round(1e3 * across(known), 1)} if len(known) else {}
-
-
 def _shape(each: PlannedLine, metres_per_unit: float) -> dict[str, Any]:
     item = each.item
     depth = item.depth_mm if isinstance(item, PlanTumour) else None
@@ -169,7 +162,6 @@ def _shape(each: PlannedLine, metres_per_unit: float) -> dict[str, Any]:
         "item": item.id,
         "kind": item.kind,
         "carried": each.is_carried,
-        **_line_error(each),
         **({} if depth is None else {"depth_mm": depth}),
         **({"mirrored": True} if isinstance(item, PlanLine) and item.mirrored else {}),
     }

@@ -6,6 +6,7 @@ does not follow the skin alone: `breastrig transfer` carries it, with the predic
 
 from collections.abc import Callable
 from pathlib import Path
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,8 @@ from breastrig.core.errors import BadInput
 from breastrig.core.stances import Stance
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.correspondence.distances import signed_distances
+from breastrig.drawings.drawing_file import lines_on_scan, rounded_mm, shape_document
+from breastrig.drawings.line_error import drawn_error, with_errors
 from breastrig.files.result import (
     BODY,
     FIT_FILES,
@@ -61,14 +64,13 @@ def prediction(rig: Rig, folder: Path, goal: Stance) -> dict[str, bytes]:
         return places
 
     drawing = drawing_document(folder / "drawing.json")
-    for shape in drawing.get("shapes", ()):
-        if shape.get("points"):
-            shape["points"] = moved_by_unit(shape["points"])
+    lines = with_errors(rig, search, radii, lines_on_scan(drawing, fit.unit))
+    drawing["shapes"] = [shape_document(replace(line, points=moved(line.points)), per_unit) for line in lines]
     said = f"Predicted from the {fit.stance} scan: no scan shows the patient {goal}."
     shown = signed_distances(fit.fitted_scan.target, fit.vertices, rig.faces)  # lines lie on skin that the scan shows
-    lines_mm = round(1e3 * line_error(rig, radii, np.isfinite(shown)), 1)
     result = _result(rig, fit.result, found.vertices, radii, goal, said, moved_by_unit)
-    result = result.model_copy(update={"line_error_mm": lines_mm})
+    errors = {"line_error_mm": line_error(rig, radii, np.isfinite(shown)), "drawn_line_error_mm": drawn_error(lines)}
+    result = result.model_copy(update={name: rounded_mm(error) for name, error in errors.items()})
     surface = surface_ply(moved(fit.surface.vertices), fit.surface.faces, per_unit, SAYS)
     made = {
         "scan.ply": surface,
