@@ -86,7 +86,7 @@ def test_the_result_keeps_its_contract_and_its_accuracy(fitted: Path) -> None:
 
 def test_on_a_terminal_the_verdict_and_how_sure_it_is_come_before_any_distance(fitted: Path) -> None:
     result = json.loads((fitted / "result.json").read_text())
-    sure = r"a good fit: lines on the breasts ± [3-6] mm, landmarks ± \d+ to \d+ mm"
+    sure = r"a good fit: drawn lines ± [3-6] mm, landmarks ± \d+ to \d+ mm"
     near = r"0\.\d\d mm to the scan \(the model alone 0\.\d\d mm\), \d\.\d\d mm to the landmarks"
     assert re.fullmatch(f"{sure}; {near}", summary(ResultFile.model_validate(result)))
     unknown = result["surface_distance_mm"] | {"mean": None}
@@ -94,8 +94,8 @@ def test_on_a_terminal_the_verdict_and_how_sure_it_is_come_before_any_distance(f
     nothing = {"landmark_uncertainty_mm": {}, "landmark_distance_mm": TO_LANDMARKS}
     assert summary(ResultFile.model_validate(result | worse | nothing)) == "not usable; no distance to the scan"
     guess = {"landmark_uncertainty_mm": {"xiphoid": 177.2, "umbilicus": 12.4}}
-    unsure = result | guess | {"verdict": {"level": "check", "reasons": []}, "line_error_mm": 14.6}
-    start = "a fit to check: lines on the breasts ± 15 mm, landmarks ± 12 mm, 1 not known; "
+    unsure = result | guess | {"verdict": {"level": "check", "reasons": []}, "drawn_line_error_mm": 14.6}
+    start = "a fit to check: drawn lines ± 15 mm, landmarks ± 12 mm, 1 not known; "
     assert summary(ResultFile.model_validate(unsure)).startswith(start)
 
 

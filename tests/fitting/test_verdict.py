@@ -227,15 +227,15 @@ def test_a_fit_is_as_good_as_the_lines_that_it_places() -> None:
     assert judged(0.0146, AGREED) == Verdict(
         "check",
         (
-            "Lines on the breasts may be 15 mm off; place at least three landmarks by hand, or plan with that margin.",
+            "Lines may be far off; place at least three landmarks by hand, or plan with their margin.",
             agreed,
         ),
     )
     assert judged(0.0146, SOME).level == "good"
     assert judged(0.0196, SOME).reasons == (
-        "Lines on the breasts may be 20 mm off; place more landmarks by hand, or plan with that margin.",
+        "Lines may be far off; place more landmarks by hand, or plan with their margin.",
     )
-    assert judged(0.0196, ALL) == Verdict("check", ("Lines on the breasts may be 20 mm off; plan with that margin.",))
+    assert judged(0.0196, ALL) == Verdict("check", ("Lines may be far off; plan with their margin.",))
     assert judged(0.3, AGREED) == Verdict(
         "unusable",
         ("Where lines on the breasts lie is not known; place at least three landmarks by hand.", agreed),

@@ -412,6 +412,6 @@ def test_what_else_is_missing_or_damaged_is_said_when_it_is_asked_for(by_command
 
 def test_a_fit_says_in_a_line_what_it_is(fit: breastrig.Fit) -> None:
     assert re.fullmatch(
-        r"<Fit: standing, good: lines on the breasts ± \d mm; 0\.\d\d mm to the scan, \d+ iterations, in m>", repr(fit)
+        r"<Fit: standing, good: drawn lines ± \d mm; 0\.\d\d mm to the scan, \d+ iterations, in m>", repr(fit)
     )
     assert fit.model.sha256 == breastrig.load_model(default_rig_path()).sha256

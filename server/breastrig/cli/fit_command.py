@@ -18,6 +18,7 @@ from breastrig.core.output_files import Output, all_or_nothing
 from breastrig.core.stances import STANCES
 from breastrig.drawings.patterns import pattern_help
 from breastrig.files.result import ResultFile, fit_set, write_patient
+from breastrig.fitting.verdicts.verdict import WITH_MARGIN
 from breastrig.interface.fit_result import Fit
 from breastrig.interface.run import FitRun, Iterate, iterates
 from breastrig.report.bands import sure_text
@@ -139,6 +140,7 @@ def run(options: argparse.Namespace) -> int:
     said = [
         *result.notes,
         *(f"{LEVELS[verdict.level]}{reason}" for reason in verdict.reasons),
+        *(sure_text(result, result.drawn_line_error_mm) for reason in verdict.reasons if WITH_MARGIN in reason),
         *(pick.reason for pick in result.landmarks_not_followed),
         *(_to_check(pick.reason) for pick in result.landmarks_unusual),
         *result.drawing_missing,

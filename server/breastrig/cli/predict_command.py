@@ -15,6 +15,7 @@ from breastrig.core.output_files import all_or_nothing
 from breastrig.core.stances import Stance
 from breastrig.files.result import fit_set
 from breastrig.interface.predict import predict
+from breastrig.report.bands import lines_text
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -105,7 +105,7 @@ def shape_document(line: Polyline, metres_per_unit: float) -> dict[str, Any]:
 
 
 def rounded_mm(length: float | None) -> float | None:
-    """A length in m as a tenth of a millimetre, which is how line errors are told."""
+    """A length in m rounded to a tenth of a millimetre, as line errors are."""
     return None if length is None else round(1e3 * length, 1)
 
 

@@ -238,8 +238,8 @@ class ResultFile(Document):
     drawn_line_error_mm: FiniteFloat | None = Field(
         None,
         exclude_if=not_,
-        description="the same of the lines of the fit's own drawing, of which least is known: then this is the one "
-        "that is told; absent where nothing is drawn",
+        description="the same of the lines of the fit's own drawing, of which least is known, which is "
+        "then said first; absent where nothing is drawn",
     )
     landmarks_agreed: list[str] = Field([], description="names of those that were proposed and only agreed to")
     landmarks: dict[str, Three] = Field(

@@ -135,7 +135,13 @@ def reported(job: ReportJob, rig: Rig | None = None) -> list[Reported]:
     doubts += contradictions(list(zip(names, rows, strict=True)))
     return [
         Reported(
-            name, stance, fit.result, measured, _in_words(job, plan, fit), _lesions(plan), doubts,
+            name,
+            stance,
+            fit.result,
+            measured,
+            _in_words(job, plan, fit),
+            _lesions(plan),
+            doubts,
             rounded_mm(drawn_error(lines)),
         )
         for name, stance, fit, measured, plan, lines in zip(names, stances, fits, rows, plans, drawn, strict=True)

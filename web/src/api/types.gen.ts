@@ -41,6 +41,8 @@ export type CarriedShape = {
   bridged: boolean[];
   /** for each point the radius in millimetres that holds its true place with 90 %; null where it is not known */
   error_mm?: (number | null)[] | null;
+  /** how far off nine of ten of its places are, mm, measured across it, as a fit's line_error_mm */
+  line_error_mm?: number | null;
   /** how far the first fit was from its scan there; null without skin */
   distance_from_mm: (number | null)[];
   /** how far the second fit was from its scan there; null without skin */
@@ -135,6 +137,8 @@ export type DrawnShape = {
   bridged?: boolean[] | null;
   /** for each point the radius in millimetres that holds its true place with 90 %; null where it is not known */
   error_mm?: (number | null)[] | null;
+  /** how far off nine of ten of its places are, mm, measured across it, as a fit's line_error_mm */
+  line_error_mm?: number | null;
 };
 
 export type EventPage = {
@@ -393,6 +397,8 @@ export type InkShape = {
   bridged?: boolean[] | null;
   /** for each point the radius in millimetres that holds its true place with 90 %; null where it is not known */
   error_mm?: (number | null)[] | null;
+  /** how far off nine of ten of its places are, mm, measured across it, as a fit's line_error_mm */
+  line_error_mm?: number | null;
   /** the first three are lines of a plan, the others marks beside it */
   kind: "line" | "closed" | "dashed" | "cross" | "arrow" | "writing";
   marker: "violet" | "black" | "blue" | "green" | "red";
@@ -846,6 +852,8 @@ export type PatternShape = {
   bridged: boolean[];
   /** for each point the radius in millimetres that holds its true place with 90 %; null where it is not known */
   error_mm?: (number | null)[] | null;
+  /** how far off nine of ten of its places are, mm, measured across it, as a fit's line_error_mm */
+  line_error_mm?: number | null;
 };
 
 /** All items of one patient, in the order in which they were made; points are mm in their own scan's frame. */
@@ -889,6 +897,8 @@ export type PlanLine = {
   bridged?: boolean[] | null;
   /** for each point the radius in millimetres that holds its true place with 90 %; null where it is not known */
   error_mm?: (number | null)[] | null;
+  /** how far off nine of ten of its places are, mm, measured across it, as a fit's line_error_mm */
+  line_error_mm?: number | null;
   kind?: "line";
   /** names of the shapes of the scan's ink that it was made from, also when it was changed since */
   ink?: string[];
@@ -1011,6 +1021,8 @@ export type PlannedShape = {
   bridged: boolean[];
   /** for each point the radius in millimetres that holds its true place with 90 %; null where it is not known */
   error_mm?: (number | null)[] | null;
+  /** how far off nine of ten of its places are, mm, measured across it, as a fit's line_error_mm */
+  line_error_mm?: number | null;
   /** id of the plan's item */
   item: string;
   kind: "line" | "pattern" | "tumour" | "lesion" | "note";
@@ -1018,8 +1030,6 @@ export type PlannedShape = {
   carried: boolean;
   /** of a tumour, below the skin */
   depth_mm?: number | null;
-  /** how far off nine of ten of its places are, measured across it, as a fit's line_error_mm */
-  line_error_mm?: number | null;
   /** the line of the other side, mirrored */
   mirrored?: boolean;
 };
@@ -1134,6 +1144,8 @@ export type ResultFile = {
   landmark_covariance_mm2?: number[];
   /** how far off nine of ten places of lines on the breasts are, measured across the line; null where it is not known */
   line_error_mm?: number | null;
+  /** the same of the lines of the fit's own drawing, of which least is known, which is then said first; absent where nothing is drawn */
+  drawn_line_error_mm?: number | null;
   /** names of those that were proposed and only agreed to */
   landmarks_agreed?: string[];
   /** of the fitted model, or where the scan's colours show them (landmarks_seen), in the scan's frame and unit */

@@ -4,6 +4,7 @@ import { createColourBar } from "../fit/distances/ColourBar";
 import { createMirrorLegend, hasMirror } from "../drawing/mirror/MirrorLegend";
 import { createFitPanel } from "../fit/FitPanel";
 import { outdated } from "../fit/outdated";
+import { linesOn } from "../fit/verdict";
 import { createResultPanel } from "../fit/ResultPanel";
 import { hasBoth, viewBarShown } from "../fit/state";
 import { createTimeline } from "../fit/playback/TimelinePanel";
@@ -102,9 +103,9 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const bodies = { scan: scan.element, landmarks: landmarks.element, fit: fit.element, drawing: drawing.element, result: result.element };
   const steps = createSteps(actions, bodies, next.element);
   const numbers = later(
-    (state: Session) => ({ meta: state.meta, fit: state.fit, old: outdated(state) }),
+    (state: Session) => ({ meta: state.meta, fit: state.fit, old: outdated(state), lines: linesOn(state) }),
     ({ fit }) => fit !== null,
-    async () => (await import("../fit/distances/NumbersPanel")).createNumbersPanel({ outdated, again: () => void actions.fit.start() }),
+    async () => (await import("../fit/distances/NumbersPanel")).createNumbersPanel<Session>({ outdated, again: () => void actions.fit.start() }),
   );
   const summary = later(
     only("meta", "step", "fit", "drawing", "drawn", "stances"),

@@ -3,7 +3,7 @@ import type { Result } from "../api/types";
 import { drawing as drawingText } from "../drawing/text";
 import { fit as fitText, numbers as resultNumbers, result as resultText } from "../fit/text";
 import { outdated } from "../fit/outdated";
-import { levelOf, marginOf } from "../fit/verdict";
+import { levelOf, linesOn, marginOf } from "../fit/verdict";
 import { askedNames, openQuestions } from "../landmarks/questions/questions";
 import { pickCount } from "../landmarks/state";
 import { landmarks as landmarkText, questions } from "../landmarks/text";
@@ -28,12 +28,15 @@ function summary(step: Step, state: StepsShown): string {
   if (step === "landmarks") return landmarkText.progress(pickCount(state), state.meta?.landmarks.length ?? 0);
   if (step === "drawing") return drawingText.summary(state.drawn.lines.present.length);
   if (step === "fit" && isDoubtful(state)) return outdated(state) === null ? resultNumbers.short[levelOf(state.fit?.result)] : resultNumbers.old;
-  if (step === "fit") return state.fit?.result ? fitSummary(state.fit.result) : "";
+  if (step === "fit") return state.fit?.result ? fitSummary(state, state.fit.result) : "";
   return "";
 }
 
 /** How far off a line may be, as the result's headline says it; where that is not known, the mean distance to the skin. */
-const fitSummary = ({ line_error_mm: mm, surface_distance_mm: { mean } }: Result): string => (mm == null ? fitText.summary(formatMm(mean)) : marginOf(mm));
+function fitSummary(state: StepsShown, { surface_distance_mm: { mean } }: Result): string {
+  const lines = linesOn(state);
+  return lines === null ? fitText.summary(formatMm(mean)) : marginOf(lines.mm);
+}
 
 function isDone(step: Step, state: StepsShown): boolean {
   if (step === "scan") return state.scan !== null;

@@ -1,7 +1,7 @@
 // While she draws: what is planned on this scan, and how far off each part of it may be.
 import { drawingLabels } from "../fit/requestedDrawing";
 import type { FitSlice } from "../fit/state";
-import { marginOf } from "../fit/verdict";
+import { lineErrorOf, marginOf } from "../fit/verdict";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
 import { el, fill, setText, show } from "../ui/dom";
@@ -15,12 +15,6 @@ const words = text.summary;
 type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "step" | "fit" | "drawing" | "drawn"> & { readonly stances: { readonly isCarrying: boolean } };
 type Shape = Pick<Laid["shapes"][number], "name" | "line_error_mm"> & { readonly label?: string; readonly kind?: string; readonly mirrored?: boolean };
 
-/** mm: the service's line error (90 %) of the line of which least is known, the quantity on top; null where none is known. */
-export function marginOfAll(shapes: readonly Pick<Shape, "line_error_mm">[]): number | null {
-  const known = shapes.flatMap(({ line_error_mm: mm }) => mm ?? []);
-  return known.length === 0 ? null : Math.max(...known);
-}
-
 /** Lines of one item are in one row. */
 export function planRows(state: Omit<Shown, "step">): readonly [name: string, value: string][] {
   const { drawn, fit } = state;
@@ -29,7 +23,7 @@ export function planRows(state: Omit<Shown, "step">): readonly [name: string, va
   const laid = (shapes: readonly Shape[], drawing: string, where: string): [string, string][] => {
     const itemOf = (shape: Shape): string => (["pattern", "tumour"].includes(shape.kind ?? "pattern") ? plannedLabel(shape.kind ?? "pattern", drawing, labels) : lineName(shape));
     return [...new Set(shapes.map(itemOf))].map((name) => {
-      const mm = marginOfAll(shapes.filter((shape) => itemOf(shape) === name));
+      const mm = lineErrorOf(shapes.filter((shape) => itemOf(shape) === name));
       const mirrored = shapes.some((shape) => itemOf(shape) === name && shape.mirrored) ? [words.mirrored] : [];
       return [name, [...mirrored, mm === null ? "" : mm === 0 ? words.given : marginOf(mm), where].filter((part) => part !== "").join(", ")];
     });

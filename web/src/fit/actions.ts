@@ -22,7 +22,7 @@ import { type FitSlice, type FitState, withDistances } from "./state";
 import * as text from "./text";
 import { outdated } from "./outdated";
 import { frameOfRig } from "./upright";
-import { isStanceAsked, verdictWords } from "./verdict";
+import { isStanceAsked, linesWords, verdictWords } from "./verdict";
 
 type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice;
 
@@ -129,7 +129,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
       player.follow();
     },
     done: ({ body }) => {
-      const said = [text.fit.announceDone(formatMm(body.result.surface_distance_mm.mean)), verdictWords(body.result)].join(" ").trim();
+      const said = [text.fit.announceDone(formatMm(body.result.surface_distance_mm.mean)), verdictWords(body.result), linesWords(body.result)].join(" ").trim();
       const upright = straightenedByFit(store.get(), frameOfRig(body.result));
       change({ state: "done", result: body.result }, { ...upright, step: stepAfter ?? "result" });
       stepAfter = null;

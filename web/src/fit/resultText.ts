@@ -45,7 +45,8 @@ export const numbers = {
   unknown: "not known",
   notKnown: (count: number) => `${count} not known`,
   lines: "lines on the breasts",
-  linesHint: "Nine of ten places of a line that the model carries are no farther off than this, measured across the line, on the breast of which less is known.",
+  drawnLines: "drawn lines",
+  linesHint: "Nine of ten places of a line are no farther off than this, measured across it: of the line of which least is known, or of the breast, where nothing is drawn.",
   radiusUnknown: "Nothing is known of where this landmark is.",
   outdated: {
     gone: "This fit belongs to landmarks that are gone.",

@@ -1,5 +1,5 @@
 // How far a fit may be trusted, in words: the service's own verdict, before any number.
-import type { Result } from "../api/types";
+import type { DrawingFile, Result } from "../api/types";
 import { formatMmWhole } from "../ui/units";
 import * as text from "./text";
 
@@ -17,6 +17,26 @@ export function marginsOf(radii: readonly number[]): string {
   return `± ${least === most ? most : `${least} to ${most}`} mm${known.length < radii.length ? `, ${words.notKnown(radii.length - known.length)}` : ""}`;
 }
 
+type Drawn = readonly Pick<DrawingFile["shapes"][number], "line_error_mm">[];
+
+/** mm: the service's line error (90 %) of the line of which least is known; null where none is known. */
+export function lineErrorOf(shapes: Drawn): number | null {
+  const known = shapes.flatMap(({ line_error_mm: mm }) => mm ?? []);
+  return known.length === 0 ? null : Math.max(...known);
+}
+
+export interface WithLines {
+  readonly fit: { readonly result: Pick<Result, "line_error_mm"> | null; readonly drawing: DrawingFile | null } | null;
+  readonly drawn: { readonly onScan: { readonly plan: { readonly shapes: Drawn } } | null };
+}
+
+/** How far off lines may be, across them: those that are drawn on this scan, else any on the breasts; null: not known. */
+export function linesOn({ fit, drawn }: WithLines): { readonly mm: number; readonly of: string } | null {
+  const mm = lineErrorOf(drawn.onScan?.plan.shapes ?? fit?.drawing?.shapes ?? []);
+  if (mm !== null && fit?.result) return { mm, of: words.drawnLines };
+  return fit?.result?.line_error_mm == null ? null : { mm: fit.result.line_error_mm, of: words.lines };
+}
+
 /** good where a result of an older version has no verdict, so that nothing is called doubtful without a reason. */
 export const levelOf = (result: Pick<Result, "verdict"> | null | undefined): NonNullable<Result["verdict"]>["level"] => result?.verdict?.level ?? "good";
 
@@ -25,3 +45,10 @@ export const isStanceAsked = (result: Pick<Result, "stance_asked"> | null | unde
 
 /** In one line, for those who listen. */
 export const verdictWords = ({ verdict }: Pick<Result, "verdict">): string => (verdict ? [`${words.verdicts[verdict.level]}.`, ...verdict.reasons].join(" ") : "");
+
+/** How far off lines of a fit may be, for those who listen; those that it has drawn, where it has. */
+export function linesWords({ drawn_line_error_mm: drawn, line_error_mm: any }: Pick<Result, "drawn_line_error_mm" | "line_error_mm">): string {
+  const said = drawn == null ? words.lines : words.drawnLines;
+  const mm = drawn ?? any ?? null;
+  return mm === null ? "" : `${said.charAt(0).toUpperCase()}${said.slice(1)} ${marginOf(mm)}.`;
+}

@@ -1,5 +1,5 @@
 // On the pane of a predicted body: that nobody has scanned it, and how far off it may be.
-import { marginOf } from "../fit/verdict";
+import { linesOn, marginOf } from "../fit/verdict";
 import { el, setText, show } from "../ui/dom";
 import { isPredicted, type StancesState } from "./state";
 import * as text from "./text";
@@ -19,7 +19,8 @@ export function createPredictedNote() {
       for (const each of [badge, busy, note]) show(each, result != null);
       if (!result) return;
       setText(badge, words.badge(result.simulated ?? false)); // links and fits of an earlier version
-      const margin = result.line_error_mm == null ? [] : [words.sure(marginOf(result.line_error_mm))];
+      const lines = linesOn(other!);
+      const margin = lines === null ? [] : [words.sure(lines.of, marginOf(lines.mm))];
       setText(note, [...(result.verdict?.reasons ?? []), ...margin].join(" "));
       setText(busy, predicting ? words.busy(predicting) : "");
     },

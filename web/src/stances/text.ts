@@ -25,7 +25,7 @@ export const stances = {
     badge: (isSimulated: boolean) => (isSimulated ? "simulated, not scanned" : "predicted, not scanned"),
     picture: (name: string) => `${name}, not scanned`,
     show: (name: string) => `Show ${name}, beside the scan`,
-    sure: (margin: string) => `Lines on it: ${margin}.`,
+    sure: (lines: string, margin: string) => `${lines.charAt(0).toUpperCase()}${lines.slice(1)} ${margin}.`,
     offer: "No such scan at hand",
     offerWhat: "Predicted from this scan, with how far off it may be. Nothing can be drawn on it; a scan takes its place.",
     predict: (stance: string) => `Predict ${stance}`,
@@ -60,8 +60,7 @@ export const stances = {
     busy: "Carrying the drawing …",
     done: (name: string) => `Shown on the ${name} scan, lines and patterns; it follows every change.`,
     donePredicted: (name: string) => `Shown on the ${name} body, predicted and not scanned, lines and patterns; it follows every change.`,
-    error: (median: string, most: string) =>
-      `Nine of ten true places lie within ${median} mm of the line (${most} mm where it is least sure): the soft band shows it, and the number stands at the pointer.`,
+    error: (margin: string) => `Carried lines ${margin}, measured across them: nine of ten places lie within that. The soft band shows where they are less sure, with the number at the pointer.`,
     bridged: (bridged: number, points: number) => `${bridged} of ${points} points lie over holes of that scan and are dashed.`,
   },
 

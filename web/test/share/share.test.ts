@@ -120,7 +120,7 @@ test("revoking asks the service and reads the list again", async () => {
 
 test("a visitor reads of each line how sure its place is, whether it was carried, and how deep a tumour lies", () => {
   const shape = (name: string, more: object) => ({ name, closed: false, color: "#101010", points: [], bridged: [], ...more });
-  const shapes = [shape("a", { error_mm: [2, null, 7.6], carried: true, depth_mm: 20 }), shape("b", { error_mm: [null], carried: false, depth_mm: null }), shape("c", { error_mm: [3], carried: false })];
+  const shapes = [shape("a", { error_mm: [2, null, 12], line_error_mm: 7.6, carried: true, depth_mm: 20 }), shape("b", { error_mm: [null], line_error_mm: null, carried: false, depth_mm: null }), shape("c", { error_mm: [4.2], line_error_mm: 3, carried: false })];
   const plan = { shapes: shapes.slice(0, 3) } as unknown as PlanOnScan;
   const drawing = { shapes: [...shapes, shape("from the fit", {})] } as unknown as DrawingFile;
   expect(listedLines(drawing, plan).map(({ name, about }) => [name, about])).toEqual([

@@ -151,15 +151,15 @@ const shape = (part: Partial<PlannedShape>): PlannedShape => ({ name: "Line 1", 
 const CARRIED: PlanOnScan = {
   schema: "breastrig/drawing@1", name: "plan", unit: "mm", notice: "", notes: [], lesions: [], missing: [], version: 1, whole: true, fit: "f2", carried_from: [{ scan: "standing", fit: "f1" }],
   shapes: [
-    shape({ points: [[0, 0, 0], [1, 0, 0], [2, 0, 0]], bridged: [false, false, true], error_mm: [4, null, 9] }),
-    shape({ name: "tumour_L", item: "t", kind: "tumour", error_mm: [5] }),
+    shape({ points: [[0, 0, 0], [1, 0, 0], [2, 0, 0]], bridged: [false, false, true], error_mm: [4, null, 9], line_error_mm: 5 }),
+    shape({ name: "tumour_L", item: "t", kind: "tumour", error_mm: [5], line_error_mm: 3.6 }),
     shape({ name: "wise_R", item: "p", kind: "pattern", carried: false, error_mm: [80] }),
   ],
 };
 
 test("the note says how far off what was carried may be, and how much lies over holes", () => {
   const onScan = laidOnScan("standing", [], CARRIED);
-  expect(carriedNote(onScan.carried)).toEqual({ points: 4, bridged: 1, error: { median: 5, most: 9 } });
+  expect(carriedNote(onScan.carried)).toEqual({ points: 4, bridged: 1, error: 5 });
   expect(carriedNote({ shapes: [] })).toEqual({ points: 0, bridged: 0, error: null });
   expect(onScan.patterns.shapes.map(({ name }) => name)).toEqual(["wise_R"]);
 });

@@ -5,8 +5,8 @@ does not follow the skin alone: `breastrig transfer` carries it, with the predic
 """
 
 from collections.abc import Callable
-from pathlib import Path
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np

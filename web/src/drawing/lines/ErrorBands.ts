@@ -16,7 +16,7 @@ import * as text from "../text";
 import { onceAFrame } from "../../viewer/onceAFrame";
 
 type State = Shown & Pick<ViewSlice & DrawingSlice, "overlay" | "drawn">;
-type Drawing = Pick<DrawingFile, "unit"> & { readonly shapes: readonly Pick<DrawingFile["shapes"][number], "name" | "points" | "error_mm">[] };
+type Drawing = Pick<DrawingFile, "unit"> & { readonly shapes: readonly Pick<DrawingFile["shapes"][number], "name" | "points" | "error_mm" | "line_error_mm">[] };
 
 const STRENGTH = 0.45; // opacity
 const SOFT = 0.2; // share of the band over which it dies out
@@ -131,19 +131,28 @@ class BandOnSkin {
 
 const noPoints: ErrorPoints = { points: new Float32Array(), normals: new Float32Array(), errors: new Float32Array() };
 
+/** What a line's radii, which count in all directions, are to be multiplied with to stand for its line error, across it. */
+export function acrossOf({ error_mm, line_error_mm }: Pick<DrawingFile["shapes"][number], "error_mm" | "line_error_mm">): number {
+  const squares = (error_mm ?? []).flatMap((mm) => (mm === null ? [] : [mm * mm]));
+  const mean = Math.sqrt(squares.reduce((sum, each) => sum + each, 0) / squares.length);
+  return line_error_mm == null || !(mean > 0) ? 1 : line_error_mm / mean;
+}
+
 function pointsOf(lines: Drawing["shapes"], mmPerUnit: number, skin: ScanMesh | FittedSurface): ErrorPoints {
   const points: number[] = [];
   const normals: number[] = [];
   const errors: number[] = [];
-  for (const line of lines)
+  for (const line of lines) {
+    const share = acrossOf(line);
     line.points.forEach((point, i) => {
-      const error = line.error_mm?.[i];
-      if (error == null || !(error > 0)) return;
+      const error = share * (line.error_mm?.[i] ?? 0);
+      if (!(error > 0)) return;
       const at = point.map((value) => metresFromMm(value * mmPerUnit)) as [number, number, number];
       points.push(...at);
       normals.push(...(skin.normalAt(new Vector3(...at)) ?? new Vector3()).toArray());
       errors.push(metresFromMm(error));
     });
+  }
   return { points: new Float32Array(points), normals: new Float32Array(normals), errors: new Float32Array(errors) };
 }
 

@@ -13,7 +13,7 @@ import { createDistanceCurve } from "./DistanceCurve";
 import { SCALE_MM, SCANNER_MM, summarise } from "./distances";
 import type { Outdated } from "../outdated";
 import { type FitSlice, isAtRest, shownIteration } from "../state";
-import { KNOWN_MM, marginOf, marginsOf } from "../verdict";
+import { KNOWN_MM, linesOn, marginOf, marginsOf, type WithLines } from "../verdict";
 import * as text from "../text";
 
 const words = text.numbers;
@@ -119,7 +119,8 @@ const verdictLines = ({ level, reasons }: NonNullable<Result["verdict"]>): HTMLE
   ...reasons.map((reason) => el("p", { class: "muted" }, reason)),
 ];
 
-type Shown = Pick<PageSlice & FitSlice, "meta" | "fit"> & { readonly old: Outdated };
+type Shown = Pick<PageSlice & FitSlice, "meta" | "fit"> & { readonly old: Outdated; readonly lines: ReturnType<typeof linesOn> };
+
 
 /** Where a fit can grow old: whether it has, and how another one is asked for. */
 interface Ageing<More> {
@@ -128,7 +129,7 @@ interface Ageing<More> {
 }
 
 /** What the fit is good for first: the verdict and how far off lines may be, then the landmarks; all distances are folded away. */
-export function createNumbersPanel<More extends object = object>(ageing: Ageing<More> | null = null): Panel<Shown, PageSlice & FitSlice & More> {
+export function createNumbersPanel<More extends Pick<WithLines, "drawn"> = Pick<WithLines, "drawn">>(ageing: Ageing<More> | null = null): Panel<Shown, PageSlice & FitSlice & More> {
   const number = el("span", { class: "hero-number" });
   const of = el("span", { class: "muted" });
   const hero = el("p", { class: "hero" }, number, of);
@@ -146,17 +147,17 @@ export function createNumbersPanel<More extends object = object>(ageing: Ageing<
   const element = el("section", { class: "numbers", "aria-label": words.title }, el("h2", {}, words.title), before, old, verdict, hero, sure, live, each, folded);
   return {
     element,
-    select: (state) => ({ meta: state.meta, fit: state.fit, old: ageing?.outdated(state) ?? null }),
+    select: (state) => ({ meta: state.meta, fit: state.fit, old: ageing?.outdated(state) ?? null, lines: linesOn(state) }),
     update(state: Shown): void {
       const { fit } = state;
       const shown = shownIteration(fit);
       const result = fit && isAtRest(fit) ? fit.result : null;
-      const lines = result?.line_error_mm ?? null;
+      const lines = result ? state.lines : null;
       show(before, !shown && !result);
       show(hero, lines !== null || (!result && shown !== null));
       hero.title = lines === null ? "" : words.linesHint;
-      setText(number, lines !== null ? marginOf(lines) : shown && !result ? `${formatMm(shown.mean_distance_mm)}\u00a0mm` : "");
-      setText(of, lines !== null ? words.lines : words.meanDistance);
+      setText(number, lines !== null ? marginOf(lines.mm) : shown && !result ? `${formatMm(shown.mean_distance_mm)}\u00a0mm` : "");
+      setText(of, lines !== null ? lines.of : words.meanDistance);
       const judged = result?.verdict;
       show(old, state.old !== null && fit?.state !== "running");
       setText(oldWords, state.old ? words.outdated[state.old] : "");

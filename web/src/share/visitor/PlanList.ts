@@ -5,6 +5,7 @@ import { ownColour } from "../../drawing/lines/lines";
 import { drawing as drawingText } from "../../drawing/text";
 import { result as resultText } from "../../fit/text";
 import { el } from "../../ui/dom";
+import { marginOf } from "../../fit/verdict";
 import { formatMmWhole } from "../../ui/units";
 import { shared as words } from "../text";
 
@@ -14,15 +15,14 @@ export interface ListedLine {
   readonly about: string; // empty where nothing is known of it
 }
 
-/** Nine of ten true places lie within the largest of a line's radii. */
+/** With the line error (90 %) that the page says of each. */
 export function listedLines(drawing: DrawingFile | null, plan: PlanOnScan): readonly ListedLine[] {
   const planned = new Map(plan.shapes.map((shape) => [shape.name, shape]));
   return (drawing?.shapes ?? []).map(({ name, color }) => {
-    const { error_mm = null, depth_mm = null, carried = false } = planned.get(name) ?? {};
-    const radii = (error_mm ?? []).filter((mm) => mm !== null);
+    const { line_error_mm: mm = null, depth_mm = null, carried = false } = planned.get(name) ?? {};
     const about = [
       ...(carried ? [words.carried] : []),
-      ...(radii.length > 0 ? [words.within(formatMmWhole(Math.max(...radii)))] : []),
+      ...(mm === null ? [] : [marginOf(mm)]),
       ...(depth_mm === null ? [] : [words.deep(formatMmWhole(depth_mm))]),
     ];
     return { name, colour: ownColour(color), about: about.join(", ") };

@@ -64,7 +64,7 @@ const lesions = createLesionList((lesion) => store.set({ lesion }), null);
 const ofLesions = el("div", { hidden: true }, el("h2", {}, lesionText.heading), lesions.element);
 const files = el("ul", { class: "files" });
 const side = el("nav", { class: "steps shared-side", "aria-label": words.title, hidden: true }, el("p", {}, words.what), shownAs, until, planned, ofLesions, el("h2", {}, resultText.files), files);
-const numbers = createNumbersPanel();
+const numbers = createNumbersPanel<VisitorState>();
 const aside = el("aside", { class: "aside", tabindex: 0, "aria-label": numbersText.title }, numbers.element); // it scrolls by keys too
 const leave = button(words.close, () => void close(), "quiet outlined", "close");
 const top = el("header", { class: "top-bar" }, el("span", { class: "logo", "aria-hidden": "true" }), el("h1", {}, name), el("span", { class: "scan-title" }, words.title), el("span", { class: "spring" }), leave);
