@@ -18,7 +18,8 @@ def test_a_rig_without_settings_of_its_own_has_the_common_ones_and_no_errors() -
     assert set(torso.wall_error) == {"standing", "supine", "prone"}
     assert None not in torso.model_dump(include=errors).values()
     assert torso.inside_depth_share < common.inside_depth_share == 1.0
-    measured = errors | {"inside_depth_share", "wall_error"}
+    assert torso.error_hanging > common.error_hanging == 0.0
+    measured = errors | {"error_hanging", "inside_depth_share", "wall_error"}
     assert common.model_dump(exclude=measured) == torso.model_dump(exclude=measured)
 
 

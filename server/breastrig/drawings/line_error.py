@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.core.stances import PRONE
 from breastrig.drawings.skin_maps.settings import skin_map_settings
 from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.geometry.closest_point import ClosestPointSearch
@@ -41,12 +42,18 @@ def radii_at(rig: Rig, fitted: ClosestPointSearch, radii: Array, points: Array) 
     return np.asarray(np.einsum("mc,mc->m", nearest.barycentric, radii[rig.faces[nearest.faces]]))
 
 
-def carried_errors(rig: Rig, a: FittedScan, b: FittedScan, on_a: Array, on_b: Array) -> Array | None:
-    """(M,) m: of (M, 3) m points of A's skin that were carried to (M, 3) m on B; None when nothing is known of them."""
+def carried_errors(
+    rig: Rig, a: FittedScan, b: FittedScan, on_a: Array, on_b: Array, *, on_skin: bool = True
+) -> Array | None:
+    """(M,) m: of (M, 3) m points of A's skin that were carried to (M, 3) m on B; None when nothing is known of them.
+
+    Skin that hangs in one of two scans slides farther over what lies under it; a prediction's radii have that in them.
+    """
     settings = skin_map_settings(rig)
     if settings.error_skin is None or settings.error_share is None:
         return None
-    total = np.full(len(on_a), settings.error_skin**2)
+    is_hung = on_skin and not (a.predicted or b.predicted) and (a.stance == PRONE) != (b.stance == PRONE)
+    total = np.full(len(on_a), settings.error_skin**2 + (settings.error_hanging**2 if is_hung else 0.0))
     for scan, points in ((a, on_a), (b, on_b)):
         if scan.radii is None:
             return None

@@ -21,7 +21,9 @@ from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadInput
+from breastrig.core.stances import PRONE
 from breastrig.drawings.skin_maps.lying_motion import lying_motion
+from breastrig.drawings.skin_maps.settings import skin_map_settings
 from breastrig.rig.known import known_part
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
@@ -128,9 +130,10 @@ def with_breasts(
     prior = prior_between(rig, stance, goal)
     _, turn = in_template(rig, vertices, stance)
     moves, radii = posture(rig, goal) - posture(rig, stance), np.full(len(vertices), prior.posture)
+    hanging = skin_map_settings(rig).error_hanging if PRONE in (stance, goal) else 0.0
     for each, (move, within) in zip(breast_skins(rig), breasts, strict=True):
         moves[each.skin] += move
-        radii[each.skin] = np.hypot(prior.posture, within)
+        radii[each.skin] = np.sqrt(prior.posture**2 + within**2 + hanging**2)
     return Predicted(vertices + moves @ turn, radii)
 
 

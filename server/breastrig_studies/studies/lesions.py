@@ -43,7 +43,7 @@ def lesions_study(cases: tuple[Case, ...], rig: Rig, recipe: Recipe) -> dict[str
         gaps = {way: np.linalg.norm(moved - centers[b], axis=1) for way, moved in ways.items()}
         row: dict[str, Any] = {"from": shown[a].name, "to": shown[b].name, "lesions": len(found)}
         row |= {way: {"mean_mm": _mm(gap.mean()), "p95_mm": _mm(np.percentile(gap, 95))} for way, gap in gaps.items()}
-        said = carried_errors(rig, fits[a], fits[b], centers[a], there)
+        said = carried_errors(rig, fits[a], fits[b], centers[a], there, on_skin=False)
         rows.append(row | ({} if said is None else {"held": round(float(np.mean(gaps["volume"] <= said)), 4)}))
     return {"rows": rows}
 

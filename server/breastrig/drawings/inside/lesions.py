@@ -115,7 +115,7 @@ class LesionsOnScan:
         centers = InteriorMap(self._rig, other, self._scan).moved(there)
         nearest = FittedSkin(self._rig, other.vertices, other.known).nearest(there)
         is_known: Booleans = np.any(near_breasts(self._rig)[self._rig.faces[nearest.faces]], axis=1)
-        found = carried_errors(self._rig, other, self._scan, there, centers)
+        found = carried_errors(self._rig, other, self._scan, there, centers, on_skin=False)
         errors = [None if found is None or not known else float(found[k]) for k, known in enumerate(is_known)]
         return [
             replace(self._placed(item, center, error), is_carried=True)

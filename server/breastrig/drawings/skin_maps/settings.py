@@ -39,6 +39,7 @@ class SkinMapSettings(SettingsPart):
     reach: Positive
     error_share: NotNegative | None = None  # None: nobody has measured with this rig how far off carried points are
     error_skin: Positive | None = None
+    error_hanging: NotNegative = 0.0  # m, the more for skin of breasts that hang in one of two stances
     wall_error: dict[str, Positive] = Field(default_factory=dict)  # m by stance: half of the chest wall's 90 % interval
     inside_depth_share: Positive = 1.0  # of what tissue inside is off along the skin, how far along its normal
 
