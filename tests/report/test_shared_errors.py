@@ -9,6 +9,8 @@ from breastrig.core.arrays import Array
 from breastrig.core.stances import SIDES
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.bands import KNOWN_MM, without_unknown
+from breastrig.report.body_frame import body_frame
+from breastrig.report.calibration import measure_calibration
 from breastrig.report.measures import measures
 from breastrig.report.stance import Stance, places
 from breastrig.report.table import Row, Value, changes, csv_bytes, flat_rows
@@ -79,6 +81,57 @@ def test_nine_of_ten_true_lengths_and_differences_are_held(name: str, rig: Rig) 
     assert alone.between is not None
     assert row.difference.margin is not None
     assert row.difference.margin < 0.3 * alone.between
+
+
+@pytest.mark.parametrize("seed", [1, 5])
+def test_nine_of_ten_differences_of_the_distances_to_the_midline_are_held(seed: int, rig: Rig) -> None:
+    """The plane goes with the model's landmarks on it, so that what moves all of them is no difference."""
+    joint = covariance(rig, seed)
+    found = stance(rig, joint)
+    row, alone = straight(found)["nipple_midline"], straight(stance(rig, None))["nipple_midline"]
+    names, across = list(rig.landmark_names), body_frame(rig, rig.template).axes[:, 0]
+    drawn = np.random.default_rng(2).multivariate_normal(np.zeros(len(joint)), joint, 20_000).reshape(-1, len(names), 3)
+    off = drawn @ across
+    plane = off[:, [k for k, name in enumerate(names) if not name.endswith(("_L", "_R"))]].mean(axis=1)
+    left, right = (off[:, names.index(name)] - plane for name in ("nipple_L", "nipple_R"))
+    for true, value in ((left, row.left), (left + right, row.difference)):
+        assert value is not None
+        assert value.margin is not None
+        assert np.mean(np.abs(1e3 * true) <= value.margin) == pytest.approx(0.9, abs=0.02)
+    assert row.difference is not None
+    assert alone.not_known == ("difference",)
+    assert alone.left is not None
+    assert row.difference.margin is not None
+    assert row.difference.margin < 0.3 * (alone.left.margin or 0.0)
+
+
+@pytest.mark.parametrize(("name", "correlation"), [("volume", "volume"), ("base_width", "base_width")])
+def test_differences_of_what_the_outline_measures_take_what_both_sides_share(
+    name: str, correlation: str, rig: Rig
+) -> None:
+    row = next(row for row in measures(stance(rig, covariance(rig, 1))) if row.measure == name)
+    known = measure_calibration(rig)
+    assert known is not None
+    shared = getattr(known.sides, correlation)
+    assert 0.4 < shared < 0.7
+    assert row.left is not None
+    assert row.right is not None
+    a, b = row.left.margin or 0.0, row.right.margin or 0.0
+    pair = np.random.default_rng(3).multivariate_normal([0.0, 0.0], [[1.0, shared], [shared, 1.0]], 50_000) / 1.645
+    assert row.between is not None
+    assert np.mean(np.abs(pair @ [a, -b]) <= row.between) == pytest.approx(0.9, abs=0.01)
+
+
+def test_a_change_of_which_nothing_is_known_is_no_number(rig: Rig) -> None:
+    wide, sure = row_of(63.0, 50.0), row_of(63.0, 5.0)
+    (change,) = changes([wide], [wide])
+    assert (change.left, change.difference) == (None, None)
+    assert change.not_known == ("left", "right", "difference")
+    (change,) = changes([sure], [sure])
+    assert change.not_known == ()
+    assert change.left is not None
+    (change,) = changes([row_of(-5.0, 20.0, "in height")], [row_of(2.0, 20.0, "in height")])
+    assert change.left is not None
 
 
 def test_of_picked_ends_the_one_that_both_sides_share_counts_by_what_it_changes(rig: Rig) -> None:

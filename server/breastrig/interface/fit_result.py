@@ -95,9 +95,6 @@ class Fit:
     parameters: Parameters = field(init=False)
     stance: str = field(init=False)  # standing | supine | prone
     verdict: Verdict = field(init=False)  # level (good | uncalibrated | check | unusable) and reasons
-    # how far off nine of ten places of lines on the breasts are, measured across the line; None: not known
-    line_error_mm: float | None = field(init=False)
-    drawn_line_error_mm: float | None = field(init=False)  # the same of the drawing's lines; None: nothing is drawn
     converged: bool = field(init=False)
     stop_reason: str = field(init=False)
     iterations: int = field(init=False)
@@ -144,6 +141,11 @@ class Fit:
     def line_error_mm(self) -> float | None:
         """How far off lines on the breasts may be, across them (90 %), in mm; None where it is not known."""
         return self.in_metres.result.line_error_mm
+
+    @property
+    def drawn_line_error_mm(self) -> float | None:
+        """The same of what the fit has drawn, of its line of which least is known; None where nothing is drawn."""
+        return self.in_metres.result.drawn_line_error_mm
 
     @cached_property
     def landmark_radii(self) -> dict[str, float]:
@@ -305,8 +307,6 @@ def _public_values(found: FitFolder) -> dict[str, Any]:
         ),
         "stance": found.stance,
         "verdict": Verdict(result.verdict.level, tuple(result.verdict.reasons)),
-        "line_error_mm": result.line_error_mm,
-        "drawn_line_error_mm": result.drawn_line_error_mm,
         "converged": result.converged,
         "stop_reason": result.stop_reason,
         "iterations": result.iterations,

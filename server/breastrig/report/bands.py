@@ -17,11 +17,11 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.files.result import ResultFile
 from breastrig.report.stance import MODEL, Place
-from breastrig.report.table import Row, Value
+from breastrig.report.table import KNOWN_MM as KNOWN_MM
+from breastrig.report.table import Row, Value, says_nothing
 
 Joint = tuple[tuple[str, ...], Array]  # landmarks and the (3 L, 3 L) m² of the model's errors there
 
-KNOWN_MM = 60.0  # a larger radius is that of a breast or more: nothing is known of the place
 OF_90 = 1.645  # standard deviations to either side that hold nine of ten numbers
 OF_LENGTH = 1.0  # of the radii; 0.72 held 65 to 85 % of lengths between picks 5 mm off
 OF_RATIO = 0.72  # held 92 % and more, but for picks 5 mm off (77 to 100 %)
@@ -90,6 +90,15 @@ def shared_half_width(
     return float(np.hypot(np.linalg.norm(alone), OF_90 * np.sqrt(max(variance, 0.0))))
 
 
+def half_between(left: Value | None, right: Value | None, correlation: float) -> float | None:
+    """Half the band of the difference of two numbers whose errors have this correlation; None where one is unknown."""
+    halves = [each.margin for each in (left, right) if each is not None and each.margin is not None]
+    if len(halves) < 2:
+        return None
+    a, b = halves
+    return float(np.sqrt(max(a * a + b * b - 2.0 * correlation * a * b, 0.0)))
+
+
 def banded(value: float, half: float | None, least: float = 0.0, most: float = np.inf) -> Value:
     """The value with its band, which cannot leave what is possible."""
     return Value(value) if half is None else Value(value, max(value - half, least), min(value + half, most))
@@ -102,11 +111,7 @@ def without_unknown(row: Row) -> Row:
     cells = {name: value for name in ("left", "right", "value") if (value := getattr(row, name)) is not None}
     gone = [name for name, value in cells.items() if _says_nothing(row, value)]
     kept = row.with_values(lambda value: value if not _says_nothing(row, value) else None)
-    difference = kept.difference
-    if difference is not None and difference.margin is not None:
-        limit = KNOWN_MM if row.unit == "mm" else min(abs(each.value) for each in cells.values())
-        gone += ["difference"] if difference.margin >= limit else []
-    elif {"left", "right"} & {*gone}:
+    if says_nothing(kept.difference, row, list(cells.values())) or {"left", "right"} & {*gone}:
         gone.append("difference")
     return replace(kept, not_known=tuple(gone)) if gone else row
 

@@ -36,6 +36,13 @@ class Heights(SettingsPart):
     hidden_fold: NotNegative  # m, 90 %, of that
 
 
+class Sides(SettingsPart):
+    """Correlations of the errors of the left and of the right breast."""
+
+    volume: NotNegative
+    base_width: NotNegative
+
+
 class MeasureCalibration(SettingsPart):
     """Of one rig's measures."""
 
@@ -43,6 +50,7 @@ class MeasureCalibration(SettingsPart):
     supine: Outline
     base_width: Spread
     heights: Heights
+    sides: Sides
 
     def outline(self, stance: str) -> Outline:
         """Of a stance; every one but lying counts as standing."""

@@ -13,11 +13,11 @@ from functools import partial
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.core.stances import SIDES
+from breastrig.core.stances import SIDES, split_side
 from breastrig.geometry.geodesic import Geodesics
 from breastrig.geometry.polyline import length, resampled
 from breastrig.geometry.surface_points import SurfacePoints, joined
-from breastrig.report.bands import banded, half_width, shared_half_width, without_unknown
+from breastrig.report.bands import banded, half_between, half_width, shared_half_width, without_unknown
 from breastrig.report.body_frame import BodyFrame, body_frame
 from breastrig.report.calibration import measure_calibration
 from breastrig.report.ptosis import STANDING, ptosis
@@ -122,7 +122,12 @@ class _Table:
         if all(width is not None for width in widths) and self.stance.name == STANDING:
             (left, across_left), (right, across_right) = (width for width in widths if width is not None)
             paths = {"left": across_left, "right": across_right}
-            yield Row("base_width", "Base width", STRAIGHT, "mm", left, right, None, (OUTLINE,), ACROSS, paths)
+            known = measure_calibration(self.stance.rig)
+            between = None if known is None else half_between(left, right, known.sides.base_width)
+            yield Row(
+                "base_width", "Base width", STRAIGHT, "mm", left, right, None, (OUTLINE,), ACROSS, paths,
+                between=between,
+            )  # fmt: skip
 
     def _look_for_all_ways(self) -> None:
         """On the skin, together, which takes a third of the time; each is asked for later, and is known then."""
@@ -168,21 +173,30 @@ class _Table:
 
     def _half(self, ends: Sequence[Place]) -> float | None:
         """m, of a length between two places, or of the distance of one to the midline."""
-        if len(ends) == 2:
+        if len(ends) == 2 or self.stance.joint is not None:
             return shared_half_width(self._ways(ends), self.stance.joint)
         return half_width([place.radius for place in ends])
 
     def _half_between(self, left: Sequence[Place], right: Sequence[Place]) -> float | None:
-        """mm, of the difference of two lengths; None of distances to the midline, which share nothing."""
-        if len(left) != 2 or len(right) != 2:
+        """mm, of the difference of two lengths or distances to the midline; None where of these nothing is shared."""
+        if self.stance.joint is None and not len(left) == len(right) == 2:
             return None
         ways = [*self._ways(left), *((place, -way) for place, way in self._ways(right))]
         half = shared_half_width(ways, self.stance.joint)
         return None if half is None else 1e3 * half
 
-    @staticmethod
-    def _ways(ends: Sequence[Place]) -> list[tuple[Place, Array]]:
-        """By how much the length between two places changes with each."""
+    def _ways(self, ends: Sequence[Place]) -> list[tuple[Place, Array]]:
+        """By how much the length between two places changes with each, or the distance of one to the midline.
+
+        The median plane is the model's: it goes where the model's landmarks on it go.
+        """
+        if len(ends) == 1:
+            (nipple,) = ends
+            out = np.copysign(1.0, self.frame.lateral(nipple.point)) * self.frame.axes[:, 0]
+            middle = [
+                replace(place, source=MODEL) for name, place in self.places.items() if name == split_side(name)[0]
+            ]
+            return [(nipple, out), *((place, -out / len(middle)) for place in middle if place.name != nipple.name)]
         (a, b) = ends
         way = (b.point - a.point) / max(float(np.linalg.norm(b.point - a.point)), 1e-9)
         return [(a, -way), (b, way)]
@@ -247,7 +261,11 @@ def _volumes(stance: Stance) -> Iterator[Row]:
     seen = f"the scan shows {100.0 * left.seen:.0f} % of the left breast and {100.0 * right.seen:.0f} % of the right"
     method = f"{VOLUME_METHOD}; {seen}"
     paths = {name: _outline(stance, side) for side, name in SIDES.items()}
-    yield Row("volume", "Volume", "volume", "ml", numbers[0], numbers[1], None, (OUTLINE,), method, paths)
+    known = measure_calibration(stance.rig)
+    between = None if known is None else half_between(numbers[0], numbers[1], known.sides.volume)
+    yield Row(
+        "volume", "Volume", "volume", "ml", numbers[0], numbers[1], None, (OUTLINE,), method, paths, between=between
+    )
 
 
 def _outline(stance: Stance, side: str) -> Array:

@@ -27,6 +27,7 @@ FILE_DIGITS = {"mm": 2, "ml": 1, "1": 4, "grade": 0}  # a hundredth of a millime
 # In print, where nothing is known of a band, and the coarsest.
 STEPS = {"mm": (0.1, 1.0), "ml": (1.0, 10.0), "1": (0.01, 0.1)}
 GRADES = ("none", "I", "II", "III", "glandular")  # of ptosis.py
+KNOWN_MM = 60.0  # a larger band or radius is that of a breast or more: nothing is known
 NOT_KNOWN = "not known"  # in print, of what a band would say nothing
 NOT_SEEN = "not seen"  # in print, where the scan does not show what would be measured
 
@@ -140,6 +141,17 @@ def less(x: Value | None, y: Value | None) -> Value | None:
     return Value(change, change - half, change + half)
 
 
+def says_nothing(difference: Value | None, row: Row, of: Sequence[Value | None]) -> bool:
+    """Whether the band of a difference of two numbers is as large as the smaller of them, or as a breast.
+
+    Heights are counted from the fold and may be nothing: of them only the breast's size says so.
+    """
+    if difference is None or difference.margin is None:
+        return False
+    sizes = [] if row.kind == "in height" else [abs(each.value) for each in of if each is not None]
+    return difference.margin >= min([*sizes, *([KNOWN_MM] if row.unit == "mm" else [])], default=np.inf)
+
+
 def contradictions(stances: Sequence[tuple[str, Sequence[Row]]]) -> tuple[str, ...]:
     """Volumes of one breast in two (name, rows) that differ by more than their bands together."""
     if len(stances) != 2:
@@ -167,9 +179,13 @@ def changes(before: Sequence[Row], after: Sequence[Row]) -> list[Row]:
 
 def _change(a: Row, b: Row) -> Row:
     landmarks = tuple(dict.fromkeys((*a.landmarks, *b.landmarks)))
-    left, right, value = (less(*pair) for pair in ((a.left, b.left), (a.right, b.right), (a.value, b.value)))
+    pairs = {"left": (a.left, b.left), "right": (a.right, b.right), "value": (a.value, b.value)}
+    found_changes = {name: less(*pair) for name, pair in pairs.items()}
+    gone = [name for name, change in found_changes.items() if says_nothing(change, a, pairs[name])]
+    gone += ["difference"] if {"left", "right"} & {*gone} else []
+    left, right, value = (None if name in gone else change for name, change in found_changes.items())
     not_seen = tuple(dict.fromkeys((*a.not_seen, *b.not_seen)))
-    not_known = tuple(dict.fromkeys((*a.not_known, *b.not_known)))
+    not_known = tuple(dict.fromkeys((*a.not_known, *b.not_known, *gone)))
     halves = [each.margin for each in (a.difference, b.difference) if each is not None and each.margin is not None]
     between = float(np.linalg.norm(halves)) if len(halves) == 2 else None  # two fits are wrong independently
     found = replace(a, left=left, right=right, value=value, landmarks=landmarks, paths={}, not_seen=not_seen)
