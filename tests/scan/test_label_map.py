@@ -181,3 +181,11 @@ def test_small_files_do_not_ask_for_much(monkeypatch: pytest.MonkeyPatch) -> Non
     assert len(scan.segments) == 59
     assert any(note.startswith("The other") and "were taken for tissue" in note for note in scan.notes)
     assert len(scan.notes) < 10
+
+
+def test_a_map_of_one_breast_is_said_to_be_one() -> None:
+    labels = body_labels()
+    half = read_scan(nifti(labels[130:], low=LOW + SIZES * [130.0, 0.0, 0.0]))
+    (said,) = [note for note in half.notes if "as one breast alone" in note]
+    assert said.startswith("The skin is 1") and " mm wide from right to left" in said
+    assert not any("one breast" in note for note in read_scan(nifti(labels)).notes)

@@ -18,6 +18,13 @@ from breastrig.scan.volumes.question import needs_answer
 from breastrig.scan.volumes.segments import check_chosen, taken_segments
 
 FRAME = "Places are in the DICOM patient frame (LPS), mm; the skin was made from the label map."
+BOTH = (
+    200.0  # mm from right to left; nipples of the four development women are 150 to 210 apart, one breast is 120 to 170
+)
+ONE_BREAST = (
+    "The skin is {:.0f} mm wide from right to left, as one breast alone: a fit finds no sure place on it; export both "
+    "breasts and the skin between them, or place landmarks by hand."
+)
 SAID_EACH = 12  # segments, each with a sentence of its own
 NEEDS = 'Label maps need "breastrig[mri]"; install it, or export the skin as PLY, STL or OBJ.'
 
@@ -46,7 +53,9 @@ def label_map_pieces(data: bytes, kind: str, answers: VolumeAnswers) -> Pieces:
         taken = taken_segments(volume, body, affine, answers.segments)
         vertices, faces = skin(body, affine, volume.gaps)
     lesions = tuple(BallInside(each.name, (affine @ [*each.center, 1.0])[:3], each.radius) for each in taken.lesions)
-    notes = (FRAME, *volume.notes, *_said(taken.segments))
+    width = float(vertices[:, 0].max() - vertices[:, 0].min()) if len(vertices) else BOTH
+    narrow = (ONE_BREAST.format(width),) if width < BOTH else ()
+    notes = (FRAME, *narrow, *volume.notes, *_said(taken.segments))
     piece = Piece(vertices, faces)
     return Pieces((piece,), notes=notes, unit="mm", is_label_map=True, lesions=lesions, segments=taken.segments)
 
