@@ -18,12 +18,10 @@ from breastrig.scan.volumes.question import needs_answer
 from breastrig.scan.volumes.segments import check_chosen, taken_segments
 
 FRAME = "Places are in the DICOM patient frame (LPS), mm; the skin was made from the label map."
-BOTH = (
-    200.0  # mm from right to left; nipples of the four development women are 150 to 210 apart, one breast is 120 to 170
-)
+BOTH = 200.0  # mm from right to left; nipples alone are 150 to 210 apart in the four development women
 ONE_BREAST = (
     "The skin is {:.0f} mm wide from right to left, as one breast alone: a fit finds no sure place on it; export both "
-    "breasts and the skin between them, or place landmarks by hand."
+    "breasts and the skin between them."
 )
 SAID_EACH = 12  # segments, each with a sentence of its own
 NEEDS = 'Label maps need "breastrig[mri]"; install it, or export the skin as PLY, STL or OBJ.'
