@@ -3,7 +3,6 @@
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -26,7 +25,7 @@ from breastrig.rig.model import Rig
 from breastrig.volume.predicted import predicted
 from breastrig.workflow.folder.fit_folder import FitFolder, read_fit_folder
 from breastrig.workflow.lines.plan_on_fit import plan_document, plan_on_folders
-from breastrig.workflow.predictions.predict import predict_steps
+from breastrig.workflow.predictions.predict import prediction
 from breastrig.workflow.report import stance_of
 
 PICKED = ("suprasternal_notch", "nipple_L", "nipple_R", "xiphoid")
@@ -65,19 +64,11 @@ def made(rig: Rig, tmp_path_factory: pytest.TempPathFactory) -> Made:
             document["landmarks_picked"] = {name: document["landmarks"][name] for name in PICKED}
             (fit / "result.json").write_text(json.dumps(document))
             (folder / "lying").mkdir()
-            write_files(_ended(predict_steps(rig, fit, SUPINE)), folder / "lying")
+            write_files(prediction(rig, fit, SUPINE), folder / "lying")
             known[unit] = (read_fit_folder(fit), read_fit_folder(folder / "lying"), folder / "lying")
         return known[unit]
 
     return of_unit
-
-
-def _ended(steps: Any) -> Any:
-    while True:
-        try:
-            next(steps)
-        except StopIteration as end:
-            return end.value
 
 
 def test_its_radii_are_the_fits_and_gravitys_errors_together(made: Made, rig: Rig) -> None:
@@ -97,7 +88,7 @@ def test_a_fit_that_is_less_sure_predicts_less_surely(rig: Rig, tmp_path: Path) 
     found = []
     for times in (0.0, 1.0, 2.0):
         fit = write_fit(tmp_path / str(times), rig, body(rig), times * radii_of(rig))
-        made = _ended(predict_steps(rig, fit, SUPINE))
+        made = prediction(rig, fit, SUPINE)
         found.append(1e-3 * np.frombuffer(made["uncertainty.bin"], "<f4").astype(float))
     sure, usual, unsure = found
     assert (sure > 0.0).all()  # gravity is never known exactly
@@ -215,7 +206,7 @@ def test_its_number_for_lines_is_of_the_skin_that_was_scanned_as_a_fits_is(rig: 
     fit = write_fit(tmp_path / "fit", rig, body(rig), unsure)
     right = rig.faces[(rig.template[rig.faces][:, :, 0] < -0.005).all(axis=1)]
     (fit / "scan.ply").write_bytes(surface_ply(body(rig), right, METRES_PER_UNIT["mm"]))
-    made = json.loads(_ended(predict_steps(rig, fit, SUPINE))["result.json"])
+    made = json.loads(prediction(rig, fit, SUPINE)["result.json"])
     radii = np.hypot(predicted(rig, body(rig), STANDING, SUPINE).radii, unsure)
     shown = np.isin(np.arange(len(radii)), right)
     assert made["line_error_mm"] == pytest.approx(1e3 * line_error(rig, radii, shown), rel=0.03)
