@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from flask.testing import FlaskClient
 from helpers.blank_pictures import blank_pictures_in_reports
+from helpers.other_body import with_other_body
+from helpers.problems import problem
 from helpers.remembered_fits import run_fit_once
 from helpers.waiting import ended
 
@@ -282,3 +284,48 @@ def test_a_whole_plan_is_carried_and_nothing_of_it_is_made_anew_on_the_other_bod
     bare = client.get(f"/api/fits/{fits['supine']}/report.pdf?with={fits['standing']}")
     assert bare.status_code == 200
     assert bare.data != whole.data
+
+
+@pytest.mark.slow
+def test_nothing_is_carried_between_scans_that_do_not_look_like_one_patients_before_somebody_says_so(
+    real: tuple[Service, FlaskClient, dict[str, str]],
+) -> None:
+    service, client, fits = real
+    standing, supine = (client.get(f"/api/fits/{fits[name]}").json["scan"] for name in ("standing", "supine"))
+    patient = client.get(f"/api/scans/{standing}").json["patient"]
+    whose = f"/api/scans/{supine}/patient"
+    assert client.put(whose, json={"patient": patient}).status_code == 200
+    with_other_body(service.storage.files.fit(fits["supine"]))
+    marks = read_fit_folder(service.storage.files.fit(fits["standing"])).landmarks
+    ends = [list(1e3 * marks[name]) for name in ("xiphoid", "mid_sternum")]
+    client.put(f"/api/scans/{standing}/drawing", json={"shapes": [{"name": "incision", "points": ends}]})
+
+    def shown() -> tuple[list[str], list[str], list[str]]:
+        plan = plan_on(client, fits["supine"])
+        missing = [each["reason"] for each in plan["missing"] if "does not look like" in each["reason"]]
+        return [shape["name"] for shape in plan["shapes"]], missing, [each["scan"] for each in plan["asked"]]
+
+    wish = {"from_fit": fits["standing"], "to_fit": fits["supine"]}
+    names, missing, asked = shown()
+    assert "incision" not in names
+    assert missing
+    assert asked == [standing]
+    said = problem(client.post("/api/transfers", json=wish), 409)
+    assert said.startswith("These do not look like scans of one patient: ")
+    assert said.endswith("say same_patient.")
+    assert client.post("/api/transfers", json=wish | {"same_patient": True}).json["doubts"]
+    assert client.post("/api/transfers", json=wish | {"other_patient": True}).status_code == 201
+    problem(client.put(whose, json={"patient": patient, "same_as": ["nobody"]}), 404)
+
+    assert client.put(whose, json={"patient": patient, "same_as": [standing]}).status_code == 200
+    names, missing, asked = shown()
+    assert ("incision" in names, missing, asked) == (True, [], [])
+    assert plan_on(client, fits["supine"])["doubts"] == []
+    answer = client.post("/api/transfers", json=wish)
+    assert (answer.status_code, answer.json["doubts"]) == (201, [])
+
+    apart = client.put(whose, json={"patient": None}).json
+    assert apart["id"] != patient
+    assert [scan["id"] for scan in apart["scans"]] == [supine]
+    client.put(whose, json={"patient": patient})
+    assert shown()[2] == [standing], "whose scan it is was said anew, so what was said before is gone"

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from helpers.example_fits import write_example_fits
+from helpers.other_body import with_other_body
 
 import breastrig
 from breastrig.cli.main import main
@@ -140,3 +141,34 @@ def test_a_plans_line_far_off_its_own_scan_is_left_out_and_it_is_said(fits: Path
     [missing] = laid["missing"]
     assert missing["item"] == "far"
     assert missing["reason"].startswith('"far" lies up to ')
+
+
+def test_scans_that_do_not_look_like_one_patients_are_asked_about_at_every_door(
+    fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("standing", "supine"):
+        shutil.copytree(fits / name, tmp_path / name)
+    with_other_body(tmp_path / "supine")
+    standing, supine, out = tmp_path / "standing", tmp_path / "supine", tmp_path / "out"
+    plan = tmp_path / "plan.json"
+    plan.write_text(json.dumps(documents(fits)["an earlier version's plan"]))
+    for command in (
+        ["transfer", "--from", str(standing), "--to", str(supine), "-o", str(out / "there.json")],
+        ["report", str(standing), "--with", str(supine), "--plan", str(plan), "-o", str(out / "report")],
+        ["export", str(supine), "--with", str(standing), "--plan", str(plan), "-o", str(out / "exported")],
+    ):
+        out.mkdir(exist_ok=True)
+        assert main(command) == 2, command
+        said = capsys.readouterr().err
+        assert "These do not look like scans of one patient: " in said
+        assert "add --same-patient." in said
+        assert list(out.iterdir()) == []
+    with pytest.raises(NeedsYes, match="say same_patient"):
+        breastrig.transfer(standing, supine)
+    assert (
+        main(["transfer", "--from", str(standing), "--to", str(supine), "-o", str(out / "a.json"), "--same-patient"])
+        == 0
+    )
+    assert "do not look like" in capsys.readouterr().err
+    assert breastrig.transfer(standing, supine, same_patient=True).document["doubts"]
+    assert breastrig.transfer(fits / "standing", fits / "supine").document["doubts"] == []

@@ -1,8 +1,12 @@
-// The wrong woman's day: another patient's drawing, the same file twice, an item of a scan that is gone.
-import { expect } from "@playwright/test";
-import { readFileSync, writeFileSync } from "node:fs";
+// The wrong woman's day: another patient's drawing, the same file twice, an item of a scan that is gone, another's scan.
+import { expect, type Page } from "@playwright/test";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { hook, SCAN_FILE, test } from "./page";
+import type { Fit } from "../src/api/types";
+import { hook, SCAN_FILE, test, trueLandmarks, untilFitted } from "./page";
+import { findPython, helper } from "./service";
 import { sha256 } from "./shared";
 
 const EXAMPLES = process.env.BREASTRIG_E2E_EXAMPLES!;
@@ -67,4 +71,90 @@ test("what is another patient's is asked about, and nothing of it is taken befor
     expect(kept.items.map(({ id }) => id)).not.toContain("n");
   });
   expect(troubles.filter((trouble) => !trouble.includes("409"))).toEqual([]); // the browser logs what the service would not take
+});
+
+/** Standing, with a line, and the scan as the other stance; both fitted without a pick. */
+async function withSecond(page: Page, base: string, second: string): Promise<Scan> {
+  const send = async (method: "post" | "put", path: string, options: object): Promise<unknown> => {
+    const answer = await page.request[method](base + path, options);
+    expect(answer.ok()).toBe(true);
+    return answer.json();
+  };
+  const file = { name: "scan.ply", mimeType: "application/octet-stream", buffer: readFileSync(SCAN_FILE) };
+  const mine = (await send("post", "/api/scans", { multipart: { file } })) as Scan;
+  const { xiphoid, mid_sternum } = trueLandmarks();
+  await send("put", `/api/scans/${mine.id}/drawing`, { data: { schema: "breastrig/drawing@1", unit: "mm", shapes: [{ name: "incision", closed: false, color: "#101010", points: [xiphoid, mid_sternum] }] } });
+  const { id } = (await send("post", "/api/fits", { data: { scan: mine.id } })) as Fit;
+  await expect.poll(async () => ((await (await page.request.get(`${base}/api/fits/${id}`)).json()) as Fit).state, { timeout: 60_000 }).toBe("done");
+  await page.goto("about:blank");
+  await page.goto(`${base}/#scan=${mine.id}&fit=${id}&step=drawing`);
+  await hook.ready(page);
+  await untilFitted(page);
+  await page.locator("#add-stance").click();
+  await page.locator("#second-scan-file").setInputFiles(second);
+  await expect.poll(() => page.evaluate(() => window.__breastrig!.state().stances.isSecond)).toBe(true);
+  await page.keyboard.press("3");
+  await page.getByRole("button", { name: "Fit without landmarks" }).click();
+  await untilFitted(page);
+  return mine;
+}
+
+const carried = (page: Page): Promise<string[]> => page.evaluate(() => (window.__breastrig!.state().drawn.onScan?.carried.shapes ?? []).map(({ name }) => name));
+const untilCompared = (page: Page) => expect.poll(() => page.evaluate(() => window.__breastrig!.state().stances.isCarrying)).toBe(false);
+
+test("another woman's scan as the other stance is asked about, without a pick; the right woman's is not", async ({ page, base, troubles }, info) => {
+  test.setTimeout(400_000);
+  const folder = mkdtempSync(join(tmpdir(), "breastrig-e2e-"));
+  const { path, env } = helper("other_woman.py");
+  execFileSync(findPython(), [path, folder], { env, stdio: "inherit" });
+  const anothers = join(folder, "patient_3", "supine", "scan.ply");
+  const dialog = page.locator("#same-patient-dialog");
+  const patientOf = async (scan: string): Promise<string> => ((await (await page.request.get(`${base}/api/scans/${scan}`)).json()) as Scan).patient;
+  const openScan = () => page.evaluate(() => window.__breastrig!.state().scan!.info.id);
+
+  await test.step("it has to be answered, and says why", async () => {
+    const mine = await withSecond(page, base, anothers);
+    await expect(dialog).toContainText("do not look like scans of one patient", { timeout: 60_000 });
+    await expect(dialog).toContainText(mine.patient_code);
+    await page.keyboard.press("Escape");
+    await expect(dialog).toBeVisible();
+    await page.screenshot({ path: info.outputPath("asked.png") });
+    expect(await carried(page)).toEqual([]);
+    const second = await openScan();
+    expect(await patientOf(second)).toBe(mine.patient);
+    await page.reload();
+    await expect(dialog).toBeVisible({ timeout: 60_000 });
+
+    await dialog.getByRole("button", { name: /another patient/ }).click();
+    await expect(dialog).toBeHidden();
+    await expect.poll(openScan).toBe(mine.id);
+    expect(await page.evaluate(() => window.__breastrig!.state().stances.other)).toBeNull();
+    expect(await patientOf(second)).not.toBe(mine.patient);
+    expect(await carried(page)).toEqual([]);
+  });
+
+  await test.step("who says that it is the same patient is not asked again", async () => {
+    await withSecond(page, base, anothers);
+    await expect(dialog).toBeVisible({ timeout: 60_000 });
+    expect(await carried(page)).toEqual([]);
+    await expect(page.locator(".numbers .verdict")).toContainText("do not look like scans of one patient");
+    await dialog.getByRole("button", { name: /^Yes/ }).click();
+    await expect(dialog).toBeHidden();
+    await expect.poll(() => carried(page)).toEqual(["incision"]);
+    await expect(page.locator(".numbers .verdict")).not.toContainText("one patient");
+    await page.reload();
+    await hook.ready(page);
+    await expect.poll(() => carried(page), { timeout: 60_000 }).toEqual(["incision"]);
+    await expect(dialog).toBeHidden();
+  });
+
+  await test.step("the right woman's scan is carried at once", async () => {
+    await withSecond(page, base, join(EXAMPLES, "supine", "scan.ply"));
+    await expect.poll(() => carried(page), { timeout: 60_000 }).toEqual(["incision"]);
+    await untilCompared(page);
+    await expect(dialog).toBeHidden();
+    await expect(page.locator(".numbers .verdict")).not.toContainText("one patient");
+  });
+  rmSync(folder, { recursive: true, force: true });
+  expect(troubles).toEqual([]);
 });

@@ -76,7 +76,7 @@ export function fakePlans() {
       return all(link).at(-1)!;
     }),
     planOnFit: vi.fn(async (link: string): Promise<PlanOnScan> => ({ schema: "breastrig/drawing@1", name: "plan", unit: "mm", notice: "", shapes: [], lesions: [], notes: [], missing: [], doubts: [], version: 1, whole: true, fit: link, carried_from: [] })),
-    moveScan: vi.fn(async (_scan: string, patient: string) => ({ id: patient }) as Patient),
+    moveScan: vi.fn(async (_scan: string, patient: string | null) => ({ id: patient }) as Patient),
   };
 }
 

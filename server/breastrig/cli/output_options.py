@@ -31,7 +31,7 @@ def add_same_patient(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--same-patient",
         action="store_true",
-        help="plan or drawing is this patient's, though its file names another",
+        help="all is one patient's: a plan or drawing whose file names another, or scans that do not look like one's",
     )
 
 

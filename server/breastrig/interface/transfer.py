@@ -9,7 +9,7 @@ from breastrig.core.errors import BadInput
 from breastrig.core.private_files import write_files
 from breastrig.core.scratch import scratch_folder
 from breastrig.drawings.plan_schema import PLAN_SCHEMA
-from breastrig.files.result import FIT_FILES, RESULT, UNCERTAINTY
+from breastrig.files.result import BODY, FIT_FILES, RESULT, UNCERTAINTY
 from breastrig.interface.draw import Drawn, items_of
 from breastrig.interface.drawing import Drawing, Lesion, Line, document_of, drawing_of
 from breastrig.interface.fit_result import Fit
@@ -19,7 +19,7 @@ from breastrig.rig.model import Rig
 from breastrig.workflow.jobs import TransferJob
 from breastrig.workflow.lines.transfer import drawing_document, transfer_with
 
-READ = ("scan.ply", "fitted.ply", UNCERTAINTY, RESULT)  # what a transfer reads of a fit
+READ = ("scan.ply", "fitted.ply", UNCERTAINTY, BODY, RESULT)  # what a transfer reads of a fit
 
 
 def transfer(
@@ -40,7 +40,8 @@ def transfer(
             `Drawing`; a document breastrig/drawing@1 or plan@1, or the path of one; None: the drawing that the first
             fit has.
         other_patient: Whether the scans are of two patients: the same place of the model instead of the same skin.
-        same_patient: Whether the drawing is this patient's though its file names another's code and scan.
+        same_patient: Whether drawing and scans are one patient's, though its file names another's code and scan, or the
+            bodies of both fits do not look like one.
         model: Of folders, where it is not the package's; a `Fit` has its own.
 
     Returns:
@@ -49,7 +50,7 @@ def transfer(
         the radius that holds each point's true place with 90 %.
 
     Raises:
-        BadInput: BadDrawing or another, with one sentence.
+        BadInput: BadDrawing or another, with one sentence; NeedsYes where `same_patient` has to be said.
     """
     own = {each.model.sha256: each.model for each in (source, target) if isinstance(each, Fit)}
     rigs = own if model is None and own else own | {(given := loaded(model)).sha256: given}
@@ -64,7 +65,8 @@ def transfer(
             for each in (source, target)
         ]
         with one_thread():
-            found = transfer_with(rig, TransferJob(folders[0], folders[1], document, other_patient, None, same_patient))
+            job = TransferJob(folders[0], folders[1], document, other_patient, None, same_patient, same_patient)
+            found = transfer_with(rig, job)
     return drawing_of(found, inputs)
 
 

@@ -14,6 +14,7 @@ that what was measured with one rig is never said of another.
     radii.json           how far bodies are from the model beyond what a fit knows  fitting/uncertainty/calibration.py
     uncertainty.toml     what picks that scatter, and an unclear start, make of it  fitting/uncertainty/calibration.py
     verdict.toml         what right fits look like                                  fitting/verdicts/verdict.py
+    same_body.toml       how much two fits of one body differ                      workflow/folder/one_body.py
     measures.toml        what measures of breasts are off                           report/calibration.py
     volume.json          chest wall and tetrahedra                                  volume/known_volume.py
 """

@@ -17,7 +17,7 @@ from breastrig.service.kept_models import KeptModels
 from breastrig.service.remembered import Remembered
 from breastrig.storage.files import fit_place
 from breastrig.storage.rows.fits import FitRow, get_fit, newest_done
-from breastrig.storage.rows.patients import PlanRow, get_patient, get_plan, patient_of_scan, scans_of_patient
+from breastrig.storage.rows.patients import PlanRow, get_patient, get_plan, patient_of_scan, said_same, scans_of_patient
 from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.jobs import PlanJob, PlannedFit
@@ -37,14 +37,16 @@ class PlannedFits:
     patient: str
     plan: PlanRow
     fit: FitRow
-    others: tuple[FitRow, ...]  # of the patient's other scans on which items were made
+    others: tuple[FitRow, ...]  # of the patient's other scans
+    said_same: frozenset[str] = frozenset()  # scans: a person has said that they are of one patient with the fit's
     code: str = ""  # of the patient, by which the file says whose it is
     unfitted: tuple[str, ...] = ()  # ids of items that were made on scans without a fit that is done
 
     @property
-    def key(self) -> tuple[str, str, str, int, tuple[str, ...]]:
+    def key(self) -> tuple[str, str, str, int, tuple[str, ...], frozenset[str]]:
         """A scan may become another patient's, whose plan has versions of its own."""
-        return self.patient, self.code, self.fit.id, self.plan.version, tuple(other.id for other in self.others)
+        others = tuple(other.id for other in self.others)
+        return self.patient, self.code, self.fit.id, self.plan.version, others, self.said_same
 
     @property
     def document(self) -> dict[str, Any]:
@@ -73,13 +75,14 @@ class Plans:
         plan = get_plan(self._storage, patient)
         named = {item.get("scan") for item in plan.items}
         own = None if fit.predicted_from is None else get_fit(self._storage, fit.predicted_from)
-        others = [scan for scan in scans_of_patient(self._storage, patient) if scan != fit.scan and scan in named]
+        others = [scan for scan in scans_of_patient(self._storage, patient) if scan != fit.scan]
         found = {scan: self._beside(fit, newest_done(self._storage, scan)) for scan in others}
         found |= {} if own is None or own.scan not in named else {own.scan: own}
         unfitted = tuple(str(item["id"]) for item in plan.items if found.get(str(item.get("scan")), fit) is None)
         others_found = tuple(other for other in found.values() if other is not None)
         code = get_patient(self._storage, patient).code
-        return PlannedFits(patient, plan, fit, others_found, code, unfitted)
+        said = frozenset(said_same(self._storage, fit.scan))
+        return PlannedFits(patient, plan, fit, others_found, said, code, unfitted)
 
     def _beside(self, fit: FitRow, other: FitRow | None) -> FitRow | None:
         """The other fit, if lines can be carried between the two: they were made with one model."""
@@ -106,6 +109,10 @@ class Plans:
         document: dict[str, Any] = json.loads(self.on_fit(fit_id))
         return document, planned.plan.is_whole
 
+    def doubts_of(self, fit_id: str) -> tuple[str, ...]:
+        """Why the patient's other scans may be another patient's, or that they were not compared, a sentence each."""
+        return tuple(json.loads(self.on_fit(fit_id)).get("doubts", ()))
+
     def fitted_glb(self, fit_id: str) -> bytes | None:
         """The fit's fitted.glb with the plan on it; None where the fit's own drawing is all that there is.
 
@@ -128,13 +135,14 @@ class Plans:
         self._remembered.forget()
 
     def _content(self, planned: PlannedFits) -> bytes:
-        found = self._made(planned) if planned.plan.items else self._empty(planned)
+        found = self._made(planned) if planned.plan.items or planned.others else self._empty(planned)
+        named = {item.get("scan") for item in planned.plan.items} - {each["scan"] for each in found.get("asked", ())}
         known = {
             "version": planned.plan.version,
             "whole": planned.plan.is_whole,
             "fit": planned.fit.id,
             "patient": planned.code,
-            "carried_from": [{"scan": fit.scan, "fit": fit.id} for fit in planned.others],
+            "carried_from": [{"scan": fit.scan, "fit": fit.id} for fit in planned.others if fit.scan in named],
         }
         missing = [*found["missing"], *({"item": item, "reason": UNFITTED} for item in planned.unfitted)]
         for fit in (planned.fit, *planned.others):
@@ -150,7 +158,10 @@ class Plans:
         ):
             names = [fit.scan if fit.predicted_from is None else fit.id for fit in fits]
             places = [self._storage.files.folder(fit_place(fit.id)) for fit in fits]
-            folders = [PlannedFit(place, name) for place, name in zip(places, names, strict=True)]
+            folders = [
+                PlannedFit(place, name, fit.scan in planned.said_same)
+                for place, name, fit in zip(places, names, fits, strict=True)
+            ]
             job = PlanJob(planned.document, folders[0], tuple(folders[1:]), model)
             found: dict[str, Any] = self._processes.result(plan_on_fit, (job,), WALL_S)
         return found

@@ -17,7 +17,7 @@ from breastrig.service.plans import Plans
 from breastrig.service.remembered import Remembered
 from breastrig.storage.files import fit_place
 from breastrig.storage.rows.fits import FitRow, get_fit, shown_cuts
-from breastrig.storage.rows.patients import PatientRow, get_patient, get_plan, patient_of_scan
+from breastrig.storage.rows.patients import PatientRow, get_patient, get_plan, patient_of_scan, said_same
 from breastrig.storage.rows.scans import Cuts, cuts_digest, get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.jobs import ReportJob
@@ -74,8 +74,13 @@ class Reports:
     def _remembered_or_made(self, name: str, fit_id: str, other_id: str | None) -> bytes:
         ids = [one for one in (fit_id, other_id) if one is not None]
         cuts = tuple(shown_cuts(self._storage, get_fit(self._storage, one)) for one in ids)
-        key = (name, *(self._key(name, one, cut) for one, cut in zip(ids, cuts, strict=True)))
+        key = (name, *(self._key(name, one, cut) for one, cut in zip(ids, cuts, strict=True)), self._is_said(ids))
         return self._remembered.result(key, lambda: self._made(name, ids, cuts))
+
+    def _is_said(self, ids: list[str]) -> bool:
+        """A person has said that both scans are of one patient, whatever their bodies say."""
+        first, *others = (get_fit(self._storage, one).scan for one in ids)
+        return bool(others) and set(others) <= said_same(self._storage, first)
 
     def _key(self, name: str, fit_id: str, cuts: Cuts) -> Hashable:
         patient = self._patient(get_fit(self._storage, fit_id))
@@ -99,17 +104,21 @@ class Reports:
         ):
             folders = [self._storage.files.folder(fit_place(one)) for one in ids]
             fits = [get_fit(self._storage, one) for one in ids]
+            two = () if len({self._patient(fit).id for fit in fits}) == 1 else (TWO_PATIENTS,)
             job = ReportJob(
                 folders[0],
                 None if len(ids) == 1 else folders[1],
                 model,
                 identity=self.identity(fits),
-                doubts=() if len({self._patient(fit).id for fit in fits}) == 1 else (TWO_PATIENTS,),
+                doubts=two,
+                one_patient=self._is_said(ids),
                 cuts=cuts,
             )
             if name in PLANNED:
                 plans = tuple(self._plans.lines_on_fit(one) for one in ids)
                 job = replace(job, plans=plans, items=self._plans.of_fit(ids[0]).plan.items)
+                if len(ids) == 1:
+                    job = replace(job, doubts=self._plans.doubts_of(ids[0]))
             content: bytes = self._processes.result(MAKERS[name], (job,), WALL_S)
         for one in ids:
             get_fit(self._storage, one)  # NotFound when it was deleted meanwhile

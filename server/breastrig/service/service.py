@@ -49,7 +49,7 @@ from breastrig.storage.files import MESH, THUMBNAIL, fit_place, scan_place, uplo
 from breastrig.storage.folders import new_id
 from breastrig.storage.rows import scans as scan_rows
 from breastrig.storage.rows.fits import FitRow, NewFit, Once, add_fit, fits_of_scan, get_fit, made_before
-from breastrig.storage.rows.patients import get_patient, put_items_of_scan, scans_of_patient
+from breastrig.storage.rows.patients import get_patient, put_items_of_scan, said_same, scans_of_patient
 from breastrig.storage.rows.scans import ScanRow
 from breastrig.storage.storage import Storage, Unremoved, utc_now
 from breastrig.workflow.jobs import TransferJob, UploadJob
@@ -344,7 +344,9 @@ class Service:
     ) -> dict[str, Any]:
         """A drawing of one fit's scan, on the other's (breastrig/drawing@1), made in a process of its own.
 
-        Raises a BreastRigError with a sentence, NotFound when a fit was deleted meanwhile.
+        Whose drawing it is has been asked already.  NeedsYes where the two scans do not look like one patient's, unless
+        `same_patient`, or a person has said of these scans that they are.  Raises a BreastRigError
+        with a sentence, NotFound when a fit was deleted meanwhile.
         """
         both = from_fit, to_fit
         source, goal = (self.storage.files.folder(fit_place(one)) for one in both)
@@ -352,9 +354,11 @@ class Service:
             explained("Carrying this drawing", TRANSFER_WALL_S, "give smaller scans", self.storage, both),
             self.models.of_fits(both) as model,
         ):
-            job = TransferJob(source, goal, drawing, other_patient, model, same_patient)
+            scans = [get_fit(self.storage, each).scan for each in both]
+            is_said = scans[1] in said_same(self.storage, scans[0])
+            job = TransferJob(source, goal, drawing, other_patient, model, True, same_patient or is_said)
             carried: dict[str, Any] = self._others.result(transfer, (job,), TRANSFER_WALL_S)
-        return carried
+        return carried | ({"doubts": []} if is_said else {})
 
     def _read(self, scan_id: str, job: UploadJob) -> dict[str, Any]:
         try:

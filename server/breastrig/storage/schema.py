@@ -107,6 +107,15 @@ scans_of_patients = Table(
     Column("patient", String(32), ForeignKey("patients.id", ondelete="CASCADE"), nullable=False, index=True),
 )
 
+same_patient = (
+    Table(  # of scans that do not look like it a person has said that they are one patient's; the lesser id first
+        "same_patient",
+        metadata,
+        Column("scan", String(32), ForeignKey("scans.id", ondelete="CASCADE"), primary_key=True),
+        Column("other", String(32), ForeignKey("scans.id", ondelete="CASCADE"), primary_key=True, index=True),
+    )
+)
+
 plans = Table(  # what the surgeon wants on her skin: the plan as it is, and as it was before
     "plans",
     metadata,

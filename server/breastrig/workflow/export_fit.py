@@ -28,13 +28,14 @@ def export_files(
     Drawn is the `plan` (a document), carried from the fit `other` where it was made there; else the fit's own drawing.
 
     Everything is in the scan's frame and unit, apart from drawing.glb, which is in metres as glTF demands.
-    Raises BadInput for a folder that is no fit, of it NeedsYes for another patient's plan unless `same_patient`.
+    Raises BadInput for a folder that is no fit, of it NeedsYes for another patient's plan, and for two fits that
+    do not look like one patient's, unless `same_patient`.
     """
     fit = read_fit_folder(folder, model)
     fits = [fit] if other is None else [fit, read_fit_folder(other, model)]
     if plan is not None:
         check_whose(plan, [each.result for each in fits], same_patient)
-    laid = None if plan is None else laid_plan(fit.rig, plan, fits)[0]
+    laid = None if plan is None else laid_plan(fit.rig, plan, fits, same_patient)[0]
     stance = stance_of(fit, planned_lines(folder, fit.unit, laid))
     per_unit, unit = fit.metres_per_unit, fit.unit
     files = {}

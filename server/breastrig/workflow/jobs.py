@@ -127,6 +127,7 @@ class TransferJob:
     other_patient: bool = False  # the scans are of two patients: the model decides which skin is which
     model: Path | None = None  # None: the torso of the package
     same_patient: bool = False  # a person has said that the drawing is this patient's, whatever its file says
+    one_patient: bool = False  # and that both scans are of one, whatever their bodies say
 
 
 @dataclass(frozen=True)
@@ -135,6 +136,7 @@ class PlannedFit:
 
     folder: Path
     scan: str = ""  # as the plan's items name it; empty: found by the plan's table of scans, or by the stance
+    one_patient: bool = False  # a person has said that this scan and the job's are, whatever their bodies say
 
 
 @dataclass(frozen=True)
@@ -159,7 +161,8 @@ class ReportJob:
     model: Path | None = None  # None: the torso of the package
     plans: tuple[PlanLines | None, ...] = ()  # of each fit: its lines, and whether they are all that is wanted
     plan: dict[str, Any] | None = None  # or the plan itself (breastrig/plan@1 or drawing@1), to be laid on each scan
-    same_patient: bool = False  # a person has said that the plan is this patient's, whatever its file says
+    same_patient: bool = False  # a person has said that plan and scans are one patient's, whatever file and bodies say
+    one_patient: bool = False  # that was said of these two scans, and is remembered: no doubt is left
     items: tuple[dict[str, Any], ...] = ()  # of the plan of which `plans` are the lines
     identity: Identity = UNNAMED
     doubts: tuple[str, ...] = ()  # whether both fits are of one patient

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,7 @@ from breastrig.report.stance import Stance
 from breastrig.report.table import contradictions, csv_bytes, flat_rows
 from breastrig.rig.model import Rig
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of, still_visible
-from breastrig.workflow.folder.one_body import body_doubt
+from breastrig.workflow.folder.one_body import check_one_body, doubts_between
 from breastrig.workflow.folder.whose import check_whose
 from breastrig.workflow.jobs import PlanLines, ReportJob
 from breastrig.workflow.lines.plan_on_fit import plan_document, plan_on_folders
@@ -45,8 +46,15 @@ def drawn_lines(folder: Path, unit: str) -> tuple[Polyline, ...]:
         raise BadInput(f"{folder.resolve().name}/drawing.json is damaged; fit the scan again.") from error
 
 
-def laid_plan(rig: Rig, document: dict[str, Any], fits: Sequence[FitFolder]) -> tuple[PlanLines, ...]:
-    """The plan on the scan of each of a patient's fits; what names no scan was made on the first one's."""
+def laid_plan(
+    rig: Rig, document: dict[str, Any], fits: Sequence[FitFolder], same_patient: bool = False
+) -> tuple[PlanLines, ...]:
+    """The plan on the scan of each of a patient's fits; what names no scan was made on the first one's.
+
+    NeedsYes where two of them do not look like one patient's, unless a person says that they are.
+    """
+    for a, b in combinations(fits, 2):
+        check_one_body(a, b, same_patient)
     plan = checked_plan(document)
     found = []
     for place, fit in enumerate(fits):
@@ -121,15 +129,16 @@ def reported(job: ReportJob, rig: Rig | None = None) -> list[Reported]:
     if job.plan is not None:
         check_whose(job.plan, [fit.result for fit in whole], job.same_patient)
     fits = [still_visible(fit, cuts) for fit, cuts in zip(whole, job.cuts or ((),) * len(whole), strict=True)]
-    plans = laid_plan(rig, job.plan, fits) if job.plan is not None else (job.plans or (None,) * len(fits))
+    plans = (
+        laid_plan(rig, job.plan, fits, job.same_patient) if job.plan is not None else (job.plans or (None,) * len(fits))
+    )
     for folder, fit in zip(folders, fits, strict=True):
         _check_distances(folder, fit.result)
     drawn = [planned_lines(folder, fit.unit, plan) for folder, fit, plan in zip(folders, fits, plans, strict=True)]
     stances = [
         stance_of(fit, _without_own_errors(lines, plan)) for fit, lines, plan in zip(fits, drawn, plans, strict=True)
     ]
-    doubt = body_doubt(*fits) if len(fits) == 2 else None
-    doubts = (*job.doubts, *((doubt,) if doubt else ()))
+    doubts = (*job.doubts, *(doubts_between(fits[0], fits[1], job.one_patient) if len(fits) == 2 else ()))
     names = stance_names([stance_said(fit.result) for fit in fits])
     rows = [measures(stance) for stance in stances]
     doubts += contradictions(list(zip(names, rows, strict=True)))

@@ -1,5 +1,6 @@
 """Whether two fits can be of one body: bones that differ by more than errors and stance explain."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
 
@@ -7,9 +8,18 @@ import numpy as np
 import pytest
 from helpers.results import result_file
 
-from breastrig.files.result import ResultParameters
+from breastrig.core.errors import NeedsYes
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.cohort_belief import Gaussian
+from breastrig.rig.model import Rig
 from breastrig.workflow.folder.fit_folder import FitFolder
-from breastrig.workflow.folder.one_body import body_doubt
+from breastrig.workflow.folder.one_body import body_doubt, check_one_body, doubts_between
+
+
+@pytest.fixture(scope="module")
+def rig() -> Rig:
+    return read_rig(default_rig_path())
+
 
 BODY = {  # mm
     "suprasternal_notch": [0.0, 420.0, 80.0],
@@ -20,22 +30,45 @@ BODY = {  # mm
 }
 
 
-def fit(stance: str = "standing", radius: float = 5.0, picked: bool = True, **moved: list[float]) -> FitFolder:
+def body(rig: Rig, larger: float = 1.0, sigma: float = 0.003) -> Gaussian:
+    """As the rig was built, but larger, and how surely that is known."""
+    mean = np.concatenate([np.full(3 * len(rig.bones), larger), np.zeros(len(rig.shapes))])
+    return Gaussian(mean, sigma**2 * np.eye(len(mean)))
+
+
+def fit(
+    rig: Rig,
+    stance: str = "standing",
+    radius: float = 5.0,
+    picked: bool = True,
+    larger: float = 1.0,
+    **moved: list[float],
+) -> FitFolder:
     places = BODY | moved
     landmarks = {name: 1e-3 * np.array(place) for name, place in places.items()} if picked else {}
-    scan = {"sha256": f"{stance:0>64}"}
+    scan = {"sha256": f"{stance:0>60}{larger:.4f}"}
     result = result_file(
         scan=scan, landmarks=places, landmark_uncertainty_mm=dict.fromkeys(places, radius) if radius else {}
     )
-    return cast(
-        FitFolder, SimpleNamespace(result=result, stance=stance, landmarks=landmarks, seen={}, metres_per_unit=1e-3)
+    found = SimpleNamespace(
+        rig=rig,
+        result=result,
+        stance=stance,
+        landmarks=landmarks,
+        seen={},
+        metres_per_unit=1e-3,
+        body=body(rig, larger),
     )
+    return cast(FitFolder, found)
 
 
-def test_one_body_in_two_stances_is_not_asked_about() -> None:
+def test_one_body_in_two_stances_is_not_asked_about(rig: Rig) -> None:
     nearer = {"acromion_L": [110.0, 480.0, 0.0], "acromion_R": [-110.0, 480.0, 0.0], "umbilicus": [0.0, 55.0, 90.0]}
-    assert body_doubt(fit(), fit("supine", **nearer)) is None
-    assert body_doubt(fit("supine"), fit(xiphoid=[0.0, 202.0, 100.0])) is None
+    assert body_doubt(fit(rig), fit(rig, "supine", **nearer)) is None
+    assert body_doubt(fit(rig, "supine"), fit(rig, xiphoid=[0.0, 202.0, 100.0])) is None
+    raised = {name: place for name, place in nearer.items() if name != "umbilicus"}
+    assert body_doubt(fit(rig), fit(rig, larger=1.0001, **raised)) is None, "arms are raised standing, too"
+    check_one_body(fit(rig), fit(rig, "supine", larger=1.03), same_patient=False)
 
 
 @pytest.mark.parametrize(
@@ -51,41 +84,69 @@ def test_one_body_in_two_stances_is_not_asked_about() -> None:
             {"umbilicus": [0.0, -20.0, 90.0]},
             "380 mm from the notch to the umbilicus on the standing scan and 440",
         ),
-        ("standing", {"acromion_L": [210.0, 440.0, 0.0]}, "340 mm between the shoulders on the standing scan and 380"),
+        (
+            "standing",
+            {"umbilicus": [0.0, -20.0, 90.0]},
+            "380 mm from the notch to the umbilicus on the first standing scan and 440",
+        ),
     ],
 )
-def test_what_cannot_be_one_body_is_asked_about(stance: str, moved: dict[str, list[float]], said: str) -> None:
-    doubt = body_doubt(fit(), fit(stance, **moved))
+def test_landmarks_that_cannot_be_of_one_body_are_asked_about(
+    rig: Rig, stance: str, moved: dict[str, list[float]], said: str
+) -> None:
+    doubt = body_doubt(fit(rig), fit(rig, stance, larger=1.0001, **moved))
     assert doubt is not None
-    assert doubt.startswith("Are both scans of one patient?")
-    assert said in doubt
-    assert body_doubt(fit(), fit(stance, radius=80.0, picked=False, **moved)) is None, "it may be the landmarks"
-    assert body_doubt(fit(), fit(stance, radius=0.0, **moved)) is None, "it is not known"
+    assert doubt.is_question
+    assert doubt.says.startswith("These do not look like scans of one patient: it is ")
+    assert said in doubt.says
+    unsure = {"radius": 80.0, "picked": False}
+    assert body_doubt(fit(rig), fit(rig, stance, larger=1.0001, **unsure, **moved)) is None, "it may be the landmarks"
+    assert body_doubt(fit(rig), fit(rig, stance, larger=1.0001, radius=0.0, **moved)) is None, "it is not known"
 
 
-def proportioned(stance: str, umbilicus: float = 40.0, pelvis: float = 1.0) -> FitFolder:
-    """Nothing was picked: the places are within 30 mm."""
-    found = fit(stance, radius=30.0, picked=False, umbilicus=[0.0, umbilicus, 90.0])
-    bone = {
-        "name": "pelvis",
-        "rotation_xyzw": [0.0, 0.0, 0.0, 1.0],
-        "translation_m": [0.0] * 3,
-        "scale": [pelvis, 1.0, 1.0],
-    }
-    bones = ResultParameters.model_validate({"bones": [bone], "blendshapes": {}})
-    found.result = found.result.model_copy(update={"parameters": bones})  # type: ignore[misc]
-    return found
+@pytest.mark.parametrize("stance", ["standing", "supine"])
+def test_without_picks_the_trunks_are_compared(rig: Rig, stance: str) -> None:
+    first, second = fit(rig, radius=80.0, picked=False), fit(rig, stance, 80.0, picked=False, larger=1.12)
+    with pytest.raises(
+        NeedsYes, match=r"the trunk is 12 % .* than on .*; if it is right all the same, say same_patient"
+    ) as told:
+        check_one_body(first, second, same_patient=False)
+    assert told.value.on_command_line().endswith("add --same-patient.")
+    check_one_body(first, second, same_patient=True)
+    assert doubts_between(first, second, same_patient=True) == []
+    assert len(doubts_between(first, second)) == 1
 
 
-def test_without_picks_the_models_proportions_are_compared() -> None:
-    first = proportioned("standing")
-    assert body_doubt(first, proportioned("supine", 55.0, 1.08)) is None
-    assert "380 mm from the notch to the umbilicus" in str(body_doubt(first, proportioned("supine", 5.0)))
-    assert "pelvis differs by 15 %" in str(body_doubt(first, proportioned("supine", 40.0, 1.18)))
-    assert body_doubt(first, proportioned("prone", 5.0, 1.18)) is None, "a prone scan shows too little"
+def test_a_fit_that_hardly_knows_the_body_asks_less(rig: Rig) -> None:
+    first, second = fit(rig, radius=80.0, picked=False), fit(rig, "supine", 80.0, picked=False, larger=1.12)
+    object.__setattr__(second, "body", body(rig, 1.12, sigma=0.1))
+    assert body_doubt(first, second) is None
 
 
-def test_the_same_file_as_two_stances_is_said() -> None:
-    first, second = fit(), fit("supine")
-    second.result = first.result  # type: ignore[misc]
-    assert str(body_doubt(first, second)).startswith("Both fits are of the same scan file, as standing and as supine.")
+@pytest.mark.parametrize("case", ["prone", "no body", "another rig"])
+def test_what_was_not_compared_is_said(rig: Rig, case: str) -> None:
+    first, second = fit(rig), fit(rig, "prone" if case == "prone" else "supine", larger=1.3)
+    if case == "no body":
+        object.__setattr__(second, "body", None)
+    if case == "another rig":
+        object.__setattr__(first, "rig", replace(rig, known={}))
+    doubt = body_doubt(first, second)
+    assert doubt is not None
+    assert not doubt.is_question
+    assert "was not compared: " in doubt.says
+    check_one_body(first, second, same_patient=False)
+
+
+def test_a_prone_scan_is_compared_by_landmarks(rig: Rig) -> None:
+    doubt = body_doubt(fit(rig), fit(rig, "prone", xiphoid=[0.0, 165.0, 100.0]))
+    assert doubt is not None
+    assert doubt.is_question
+
+
+def test_the_same_file_as_two_stances_is_said(rig: Rig) -> None:
+    first, second = fit(rig), fit(rig, "supine")
+    object.__setattr__(second, "result", first.result)
+    doubt = body_doubt(first, second)
+    assert doubt is not None
+    assert doubt.says.startswith("Both fits are of the same scan file, as standing and as supine.")
+    assert body_doubt(first, first) is None

@@ -215,8 +215,8 @@ export const client = {
   lengths: (fit: string, places: readonly Vector[]) => askJson<Lengths>(`${fit}/lengths`, "POST", { places }),
   /** A pattern with its handles on the scan of a fit, as it is or as a drag makes it; nothing is stored. */
   pattern: (fit: string, question: PatternQuestion) => askJson<PatternOnScan>(`${fit}/pattern`, "POST", question),
-  /** The scan is that patient's from now on. */
-  moveScan: (scan: string, patient: string) => askJson<Patient>(`/api/scans/${id(scan)}/patient`, "PUT", { patient }),
+  /** The scan is that patient's from now on, or a new one's; `sameAs`: of these of her scans a person has said that it shows the same patient. */
+  moveScan: (scan: string, patient: string | null, sameAs: readonly string[] = []) => askJson<Patient>(`/api/scans/${id(scan)}/patient`, "PUT", { patient, same_as: sameAs }),
   measures: (link: string, other: string | null) => askJson<MeasuresFile>(other === null ? link : `${link}?with=${id(other)}`),
   shares: (link: string) => askJson<SharePage>(link),
   makeShare: (link: string, request: ShareRequest) => askJson<ShareMade>(link, "POST", request),

@@ -19,7 +19,7 @@ import { empty as emptyText } from "../scan/text";
 import { createDrawingCarry } from "../stances/DrawingCarry";
 import { createOtherPane } from "../stances/OtherPane";
 import { createStancesBar } from "../stances/StancesBar";
-import { isComparing } from "../stances/state";
+import { doubtOf, isComparing } from "../stances/state";
 import type { Place } from "../store/page";
 import { only, type Store } from "../store/store";
 import { problem } from "../ui/controls";
@@ -103,9 +103,9 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const bodies = { scan: scan.element, landmarks: landmarks.element, fit: fit.element, drawing: drawing.element, result: result.element };
   const steps = createSteps(actions, bodies, next.element);
   const numbers = later(
-    (state: Session) => ({ meta: state.meta, fit: state.fit, old: outdated(state), lines: linesOn(state) }),
+    (state: Session) => ({ meta: state.meta, fit: state.fit, old: outdated(state), lines: linesOn(state), doubt: doubtOf(state) }),
     ({ fit }) => fit !== null,
-    async () => (await import("../fit/distances/NumbersPanel")).createNumbersPanel<Session>({ outdated, again: () => void actions.fit.start() }),
+    async () => (await import("../fit/distances/NumbersPanel")).createNumbersPanel<Session>({ outdated, doubt: doubtOf, again: () => void actions.fit.start() }),
   );
   const summary = later(
     only("meta", "step", "fit", "drawing", "drawn", "stances"),
@@ -142,6 +142,11 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
     ({ stances }: Pick<Session, "examples" | "problems" | "scan" | "stance" | "fit" | "stances">) => stances.isAdding,
     async () => (await import("../stances/StancesDialog")).createStancesDialog(actions.stances, () => dismiss("stances")),
   );
+  const samePatient = later(
+    only("problems", "scan", "stance", "fit", "stances"),
+    ({ stances }: Pick<Session, "problems" | "scan" | "stance" | "fit" | "stances">) => stances.asked.length > 0,
+    async () => (await import("../stances/SamePatientDialog")).createSamePatientDialog(actions.stances),
+  );
   const measures = later(
     only("meta", "problems", "scan", "fit", "stances"),
     ({ stances }: Pick<Session, "meta" | "problems" | "fit" | "stances">) => stances.measures.isOpen,
@@ -156,7 +161,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const footer = el("footer", { class: "footer" }, el("strong", {}, notice), el("span", { class: "spring" }), version);
 
   return {
-    elements: [top.element, steps.element, host, other.element, aside, timeline.element, footer, help.element, share.element, adding.element, measures.element, question.element, leave.element, deleting.element, unsaved.element, live],
+    elements: [top.element, steps.element, host, other.element, aside, timeline.element, footer, help.element, share.element, adding.element, measures.element, samePatient.element, question.element, leave.element, deleting.element, unsaved.element, live],
     ink,
     stages: { main: { host, canvas, overlay }, other: other.stage, picture: guide.canvas, light: guide.light },
     follow(store): void {
@@ -201,6 +206,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(stances);
       on(adding);
       on(measures);
+      on(samePatient);
       on(other);
       on(question);
       on(leave);

@@ -224,7 +224,7 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     remove(): void {
       clearTimeout(watch);
       leave();
-      store.set(({ stances }) => ({ stances: { ...initialStances, hers: stances.hers } }));
+      store.set(({ stances }) => ({ stances: { ...initialStances, hers: stances.hers, answers: stances.answers } }));
     },
 
     /** Fits both scans, where that is not done: what is planned on one is then carried to the other. */
@@ -258,6 +258,14 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
         overlay: isComparing && (state.overlay === "beside" || state.overlay === "swipe" || !state.stances.isComparing) ? "scan" : state.overlay,
       })),
     dismiss: (): void => store.set((state) => withProblem(state, "stances", null)),
+    /** Whether the scans that are asked about are of one patient. */
+    async samePatient(isSame: boolean): Promise<void> {
+      const { answerSamePatient } = await import("./samePatient");
+      await flush();
+      await others.plan.settled();
+      await answerSamePatient(store, client, { fail, swap: () => this.swap({ isLeft: true }), remove: () => this.remove(), forget: (scan) => this.forget(scan), read: others.plan.read }, isSame);
+    },
+
     link: (isLinked: boolean): void => put({ isLinked }),
 
     /** A row of the table is pointed at, or none. */

@@ -18,8 +18,9 @@ interface Others {
 }
 
 /** What decides how the plan lies on a scan. */
-const keyOf = (to: Workspace, from: Workspace | null, hasThird: boolean): readonly unknown[] => [
-  hasThird,
+const keyOf = (to: Workspace, from: Workspace | null, { stances }: StancesSlice): readonly unknown[] => [
+  hasFittedThird({ stances }),
+  stances.answers,
   to.fit?.id,
   from?.fit?.state === "done" ? from.fit.id : null,
   to.drawn.lines.present,
@@ -49,17 +50,23 @@ export function followPlan<Whole extends State>(store: Store<Whole>, client: Pic
   function isOld(to: Workspace, from: Workspace | null): boolean {
     if (!to.scan || to.fit?.state !== "done") return false;
     const before = asked.get(to.fit.id);
-    return before === undefined || keyOf(to, from, hasFittedThird(store.get())).some((each, i) => each !== before[i]);
+    return before === undefined || keyOf(to, from, store.get()).some((each, i) => each !== before[i]);
   }
 
   async function lay(to: Workspace, from: Workspace | null, name: string): Promise<void> {
     const { scan, fit } = to;
     if (!scan || !fit) return;
-    const key = keyOf(to, from, hasFittedThird(store.get()));
+    const key = keyOf(to, from, store.get());
     asked.set(fit.id, key);
-    const isNeeded = isPredicted(to) || others.plan.isMoreThanLines(scan.info, from?.fit?.state === "done" || hasFittedThird(store.get()));
-    const onScan = isNeeded ? laidOnScan(name, key, await client.planOnFit(fit.links.plan)) : null;
-    set((state) => placed(state, scan.info.id, fit.id, onScan));
+    const isBeside = from?.fit?.state === "done" || hasFittedThird(store.get());
+    const isNeeded = isPredicted(to) || others.plan.isMoreThanLines(scan.info, isBeside);
+    const plan = isNeeded || isBeside ? await client.planOnFit(fit.links.plan) : null; // with nothing planned too: whether both are of one patient
+    const questions = plan?.asked?.map(({ scan: other, says }) => ({ scan: scan.info.id, other, says })) ?? [];
+    set((state) => {
+      const { stances, ...part } = placed(state, scan.info.id, fit.id, isNeeded && plan ? laidOnScan(name, key, plan) : null);
+      const before = stances ?? state.stances;
+      return { ...part, stances: { ...before, asked: [...before.asked.filter((each) => each.scan !== scan.info.id), ...questions] } };
+    });
   }
 
   async function layAll(): Promise<void> {

@@ -17,6 +17,13 @@ export type Workspace = Pick<
 
 export type PatientScan = Patient["scans"][number];
 
+/** Of the page's scan, or of the one that waits, and another one of the patient's. */
+export interface AskedPair {
+  readonly scan: string;
+  readonly other: string;
+  readonly says: string;
+}
+
 export interface StancesState {
   readonly other: Workspace | null;
   readonly isSecond: boolean; // the page works on the one that came second: it stands to the right
@@ -27,6 +34,8 @@ export interface StancesState {
   readonly hers: readonly PatientScan[]; // the patient's scans beside the one in work
   readonly named: Patient | null; // another one, whose code was typed: her scans are to choose from, if they are hers
   readonly isCarrying: boolean;
+  readonly asked: readonly AskedPair[]; // scans that do not look like one patient's: nothing is carried between them before the answer
+  readonly answers: number; // so many were given here
   readonly predicting: Stance | null; // the one that is being predicted
   readonly measures: { readonly isOpen: boolean; readonly isBusy: boolean; readonly of: string; readonly file: MeasuresFile | null; readonly pointed: string | null }; // pointed: at this row, measureKey
 }
@@ -47,9 +56,15 @@ export const initialStances: StancesState = {
   hers: [],
   named: null,
   isCarrying: false,
+  asked: [],
+  answers: 0,
   predicting: null,
   measures: { isOpen: false, isBusy: false, of: "", file: null, pointed: null },
 };
+
+/** What speaks against it that the scan in work and another one are the patient's; empty where nothing does, or somebody has said that they are. */
+export const doubtOf = ({ scan, stances }: Pick<Stances, "scan" | "stances">): string =>
+  stances.asked.find((each) => [each.scan, each.other].some((id) => id === scan?.info.id))?.says ?? "";
 
 /** The patient's scans that are not on the page. */
 export const further = ({ hers, other }: Pick<StancesState, "hers" | "other">): readonly PatientScan[] => hers.filter(({ id }) => id !== other?.scan?.info.id);

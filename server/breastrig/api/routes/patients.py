@@ -99,11 +99,12 @@ def remove_patient(patient_id: str) -> tuple[str, int]:
 def move(scan_id: str, json_data: wire.ScanOwner) -> wire.Patient:
     """Say whose scan it is
 
-    What was planned on it goes with it; a patient without scans is not kept.
+    What was planned on it goes with it; a patient without scans is not kept.  Of scans that do not look like one
+    patient's, `same_as` answers the question, once and for all.
     """
     service = app_context().service
-    move_scan(service.storage, scan_id, json_data.patient, json_data.again)
-    return _answers([get_patient(service.storage, json_data.patient)])[0]
+    patient = move_scan(service.storage, scan_id, json_data.patient, json_data.again, json_data.same_as)
+    return _answers([get_patient(service.storage, patient)])[0]
 
 
 @patients.get("/<patient_id>/plan")

@@ -22,13 +22,14 @@ transfers = APIBlueprint(
 @transfers.output(wire_transfers.CarriedDrawing, status_code=201, description="The drawing on the target scan")
 @transfers.doc(
     operation_id="transferDrawing",
-    responses={404: "No such fit", 409: "A fit is not done, or the drawing names another patient"},
+    responses={404: "No such fit", 409: "A fit is not done, or drawing or bodies look like another patient's"},
 )
 def transfer_drawing(json_data: wire_transfers.TransferRequest) -> tuple[wire_transfers.CarriedDrawing, int]:
     """Show a drawing of one scan on another
 
     Both fits must be done.  Between two stances of one patient the skin is followed; with `other_patient` the same
-    place of the model is shown.  Every point lies on the target's skin or is marked as bridged.
+    place of the model is shown.  Scans that do not look like one patient's are asked about.  Every point lies on the
+    target's skin or is marked as bridged.
     """
     service = app_context().service
     for fit_id in (json_data.from_fit, json_data.to_fit):
@@ -45,6 +46,6 @@ def transfer_drawing(json_data: wire_transfers.TransferRequest) -> tuple[wire_tr
         json_data.to_fit,
         None if drawing is None else drawing.model_dump(mode="json", by_alias=True, exclude_none=True),
         json_data.other_patient,
-        same_patient=True,  # asked above, of all that the service knows of the patients
+        json_data.same_patient,
     )
     return wire_transfers.CarriedDrawing.model_validate(carried), 201

@@ -31,8 +31,13 @@ class PatientChange(Wire):
 
 
 class ScanOwner(Wire):
-    patient: Name = Field(description="id of the patient whose scan it is")
+    patient: Name | None = Field(description="id of the patient whose scan it is; null: of a new one")
     again: bool = Field(False, strict=True, description="though the same file is a scan of that patient already")
+    same_as: list[Name] = Field(
+        [],
+        max_length=100,
+        description="ids of scans of that patient: a person has said that this one is too, though a plan has `asked`",
+    )
 
 
 class PatientFit(Wire):
@@ -170,6 +175,11 @@ class CarriedFrom(Wire):
     fit: str
 
 
+class AskedScan(Wire):
+    scan: str
+    says: str = Field(description="why, one sentence")
+
+
 class PlanOnScan(Wire):
     """breastrig/drawing@1: the whole plan on the scan of one fit."""
 
@@ -183,7 +193,12 @@ class PlanOnScan(Wire):
     missing: list[MissingItem] = Field(description="items that cannot be shown here, and why")
     predicted: bool = Field(False, exclude_if=not_, description="no scan shows this body")
     doubts: list[str] = Field(
-        [], description="why the scans that it was carried from may be another patient's, a sentence each"
+        [], description="why other scans may be another patient's, or that they were not compared, a sentence each"
+    )
+    asked: list[AskedScan] = Field(
+        [],
+        description="the patient's scans that do not look like this one: nothing is carried from them until somebody "
+        "says that they are one patient's (`same_as` of putScanPatient)",
     )
     version: int = Field(description="of the plan")
     whole: bool = Field(description="whether somebody has written the plan; false: the fit's own drawing still counts")

@@ -16,7 +16,9 @@ class TransferRequest(Wire):
         False, strict=True, description="the scans are of two patients: the same place of the model, not the same skin"
     )
     same_patient: bool = Field(
-        False, strict=True, description="the drawing is this patient's, though it names another code and scan"
+        False,
+        strict=True,
+        description="all is one patient's, though the drawing names another code and scan, or the bodies differ",
     )
 
 

@@ -63,22 +63,29 @@ def contribution_bytes(found: Gaussian | None) -> bytes:
     return np.concatenate([found.mean, upper]).astype("<f4").tobytes()
 
 
-def parsed_contribution(content: bytes, rig: Rig, stance: str) -> Sums | None:
-    """Her sums, bounded; None for a file that says nothing, or nothing of a body of this rig."""
-    own, size = built_in(rig, stance), 3 * len(rig.bones) + len(rig.shapes)
-    if own is None or len(content) != 4 * (size + size * (size + 1) // 2):
+def read_contribution(content: bytes, rig: Rig) -> Gaussian | None:
+    """What the file says; None for a file that says nothing, or nothing of a body of this rig."""
+    size = 3 * len(rig.bones) + len(rig.shapes)
+    if len(content) != 4 * (size + size * (size + 1) // 2):
         return None
     numbers = np.frombuffer(content, dtype="<f4").astype(np.float64)
-    covariance = np.zeros((size, size))
-    covariance[np.triu_indices(size)] = numbers[size:]
-    covariance += np.triu(covariance, 1).T
     if not np.isfinite(numbers).all():
         return None
+    covariance = np.zeros((size, size))
+    covariance[np.triu_indices(size)] = numbers[size:]
+    return Gaussian(numbers[:size], covariance + np.triu(covariance, 1).T)
+
+
+def parsed_contribution(content: bytes, rig: Rig, stance: str) -> Sums | None:
+    """Her sums, bounded; None for a file that says nothing, or nothing of a body of this rig."""
+    own, found = built_in(rig, stance), read_contribution(content, rig)
+    if own is None or found is None:
+        return None
     root = np.linalg.cholesky(own.covariance)
-    away = np.linalg.solve(root, numbers[:size] - own.mean)
-    inside = np.linalg.eigvalsh(np.linalg.solve(root, np.linalg.solve(root, covariance).T))
+    away = np.linalg.solve(root, found.mean - own.mean)
+    inside = np.linalg.eigvalsh(np.linalg.solve(root, np.linalg.solve(root, found.covariance).T))
     if not (inside[0] > -1e-3 and inside[-1] < 1.0 + 1e-3):  # no posterior is wider than what it began with
         return None
-    bound = FARTHEST * np.sqrt(size)
+    bound = FARTHEST * np.sqrt(len(away))
     share = min(1.0, bound / max(float(np.linalg.norm(away)), 1e-12))
-    return Sums.of_woman(own.mean + root @ (share * away), covariance)
+    return Sums.of_woman(own.mean + root @ (share * away), found.covariance)

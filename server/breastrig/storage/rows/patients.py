@@ -13,6 +13,7 @@ from sqlalchemy import ColumnElement, Connection, delete, exists, func, insert, 
 from breastrig.core.errors import Conflict, NeedsYes, NotFound
 from breastrig.core.identity import code_key, random_code
 from breastrig.storage import schema
+from breastrig.storage.folders import new_id
 from breastrig.storage.rows.queries import by_key, is_there, newest_first, no_such_scan, value_of
 from breastrig.storage.storage import Storage, utc_now
 
@@ -38,43 +39,78 @@ class PlanRow:
     written_at: str = ""  # ISO 8601, UTC; empty in plans of earlier versions
 
 
-def put_scan(
-    connection: Connection, scan_id: str, patient_id: str | None, new_id: str, now: str, again: bool = False
-) -> None:
+def put_scan(connection: Connection, scan_id: str, patient_id: str | None, now: str, again: bool = False) -> None:
     """Says whose scan it is: that patient's, or one who is new with it.
 
     Raises NotFound, and NeedsYes where she has a scan of the same file and nobody said `again`.
     """
+    patient = patient_id or new_id()
     if patient_id is None:
-        code = _new_code(connection)
-        new = insert(schema.patients).values(id=new_id, created_at=now, code=code, code_key=code_key(code))
-        connection.execute(new)
+        _add_patient(connection, patient, now)
     elif not is_there(connection, schema.patients, patient_id):
         raise _no_patient()
     else:
         _check_new(connection, scan_id, patient_id, again)
-    patient = new_id if patient_id is None else patient_id
     connection.execute(insert(schema.scans_of_patients).values(scan=scan_id, patient=patient))
 
 
-def move_scan(storage: Storage, scan_id: str, patient_id: str, again: bool = False) -> None:
-    """The scan is that patient's from now on, and with it the items that were made on it.  Raises as `put_scan`."""
-    table = schema.scans_of_patients
+def move_scan(
+    storage: Storage, scan_id: str, patient_id: str | None, again: bool = False, same_as: Sequence[str] = ()
+) -> str:
+    """The scan is that patient's from now on, or a new one's, and with it the items that were made on it; whose it is.
+
+    `same_as`: of these scans of the patient a person has said that this one is of the same patient, whatever the bodies
+    say.  Raises as `put_scan`, and NotFound where one of them is none of the patient's.
+    """
+    table, new_patient = schema.scans_of_patients, new_id()
     with storage.database.writing(durable=True) as connection:
         before = _patient_of(connection, scan_id)
-        if not is_there(connection, schema.patients, patient_id):
+        if patient_id is None:
+            patient_id = new_patient
+            _add_patient(connection, patient_id, utc_now())
+        elif not is_there(connection, schema.patients, patient_id):
             raise _no_patient()
         if before == patient_id:
-            return
+            _say_same(connection, scan_id, patient_id, same_as)
+            return patient_id
         _check_new(connection, scan_id, patient_id, again)
         moved = [item for item in _plan(connection, before).items if item.get("scan") == scan_id]
         connection.execute(update(table).where(table.c.scan == scan_id).values(patient=patient_id))
+        same = schema.same_patient
+        connection.execute(delete(same).where((same.c.scan == scan_id) | (same.c.other == scan_id)))
+        _say_same(connection, scan_id, patient_id, same_as)
         if moved:
             there = _plan(connection, patient_id)
             taken = {item["id"] for item in there.items}
             items = [*there.items, *(_renamed(item, taken) for item in moved)]
             _write(connection, patient_id, items, there.is_whole)
         _forget_scan(connection, before, scan_id)
+    return patient_id
+
+
+def _say_same(connection: Connection, scan_id: str, patient_id: str, others: Sequence[str]) -> None:
+    for other in others:
+        if _patient_of(connection, other) != patient_id:
+            raise NotFound("One of these scans is none of this patient's.")
+        pair = dict(zip(("scan", "other"), sorted((scan_id, other)), strict=True))
+        same = schema.same_patient
+        known = select(exists(select(same).where(same.c.scan == pair["scan"], same.c.other == pair["other"])))
+        if scan_id != other and not connection.execute(known).scalar_one():
+            connection.execute(insert(same).values(pair))
+
+
+def said_same(storage: Storage, scan_id: str) -> set[str]:
+    """Scans of which a person has said that they are of the same patient as this one, whatever the bodies say."""
+    same = schema.same_patient
+    of = select(same).where((same.c.scan == scan_id) | (same.c.other == scan_id))
+    with storage.database.reading() as connection:
+        return {other for row in connection.execute(of) for other in (row.scan, row.other)} - {scan_id}
+
+
+def _add_patient(connection: Connection, patient_id: str, now: str) -> None:
+    code = _new_code(connection)
+    new = insert(schema.patients).values(id=patient_id, created_at=now, code=code, code_key=code_key(code))
+    connection.execute(new)
 
 
 def _check_new(connection: Connection, scan_id: str, patient_id: str, again: bool) -> None:

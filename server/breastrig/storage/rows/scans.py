@@ -12,7 +12,6 @@ from breastrig.core.picks import Picks
 from breastrig.storage import schema
 from breastrig.storage.file_journal import clear_entries
 from breastrig.storage.files import scan_place
-from breastrig.storage.folders import new_id
 from breastrig.storage.rows.patients import put_scan
 from breastrig.storage.rows.queries import check_scan, no_such_scan, value_of
 from breastrig.storage.storage import Storage
@@ -36,7 +35,7 @@ def add_scan(storage: Storage, row: ScanRow, patient: str | None = None, again: 
     """
     with storage.database.writing() as connection:
         connection.execute(insert(schema.scans).values(asdict(row)))
-        put_scan(connection, row.id, patient, new_id(), row.created_at, again)
+        put_scan(connection, row.id, patient, row.created_at, again)
         clear_entries(connection, [scan_place(row.id)])
 
 

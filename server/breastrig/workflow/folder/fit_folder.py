@@ -20,6 +20,7 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.files.result import (
+    BODY,
     FIT_FILES,
     RESULT,
     UNCERTAINTY,
@@ -31,8 +32,10 @@ from breastrig.files.result import (
     read_result,
     result_text,
 )
+from breastrig.fitting.uncertainty.contribution import read_contribution
 from breastrig.geometry.rotations import rotation_from_quaternion
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.cohort_belief import Gaussian
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.scan.clean import Surface, compact
@@ -55,6 +58,7 @@ class FitFolder:
     metres_per_unit: float
     parameters: RigParameters
     radii: Array | None = None  # (V,) m, each holds the vertex's true place with 90 %; None: an older fit
+    body: Gaussian | None = None  # scales and weights, under the built-in prior; None: an older fit, or nothing is said
 
     @property
     def unit(self) -> str:
@@ -83,9 +87,15 @@ def fit_folder_of(folder: Path, rig: Rig) -> FitFolder:
     shown = folder_name(folder)
     result = checked_result(folder)
     found = _fit(result, lambda name, unit: _mesh_file(folder / name, unit), rig, shown)
+    radii, body = (_content(folder / name) for name in (UNCERTAINTY, BODY))
+    return replace(found, radii=_radii(radii, rig), body=read_contribution(body, rig))
+
+
+def _content(file: Path) -> bytes:
+    """Empty where there is no such file."""
     with suppress(OSError):
-        return replace(found, radii=_radii(read_ordinary(folder / UNCERTAINTY, FILE_BYTES), rig))
-    return found
+        return read_ordinary(file, FILE_BYTES)
+    return b""
 
 
 def checked_result(folder: Path) -> ResultFile:
@@ -134,7 +144,8 @@ def fit_of_files(files: Mapping[str, bytes], rig: Rig, shown: str) -> FitFolder:
     result = parsed_result(files[RESULT], shown)
     result.check_files(files.get, shown)
     found = _fit(result, mesh, rig, shown)
-    return replace(found, radii=_radii(files.get(UNCERTAINTY, b""), rig))
+    body = read_contribution(files.get(BODY, b""), rig)
+    return replace(found, radii=_radii(files.get(UNCERTAINTY, b""), rig), body=body)
 
 
 def _fit(result: ResultFile, mesh: Callable[[str, str], tuple[Array, Integers]], rig: Rig, shown: str) -> FitFolder:

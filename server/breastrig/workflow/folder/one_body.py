@@ -1,13 +1,13 @@
-"""Whether two fits can be of one body: lengths between bones that no stance changes, against what they may be off.
+"""Whether two fits can be of one body: lengths that no stance changes, against what they may be off.
 
-Of nine pairs of stances of one body (four virtual patients and the example, picked and not) the first two lengths
-changed by up to 19 and 11 mm, no more than their errors allow; of twenty pairs of two picked bodies fourteen differ by
-more.  Shoulders come up to 115 mm nearer when the arms are raised lying down, so they count between standing scans.
+Between landmarks, as far as the errors of both places are known.  Of nine pairs of stances of one body (four virtual
+patients and the example, picked and not) the first two lengths changed by up to 19 and 11 mm, no more than their errors
+allow; of twenty pairs of two picked bodies fourteen differ by more.  Shoulders come nearer with raised arms, standing,
+too (by more than errors allow in 11 of 92 pairs of one woman), so they do not count.
 
-Without picks those errors explain everything.  The model's own proportions say more: of eleven virtual women, standing
-and lying, scans of one differed by up to 5.2 % from notch to umbilicus and 8.7 % in the pelvis's breadth, found without
-and with landmarks; the limits are a quarter above.  Half of the pairs of two women exceed them (76 of 138 without
-landmarks), none of the 19 of one: like proportions go unnoticed.  Prone scans show too little of a trunk.
+And of the trunk that both fits' scales and shapes make, against their covariances and what stances add; limits and
+rates are in the rig's same_body.toml.  Scans from a breast MRI show too little of a trunk: it is said that they were
+not compared.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.core.errors import NeedsYes
+from breastrig.core.settings_file import Positive, SettingsPart
+from breastrig.core.stances import PRONE
+from breastrig.fitting.body.trunk_lengths import SAID, trunk_lengths
+from breastrig.rig.known import known_part
 from breastrig.workflow.folder.fit_folder import FitFolder
+
+QUESTION = "These do not look like scans of one patient"
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """What is said of two fits."""
+
+    says: str  # one sentence, or two
+    is_question: bool  # a person has to say that they are of one patient; else it is not known, and said
 
 
 @dataclass(frozen=True)
@@ -26,68 +41,104 @@ class Bone:
     end: str
     said: str
     change: float  # m, by which it may differ between two scans of one body, apart from the landmarks' errors
-    standing_only: bool = False
+
+
+class Spreads(SettingsPart):
+    """Standard deviations of the logarithms of trunk_lengths.SAID between fits of one body, beyond what they know."""
+
+    ribs_breadth: Positive
+    waist_breadth: Positive
+    ribs_depth: Positive
+    navel_depth: Positive
+    notch_navel: Positive
+
+
+class TrunkLimits(SettingsPart):
+    """same_body.toml: how much two fits of one body differ."""
+
+    spread: Spreads
+    asked: Positive  # beyond this sum of squares, each over its variance, two fits are asked about
 
 
 BONES = (
     Bone("suprasternal_notch", "xiphoid", "from the notch to the xiphoid", 0.018),  # its skin slides when lying
     Bone("suprasternal_notch", "umbilicus", "from the notch to the umbilicus", 0.025),  # the spine bends
-    Bone("acromion_L", "acromion_R", "between the shoulders", 0.025, standing_only=True),
 )
 
 
-LONGER, BROADER = 0.065, 0.11  # natural logarithm of the ratio
-KNOWN_WITHIN_MM = 60.0  # 90 % radius of a place beyond which the model's proportions say nothing of this patient
+def check_one_body(a: FitFolder, b: FitFolder, same_patient: bool) -> None:
+    """NeedsYes where the two are not likely to be of one patient; `same_patient`: a person says that they are."""
+    doubt = body_doubt(a, b)
+    if doubt is not None and doubt.is_question and not same_patient:
+        raise NeedsYes(doubt.says.removesuffix("."), "same_patient")
 
 
-def body_doubt(a: FitFolder, b: FitFolder) -> str | None:
-    """A sentence where the two are not likely to be of one patient; None where nothing says so, or it is not known."""
-    if a.result.scan.sha256 == b.result.scan.sha256 and a.stance != b.stance and not _is_predicted(a, b):
+def doubts_between(a: FitFolder, b: FitFolder, same_patient: bool = False) -> list[str]:
+    """What is to be read of the two; nothing where a person has said that they are of the `same_patient`."""
+    doubt = None if same_patient else body_doubt(a, b)
+    return [] if doubt is None else [doubt.says]
+
+
+def body_doubt(a: FitFolder, b: FitFolder) -> Doubt | None:
+    """Whether the two are of one patient; None where nothing speaks against it."""
+    if a.result.scan.sha256 == b.result.scan.sha256:
+        if a.stance == b.stance or a.result.predicted or b.result.predicted:
+            return None
         both = f"{a.stance} and as {b.stance}"
-        return f"Both fits are of the same scan file, as {both}. Choose the scan of the other stance."
+        return Doubt(f"Both fits are of the same scan file, as {both}. Choose the scan of the other stance.", True)
+    return _by_landmarks(a, b) or _by_trunk(a, b)
+
+
+def _by_landmarks(a: FitFolder, b: FitFolder) -> Doubt | None:
     (there, off_there), (here, off_here) = _landmarks(a), _landmarks(b)
     known = there.keys() & off_there.keys() & here.keys() & off_here.keys()
-    stands = a.stance == b.stance == "standing"
     for bone in BONES:
-        if not {bone.start, bone.end} <= known or (bone.standing_only and not stands):
+        if not {bone.start, bone.end} <= known:
             continue
         first, second = (float(np.linalg.norm(places[bone.start] - places[bone.end])) for places in (there, here))
         offs = [off[end] for off in (off_there, off_here) for end in (bone.start, bone.end)]
         allowed = float(np.hypot(np.linalg.norm(offs), bone.change))
         if abs(first - second) > allowed:
-            return (
-                f"Are both scans of one patient? It is {1e3 * first:.0f} mm {bone.said} on the {a.stance} scan and "
-                f"{1e3 * second:.0f} mm on the {b.stance} one; {1e3 * allowed:.0f} mm are explained by their errors. "
-                "Check the scans, or these landmarks."
+            on_first, on_second = _scans(a, b)
+            return Doubt(
+                f"{QUESTION}: it is {1e3 * first:.0f} mm {bone.said} on {on_first} and {1e3 * second:.0f} mm on "
+                f"{on_second}; {1e3 * allowed:.0f} mm are explained by their errors.",
+                True,
             )
-    return _proportions(a, b, (there, here), (off_there, off_here))
-
-
-def _proportions(
-    a: FitFolder, b: FitFolder, places: tuple[dict[str, Array], ...], offs: tuple[dict[str, float], ...]
-) -> str | None:
-    ends = ("suprasternal_notch", "umbilicus")
-    is_known = all(1e3 * off.get(end, np.inf) < KNOWN_WITHIN_MM for off in offs for end in ends)
-    if "prone" in (a.stance, b.stance) or _is_predicted(a, b) or not is_known:
-        return None
-    lengths = [float(np.linalg.norm(place[ends[0]] - place[ends[1]])) for place in places]
-    if abs(np.log(lengths[0] / lengths[1])) > LONGER:
-        return (
-            f"Are both scans of one patient? It is {1e3 * lengths[0]:.0f} mm from the notch to the umbilicus on the "
-            f"{a.stance} scan and {1e3 * lengths[1]:.0f} mm on the {b.stance} one. Check the scans, or these landmarks."
-        )
-    breadths = [bone.scale[0] for fit in (a, b) for bone in fit.result.parameters.bones if bone.name == "pelvis"]
-    if len(breadths) == 2 and abs(np.log(breadths[0] / breadths[1])) > BROADER:
-        more = 100.0 * abs(breadths[0] / breadths[1] - 1.0)
-        return (
-            f"Are both scans of one patient? The pelvis differs by {more:.0f} % in breadth between the {a.stance} and "
-            f"the {b.stance} scan. Check the scans."
-        )
     return None
 
 
-def _is_predicted(a: FitFolder, b: FitFolder) -> bool:
-    return a.result.predicted or b.result.predicted
+def _by_trunk(a: FitFolder, b: FitFolder) -> Doubt | None:
+    if PRONE in (a.stance, b.stance):
+        return _unknown(a, b, "a prone scan shows too little of the trunk")
+    limits = known_part(a.rig, "same_body.toml", TrunkLimits)
+    if limits is None:
+        return _unknown(a, b, "nobody has measured how much two fits of one body differ with this model")
+    first, second = (None if fit.body is None else trunk_lengths(fit.rig, fit.body) for fit in (a, b))
+    if first is None or second is None:
+        return _unknown(a, b, "one of the fits does not say how sure it is of the body")
+    spread = np.array([getattr(limits.spread, name) for name in SAID])
+    differs = second.logs - first.logs
+    squares = differs**2 / (first.sigmas**2 + second.sigmas**2 + spread**2)
+    if squares.sum() <= limits.asked:
+        return None
+    words = [
+        f"{100.0 * abs(np.expm1(by)):.0f} % {said[int(by < 0)]}"
+        for by, said in zip(differs, SAID.values(), strict=True)
+    ]
+    most = " and ".join(words[place] for place in np.argsort(-squares)[:2])
+    there, here = _scans(a, b)
+    return Doubt(f"{QUESTION}: the trunk is {most} on {here} than on {there}.", True)
+
+
+def _unknown(a: FitFolder, b: FitFolder, why: str) -> Doubt:
+    return Doubt(f"Whether {' and '.join(_scans(a, b))} are of one patient was not compared: {why}.", False)
+
+
+def _scans(a: FitFolder, b: FitFolder) -> tuple[str, str]:
+    """What they are called."""
+    there, here = (f"{fit.stance} {'prediction' if fit.result.predicted else 'scan'}" for fit in (a, b))
+    return (f"the {there}", f"the {here}") if there != here else (f"the first {there}", f"the second {here}")
 
 
 def _landmarks(fit: FitFolder) -> tuple[dict[str, Array], dict[str, float]]:

@@ -33,21 +33,34 @@ from breastrig.workflow.folder.one_body import body_doubt
 from breastrig.workflow.folder.whose import made_on
 from breastrig.workflow.jobs import PlanJob
 
+NOT_CARRIED = "It was made on a scan that does not look like this patient's; say whether it is, to see it here."
+
 
 def plan_on_fit(job: PlanJob) -> dict[str, Any]:
     """The plan's lines as breastrig/drawing@1 in the scan's frame and unit; each says of which item it is.
+
+    `asked` names the scans that do not look like this patient's: nothing is carried from them until a person says so.
 
     Raises BadInput for what is no plan or no fit.
     """
     rig = read_rig(job.model or default_rig_path())
     plan = checked_plan(job.plan)
-    here, *others = (fit_folder_of(each.folder, rig) for each in (job.fit, *job.others))
-    fits = [(here, job.fit.scan), *zip(others, [other.scan for other in job.others], strict=True)]
+    here = fit_folder_of(job.fit.folder, rig)
+    fits, doubts, asked, kept_back = [(here, job.fit.scan)], [], [], []
+    for other in job.others:
+        fit = fit_folder_of(other.folder, rig)
+        doubt = None if other.one_patient else body_doubt(fit, here)
+        doubts += [] if doubt is None else [doubt.says]
+        if doubt is None or not doubt.is_question:
+            fits.append((fit, other.scan))
+            continue
+        asked.append({"scan": other.scan, "says": doubt.says})
+        kept_back += [{"item": item.id, "reason": NOT_CARRIED} for item in items_of(plan, other.scan, is_home=False)]
     try:
-        found = plan_on_folders(rig, plan, fits)
+        found = plan_document(plan, here, plan_on_folders(rig, plan, fits))
     except MemoryError as error:
         raise BadInput("Carrying this plan needs more memory than it may use; give smaller scans.") from error
-    return plan_document(plan, here, found, others)
+    return found | {"missing": [*found["missing"], *kept_back], "doubts": doubts, "asked": asked}
 
 
 def plan_on_folders(rig: Rig, plan: Plan, fits: Sequence[tuple[FitFolder, str]], home: int = 0) -> PlanOnScan:
@@ -81,11 +94,8 @@ def items_of(plan: Plan, name: str, is_home: bool) -> tuple[PlanItem, ...]:
     return tuple(item for item in plan.items if (item.scan == name if item.scan else is_home))
 
 
-def plan_document(plan: Plan, fit: FitFolder, found: PlanOnScan, others: Sequence[FitFolder] = ()) -> dict[str, Any]:
-    """breastrig/drawing@1 with, beside each line, its item, and with what is missing.
-
-    `others`: fits of the patient's other scans, each perhaps of another body.
-    """
+def plan_document(plan: Plan, fit: FitFolder, found: PlanOnScan) -> dict[str, Any]:
+    """breastrig/drawing@1 with, beside each line, its item, and with what is missing."""
     return (
         empty_plan_on_scan(fit.unit)
         | made_on(fit.result)
@@ -99,7 +109,6 @@ def plan_document(plan: Plan, fit: FitFolder, found: PlanOnScan, others: Sequenc
                 if isinstance(item, PlanNote)
             ],
             "missing": [{"item": each.item.id, "reason": each.reason} for each in found.missing],
-            "doubts": [doubt for other in others if (doubt := body_doubt(other, fit)) is not None],
         }
     )
 

@@ -25,7 +25,7 @@ from breastrig.drawings.transfer import TransferredLine, transferred
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of
-from breastrig.workflow.folder.one_body import body_doubt
+from breastrig.workflow.folder.one_body import check_one_body, doubts_between
 from breastrig.workflow.folder.whose import check_whose, made_on
 from breastrig.workflow.jobs import TransferJob
 from breastrig.workflow.lines.plan_on_fit import plan_document, plan_on_folders
@@ -49,7 +49,10 @@ def drawing_document(file: Path) -> dict[str, Any]:
 
 
 def transfer(job: TransferJob) -> dict[str, Any]:
-    """The drawing on the target scan (breastrig/drawing@1), in its frame and unit.  Raises BadInput."""
+    """The drawing on the target scan (breastrig/drawing@1), in its frame and unit.
+
+    Raises BadInput, of it NeedsYes for a drawing that is another patient's, and for scans that look like two patients'.
+    """
     return transfer_with(read_rig(job.model or default_rig_path()), job)
 
 
@@ -58,6 +61,8 @@ def transfer_with(rig: Rig, job: TransferJob) -> dict[str, Any]:
     source, goal = fit_folder_of(job.from_fit, rig), fit_folder_of(job.to_fit, rig)
     if job.drawing is not None:
         check_whose(job.drawing, (source.result, goal.result), job.same_patient)
+    if not job.other_patient:
+        check_one_body(source, goal, job.one_patient)
     if job.drawing is not None and is_plan(job.drawing):
         return _plan_on(rig, checked_plan(job.drawing), source, goal, job.other_patient)
     if job.drawing is None and source.result.lesions and not job.other_patient:
@@ -73,8 +78,8 @@ def transfer_with(rig: Rig, job: TransferJob) -> dict[str, Any]:
         carried = transferred(rig, a, b, shapes, job.other_patient)
     except MemoryError as error:
         raise BadInput("Carrying this drawing needs more memory than it may use; give smaller scans.") from error
-    doubt = None if job.other_patient else body_doubt(source, goal)
-    return _document(given, goal, carried, job.other_patient) | {"doubts": [] if doubt is None else [doubt]}
+    doubts = [] if job.other_patient else doubts_between(source, goal)
+    return _document(given, goal, carried, job.other_patient) | {"doubts": doubts}
 
 
 def _own(folder: Path, fit: FitFolder) -> Drawing:
@@ -117,7 +122,8 @@ def _plan_on(rig: Rig, plan: Plan, source: FitFolder, goal: FitFolder, other_pat
     """The whole plan on the target: what was made on it as it is, all else carried from the source."""
     if other_patient:
         raise BadDrawing("A plan is one patient's; give a drawing to show it on another one.")
-    return plan_document(plan, goal, plan_on_folders(rig, plan, [(goal, ""), (source, "")], home=1), [source])
+    laid = plan_on_folders(rig, plan, [(goal, ""), (source, "")], home=1)
+    return plan_document(plan, goal, laid) | {"doubts": doubts_between(source, goal)}
 
 
 def _document(

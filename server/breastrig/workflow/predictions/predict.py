@@ -14,7 +14,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput
-from breastrig.core.stances import Stance
+from breastrig.core.stances import PRONE, Stance
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.correspondence.distances import signed_distances
 from breastrig.drawings.drawing_file import lines_on_scan, rounded_mm, shape_document
@@ -29,6 +29,7 @@ from breastrig.files.result import (
     Verdict,
     joint_covariance,
 )
+from breastrig.fitting.uncertainty.contribution import contribution_bytes
 from breastrig.fitting.uncertainty.radii import HOLDS_90, line_error
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.gltf.replay import fitted_glb
@@ -79,7 +80,7 @@ def prediction(rig: Rig, folder: Path, goal: Stance) -> dict[str, bytes]:
         "drawing.json": json_bytes(drawing),
         "distances.bin": np.full(len(moves), np.nan, "<f4").tobytes(),
         UNCERTAINTY: (1e3 * radii).astype("<f4").tobytes(),
-        BODY: b"",
+        BODY: contribution_bytes(None if fit.stance == PRONE else fit.body),  # of a trunk that was seen
         "fit.log.jsonl": b"",
     }
     made[RESULT] = result.beside(made).content()

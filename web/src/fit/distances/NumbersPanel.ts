@@ -119,12 +119,16 @@ const verdictLines = ({ level, reasons }: NonNullable<Result["verdict"]>): HTMLE
   ...reasons.map((reason) => el("p", { class: "muted" }, reason)),
 ];
 
-type Shown = Pick<PageSlice & FitSlice, "meta" | "fit"> & { readonly old: Outdated; readonly lines: ReturnType<typeof linesOn> };
+/** A doubt that a person has to settle stands first, and no such fit is good. */
+const withDoubt = (verdict: NonNullable<Result["verdict"]>, doubt: string): NonNullable<Result["verdict"]> =>
+  doubt === "" ? verdict : { level: verdict.level === "good" ? "check" : verdict.level, reasons: [doubt, ...verdict.reasons] };
 
+type Shown = Pick<PageSlice & FitSlice, "meta" | "fit"> & { readonly old: Outdated; readonly lines: ReturnType<typeof linesOn>; readonly doubt: string };
 
 /** Where a fit can grow old: whether it has, and how another one is asked for. */
 interface Ageing<More> {
   readonly outdated: (state: PageSlice & FitSlice & More) => Outdated;
+  readonly doubt: (state: PageSlice & FitSlice & More) => string; // a question that is open, or empty
   readonly again: () => void;
 }
 
@@ -147,7 +151,7 @@ export function createNumbersPanel<More extends Pick<WithLines, "drawn"> = Pick<
   const element = el("section", { class: "numbers", "aria-label": words.title }, el("h2", {}, words.title), before, old, verdict, hero, sure, live, each, folded);
   return {
     element,
-    select: (state) => ({ meta: state.meta, fit: state.fit, old: ageing?.outdated(state) ?? null, lines: linesOn(state) }),
+    select: (state) => ({ meta: state.meta, fit: state.fit, old: ageing?.outdated(state) ?? null, lines: linesOn(state), doubt: ageing?.doubt(state) ?? "" }),
     update(state: Shown): void {
       const { fit } = state;
       const shown = shownIteration(fit);
@@ -158,7 +162,7 @@ export function createNumbersPanel<More extends Pick<WithLines, "drawn"> = Pick<
       hero.title = lines === null ? "" : words.linesHint;
       setText(number, lines !== null ? marginOf(lines.mm) : shown && !result ? `${formatMm(shown.mean_distance_mm)}\u00a0mm` : "");
       setText(of, lines !== null ? lines.of : words.meanDistance);
-      const judged = result?.verdict;
+      const judged = result?.verdict && withDoubt(result.verdict, state.doubt);
       show(old, state.old !== null && fit?.state !== "running");
       setText(oldWords, state.old ? words.outdated[state.old] : "");
       element.classList.toggle("is-outdated", state.old !== null);
