@@ -3,10 +3,12 @@
     python -m breastrig_studies.radii_factors DIR/warped DIR/poses DIR/prone [--write]
 
 The misfit of a kind of place is the likeliest of a Student t over all fits together, whether all, half, three or none
-of the landmarks are picked.  Its factor is the quantile of error over deviation and misfit that holds nine of ten of
-them, each woman of the choosing half counting alike (split conformal prediction with groups: women), of fits with picks
-or of those without, whichever is larger.  Picks are exact and 5 mm off.  Without --write: what the file's factors hold
-of the reporting half, and how wide they are.  Scores of a scan are kept beside its folder, so that it is fitted once.
+of the landmarks are picked. Its factor is the quantile of error over deviation and misfit that holds nine of ten of
+them, each woman of the choosing half counting alike (split conformal prediction with groups: women), of fits with
+picks or of those without, whichever is larger. Where that half has too few women to speak for others, both halves
+estimate: what the table then says of the second is no check. Picks are exact and 5 mm off. Without --write: what the
+file's factors hold of the reporting half, and how wide they are. Scores of a scan are kept beside its folder, so that
+it is fitted once.
 """
 
 import json
@@ -57,6 +59,7 @@ MISFIT_OF = {"others": "others", "proposed": "others", "seen": "seen", "hidden":
 MISFITS_MM = (0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0)
 STRETCHES = np.geomspace(0.1, 10.0, 60)  # of deviation and misfit, beside which misfits are compared
 HANGS_WITH = ("nipple", "inframammary_fold", "xiphoid", "mid_sternum", "breast", "areola", "chest", "belly")
+FEW = 15  # women of a half: ten prone ones of two donors gave factors that held 73 to 83 % of the other half's
 WOMEN = 3  # fewer whose breasts hang say nothing of others
 
 
@@ -291,6 +294,13 @@ def table(found: Known, known: Calibration) -> Iterator[str]:
                 yield f"{stance:9s}{state:13s}{np.mean(shares):7.1%}{min(shares):7.1%}{width}"
 
 
+def enough(halves: dict[str, Known]) -> Known:
+    """The choosing half, and of stances of which it has too few women the other one as well."""
+    women = {stance: {woman for woman, at, _ in halves[CHOOSE] if at == stance} for _, stance, _ in halves[CHOOSE]}
+    few = {stance for stance, names in women.items() if len(names) < FEW}
+    return halves[CHOOSE] + [each for each in halves[REPORT] if each[1] in few]
+
+
 def main(folders: Sequence[str], write: bool) -> None:
     """Prints the table of both halves, and writes the file's stances when asked to."""
     rig, recipe = read_rig(default_rig_path()), load_recipe("default")
@@ -301,7 +311,7 @@ def main(folders: Sequence[str], write: bool) -> None:
         for case, half, scores in read_scores(folder, rig, recipe):
             halves[half] += [(f"{folder.name} {case.patient}", case.stance, each) for each in scores]
     if write:
-        estimates = factors(halves[CHOOSE], known)
+        estimates = factors(enough(halves), known)
         write_factors(default_rig_path().with_suffix(".known"), estimates)
         known = Calibration.model_validate(known.model_dump() | {"stances": estimates})
     for half, found in halves.items():

@@ -130,3 +130,17 @@ def test_a_misfit_that_no_pick_makes_smaller_is_found_and_held_with_any_number_o
     assert found["others"]["xiphoid"] == pytest.approx(np.sqrt(2.0 * np.log(10.0)), rel=0.06)
     for line in table(known, CALIBRATION.model_copy(update={"stances": _stances(found)})):
         assert float(line.split()[2].rstrip("%")) == pytest.approx(91.0, abs=2.0), line
+
+
+def test_a_half_of_few_women_does_not_speak_for_others() -> None:
+    """With fewer than fifteen choosing women both halves estimate, otherwise the choosing half alone."""
+    one = Score("given", "nipple", 1.0, False, DEVIATION)
+
+    def of(half: str, stance: str, women: int) -> Known:
+        return [(f"{half} {k}", stance, one) for k in range(women)]
+
+    choosing = of("choose", "prone", 10) + of("choose", "standing", 20)
+    halves = {"choose": choosing, "report": of("report", "prone", 10) + of("report", "standing", 20)}
+    found = radii_factors.enough(halves)
+    assert {woman for woman, at, _ in found if at == "standing"} == {f"choose {k}" for k in range(20)}
+    assert len({woman for woman, at, _ in found if at == "prone"}) == 20
