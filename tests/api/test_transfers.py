@@ -327,5 +327,5 @@ def test_nothing_is_carried_between_scans_that_do_not_look_like_one_patients_bef
     apart = client.put(whose, json={"patient": None}).json
     assert apart["id"] != patient
     assert [scan["id"] for scan in apart["scans"]] == [supine]
-    client.put(whose, json={"patient": patient})
+    assert client.put(whose, json={"patient": patient, "again": True}).status_code == 200
     assert shown()[2] == [standing], "whose scan it is was said anew, so what was said before is gone"

@@ -9,9 +9,7 @@ import type { Panel } from "../ui/Panel";
 import type { StancesActions } from "./actions";
 import { nameOfSecond, secondOf } from "./samePatient";
 import type { StancesSlice } from "./state";
-import * as text from "./text";
-
-const words = text.stances.samePatient;
+import { samePatient as words } from "./samePatientText";
 
 type Shown = Pick<PageSlice & ScanSlice & FitSlice & StancesSlice, "problems" | "scan" | "stance" | "fit" | "stances">;
 

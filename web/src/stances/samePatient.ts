@@ -6,7 +6,7 @@ import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import type { Store } from "../store/store";
 import { type AskedPair, stanceNames, type StancesSlice, type Workspace } from "./state";
-import * as text from "./text";
+import { samePatient as words } from "./samePatientText";
 
 type Shown = Pick<ScanSlice & FitSlice & StancesSlice, "scan" | "stance" | "fit" | "stances">;
 type State = PageSlice & Workspace & StancesSlice;
@@ -30,7 +30,7 @@ export function secondOf({ scan, stances }: Shown, { scan: first, other }: Asked
 export function nameOfSecond(state: Shown, second: string): string {
   const [mine, its] = stanceNames(state);
   if (second === state.scan?.info.id) return mine;
-  return second === state.stances.other?.scan?.info.id ? its : text.stances.samePatient.further;
+  return second === state.stances.other?.scan?.info.id ? its : words.further;
 }
 
 export async function answerSamePatient<Whole extends State>(store: Store<Whole>, client: Pick<Client, "moveScan">, others: Others, isSame: boolean): Promise<void> {
@@ -51,7 +51,7 @@ export async function answerSamePatient<Whole extends State>(store: Store<Whole>
       const left = store.get().scan?.info;
       if (left) await others.read(left); // without what was planned on the other one
     }
-    set(({ stances }) => ({ stances: { ...stances, asked: stances.asked.filter((each) => !isIt(each)), answers: stances.answers + 1 }, ...(isSame ? {} : { announcement: text.stances.samePatient.announce(name, filed.code) }) }));
+    set(({ stances }) => ({ stances: { ...stances, asked: stances.asked.filter((each) => !isIt(each)), answers: stances.answers + 1 }, ...(isSame ? {} : { announcement: words.announce(name, filed.code) }) }));
   } catch (error) {
     others.fail(error);
   }

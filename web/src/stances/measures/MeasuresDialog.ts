@@ -11,9 +11,9 @@ import { close as closeText } from "../../ui/text";
 import type { StancesActions } from "../actions";
 import { type Cell, formatCell, formatMargin, measuredDoubts, type MeasureLine, measuresCsv, measuresTable, type MeasuresTable } from "./measuresTable";
 import { measuredFits, type StancesSlice } from "../state";
-import * as text from "../text";
+import * as text from "./text";
 
-const words = text.stances.table;
+const words = text.table;
 const COLUMNS = ["left", "right", "difference"] as const;
 const HEADS = { left: words.left, right: words.right, difference: words.difference };
 const UNITS = { mm: "mm", ml: "ml", "1": "", grade: "" };
