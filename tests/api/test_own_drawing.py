@@ -10,6 +10,7 @@ from flask.testing import FlaskClient
 from helpers.on_disk import bytes_below
 from helpers.problems import problem
 
+from breastrig.scan.read import read_scan
 from breastrig.service.service import Service
 
 LINE = {
@@ -47,11 +48,15 @@ def test_a_drawing_is_kept_with_its_scan(client: FlaskClient, scan_id: str) -> N
     assert client.get(place(scan_id)).json == empty
 
 
-def test_points_up_to_50_mm_outside_of_the_scan_are_taken(client: FlaskClient, scan_id: str) -> None:
-    high = client.get(f"/api/scans/{scan_id}").json["bounds_m"]["max"]
-    for gap_mm, status in ((49.0, 200), (51.0, 422)):
-        point = [1000 * high[0] + gap_mm, 1000 * high[1], 1000 * high[2]]
-        assert client.put(place(scan_id), json=line(points=[point])).status_code == status
+def test_points_up_to_10_mm_off_the_skin_are_taken(client: FlaskClient, scan_id: str, torso: bytes) -> None:
+    vertices = read_scan(torso, "ply").vertices
+    front = 1e3 * vertices[vertices[:, 2].argmax()]
+    for gap_mm, status in ((9.0, 200), (11.0, 422)):
+        answer = client.put(place(scan_id), json=line(points=[[*front], [*front[:2], front[2] + gap_mm]]))
+        assert answer.status_code == status
+    assert problem(answer, 422).startswith('Point 2 of "incision" is 11 mm away from the scan; draw on the skin')
+    guessed = line(points=[[*front], [*front[:2], front[2] + 30.0]], bridged=[False, True])
+    assert client.put(place(scan_id), json=guessed).status_code == 200
 
 
 def test_a_drawing_file_of_a_transfer_can_be_kept_as_it_is(client: FlaskClient, scan_id: str) -> None:

@@ -14,6 +14,7 @@ from PIL import Image
 
 from breastrig.core.identity import LETTERS
 from breastrig.service.service import Service
+from breastrig.storage.rows.patients import put_plan
 
 LINE = {"kind": "line", "name": "incision", "closed": False, "color": "#b83280", "points": [[70.0, 350.0, 120.0]]}
 TUMOUR = {"kind": "tumour", "side": "L", "clock": 10.0, "distance_mm": 45.0, "radius_mm": 12.0, "depth_mm": 20.0}
@@ -100,11 +101,11 @@ def test_a_plan_is_kept_whole_with_its_ids_and_versions(client: FlaskClient, add
 def test_the_longest_plan_that_the_schema_allows_is_kept(client: FlaskClient, add: Any) -> None:
     """With every digit that a page sends, and notes in letters of three bytes each."""
     scan = add()
-    points = [[1e3 * x / 3.0, 350.0 + x / 3.0, 120.0 + x / 7.0] for x in (k / 2500 for k in range(250))]
+    points = [[70.0 + x / 3.0, 350.0 + x / 3.0, 120.0 + x / 7.0] for x in (k / 2500 for k in range(250))]
     more = {"bridged": [False] * 250, "error_mm": [5.0 / 3.0] * 250, "label": "l" * 200, "color": "#123456"}
     lines = [item(scan, LINE | more | {"points": points, "name": f"{k:0100}"}, f"{k:064}") for k in range(200)]
     notes = [
-        item(scan, {"kind": "note", "text": "ж" * 2_000, "point": [0.1, 350.2, 120.3]}, f"n{k}") for k in range(300)
+        item(scan, {"kind": "note", "text": "ж" * 2_000, "point": [70.1, 350.2, 120.3]}, f"n{k}") for k in range(300)
     ]
     body = json.dumps({"items": lines + notes})
     assert 5_000_000 < len(body) < 12_000_000
@@ -162,6 +163,33 @@ def test_what_cannot_be_planned_is_refused(client: FlaskClient, add: Any, wrong:
     scan = add()
     assert word in problem(put(client, scan, [{"scan": scan["id"]} | wrong], '"0"'), 422)
     assert client.get(plan_of(scan)).json["version"] == 0
+
+
+OFF = [0.0, 350.0, 120.0]  # 15 mm under the skin, in the middle of the scan's bounds
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        (LINE | {"points": [*LINE["points"], OFF]}, 'Point 2 of "incision" is 1'),
+        ({"kind": "note", "text": "here", "point": OFF}, 'Point 1 of "here" is 1'),
+    ],
+)
+def test_what_is_new_lies_on_the_skin_and_what_was_kept_elsewhere_can_still_be_saved(
+    client: FlaskClient, service: Service, add: Any, wrong: dict[str, Any], said: str
+) -> None:
+    scan = add()
+    new, good = item(scan, wrong, "w"), item(scan, LINE | {"name": "good"}, "g")
+    answer = problem(put(client, scan, [good, new], '"0"'), 422)
+    assert answer.startswith(said)
+    assert answer.endswith("draw on the skin, and check that drawing and scan have the same unit and frame.")
+    assert client.get(plan_of(scan)).json["version"] == 0
+    assert put_plan(service.storage, scan["patient"], [new], 0) is not None
+    named = {"name": "renamed"} if "name" in new else {"text": "there"}
+    assert put(client, scan, [new | named, good], '"1"').status_code == 200
+    nearer = [0.0, 350.0, 121.0]
+    moved = {"points": [*LINE["points"], nearer]} if "points" in new else {"point": nearer}
+    problem(put(client, scan, [new | named | moved], '"2"'), 422)
 
 
 def test_two_items_of_one_id_or_two_lines_of_one_name_are_refused(client: FlaskClient, add: Any) -> None:

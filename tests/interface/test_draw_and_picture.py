@@ -88,7 +88,7 @@ def test_what_cannot_be_drawn_is_said_in_a_sentence(fits: Fits) -> None:
         ("nothing", "is not a drawing of this model"),
         (breastrig.Lesion("Far", np.full(3, 1e3), 7.0), "outside the skin"),
         (breastrig.Lesion("No place", np.zeros(2), 7.0), "three finite numbers"),
-        (breastrig.Line("elsewhere", np.full((2, 3), 1e3)), "off this scan"),
+        (breastrig.Line("elsewhere", np.full((2, 3), 1e3)), "away from the scan"),
         (Path("none.json"), "There is no drawing"),
     ):
         with pytest.raises(breastrig.BadDrawing, match=said):

@@ -12,7 +12,7 @@ from breastrig.scan.landmarks.landmark_files import REACH, checked_certain, land
 from breastrig.scan.landmarks.names import by_known_names, known_name
 from breastrig.storage.rows.scans import ScanRow
 
-DRAWN_REACH_M = 0.05  # beyond the scan's bounds: a line may cross a hole at the rim, further out it is of another scan
+REACH_M = 0.05  # beyond the scan's bounds: over a hole at the rim, under a hand that drags; further out is another scan
 
 
 def picks_of_file(data: bytes, scan: ScanRow, model: ServedModel) -> Picks:
@@ -42,9 +42,12 @@ def check_landmarks(picks: Picks, scan: ScanRow, model: ServedModel) -> None:
 
 
 def check_near_scan(name: str, points: Sequence[Sequence[float]], scan: ScanRow) -> None:
-    """Raises BadDrawing with a sentence when one of the points (mm, scan frame) lies far outside."""
+    """Raises BadDrawing with a sentence when one of the points (mm, scan frame) lies far outside.
+
+    It costs nothing; how far a line is off the skin is measured where the scan is read (service/skin_checks.py).
+    """
     for point in points:
-        if (outside := _metres_outside(point, scan)) > DRAWN_REACH_M:
+        if (outside := _metres_outside(point, scan)) > REACH_M:
             raise BadDrawing(f'A point of "{name}" lies {_outside("drawings", outside, scan)}')
 
 

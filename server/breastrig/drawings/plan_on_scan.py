@@ -12,13 +12,12 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
-from breastrig.core.units import distance_text
 from breastrig.drawings.clock import FittedSkin
 from breastrig.drawings.inside.lesions import LesionsOnScan, PlacedLesion, distances_to_lines
 from breastrig.drawings.line_error import with_errors
+from breastrig.drawings.on_skin import check_on_skin
 from breastrig.drawings.patterns import drawing_with
 from breastrig.drawings.plan_schema import PlanItem, PlanLesion, PlanLine, PlanNote, PlanPattern, PlanTumour, asked_of
-from breastrig.drawings.prepare_polyline import OFF_THE_SKIN
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.drawings.transfer import transferred
@@ -117,7 +116,7 @@ def _drawn(rig: Rig, scan: FittedScan, items: Sequence[PlanItem]) -> tuple[list[
 def _lines(skin: FittedSkin, scan: FittedScan, item: PlanItem) -> list[tuple[Polyline, str]]:
     if isinstance(item, PlanLine):
         line = _on_skin(item.name, item.closed, item.color, item.points, item.bridged)
-        _check_near_skin(scan, line)
+        check_on_skin(line, scan.target.search.query(line.points).distances)
         error = None if item.error_mm is None else 1e-3 * np.array(item.error_mm, dtype=np.float64)  # null becomes nan
         return [(replace(line, error=error), "")]
     if isinstance(item, PlanLesion):
@@ -127,16 +126,6 @@ def _lines(skin: FittedSkin, scan: FittedScan, item: PlanItem) -> list[tuple[Pol
     rig, drawing = skin.rig, drawing_with(skin.rig, *asked_of(item)).on_skin(skin)
     found = with_errors(rig, scan.search(rig), scan.radii, on_scan(rig, scan.vertices, drawing, scan.target))
     return [(line, line.name) for line in found]
-
-
-def _check_near_skin(scan: FittedScan, line: Polyline) -> None:
-    """BadDrawing where a point that crosses no hole is farther off than a drawing may be."""
-    off = scan.target.search.query(line.points).distances[~line.bridged]
-    if len(off) and off.max() > OFF_THE_SKIN:
-        raise BadDrawing(
-            f'"{line.name}" lies up to {distance_text(float(off.max()))} off this scan; it was drawn on another one, '
-            "or in another unit or frame: draw it again."
-        )
 
 
 def _on_skin(

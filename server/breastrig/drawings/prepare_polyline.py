@@ -12,8 +12,8 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Booleans
 from breastrig.core.errors import BadDrawing
-from breastrig.core.units import distance_text
 from breastrig.correspondence.match import MatchRules, match
+from breastrig.drawings.on_skin import check_on_skin
 from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.geodesic import Geodesics
@@ -24,7 +24,6 @@ from breastrig.rig.model import Rig
 
 SPACING = 0.003  # m between points of a line: finer than a pen, coarser than the noise
 FAR_APART = 0.015  # m between two points; the skin is 1 mm off a chord of 15 mm where its radius is 3 cm
-OFF_THE_SKIN = 0.010  # m; drawn points nearer are moved onto the skin, farther ones are of another scan, frame or unit
 SKIN_BELOW = MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3)
 
 
@@ -38,13 +37,7 @@ def prepared(rig: Rig, scan: FittedScan, shapes: Sequence[Polyline]) -> list[Pol
     given = scan.target.search.query(points)
     rows = parts(shapes)
     for shape, part in zip(shapes, rows, strict=True):
-        off = np.flatnonzero((given.distances[part] > OFF_THE_SKIN) & ~shape.bridged)
-        if len(off):
-            gap = distance_text(float(given.distances[part][off[0]]))
-            raise BadDrawing(
-                f'Point {off[0] + 1} of "{shape.name}" is {gap} away from the scan; '
-                "draw on the skin, and check that drawing and scan have the same unit and frame."
-            )
+        check_on_skin(shape, given.distances[part])
     corners = np.where(skipped[:, None], points, given.points)
     model = ClosestPointSearch(scan.vertices, rig.faces)
     below = model.query(corners).on_mesh

@@ -41,6 +41,7 @@ from breastrig.service.readiness import Readiness
 from breastrig.service.reports import Reports
 from breastrig.service.scan_search import InkSearch, Proposals, Proposer
 from breastrig.service.share_snapshots import ShareSnapshots
+from breastrig.service.skin_checks import SkinChecks
 from breastrig.service.sweep import KEEP_DAYS, Sweep
 from breastrig.service.task_modules import TASK_MODULES
 from breastrig.storage.deletion import delete_rows, discard, finish_deletions, remove_files
@@ -110,6 +111,7 @@ class Service:
         self.models = KeptModels(storage, model)
         self.plans = Plans(storage, self._others, self.models)
         self.moving = Moving(storage, hands, self.models)
+        self.skin_checks = SkinChecks(storage, hands)
         self.reports = Reports(storage, self._others, self.plans, self.models)
         self.shares = ShareSnapshots(storage, self._others, self.plans, self.reports, self.models)
         self._notifier = Notifier(storage)

@@ -99,6 +99,16 @@ class InkJob:
 
 
 @dataclass(frozen=True)
+class SkinJob:
+    """Lines and places that are to be kept, which must lie on a scan's skin."""
+
+    scan: Path
+    file_type: str
+    units: str
+    shapes: tuple[dict[str, Any], ...]  # of breastrig/drawing@1, mm
+
+
+@dataclass(frozen=True)
 class SnapshotJob:
     """What a share link is to show of a fit, as it stands now."""
 

@@ -34,8 +34,9 @@ def show_drawing(scan_id: str) -> OwnDrawing:
 def replace_drawing(scan_id: str, json_data: OwnDrawing, query_data: SamePatient) -> OwnDrawing:
     """Replace the lines on the scan, mm
 
-    At most 500 shapes with 50,000 points together, each shape with a name of its own; points must lie near the scan.
-    They become items of the patient's plan, whose other items stay; a line that keeps its name keeps its id.
+    At most 500 shapes with 50,000 points together, each shape with a name of its own; new ones lie within 10 mm
+    of the scan's skin, but for points over a hole (`bridged`).  They become items of the patient's plan, whose other
+    items stay; a line that keeps its name keeps its id.
     """
     storage = app_context().service.storage
     scan = get_scan(storage, scan_id)
@@ -43,6 +44,7 @@ def replace_drawing(scan_id: str, json_data: OwnDrawing, query_data: SamePatient
     check_whose(json_data.model_dump(mode="json"), [patient], query_data.same_patient)
     for shape in json_data.shapes:
         check_near_scan(shape.name, shape.points, scan)
+    app_context().service.skin_checks.check(scan, [shape.model_dump(mode="json") for shape in json_data.shapes])
     ids = {line["name"]: line["id"] for line in _lines_on(scan_id)}
     items = [
         line_item(shape.model_dump(), ids.get(shape.name, f"line-{place}"), scan_id)

@@ -1,7 +1,9 @@
 """Patients: the list to work through, whose scan a scan is, and the plan of each."""
 
 import json
+from collections import defaultdict
 from datetime import datetime, timedelta
+from typing import Any
 
 from apiflask import APIBlueprint
 from flask import Response
@@ -17,6 +19,7 @@ from breastrig.core.errors import BadDrawing
 from breastrig.drawings.patterns import drawing_with
 from breastrig.drawings.plan_schema import Plan, PlanLesion, PlanLine, PlanNote, asked_of
 from breastrig.report.pages.printable import check_printable, checked_code
+from breastrig.service.skin_checks import shapes_of
 from breastrig.storage.rows.fits import FitRow, newest_fits
 from breastrig.storage.rows.patients import (
     PatientRow,
@@ -145,8 +148,9 @@ def replace_plan(
 ) -> Response:
     """Replace the plan
 
-    At most 500 items, its lines with 50,000 points together; each item names one of the patient's scans, and points
-    lie near that scan.  A plan that names another code and other scans is another patient's, unless `same_patient`.
+    At most 500 items, its lines with 50,000 points together; each item names one of the patient's scans.  Lines and
+    places that are new lie within 10 mm of that scan's skin, but for points over a hole (`bridged`).  A plan that names
+    another code and other scans is another patient's, unless `same_patient`.
     """
     storage = app_context().service.storage
     if headers_data.if_match is None:
@@ -184,18 +188,21 @@ def _check(plan: Plan, patient_id: str) -> None:
     scans = {
         row.id: row for row in get_scans(context.service.storage, scans_of_patient(context.service.storage, patient_id))
     }
+    placed: dict[str, list[dict[str, Any]]] = defaultdict(list)
     for item in plan.items:
         scan = scans.get(item.scan)
         if scan is None:
             raise BadDrawing(f'The item "{item.id}" was made on a scan that is none of this patient; name one of hers.')
-        if isinstance(item, PlanLine):
-            check_near_scan(item.name, item.points, scan)
-        elif isinstance(item, PlanNote):
-            check_near_scan(item.text[:40], [] if item.point is None else [item.point], scan)
+        if isinstance(item, PlanLine | PlanNote):
+            for shape in shapes_of(item.model_dump(mode="json")):
+                check_near_scan(shape["name"], shape["points"], scan)
+                placed[scan.id].append(shape)
         elif isinstance(item, PlanLesion):
             check_near_scan(item.name, [item.center], scan)
         else:
             drawing_with(context.model_of(scan.facts).rig, *asked_of(item))
+    for name, shapes in placed.items():
+        context.service.skin_checks.check(scans[name], shapes)
 
 
 def _plan_answer(patient_id: str, plan: PlanRow) -> Response:

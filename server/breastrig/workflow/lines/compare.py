@@ -11,10 +11,9 @@ from PIL import Image
 from breastrig.core.documents import csv_table, json_bytes
 from breastrig.core.errors import BadDrawing
 from breastrig.core.notice import LIMITS_OF_USE
-from breastrig.core.private_files import write_files
-from breastrig.core.units import distance_text
+from breastrig.core.private_files import shown, write_files
 from breastrig.drawings.drawing_file import Drawing, parsed_drawing
-from breastrig.drawings.prepare_polyline import OFF_THE_SKIN
+from breastrig.drawings.on_skin import check_on_skin
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.superimposition import gaps
 from breastrig.drawings.superimposition_picture import superimposed
@@ -54,12 +53,10 @@ def compare(job: CompareJob) -> dict[str, Any]:
         given = parsed_drawing(document, rig, folder.unit)
         on_skin = list(given.on_scan)
         for shape in on_skin:
-            off = scan.target.search.query(shape.points[~shape.bridged]).distances
-            if (off > OFF_THE_SKIN).any():
-                raise BadDrawing(
-                    f'"{shape.name}" of {file} is {distance_text(float(off.max()))} away from the scan; both drawings '
-                    "must be in the scan's frame."
-                )
+            try:
+                check_on_skin(shape, scan.target.search.query(shape.points).distances)
+            except BadDrawing as error:
+                raise BadDrawing(f"{shown(file.name)}: {error}") from error
         on_skin += on_scan(rig, scan.vertices, _drawn(given), scan.target)
         shapes.append(on_skin)
     found = gaps(*shapes)
