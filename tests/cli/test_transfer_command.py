@@ -113,6 +113,33 @@ def test_a_drawing_that_cannot_be_carried_is_one_line(
     assert not (tmp_path / "out.json").exists()
 
 
+@pytest.mark.parametrize("kind", ["drawing", "plan"])
+def test_it_says_which_points_it_moved_onto_the_skin(
+    kind: str, fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = read_fit_folder(fits / "standing")
+    target, marks = skin(folder), folder.landmarks
+    middle = [marks["xiphoid"] + share * (marks["mid_sternum"] - marks["xiphoid"]) for share in np.linspace(0, 1, 8)]
+    on = target.search.query(np.array(middle))
+    out = target.surface_at(on.faces, on.barycentric)[1]
+    off = np.array([0.0, 0.0004, 0.003, 0.003, 0.006, 0.0, 0.002, 0.0004])[:, None]
+    lines = {"off": on.points + off * out, "on": on.points, "one": (on.points + off * out)[5:]}
+    shapes = [{"name": name, "points": (1e3 * points).tolist()} for name, points in lines.items()]
+    items = [{"kind": "line", "id": shape["name"]} | shape for shape in shapes]
+    document = {"schema": "breastrig/plan@1", "items": items} if kind == "plan" else {"unit": "mm", "shapes": shapes}
+    (tmp_path / "given.json").write_text(json.dumps(document))
+    found = transfer(fits, "standing", "supine", tmp_path / "out.json", "--drawing", str(tmp_path / "given.json"))
+    said = [
+        '"off": points 3 to 5 and 7 were moved onto the skin, by up to 6 mm.',
+        '"one": point 2 was moved onto the skin, by 2 mm.',
+    ]
+    assert found["moved"] == said
+    assert [line for line in capsys.readouterr().err.splitlines() if "moved" in line] == [
+        f"breastrig: {each}" for each in said
+    ]
+    assert transfer(fits, "standing", "supine", tmp_path / "own.json")["moved"] == []
+
+
 def test_a_folder_that_is_no_fit_is_one_line(fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pair = ["--from", str(fits / "standing"), "--to", str(tmp_path)]
     assert main(["transfer", *pair, "-o", str(tmp_path / "out.json")]) == 2
@@ -147,7 +174,7 @@ def test_a_drawing_of_another_scan_cannot_be_compared(
     assert main(command) == 2
     assert "add --same-patient" in capsys.readouterr().err
     assert main([*command, "--same-patient"]) == 2
-    assert "must be in the scan's frame" in capsys.readouterr().err
+    assert "have the same unit and frame" in capsys.readouterr().err
 
 
 PLAN = {

@@ -51,8 +51,8 @@ def run(options: argparse.Namespace) -> int:
             model=options.model,
         )
         drawing.save(out / options.output.name)
-    for doubt in drawing.document.get("doubts", ()):
-        print(f"breastrig: {doubt}", file=sys.stderr)
+    for said in (*drawing.document.get("doubts", ()), *drawing.document.get("moved", ())):
+        print(f"breastrig: {said}", file=sys.stderr)
     say_unchecked(options.from_fit, options.to_fit)
     shapes = drawing.document["shapes"]
     bridged, count = sum(sum(shape["bridged"]) for shape in shapes), sum(len(shape["points"]) for shape in shapes)

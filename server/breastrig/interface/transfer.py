@@ -47,7 +47,8 @@ def transfer(
     Returns:
         Lines with more points than before; `bridged` (M,) says where the target's scan has a hole, and
         `distance_from_mm`, `distance_to_mm` (M,) how far both fits were from their scans there, and `error_mm` (M,)
-        the radius that holds each point's true place with 90 %.
+        the radius that holds each point's true place with 90 %.  `document["moved"]` says which given points were moved
+        onto the skin.
 
     Raises:
         BadInput: BadDrawing or another, with one sentence; NeedsYes where `same_patient` has to be said.

@@ -45,5 +45,8 @@ class CarriedDrawing(Wire):
     patient: PatientCode | None = Field(None, exclude_if=lambda code: code is None)
     scan_sha256: Digest | None = Field(None, exclude_if=lambda digest: digest is None)
     doubts: list[str] = Field([], description="why the two scans may be of two patients, a sentence each")
+    moved: list[str] = Field(
+        [], description="which points lay off the first scan's skin, by more than 1 mm, and were moved onto it"
+    )
     carried_by: Literal["skin", "model"]
     shapes: list[CarriedShape]

@@ -56,7 +56,7 @@ def compare(job: CompareJob) -> dict[str, Any]:
             try:
                 check_on_skin(shape, scan.target.search.query(shape.points).distances)
             except BadDrawing as error:
-                raise BadDrawing(f"{shown(file.name)}: {error}") from error
+                raise BadDrawing(f"{shown(file)}: {error}") from error
         on_skin += on_scan(rig, scan.vertices, _drawn(given), scan.target)
         shapes.append(on_skin)
     found = gaps(*shapes)

@@ -5,6 +5,7 @@ process of its own, as it does with everything that reads scans.
 """
 
 import json
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -19,16 +20,18 @@ from breastrig.drawings.drawing_file import (
     parsed_drawing,
     shape_document,
 )
-from breastrig.drawings.plan_schema import PLAN_SCHEMA, Plan, checked_plan, is_plan
+from breastrig.drawings.on_skin import moved_onto_skin
+from breastrig.drawings.plan_schema import PLAN_SCHEMA, Plan, PlanLine, checked_plan, is_plan
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.transfer import TransferredLine, transferred
+from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of
 from breastrig.workflow.folder.one_body import check_one_body, doubts_between
 from breastrig.workflow.folder.whose import check_whose, made_on
 from breastrig.workflow.jobs import TransferJob
-from breastrig.workflow.lines.plan_on_fit import plan_document, plan_on_folders
+from breastrig.workflow.lines.plan_on_fit import items_of, plan_document, plan_on_folders, scan_of_plan
 
 
 def drawing_document(file: Path) -> dict[str, Any]:
@@ -79,7 +82,15 @@ def transfer_with(rig: Rig, job: TransferJob) -> dict[str, Any]:
     except MemoryError as error:
         raise BadInput("Carrying this drawing needs more memory than it may use; give smaller scans.") from error
     doubts = [] if job.other_patient else doubts_between(source, goal)
-    return _document(given, goal, carried, job.other_patient) | {"doubts": doubts}
+    found = _document(given, goal, carried, job.other_patient)
+    return found | {"doubts": doubts, "moved": _moved(source, given.on_scan)}
+
+
+def _moved(source: FitFolder, lines: Iterable[Polyline]) -> list[str]:
+    """Of which lines on the source's scan points were moved onto its skin, a sentence each."""
+    search = source.fitted_scan.target.search
+    said = (moved_onto_skin(line, search.query(line.points).distances) for line in lines)
+    return [sentence for sentence in said if sentence is not None]
 
 
 def _own(folder: Path, fit: FitFolder) -> Drawing:
@@ -123,7 +134,14 @@ def _plan_on(rig: Rig, plan: Plan, source: FitFolder, goal: FitFolder, other_pat
     if other_patient:
         raise BadDrawing("A plan is one patient's; give a drawing to show it on another one.")
     laid = plan_on_folders(rig, plan, [(goal, ""), (source, "")], home=1)
-    return plan_document(plan, goal, laid) | {"doubts": doubts_between(source, goal)}
+    shapes = [
+        item.model_dump(mode="json")
+        for item in items_of(plan, scan_of_plan(plan, source), is_home=True)
+        if isinstance(item, PlanLine)
+    ]
+    missing = {each.item.id for each in laid.missing}
+    lines = lines_on_scan({"unit": "mm", "shapes": [each for each in shapes if each["id"] not in missing]}, "mm")
+    return plan_document(plan, goal, laid) | {"doubts": doubts_between(source, goal), "moved": _moved(source, lines)}
 
 
 def _document(
