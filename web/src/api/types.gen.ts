@@ -26,6 +26,8 @@ export type CarriedDrawing = {
   scan_sha256?: string | null;
   /** why the two scans may be of two patients, a sentence each */
   doubts?: string[];
+  /** which points lay off the first scan's skin, by more than 1 mm, and were moved onto it */
+  moved?: string[];
   carried_by: "skin" | "model";
   shapes: CarriedShape[];
 };
