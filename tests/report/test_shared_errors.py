@@ -192,3 +192,73 @@ def test_a_band_that_says_nothing_is_no_number_anywhere(row: Row, gone: tuple[st
     assert dict(zip(head.split(","), line.split(","), strict=True))["left_high"] == (
         "" if "left" in gone else str(flat["left_high"])
     )
+
+
+def moved_alike(rig: Rig) -> Array:
+    """(3 L, 3 L) m²: all landmarks move up together, and those of both sides outwards alike, by 20 mm each."""
+    axes = body_frame(rig, rig.template).axes
+    sides = [1.0 if name.endswith("_L") else -1.0 if name.endswith("_R") else 0.0 for name in rig.landmark_names]
+    up = np.tile(axes[:, 1], len(sides))
+    outwards = np.concatenate([side * axes[:, 0] for side in sides])
+    return np.asarray(0.02**2 * (np.outer(up, up) + np.outer(outwards, outwards)))
+
+
+def sure_skin(rig: Rig, joint: Array | None, **more: object) -> dict[str, Row]:
+    """Of a body whose landmarks alone are not known exactly."""
+    rows = measures(stance(rig, joint, radii=np.zeros(len(rig.template)), **more))
+    return {row.measure: row for row in rows if row.kind in ("ratio", "in height")}
+
+
+@pytest.mark.parametrize("name", ["M2", "M3", "M4", "M5"])
+def test_ratios_are_sure_of_what_moves_both_sides_alike(name: str, rig: Rig) -> None:
+    joint = moved_alike(rig)
+    row, alone = (
+        sure_skin(rig, joint)[name],
+        sure_skin(rig, None, landmark_radii=stance(rig, joint).landmark_radii)[name],
+    )
+    assert row.value is not None
+    assert row.value.margin == pytest.approx(0.0, abs=2e-3)
+    assert name == "M5" or alone.value is None or (alone.value.margin or 0.0) > 0.05
+
+
+@pytest.mark.parametrize("name", ["M2", "M3", "M4"])
+def test_nine_of_ten_true_ratios_are_held(name: str, rig: Rig) -> None:
+    joint = covariance(rig, 1) / 400.0  # small enough for a band to first order
+    value = sure_skin(rig, joint)[name].value
+    assert value is not None
+    names, axes = list(rig.landmark_names), body_frame(rig, rig.template).axes
+    drawn = np.random.default_rng(2).multivariate_normal(np.zeros(len(joint)), joint, 20_000).reshape(-1, len(names), 3)
+    off = dict(zip(names, (drawn @ axes).transpose(1, 2, 0), strict=True))  # to the left, up, forwards
+    plane = np.mean([off[each][0] for each in names if not each.endswith(("_L", "_R"))], axis=0)
+    lengths = []
+    for side, paths, sign in zip(SIDES, ("left", "right"), (1.0, -1.0), strict=True):
+        a, b = sure_skin(rig, joint)[name].paths[paths]
+        nipple = off[f"nipple_{side}"]
+        left, up, _ = axes.T @ (a - b)
+        lengths.append(
+            {
+                "M2": up + nipple[1],
+                "M3": sign * (left + nipple[0] - plane),
+                "M4": sign * (-left - nipple[0]),
+                "M5": off["suprasternal_notch"][1] - up,
+            }[name]
+        )
+    true = np.min(lengths, axis=0) / np.max(lengths, axis=0)
+    assert np.mean(np.abs(true - value.value) <= (value.margin or 0.0)) == pytest.approx(0.9, abs=0.02)
+
+
+@pytest.mark.parametrize("name", ["nipple_above_fold", "lowest_point_above_fold"])
+def test_differences_of_heights_are_sure_of_folds_that_move_alike(name: str, rig: Rig) -> None:
+    at = dict(zip(rig.landmark_names, rig.landmark_points().positions(rig.template, rig.faces), strict=True))
+    nipples = {each: at[each] for each in ("nipple_L", "nipple_R")}
+    row = sure_skin(rig, moved_alike(rig), picked=nipples)[name]
+    known = measure_calibration(rig)
+    assert known is not None
+    own = known.heights.picked if name.startswith("nipple") else known.heights.lowest
+    assert row.difference is not None
+    assert row.left is not None
+    assert row.left.margin is not None
+    assert 1e3 * np.sqrt(2.0) * own <= (row.difference.margin or 0.0) < row.left.margin + 1e3 * own
+    assert row.between is not None
+    unshared = sure_skin(rig, np.diag(np.diag(moved_alike(rig))), picked=nipples)[name]
+    assert row.between < 0.6 * (unshared.between or 0.0)

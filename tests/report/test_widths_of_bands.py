@@ -56,11 +56,11 @@ def test_nine_of_ten_ratios_are_held() -> None:
     rng, (one, other) = np.random.default_rng(1), (80.0, 100.0)
     halves = (4.0, 6.0)
     a, b = (size + half / 1.645 * rng.normal(size=100_000) for size, half in zip((one, other), halves, strict=True))
-    found = ratio_half_width((one, other), halves)
+    found = ratio_half_width((one, other), ((), ()), halves, None, 1.0)
     assert found is not None
     assert np.mean(np.abs(a / b - one / other) <= found) == pytest.approx(0.9, abs=0.01)
-    assert ratio_half_width((other, one), halves[::-1]) == pytest.approx(found)
-    assert ratio_half_width((one, other), (4.0, None)) is None
+    assert ratio_half_width((other, one), ((), ()), halves[::-1], None, 1.0) == pytest.approx(found)
+    assert ratio_half_width((one, other), ((), ()), (4.0, None), None) is None
 
 
 def test_each_ratio_is_as_wide_as_its_own_places_say(rig: Rig) -> None:
@@ -81,12 +81,14 @@ def test_each_ratio_is_as_wide_as_its_own_places_say(rig: Rig) -> None:
 
     up, across = frame.height, lambda point: float(abs(frame.lateral(point)))
     pairs = list(zip(nipples, low, far, strict=True))
+    drops = [float(up(notch) - up(v)) for _, v, _ in pairs]
+    of_notch = min(drops) / max(drops) * (1.0 / min(drops) - 1.0 / max(drops))  # both sides have the same one
     wanted = {
         "M1": OF_RATIO * np.hypot(0.006, 0.006) / apart,
         "M2": ratio([float(up(n) - up(v)) for n, v, _ in pairs], [float(np.hypot(0.006, r)) for r in at_low]),
         "M3": ratio([across(n) for n, _, _ in pairs], [OF_RATIO * 0.006] * 2),
         "M4": ratio([across(e) - across(n) for n, _, e in pairs], [float(np.hypot(0.006, r)) for r in at_far]),
-        "M5": ratio([float(up(notch) - up(v)) for _, v, _ in pairs], [OF_RATIO * np.hypot(0.006, r) for r in at_low]),
+        "M5": float(np.hypot(ratio(drops, [OF_RATIO * r for r in at_low]), OF_RATIO * 0.006 * of_notch)),
         "M6": ratio([across(e) for _, _, e in pairs], [OF_RATIO * r for r in at_far]),
     }
     for name, half in wanted.items():

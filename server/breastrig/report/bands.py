@@ -4,18 +4,20 @@ An end's radius holds its true place with 90 % in all directions; along one of t
 the place is the model's.  A picked landmark is measured from where it was picked, which the radius does not know of: a
 whole one then.  Picks are wrong independently; places of the
 model share most of what they are wrong by, so that their covariance says what a length, or a difference of two, leaves
-open.  Ratios move less, for both sides' ends are wrong alike.
+open.  Of ratios the points that are no landmarks count as independent: nobody knows what they share.
 
 Tried on whole scans of warped bodies (evaluate --warped: studies/measures.py), exact picks, picks 5 mm off and none.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.core.stances import split_side
 from breastrig.files.result import ResultFile
+from breastrig.report.body_frame import BodyFrame
 from breastrig.report.stance import MODEL, Place
 from breastrig.report.table import KNOWN_MM as KNOWN_MM
 from breastrig.report.table import Row, Value, says_nothing
@@ -125,10 +127,37 @@ def _says_nothing(row: Row, value: Value) -> bool:
     return value.margin > KNOWN_MM if row.kind == "in height" else value.value - value.margin <= 0.0
 
 
-def ratio_half_width(pair: Sequence[float], halves: Sequence[float | None]) -> float | None:
-    """Of the smaller over the larger of two lengths of these half widths."""
-    known = [half for half in halves if half is not None]
-    if len(known) < len(halves) or min(np.abs(pair)) <= 0.0:
+def ratio_half_width(
+    pair: Sequence[float],
+    ends: Sequence[Sequence[tuple[Place, Array]]],
+    radii: Sequence[float | None],
+    joint: Joint | None,
+    part: float = OF_RATIO,
+) -> float | None:
+    """Of the smaller over the larger of two lengths, to first order; what the ends of both sides share cancels.
+
+    `ends` are, of each length, the places with the (3,) direction in which it grows; `radii` (m) those of a point of
+    each length that is no landmark, whose error is shared with nothing, or empty.  `part` of radii counts.
+    """
+    if min(np.abs(pair)) <= 0.0:
         return None
-    low, high = sorted(np.abs(pair))
-    return float(low / high * np.linalg.norm(np.array(known) / np.abs(pair)))
+    ratio = min(np.abs(pair)) / max(np.abs(pair))
+    shares = ratio / pair[0], -ratio / pair[1]
+    ways = [(place, share * way) for share, side in zip(shares, ends, strict=True) for place, way in side]
+    alone = [None if radius is None else share * part * radius for share, radius in zip(shares, radii, strict=False)]
+    return half_width([shared_half_width(ways, joint, part), *alone])
+
+
+def ways_to_midline(place: Place, frame: BodyFrame, known: Mapping[str, Place]) -> list[tuple[Place, Array]]:
+    """By how much the distance of a place to the median plane changes with it and with the landmarks of the plane.
+
+    The plane is the model's: it goes where the model's landmarks on it go.
+    """
+    out = outwards(place, frame)
+    middle = [replace(each, source=MODEL) for name, each in known.items() if name == split_side(name)[0]]
+    return [(place, out), *((each, -out / len(middle)) for each in middle if each.name != place.name)]
+
+
+def outwards(place: Place, frame: BodyFrame) -> Array:
+    """(3,) away from the median plane."""
+    return np.asarray(np.copysign(1.0, frame.lateral(place.point)) * frame.axes[:, 0])

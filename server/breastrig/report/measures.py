@@ -13,11 +13,11 @@ from functools import partial
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.core.stances import SIDES, split_side
+from breastrig.core.stances import SIDES
 from breastrig.geometry.geodesic import Geodesics
 from breastrig.geometry.polyline import length, resampled
 from breastrig.geometry.surface_points import SurfacePoints, joined
-from breastrig.report.bands import banded, half_between, half_width, shared_half_width, without_unknown
+from breastrig.report.bands import banded, half_between, half_width, shared_half_width, ways_to_midline, without_unknown
 from breastrig.report.body_frame import BodyFrame, body_frame
 from breastrig.report.calibration import measure_calibration
 from breastrig.report.ptosis import STANDING, ptosis
@@ -186,17 +186,9 @@ class _Table:
         return None if half is None else 1e3 * half
 
     def _ways(self, ends: Sequence[Place]) -> list[tuple[Place, Array]]:
-        """By how much the length between two places changes with each, or the distance of one to the midline.
-
-        The median plane is the model's: it goes where the model's landmarks on it go.
-        """
+        """By how much the length between two places changes with each, or the distance of one to the midline."""
         if len(ends) == 1:
-            (nipple,) = ends
-            out = np.copysign(1.0, self.frame.lateral(nipple.point)) * self.frame.axes[:, 0]
-            middle = [
-                replace(place, source=MODEL) for name, place in self.places.items() if name == split_side(name)[0]
-            ]
-            return [(nipple, out), *((place, -out / len(middle)) for place in middle if place.name != nipple.name)]
+            return ways_to_midline(ends[0], self.frame, self.places)
         (a, b) = ends
         way = (b.point - a.point) / max(float(np.linalg.norm(b.point - a.point)), 1e-9)
         return [(a, -way), (b, way)]

@@ -11,14 +11,14 @@ Heights are along the body's axis (body_frame.py).  The nipple has to be picked 
 hanging breasts are 15 mm off.  A hanging breast hides its fold, which is then taken at the xiphoid's height.
 """
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.stances import SIDES
-from breastrig.report.bands import half_width
+from breastrig.report.bands import half_width, shared_half_width
 from breastrig.report.body_frame import BodyFrame
 from breastrig.report.calibration import Heights, measure_calibration
 from breastrig.report.stance import MODEL, Place, Stance
@@ -44,6 +44,9 @@ class _Heights:
     lowest: float  # above the fold; below zero where the breast hangs over it
     lowest_half: float | None
     contour_half: float | None  # of the nipple's height over the lowest point
+    nipple_ends: tuple[tuple[Place, float], ...]  # by how much the nipple's height changes with each place, upwards
+    own: tuple[float | None, float | None]  # m, 90 %, of nipple and lowest point, of errors that no place has
+    over_fold: tuple[Array, Array]  # (3,) m each, nipple and lowest point from the fold
     at: tuple[Array, Array]  # (3,) m, nipple and lowest point
     names: tuple[str, ...]  # nipple and what says where the fold is, with their sources
 
@@ -78,12 +81,15 @@ def ptosis(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> Iter
         [None if each is None else shown(each) for each in (sides.get(side) for side in SIDES)]
         for shown in (_nipple, _lowest, _graded)
     )
+    between = [_half_between(stance, frame, list(sides.values()), which) for which in (0, 1)]
     yield Row(
-        "nipple_above_fold", "Nipple above fold", "in height", "mm", over[0], over[1], None, landmarks, how, nipples
+        "nipple_above_fold", "Nipple above fold", "in height", "mm", over[0], over[1], None, landmarks, how, nipples,
+        between=between[0],
     )  # fmt: skip
     yield Row(
         "lowest_point_above_fold", "Lowest point above fold", "in height", "mm",
         under[0], under[1], None, (*folds, OUTLINE), how, lowest,
+        between=between[1],
     )  # fmt: skip
     how = (
         "Regnault: I nipple at the fold or up to 10 mm below, II 10 to 30 mm, III more or at the lowest contour; "
@@ -105,7 +111,7 @@ def _heights(stance: Stance, frame: BodyFrame, known: Mapping[str, Place], side:
     errors = known_of_rig.heights
     skin = stance.vertices[inside]
     low = skin[frame.height(skin).argmin()]
-    level, fold_error, said = _fold(frame, nipple, fold, known.get("xiphoid"), errors)
+    level, fold_error, at, hidden = _fold(frame, nipple, fold, known.get("xiphoid"), errors)
     above = [float(frame.height(point)) - level for point in (nipple.point, low)]
     own = _error(nipple, errors), None if stance.radii is None else errors.lowest
     halves = [
@@ -113,19 +119,43 @@ def _heights(stance: Stance, frame: BodyFrame, known: Mapping[str, Place], side:
         for point, error in zip((nipple.point, low), own, strict=True)
     ]
     contour = half_width(own)
-    return _Heights(above[0], halves[0], above[1], halves[1], contour, (nipple.point, low), (str(nipple), said))
+    ends = tuple((replace(place, radius=_error(place, errors)), share) for place, share in ((nipple, 1.0), (at, -1.0)))
+    lowest = None if own[1] is None else float(np.hypot(own[1], hidden))
+    over_fold = nipple.point - fold.point, low - fold.point
+    names = str(nipple), str(at)
+    return _Heights(
+        above[0], halves[0], above[1], halves[1], contour, ends, (hidden, lowest), over_fold, (nipple.point, low), names
+    )
+
+
+def _half_between(stance: Stance, frame: BodyFrame, sides: Sequence[_Heights], which: int) -> float | None:
+    """mm, of the difference of both nipples' (0) or both lowest points' (1) heights; None where it is of one side.
+
+    What the model's folds share cancels, as do a xiphoid that stands for both and most of a lean.
+    """
+    if len(sides) < 2:
+        return None
+    up = frame.axes[:, 1]
+    ends = [
+        (place, sign * share * up)
+        for sign, each in zip((1.0, -1.0), sides, strict=True)
+        for place, share in each.nipple_ends[which:]
+    ]
+    lean = LEAN * _across(frame, sides[0].over_fold[which] - sides[1].over_fold[which])
+    half = half_width([shared_half_width(ends, stance.joint), *(each.own[which] for each in sides), lean])
+    return None if half is None else 1e3 * half
 
 
 def _fold(
     frame: BodyFrame, nipple: Place, fold: Place, xiphoid: Place | None, errors: Heights
-) -> tuple[float, float | None, str]:
-    """The level of the fold and its error (m), and what says it."""
+) -> tuple[float, float | None, Place, float]:
+    """The level of the fold and its error (m), the place that says it, and what of it (m) is not that place's."""
     if fold.source == MODEL and xiphoid is not None:
         over = float(frame.height(nipple.point) - frame.height(xiphoid.point))
         if over < errors.covered_below:
             found = None if xiphoid.radius is None else half_width([errors.hidden_fold, _error(xiphoid, errors)])
-            return float(frame.height(xiphoid.point)) + errors.fold_over_xiphoid, found, str(xiphoid)
-    return float(frame.height(fold.point)), _error(fold, errors), str(fold)
+            return float(frame.height(xiphoid.point)) + errors.fold_over_xiphoid, found, xiphoid, errors.hidden_fold
+    return float(frame.height(fold.point)), _error(fold, errors), fold, 0.0
 
 
 def _error(place: Place, errors: Heights) -> float | None:

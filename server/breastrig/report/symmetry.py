@@ -15,7 +15,16 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.stances import SIDES
-from breastrig.report.bands import OF_RATIO, banded, half_width, ratio_half_width, shared_half_width
+from breastrig.report.bands import (
+    OF_LENGTH,
+    OF_RATIO,
+    Joint,
+    banded,
+    outwards,
+    ratio_half_width,
+    shared_half_width,
+    ways_to_midline,
+)
 from breastrig.report.body_frame import BodyFrame
 from breastrig.report.stance import Place, Stance
 from breastrig.report.table import Row
@@ -33,7 +42,6 @@ def symmetry(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> It
     names = tuple(map(str, nipples))
     how = "of left and right, the smaller over the larger: "
     level = max(0.0, 1.0 - abs(heights[0] - heights[1]) / max(apart, 1e-9))
-    at = [half_width([place.radius], OF_RATIO) for place in nipples]
     up = frame.axes[:, 1]
     off = shared_half_width([(nipples[0], up), (nipples[1], -up)], stance.joint, OF_RATIO)
     half = None if off is None else off / max(apart, 1e-9)
@@ -41,8 +49,15 @@ def symmetry(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> It
     how_level = "1 less their difference in height over their distance across"
     yield _row("M1", "nipple heights", level, half, names, how_level, {"value": points})
     to_midline = _sides(points, frame.on_plane(points))
+    to_plane = ways_to_midline if stance.joint is not None else _alone
+    ways = [to_plane(place, frame, known) for place in nipples]
     yield _row(
-        "M3", "nipple to midline", *_ratio(across, at), names, how + "nipple to median plane, across", to_midline
+        "M3",
+        "nipple to midline",
+        *_ratio(across, ways, (), stance.joint),
+        names,
+        how + "nipple to median plane, across",
+        to_midline,
     )
     members = [vertices_within(stance.rig, side) for side in SIDES]
     if any(part is None for part in members):
@@ -53,30 +68,55 @@ def symmetry(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> It
     lowest, lateral = frame.height(np.array(low)), np.abs(frame.lateral(np.array(far)))
     to_lowest, to_lateral = (_sides(points, np.array(ends)) for ends in (low, far))
     low_radii, far_radii = ([stance.radius_at(point[None]) for point in ends] for ends in (low, far))
-    from_nipple = [
-        [half_width([a.radius, b]) for a, b in zip(nipples, ends, strict=True)] for ends in (low_radii, far_radii)
-    ]
     outline = (MODEL_PART,)
-    heights_ratio, across_ratio = _ratio(heights - lowest, from_nipple[0]), _ratio(lateral - across, from_nipple[1])
+    upwards, inwards = (
+        [[(place, way)] for place, way in zip(nipples, each, strict=True)]
+        for each in ((up, up), [-outwards(place, frame) for place in nipples])
+    )
+    heights_ratio = _ratio(heights - lowest, upwards, low_radii, stance.joint, OF_LENGTH)
+    across_ratio = _ratio(lateral - across, inwards, far_radii, stance.joint, OF_LENGTH)
     yield _row("M2", "nipple to lowest point", *heights_ratio, names + outline, how + "in height", to_lowest)
     yield _row("M4", "nipple to lateral end", *across_ratio, names + outline, how + "across", to_lateral)
     if "suprasternal_notch" in known:
         notch = known["suprasternal_notch"]
         drop = float(frame.height(notch.point)) - lowest
-        halves = [half_width([notch.radius, radius], OF_RATIO) for radius in low_radii]
         to_notch = _sides(np.array(low), np.array([notch.point, notch.point]))
         found = (str(notch), *outline)
-        yield _row("M5", "lowest point to notch", *_ratio(drop, halves), found, how + "in height", to_notch)
-    halves = [half_width([radius], OF_RATIO) for radius in far_radii]
+        yield _row(
+            "M5",
+            "lowest point to notch",
+            *_ratio(drop, [[(notch, up)]] * 2, low_radii, stance.joint),
+            found,
+            how + "in height",
+            to_notch,
+        )
     ends = np.array(far)
-    to_plane = _sides(ends, frame.on_plane(ends))
-    yield _row("M6", "lateral end to midline", *_ratio(lateral, halves), outline, how + "across", to_plane)
+    to_middle = _sides(ends, frame.on_plane(ends))
+    yield _row(
+        "M6",
+        "lateral end to midline",
+        *_ratio(lateral, [[], []], far_radii, stance.joint),
+        outline,
+        how + "across",
+        to_middle,
+    )
 
 
-def _ratio(pair: Array, halves: Sequence[float | None]) -> tuple[float, float | None]:
+def _ratio(
+    pair: Array,
+    ends: Sequence[Sequence[tuple[Place, Array]]],
+    radii: Sequence[float | None],
+    joint: Joint | None,
+    part: float = OF_RATIO,
+) -> tuple[float, float | None]:
     """The smaller over the larger, and half the width of its band."""
     low, high = np.sort(np.abs(pair))
-    return float(low / high) if high > 0.0 else 1.0, ratio_half_width(pair.tolist(), halves)
+    return float(low / high) if high > 0.0 else 1.0, ratio_half_width(pair.tolist(), ends, radii, joint, part)
+
+
+def _alone(place: Place, frame: BodyFrame, _known: Mapping[str, Place]) -> list[tuple[Place, Array]]:
+    """The distance to a median plane of which nothing is known."""
+    return [(place, outwards(place, frame))]
 
 
 def _sides(a: Array, b: Array) -> dict[str, Array]:
