@@ -13,7 +13,7 @@ from breastrig.core.glb import split_glb
 from breastrig.core.private_files import write_files
 from breastrig.core.stances import STANDING, SUPINE
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.drawings.line_error import carried_errors
+from breastrig.drawings.line_error import across, carried_errors
 from breastrig.drawings.plan_on_scan import PlanOnScan
 from breastrig.drawings.plan_schema import PLAN_SCHEMA, checked_plan
 from breastrig.drawings.skin_maps.settings import skin_map_settings
@@ -82,6 +82,26 @@ def test_its_radii_are_the_fits_and_gravitys_errors_together(made: Made, rig: Ri
     assert said == pytest.approx({name: 1e3 * radius for name, radius in within.items()}, abs=0.006)
     everything = np.ones(len(rig.template), dtype=np.bool_)
     assert lying.result.line_error_mm == pytest.approx(1e3 * line_error(rig, lying.radii, everything), abs=0.06)
+
+
+@pytest.mark.parametrize("unit", ["mm", "m"])
+def test_its_drawing_has_the_predictions_radii_and_not_those_of_the_fit(unit: str, rig: Rig, tmp_path: Path) -> None:
+    """Also where the fit's own drawing says of each point what the fit knew there."""
+    some = rig.regions["chest"][:5]
+    fit = write_fit(tmp_path / "fit", rig, body(rig), radii_of(rig), unit)
+    given = json.loads((fit / "drawing.json").read_text())
+    (line,) = given["shapes"]
+    line["error_mm"] = (1e3 * radii_of(rig)[some]).tolist()
+    given["shapes"].append(line | {"name": "bridged", "bridged": [False, True, False, True, False]})
+    (fit / "drawing.json").write_text(json.dumps(given))
+    made = prediction(rig, fit, SUPINE)
+    radii_mm = np.frombuffer(made["uncertainty.bin"], "<f4").astype(float)[some]
+    assert (radii_mm > 1e3 * radii_of(rig)[some] + 1.0).all()  # so that one is not the other
+    for shape in json.loads(made["drawing.json"])["shapes"]:
+        assert shape["error_mm"] == pytest.approx(radii_mm, abs=0.02)
+        assert shape["line_error_mm"] == pytest.approx(1e3 * across(1e-3 * radii_mm), abs=0.06)
+    result = json.loads(made["result.json"])
+    assert result["drawn_line_error_mm"] == pytest.approx(1e3 * across(1e-3 * radii_mm), abs=0.06)
 
 
 def test_a_fit_that_is_less_sure_predicts_less_surely(rig: Rig, tmp_path: Path) -> None:
