@@ -18,8 +18,9 @@ from helpers.waiting import ended
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.correspondence.target import ScanTarget
-from breastrig.drawings.drawing_file import parsed_drawing, shape_document
+from breastrig.drawings.drawing_file import parsed_drawing, rounded_mm, shape_document
 from breastrig.drawings.drawing_schema import DrawnShape
+from breastrig.drawings.line_error import across
 from breastrig.execution.limits import FitLimits
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
@@ -28,7 +29,8 @@ from breastrig.workflow.report import planned_lines
 
 pytestmark = pytest.mark.long
 
-CARRIED_FIELDS = ["name", "closed", "color", "points", "bridged", "error_mm", "distance_from_mm", "distance_to_mm"]
+CARRIED_FIELDS = ["name", "closed", "color", "points", "bridged", "error_mm", "line_error_mm"]
+CARRIED_FIELDS += ["distance_from_mm", "distance_to_mm"]
 
 
 @pytest.fixture(scope="module")
@@ -117,6 +119,7 @@ def test_a_polyline_stays_what_it_is_from_fit_to_file_to_api_to_transfer_to_repo
     for number, shape in enumerate(written["shapes"]):
         shape["color"] = f"#c0ff0{number}"
     written["shapes"][-1]["error_mm"] = [1.5] * len(written["shapes"][-1]["points"])
+    written["shapes"][-1]["line_error_mm"] = rounded_mm(1e-3 * across(np.array([1.5])))
     (folder / "drawing.json").write_text(json.dumps(written))
     lines = parsed_drawing((folder / "drawing.json").read_bytes(), fit.rig, fit.unit).on_scan
     assert [shape_document(line, fit.metres_per_unit) for line in lines] == written["shapes"]
@@ -126,7 +129,8 @@ def test_a_polyline_stays_what_it_is_from_fit_to_file_to_api_to_transfer_to_repo
     millimetres = {"unit": "mm", "shapes": [shape_document(line, 1e-3) for line in lines]}
     scan = client.get(f"/api/fits/{fits['standing']}").json["scan"]
     kept = client.put(f"/api/scans/{scan}/drawing", json=millimetres).json
-    assert kept["shapes"] == [{"label": ""} | shape for shape in millimetres["shapes"]]
+    said_of_points = [{key: shape[key] for key in shape if key != "line_error_mm"} for shape in millimetres["shapes"]]
+    assert kept["shapes"] == [{"label": ""} | shape for shape in said_of_points]
     client.put(f"/api/scans/{scan}/drawing", json={"shapes": []})
 
     wish = {"from_fit": fits["standing"], "to_fit": fits["standing"], "drawing": millimetres}
