@@ -38,8 +38,7 @@ from breastrig_studies.studies.reference_fit import ReferenceFit, reference_fit
 
 BODIES = "bodies.json"
 FEWEST = 6  # bodies
-FREEDOM_GIVEN, FREEDOM_ELSEWHERE = 4.0, 64.0  # of the picks' scatter, as the torso's
-FEW = 4  # fewer picks show no scatter: three make a plane
+SCATTER = (0.5, 3.0)  # least and most, as the torso's
 CHECK, NO_TORSO = 1.5, 4.0  # times the way from the median to the worst right fit; the torso's limits are near these
 RIGHT = 0.04  # of the rig's length: a fit whose landmarks are farther off on the mean is wrong, 20 mm of a torso
 
@@ -112,7 +111,7 @@ def write(glb: Path, rig: Rig, found: Found, stances: set[str], scans: int) -> P
     for name in rig.known.keys() & {BODIES, LANDMARKS}:
         (folder / name).write_text(rig.known[name], "utf-8")
     uncertainty = _uncertainty(rig, found)
-    write_factors(folder, factors(found.known, Calibration.model_validate(uncertainty)))
+    write_factors(folder, factors(found.known, Calibration.model_validate(uncertainty).enlarged))
     (folder / "uncertainty.toml").write_text(_toml(uncertainty, scans), "utf-8")
     (folder / "verdict.toml").write_text(_toml(_verdict(found, stances), scans), "utf-8")
     return bind_known(glb, rig.sha256).parent
@@ -143,13 +142,13 @@ def _length(rig: Rig) -> float:
 
 def _uncertainty(rig: Rig, found: Found) -> dict[str, Any]:
     """The document of fitting/uncertainty/calibration.py."""
-    scatters = [each.scatter for _, _, each in found.known if each.picks >= FEW]
+    scatters = [each.scatter for _, _, each in found.known if each.scatter is not None]
     right, wrong = found.margins[True], found.margins[False]
     clear = max(0.7 * min(right, default=0.0), 1.3 * max(wrong, default=0.0), 0.01)  # all of these lay right
     return {
         "usual_scatter": round(float(np.median(scatters)), 2) if scatters else 1.0,
-        "freedom_given": FREEDOM_GIVEN,
-        "freedom_elsewhere": FREEDOM_ELSEWHERE,
+        "least_scatter": SCATTER[0],
+        "most_scatter": SCATTER[1],
         "without_picks": {
             "clear": round(clear, 3),
             "unclear": round(clear / 4.0, 3),

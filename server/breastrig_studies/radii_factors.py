@@ -2,22 +2,18 @@
 
     python -m breastrig_studies.radii_factors DIR/warped DIR/poses DIR/prone [--write]
 
-The misfit of a kind of place is the likeliest of a Student t over all fits together, whether all, half, three or none
-of the landmarks are picked. Its factor is the quantile of error over deviation and misfit that holds nine of ten of
-them, each woman of the choosing half counting alike (split conformal prediction with groups: women), of fits with
-picks or of those without, whichever is larger. Where that half has too few women to speak for others, both halves
-estimate: what the table then says of the second is no check. Picks are exact and 5 mm off. Without --write: what the
-file's factors hold of the reporting half, and how wide they are. Scores of a scan are kept beside its folder, so that
-it is fitted once.
+The factor of a kind of place is the quantile of error over deviation that holds nine of ten of them, each woman of the
+choosing half counting alike (split conformal prediction with groups: women).  Picks are exact, 5 mm off, and half of
+them.  Without --write: what the file's factors hold of the reporting half, and how wide they are.  Scores of each scan
+are kept beside its folder, so that it is fitted once.
 """
 
 import json
 import sys
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -25,20 +21,12 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.core.stances import PRONE, split_side
 from breastrig.fitting.body.hanging import hangs_by
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
-from breastrig.fitting.picks.leave_one_out import FREEDOM
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.propose import expected_places
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS
 from breastrig.fitting.task import FitTask
-from breastrig.fitting.uncertainty.calibration import (
-    NO_PICKS,
-    SCHEMA,
-    Calibration,
-    Scatter,
-    calibration,
-    factor_of,
-)
+from breastrig.fitting.uncertainty.calibration import Calibration, calibration, factor_of
 from breastrig.fitting.uncertainty.radii import OTHER, scatter_of, seen_vertices
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
@@ -54,12 +42,7 @@ SHOWN = 0.01  # m; a landmark farther from the scan cannot be picked
 EACH = 40  # vertices of a region in a fit
 MOST = 2  # scans of one woman in a stance
 STATES = ("given", "others", "alone", "proposed", "seen", "hidden", "seen_alone", "hidden_alone")
-STATE_OF = {"alone": "others", "seen_alone": "seen", "hidden_alone": "hidden"}  # that its numbers stand under
-MISFIT_OF = {"others": "others", "proposed": "others", "seen": "seen", "hidden": "hidden"}  # likewise; given has none
-MISFITS_MM = (0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0)
-STRETCHES = np.geomspace(0.1, 10.0, 60)  # of deviation and misfit, beside which misfits are compared
 HANGS_WITH = ("nipple", "inframammary_fold", "xiphoid", "mid_sternum", "breast", "areola", "chest", "belly")
-FEW = 15  # women of a half: ten prone ones of two donors gave factors that held 73 to 83 % of the other half's
 WOMEN = 3  # fewer whose breasts hang say nothing of others
 
 
@@ -72,25 +55,18 @@ class Score:
     score: float  # error over the posterior's deviation
     hangs: bool
     deviation: float  # m
-    scatter: float = NO_PICKS.deviation  # of the picks (radii.py)
-    picks: int = NO_PICKS.picks
-
-    @property
-    def error(self) -> float:
-        """m"""
-        return self.score * self.deviation
+    scatter: float | None = None  # of the picks (radii.py); None: too few to say
 
 
 def trials(scene: Scene) -> Iterator[dict[str, Array]]:
-    """What is picked: nothing, what can be seen, the same 5 mm off, each half of it, and three places."""
+    """What is picked: nothing, what can be seen, the same 5 mm off, each half of it."""
     rng = np.random.default_rng(SEED)
     gaps = {n: float(scene.target.vertex_tree.query(place)[0]) for n, place in scene.landmarks.items()}
     shown = {name: place for name, place in scene.landmarks.items() if gaps[name] < SHOWN}
     clicked = {name: scene.along_the_skin(place, CLICK_ERROR, rng) for name, place in shown.items()}
     halves = [dict(list(shown.items())[first::2]) for first in (0, 1)]
-    three = [dict([*shown.items()][k] for k in rng.permutation(len(shown))[:MIN_LANDMARKS])]
     yield {}
-    yield from (each for each in (shown, clicked, *halves, *three) if len(each) >= MIN_LANDMARKS)
+    yield from (each for each in (shown, clicked, *halves) if len(each) >= MIN_LANDMARKS)
 
 
 def fitted(scene: Scene, rig: Rig, recipe: Recipe, picks: dict[str, Array], start: RigParameters) -> Posterior | None:
@@ -107,7 +83,7 @@ def scores_of(posterior: Posterior, scene: Scene, true: ReferenceFit | None) -> 
 
     def score(kind: str, name: str, error: float, deviation: float) -> Score:
         hangs = hangs_by(state, posterior.task.recipe, name) > 0.0
-        return Score(kind, split_side(name)[0], error / deviation, hangs, deviation, *scatter)
+        return Score(kind, split_side(name)[0], error / deviation, hangs, deviation, scatter)
 
     deviations = np.sqrt(posterior.landmark_variances(names))
     model = dict(zip(rig.landmark_names, rig.landmark_points().positions(state.vertices, rig.faces), strict=True))
@@ -149,96 +125,37 @@ def quantile(scores: Sequence[float], women: Sequence[str]) -> float:
 Known = list[tuple[str, str, Score]]  # woman, stance
 
 
-def deviation_of(each: Score, known: Calibration) -> float:
-    """m, with what the picks' scatter makes of it: careful picks say nothing of skin that is not seen."""
-    times = known.enlarged(Scatter(each.scatter, each.picks), given=each.state == "given")
-    return each.deviation * (max(times, 1.0) if each.state.startswith("hidden") else times)
+def larger_for(each: Score, times: Callable[[float | None], float]) -> float:
+    """What the picks' scatter does to this radius: careful picks say nothing of skin that is not seen."""
+    return max(times(each.scatter), 1.0) if each.state == "hidden" else times(each.scatter)
 
 
-def likely_misfit(errors: Array, deviations: Array, women: Sequence[str]) -> float:
-    """mm: the likeliest of MISFITS_MM, at its likeliest stretch, of (N,) m errors on the skin, women counting alike."""
-    names, each = np.unique(np.array(women), return_inverse=True)
-    weights = 1.0 / np.bincount(each, minlength=len(names))[each]
-    nats = []
-    for misfit in MISFITS_MM:
-        spread = STRETCHES[:, None] ** 2 * (deviations**2 + (1e-3 * misfit) ** 2)
-        density = -np.log(spread) - 0.5 * (FREEDOM + 2.0) * np.log1p(errors**2 / (FREEDOM * spread))
-        nats.append(float((density @ weights).max()))
-    return MISFITS_MM[int(np.argmax(nats))]
-
-
-@dataclass(frozen=True, eq=False)
-class _Places:
-    """All that is known of a kind of place in a stance, with picks or without."""
-
-    errors: Array  # (N,) m
-    deviations: Array  # (N,) m
-    women: tuple[str, ...]
-    hangs: Array  # (N,) whether a breast hangs
-    states: Array  # (N,) of STATES
-
-    def over(self, misfit: float) -> Array:
-        """(N,) errors over deviation and misfit (m)."""
-        return np.asarray(self.errors / np.hypot(self.deviations, misfit))
-
-    def factor(self, misfit: float) -> float:
-        """That holds LEVEL of fits with picks and of those without."""
-        scores, women = self.over(misfit), np.array(self.women)
-        parts = [self.states == state for state in {*self.states.tolist()}]
-        return max(quantile(scores[part].tolist(), women[part].tolist()) for part in parts)
-
-
-def _places(found: Known, known: Calibration) -> dict[tuple[str, str], _Places]:
-    """By state that numbers stand under, and kind."""
-    groups: dict[tuple[str, str], list[tuple[str, Score]]] = defaultdict(list)
-    for woman, _, each in found:
-        groups[STATE_OF.get(each.state, each.state), each.kind].append((woman, each))
-    return {
-        key: _Places(
-            np.array([each.error for _, each in group]),
-            np.array([deviation_of(each, known) for _, each in group]),
-            tuple(woman for woman, _ in group),
-            np.array([each.hangs for _, each in group]),
-            np.array([each.state for _, each in group]),
-        )
-        for key, group in sorted(groups.items())
-    }
-
-
-def factors(found: Known, known: Calibration) -> dict[str, dict[str, Any]]:
-    """By stance: factors by state and kind, and misfits; `known` says what a scatter of picks makes of deviations."""
-    stances = sorted({each[1] for each in found})
-    return {stance: _of_stance(_places([each for each in found if each[1] == stance], known)) for stance in stances}
-
-
-def _of_stance(places: dict[tuple[str, str], _Places]) -> dict[str, Any]:
-    result: dict[str, Any] = {state: {} for state in STATES if state not in STATE_OF}
-    misfits: dict[str, dict[str, float]] = {state: {} for state in {*MISFIT_OF.values()}}
-    for (state, kind), each in places.items():
-        if state in misfits:
-            misfits[state][kind] = likely_misfit(each.errors, each.deviations, each.women)
-    more: dict[str, list[tuple[float, str]]] = defaultdict(list)
-    widest: dict[str, tuple[float, str]] = {}
-    for (state, kind), each in places.items():
-        misfit = 1e-3 * misfits.get(MISFIT_OF.get(state, ""), {}).get(kind, 0.0)
-        factor = each.factor(misfit)
-        result[state][kind] = round(factor, 2)
-        radius = float(np.median(factor * np.hypot(each.deviations, misfit)))
-        widest[state] = max(widest.get(state, (0.0, "")), (radius, kind))
-        beyond = each.over(misfit) / factor
-        more[kind] += [(float(beyond[k]), each.women[k]) for k in np.flatnonzero(each.hangs)]
-    for state, (_, kind) in widest.items():  # of what has no numbers of its own
-        result[state][OTHER] = result[state][kind]
-        if state in misfits:
-            misfits[state][OTHER] = misfits[state][kind]
-    result["hanging"] = {
-        kind: round(larger, 2)
-        for kind in HANGS_WITH
-        if len({w for _, w in more[kind]}) >= WOMEN
-        and (larger := quantile([s for s, _ in more[kind]], [w for _, w in more[kind]])) > 1.0
-    }
-    result["misfit_mm"] = {state: dict(sorted(group.items())) for state, group in sorted(misfits.items()) if group}
-    return {state: group for state, group in result.items() if group}
+def factors(found: Known, times: Callable[[float | None], float]) -> dict[str, dict[str, dict[str, float]]]:
+    """By stance, state and kind; `times`: by how much a scatter of picks enlarges radii."""
+    result: dict[str, dict[str, dict[str, float]]] = {}
+    for stance in sorted({each[1] for each in found}):
+        groups: dict[tuple[str, str], list[tuple[float, str, bool]]] = defaultdict(list)
+        for woman, its, each in found:
+            if its == stance:
+                score = each.score / larger_for(each, times)
+                groups[each.state, each.kind].append((score, woman, each.hangs))
+        of_stance: dict[str, dict[str, float]] = {state: {} for state in STATES}
+        more: dict[str, list[tuple[float, str]]] = defaultdict(list)
+        for (state, kind), scores in sorted(groups.items()):
+            factor = quantile([s for s, _, _ in scores], [w for _, w, _ in scores])
+            of_stance[state][kind] = round(factor, 2)
+            more[kind] += [(s / factor, w) for s, w, hangs in scores if hangs]
+        of_stance["hanging"] = {
+            kind: round(larger, 2)
+            for kind in HANGS_WITH
+            if len({w for _, w in more[kind]}) >= WOMEN
+            and (larger := quantile([s for s, _ in more[kind]], [w for _, w in more[kind]])) > 1.0
+        }
+        for state, group in of_stance.items():
+            if group and state != "hanging":
+                group[OTHER] = max(group.values(), default=1.0)  # of what has no factor of its own
+        result[stance] = {state: group for state, group in of_stance.items() if group}
+    return result
 
 
 def scores_of_scan(case: Case, rig: Rig, recipe: Recipe) -> Iterator[Score]:
@@ -267,9 +184,9 @@ def read_scores(folder: Path, rig: Rig, recipe: Recipe) -> Iterator[tuple[Case, 
         yield case, half, [Score(**each) for each in json.loads(file.read_text("utf-8"))]
 
 
-def write_factors(folder: Path, found: dict[str, dict[str, Any]]) -> None:
+def write_factors(folder: Path, found: dict[str, dict[str, dict[str, float]]]) -> None:
     """radii.json of a rig's folder."""
-    document = {"schema": SCHEMA, "stances": found}
+    document = {"schema": "breastrig/radii@1", "stances": found}
     (folder / "radii.json").write_text(json.dumps(document, indent=1) + "\n", "utf-8")
 
 
@@ -281,24 +198,14 @@ def table(found: Known, known: Calibration) -> Iterator[str]:
             held, wide = defaultdict[str, list[bool]](list), []
             for woman, at, each in found:
                 if (at, each.state) == (stance, state):
-                    under = STATE_OF.get(state, state)
-                    times = factor_of(getattr(its, under), each.kind)
+                    times = factor_of(getattr(its, state), each.kind) * larger_for(each, known.enlarged)
                     times *= its.hanging.get(each.kind, 1.0) if each.hangs else 1.0
-                    misfit = its.misfit(MISFIT_OF[under], each.kind) if under in MISFIT_OF else 0.0
-                    radius = times * float(np.hypot(deviation_of(each, known), misfit))
-                    held[woman].append(each.error <= radius)
-                    wide.append(radius)
+                    held[woman].append(each.score <= times)
+                    wide.append(times * each.deviation)
             shares = [float(np.mean(each)) for each in held.values()]
             if shares:
                 width = f"{1e3 * float(np.median(wide)):7.1f} mm"
                 yield f"{stance:9s}{state:13s}{np.mean(shares):7.1%}{min(shares):7.1%}{width}"
-
-
-def enough(halves: dict[str, Known]) -> Known:
-    """The choosing half, and of stances of which it has too few women the other one as well."""
-    women = {stance: {woman for woman, at, _ in halves[CHOOSE] if at == stance} for _, stance, _ in halves[CHOOSE]}
-    few = {stance for stance, names in women.items() if len(names) < FEW}
-    return halves[CHOOSE] + [each for each in halves[REPORT] if each[1] in few]
 
 
 def main(folders: Sequence[str], write: bool) -> None:
@@ -311,7 +218,7 @@ def main(folders: Sequence[str], write: bool) -> None:
         for case, half, scores in read_scores(folder, rig, recipe):
             halves[half] += [(f"{folder.name} {case.patient}", case.stance, each) for each in scores]
     if write:
-        estimates = factors(enough(halves), known)
+        estimates = factors(halves[CHOOSE], known.enlarged)
         write_factors(default_rig_path().with_suffix(".known"), estimates)
         known = Calibration.model_validate(known.model_dump() | {"stances": estimates})
     for half, found in halves.items():

@@ -20,11 +20,11 @@ from breastrig.workflow.folder.fit_folder import _radii
 from breastrig.workflow.report import stance_of
 
 TIMES = 2.0  # of all deviations
-STATES = ("given", "others", "proposed", "seen", "hidden")
+STATES = ("given", "others", "alone", "proposed", "seen", "hidden", "seen_alone", "hidden_alone")
 SCATTER = """
 usual_scatter = 1.0
-freedom_given = 1e9
-freedom_elsewhere = 1e9
+least_scatter = 1.0
+most_scatter = 1.0001
 [without_picks]
 clear = 0.2
 unclear = 0.1

@@ -249,7 +249,7 @@ class ResultFile(Document):
     landmarks_seen: dict[str, str] = Field(
         {},
         exclude_if=not_,
-        description="what shows each landmark that the scan's colours place, by name; of those that were not picked",
+        description="what shows each landmark that the scan's colours place, by name; none where any was picked",
     )
     landmarks_picked: dict[str, Three] = Field(description="as given, in the scan's frame and unit")
     areolae: dict[str, ResultAreola | None] = Field(

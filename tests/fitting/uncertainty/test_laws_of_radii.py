@@ -10,7 +10,6 @@ import pytest
 from helpers.forearm import forearm_rig, posed_forearm
 
 from breastrig.core.arrays import Array
-from breastrig.core.errors import BadModel
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.line_error import ACROSS
 from breastrig.fitting.fit import FitTask, fit_iterates
@@ -19,22 +18,20 @@ from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.uncertainty import radii as radii_module
-from breastrig.fitting.uncertainty.calibration import NO_PICKS, Calibration, Scatter, calibration
-from breastrig.fitting.uncertainty.radii import HOLDS_90, Radii, radii, scatter_of, seen_vertices
+from breastrig.fitting.uncertainty.calibration import Calibration
+from breastrig.fitting.uncertainty.radii import FEW, HOLDS_90, Radii, radii, scatter_of, seen_vertices
 from breastrig.rig.model import Rig
 from breastrig_studies.studies.trust.laplace import rises
 
-STATES = ("given", "others", "proposed", "seen", "hidden")
-MISFITS = {"others": 0.005, "proposed": 0.005, "seen": 0.002, "hidden": 0.02}  # m; given has none
+STATES = ("given", "others", "alone", "proposed", "seen", "hidden", "seen_alone", "hidden_alone")
 NUMBERS = {
     "usual_scatter": 1.25,
-    "freedom_given": 4.0,
-    "freedom_elsewhere": 16.0,
+    "least_scatter": 0.5,
+    "most_scatter": 3.0,
     "without_picks": {"clear": 0.2, "unclear": 0.05, "astray": 0.25},
 }
 FACTORS = {state: {"other": 2.0 + k} for k, state in enumerate(STATES)}  # of each state another one
-MISFITS_MM = {state: {"other": 1e3 * MISFITS[state]} for state in ("others", "seen", "hidden")}
-KNOWN = Calibration.model_validate(NUMBERS | {"stances": {"standing": FACTORS | {"misfit_mm": MISFITS_MM}}})
+KNOWN = Calibration.model_validate(NUMBERS | {"stances": {"standing": FACTORS}})
 
 
 def draws(axes: int, count: int = 200_000) -> Array:
@@ -52,17 +49,11 @@ def test_a_variance_of_one_in_all_is_held_with_nine_of_ten_and_a_line_across_it(
     assert across[1] >= 0.9
 
 
-def test_picks_enlarge_radii_by_their_scatter_the_more_the_more_there_are() -> None:
-    """From none on, without a step; two axes of eight picks count as much as the sixteen that are expected."""
-    for given in (True, False):
-        assert KNOWN.enlarged(NO_PICKS, given=given) == 1.0
-        assert KNOWN.enlarged(Scatter(1.25, 7), given=given) == pytest.approx(1.0)
-        assert KNOWN.enlarged(Scatter(2.5, 10**6), given=given) == pytest.approx(2.0, rel=1e-3)
-        for scatter in (0.1, 0.75, 2.5, 7.0):
-            by_picks = np.array([KNOWN.enlarged(Scatter(scatter, picks), given=given) for picks in range(13)])
-            assert (np.sign(scatter - 1.25) * np.diff(by_picks) > 0.0).all()
-    assert KNOWN.enlarged(Scatter(2.5, 8), given=False) == pytest.approx(np.sqrt((1.0 + 4.0) / 2.0))
-    assert KNOWN.enlarged(Scatter(2.5, 2), given=True) == pytest.approx(np.sqrt((1.0 + 4.0) / 2.0))
+@pytest.mark.parametrize(
+    ("scatter", "times"), [(None, 1.0), (1.25, 1.0), (2.5, 2.0), (0.75, 0.6), (0.1, 0.5), (100.0, 3.0)]
+)
+def test_picks_enlarge_radii_in_proportion_to_their_scatter_within_limits(scatter: float | None, times: float) -> None:
+    assert KNOWN.enlarged(scatter) == pytest.approx(times)
 
 
 def test_the_less_clear_a_start_was_the_farther_the_body_may_be() -> None:
@@ -120,7 +111,7 @@ def asked(forearm: Posterior, monkeypatch: pytest.MonkeyPatch) -> Asked:
     """Its radii, by factors that are known, as if its picks scattered so and were picked or seen by colour."""
 
     def answer(
-        margin: float | None = None, scatter: Scatter = NO_PICKS, expected: bool = False, **task: object
+        margin: float | None = None, scatter: float | None = None, expected: bool = False, **task: object
     ) -> Radii:
         monkeypatch.setattr(radii_module, "calibration", lambda _: KNOWN)
         monkeypatch.setattr(radii_module, "scatter_of", lambda _: scatter)
@@ -144,7 +135,7 @@ def asked(forearm: Posterior, monkeypatch: pytest.MonkeyPatch) -> Asked:
 def test_a_radius_is_its_factor_times_the_deviation_and_what_the_start_leaves_open(
     forearm: Posterior, asked: Asked
 ) -> None:
-    """Squares add up: what the picks' scatter makes of its deviation, its misfit, and an unclear start."""
+    """Squares add up: what the picks' scatter and the state of a place make of its deviation, and an unclear start."""
     rig, seen = forearm.task.rig, seen_vertices(forearm)
     assert 0.3 < seen.mean() < 0.8
     names = tuple(rig.landmark_names)
@@ -153,22 +144,18 @@ def test_a_radius_is_its_factor_times_the_deviation_and_what_the_start_leaves_op
     factor = {state: FACTORS[state]["other"] for state in STATES}
     alone: dict[str, object] = {"picked": {}, "given": {}}
     for margin, lost in ((None, 0.0), (0.3, 0.0), (0.125, HOLDS_90 * 0.125), (0.0, HOLDS_90 * 0.25)):
-        for scatter in (NO_PICKS, Scatter(0.75, 2), Scatter(2.5, 9)):
+        for scatter, times in ((None, 1.0), (0.75, 0.6), (2.5, 2.0)):
             found = asked(margin, scatter)
-            at_picks, times = (KNOWN.enlarged(scatter, given=each) for each in (True, False))
-            beside = factor["others"] * np.hypot(times * at, MISFITS["others"])
-            wanted = np.where(given, factor["given"] * at_picks * at, beside)
+            wanted = times * np.where(given, factor["given"], factor["others"]) * at
             assert [*found.landmarks.values()] == pytest.approx(np.hypot(wanted, lost))
-            shown = factor["seen"] * np.hypot(times * skin, MISFITS["seen"])
-            unseen = factor["hidden"] * np.hypot(max(times, 1.0) * skin, MISFITS["hidden"])
-            assert found.vertices == pytest.approx(np.hypot(np.where(seen, shown, unseen), lost))
+            wanted = np.where(seen, times * factor["seen"], max(times, 1.0) * factor["hidden"]) * skin
+            assert found.vertices == pytest.approx(np.hypot(wanted, lost))
             assert found.lines == pytest.approx(ACROSS * np.sqrt(np.mean(found.vertices[seen] ** 2)))
-        with_picks = asked(margin)
-        for expected, state in ((False, "others"), (True, "proposed")):
-            found = asked(margin, NO_PICKS, expected, **alone)
-            wanted = factor[state] * np.hypot(at, MISFITS[state])
-            assert [*found.landmarks.values()] == pytest.approx(np.hypot(wanted, lost))
-            assert found.vertices == pytest.approx(with_picks.vertices), "the same however much is picked"
+        for expected, state in ((False, "alone"), (True, "proposed")):
+            found = asked(margin, None, expected, **alone)
+            assert [*found.landmarks.values()] == pytest.approx(np.hypot(factor[state] * at, lost))
+            wanted = np.where(seen, factor["seen_alone"], factor["hidden_alone"]) * skin
+            assert found.vertices == pytest.approx(np.hypot(wanted, lost))
 
 
 def test_nipples_that_colour_shows_where_the_form_has_them_clear_the_start(asked: Asked) -> None:
@@ -193,24 +180,17 @@ def test_where_regions_overlap_the_less_sure_one_counts(forearm: Posterior, reve
     rig = forearm.task.rig
     kinds = {"arm": np.arange(300), "wrist": np.arange(200, 500)}
     regions = dict(reversed(kinds.items())) if reverse else kinds
-    factors = KNOWN.of_stance("standing").model_copy(
-        update={"seen": {"arm": 2.0, "wrist": 5.0, "other": 3.0}, "misfit_mm": {}}
-    )
+    factors = KNOWN.of_stance("standing").model_copy(update={"seen": {"arm": 2.0, "wrist": 5.0, "other": 3.0}})
     posterior: Any = SimpleNamespace(
         task=SimpleNamespace(rig=replace(rig, regions=regions), picked={"a": 1}, recipe=forearm.task.recipe),
         state=forearm.state,
     )
-    everything, one = np.ones(len(rig.template), dtype=np.bool_), np.ones(len(rig.template))
-    found = radii_module.skin_radii(posterior, factors, everything, one)
+    found = radii_module.skin_factors(posterior, factors, np.ones(len(rig.template), dtype=np.bool_))
     assert found.tolist() == [2.0] * 200 + [5.0] * 300 + [3.0] * (len(rig.template) - 500)
-    misfits = {"seen": {"arm": 2e3 * np.sqrt(3.0), "wrist": 0.0}}  # m: the arm's radius is 2 times two
-    found = radii_module.skin_radii(posterior, factors.model_copy(update={"misfit_mm": misfits}), everything, one)
-    assert found[:200] == pytest.approx(np.full(200, 2.0 * np.sqrt(13.0)))
-    assert found[200:] == pytest.approx([max(2.0 * np.sqrt(13.0), 5.0)] * 100 + [5.0] * 200 + [3.0] * (len(one) - 500))
 
 
 def picks_off_by(deviations: Array) -> Any:
-    names = dict.fromkeys(range(len(deviations)))
+    names = {f"place {k}": None for k in range(len(deviations))}
     return SimpleNamespace(picks=names, task=SimpleNamespace(picked=names), of_picks_alone=deviations)
 
 
@@ -219,21 +199,18 @@ def test_picks_as_good_as_is_said_scatter_by_one_and_a_wild_one_hardly_counts(mo
         radii_module, "LeaveOneOut", lambda found: SimpleNamespace(deviations=lambda: dict(enumerate(found)))
     )
     usual = np.linalg.norm(np.random.default_rng(3).normal(size=(4000, 2)), axis=1)  # along the skin's two axes
-    assert scatter_of(picks_off_by(usual)) == (pytest.approx(1.0, abs=0.02), 4000)
-    close = usual[usual < 2.0]
-    wider = scatter_of(picks_off_by(2.5 * close)).deviation
-    assert wider == pytest.approx(2.5 * scatter_of(picks_off_by(close)).deviation, rel=1e-6)
+    assert scatter_of(picks_off_by(usual)) == pytest.approx(1.0, abs=0.02)
+    assert scatter_of(picks_off_by(2.5 * usual[usual < 2.0])) == pytest.approx(
+        2.5 * scatter_of(picks_off_by(usual[usual < 2.0])), rel=1e-6
+    )
     twelve = usual[:12].copy()
     far = np.append(twelve, 1e3)
     farther = np.append(twelve, 1e6)
     assert scatter_of(picks_off_by(far)) == scatter_of(picks_off_by(farther))
-    assert scatter_of(picks_off_by(far)).deviation < 2.0
-    assert scatter_of(picks_off_by(usual[:1])).picks == 1
-    assert scatter_of(picks_off_by(usual[:0])) == NO_PICKS
-    beside = picks_off_by(twelve)  # what colours show is no click
-    beside.task.picked = [0, 1]
-    of_two = float(np.sqrt(np.mean(twelve[:2] ** 2) / 2.0))
-    assert scatter_of(beside) == (pytest.approx(of_two), 2)
+    assert scatter_of(picks_off_by(far)) < 2.0
+    assert scatter_of(picks_off_by(usual[: FEW - 1])) is None
+    assert scatter_of(picks_off_by(usual[:FEW])) is not None
+    assert FEW == 4  # three make a plane: they cannot disagree
 
 
 def test_a_scan_that_faces_elsewhere_shows_no_skin(forearm: Posterior) -> None:
@@ -245,9 +222,8 @@ def test_a_scan_that_faces_elsewhere_shows_no_skin(forearm: Posterior) -> None:
 
 
 def test_a_larger_error_anywhere_makes_no_radius_smaller(asked: Asked) -> None:
-    careful, careless = Scatter(0.5, 8), Scatter(1.5, 8)
-    sure = asked(0.2, careful)
-    for less in (asked(0.1, careful), asked(0.2, careless), asked(0.1, careless)):
+    sure = asked(0.2, 0.5)
+    for less in (asked(0.1, 0.5), asked(0.2, 1.5), asked(0.1, 1.5)):
         assert (less.vertices >= sure.vertices).all()
         assert all(less.landmarks[name] >= radius for name, radius in sure.landmarks.items())
         assert less.lines > sure.lines
@@ -257,9 +233,3 @@ def test_the_rig_without_numbers_has_no_radii(forearm: Posterior) -> None:
     rig: Rig = forearm.task.rig
     assert not rig.known
     assert radii(forearm) is None
-
-
-def test_factors_of_another_form_are_refused_in_one_sentence(forearm: Posterior) -> None:
-    known = {"radii.json": '{"schema": "breastrig/radii@1", "stances": {}}', "uncertainty.toml": ""}
-    with pytest.raises(BadModel, match=r"radii\.json is no breastrig/radii@2; have it learned anew"):
-        calibration(replace(forearm.task.rig, known=known))

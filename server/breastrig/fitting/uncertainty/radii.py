@@ -4,18 +4,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.core.arrays import Array, Booleans
 from breastrig.core.stances import split_side
 from breastrig.drawings.line_error import across
 from breastrig.fitting.body.hanging import hangs_by
 from breastrig.fitting.picks.leave_one_out import LeaveOneOut
 from breastrig.fitting.posterior import Posterior
-from breastrig.fitting.uncertainty.calibration import NO_PICKS, Scatter, StanceFactors, calibration, factor_of
+from breastrig.fitting.uncertainty.calibration import StanceFactors, calibration, factor_of
 from breastrig.rig.model import Rig
 
 HOLDS_90 = 1.5  # radius of 90 % for a variance of one in all: 1.44 where three axes share it, 1.52 two, 1.64 one
 OTHER = "other"  # of factors: what none is for
 BOTH = frozenset({"nipple_L", "nipple_R"})  # seen by colour where the form has them: so the body lies as it was found
+FEW = 4  # fewer picks show no scatter
 OUTLYING = 6.0  # standard deviations; more is a wrong pick and says nothing of the others
 SEEN_DISTANCE, SEEN_COSINE = 0.015, 0.5  # m, cosine of 60 degrees: a vertex with scan this near, facing alike, is shown
 
@@ -55,47 +56,40 @@ def radii(posterior: Posterior, margin: float | None = None, *, expected: bool =
         return None
     by_colour = task.given.keys() - task.picked
     lost = 0.0 if margin is None or by_colour >= BOTH else HOLDS_90 * known.without_picks.lost(margin)
-    scatter, names = scatter_of(posterior), tuple(rig.landmark_names)
-    at_given, elsewhere = (known.enlarged(scatter, given=given) for given in (True, False))
-    factors, misfits = landmark_factors(posterior, known.of_stance(task.stance), expected=expected)
-    times = np.array([at_given if name in task.given else elsewhere for name in names])
-    larger = np.repeat(times * factors / HOLDS_90, 3)
+    scatter, names = known.enlarged(scatter_of(posterior)), tuple(rig.landmark_names)
+    factors = scatter * landmark_factors(posterior, known.of_stance(task.stance), expected=expected)
+    larger = np.repeat(factors / HOLDS_90, 3)
     joint = larger[:, None] * posterior.joint_landmark_covariance(names) * larger
-    apart = np.hypot(factors * misfits, lost) / HOLDS_90  # where else each lies is not known, nor how the model misfits
-    joint += np.diag(np.repeat(apart**2 / 3.0, 3))
+    joint += (lost / HOLDS_90) ** 2 / 3.0 * np.eye(len(joint))  # where else each lies is not known
     at_landmarks = HOLDS_90 * np.sqrt(np.diag(joint).reshape(-1, 3).sum(axis=1))
     seen = seen_vertices(posterior)
-    deviations = np.where(seen, elsewhere, max(elsewhere, 1.0)) * np.sqrt(posterior.vertex_variances())
-    at_vertices = np.hypot(skin_radii(posterior, known.of_stance(task.stance), seen, deviations), lost)
+    factors = np.where(seen, scatter, max(scatter, 1.0)) * skin_factors(posterior, known.of_stance(task.stance), seen)
+    at_vertices = np.hypot(factors * np.sqrt(posterior.vertex_variances()), lost)
     landmarks = dict(zip(names, at_landmarks.tolist(), strict=True))
     return Radii(landmarks, at_vertices, line_error(rig, at_vertices, seen), joint)
 
 
-def landmark_factors(posterior: Posterior, factors: StanceFactors, *, expected: bool = False) -> tuple[Array, Array]:
-    """(L,) factors and (L,) m misfits of the rig's landmarks; of those not given around where they are `expected`."""
+def landmark_factors(posterior: Posterior, factors: StanceFactors, *, expected: bool = False) -> Array:
+    """(L,) of the rig's landmarks; of those without a pick around where they are `expected`."""
     task, found = posterior.task, []
     for name in task.rig.landmark_names:
-        given = name in task.given
-        times = factor_of(factors.given if given else factors.proposed if expected else factors.others, name)
-        misfit = 0.0 if given else factors.misfit("others", name)
-        found.append((times * _of_hanging(posterior, factors, name), misfit))
-    of_factors, of_misfits = np.array(found).T
-    return of_factors, of_misfits
+        without = factors.others if task.picked else factors.proposed if expected else factors.alone
+        times = factor_of(factors.given if name in task.given else without, name)
+        found.append(times * _of_hanging(posterior, factors, name))
+    return np.array(found)
 
 
-def skin_radii(posterior: Posterior, factors: StanceFactors, seen: Booleans, deviations: Array) -> Array:
-    """(V,) m, of vertices with these (V,) m deviations, (V,) of which are `seen`; where regions overlap the largest."""
-
-    def radius(name: str, vertices: Integers) -> Array:
-        shown = seen[vertices]
-        times = np.where(shown, factor_of(factors.seen, name), factor_of(factors.hidden, name))
-        misfits = np.where(shown, factors.misfit("seen", name), factors.misfit("hidden", name))
-        return np.asarray(_of_hanging(posterior, factors, name) * times * np.hypot(deviations[vertices], misfits))
-
+def skin_factors(posterior: Posterior, factors: StanceFactors, seen: Booleans) -> Array:
+    """(V,) of the model's vertices, (V,) of which are `seen`; where regions overlap the largest counts."""
+    rig, picked = posterior.task.rig, posterior.task.picked
+    shown, hidden = (factors.seen, factors.hidden) if picked else (factors.seen_alone, factors.hidden_alone)
     found = np.zeros(len(seen))
-    for name, vertices in posterior.task.rig.regions.items():
-        found[vertices] = np.maximum(found[vertices], radius(name, vertices))
-    return np.where(found > 0.0, found, radius(OTHER, np.arange(len(seen))))
+    for name, vertices in rig.regions.items():
+        hangs = _of_hanging(posterior, factors, name)
+        here = hangs * np.where(seen[vertices], factor_of(shown, name), factor_of(hidden, name))
+        found[vertices] = np.maximum(found[vertices], here)
+    others = np.where(seen, factor_of(shown, OTHER), factor_of(hidden, OTHER))
+    return np.where(found > 0.0, found, others)
 
 
 def _of_hanging(posterior: Posterior, factors: StanceFactors, name: str) -> float:
@@ -104,14 +98,15 @@ def _of_hanging(posterior: Posterior, factors: StanceFactors, name: str) -> floa
     return kind if kind != 1.0 and hangs_by(posterior.state, posterior.task.recipe, name) > 0.0 else 1.0
 
 
-def scatter_of(posterior: Posterior) -> Scatter:
-    """Of the picks from where all else has them (leave_one_out.py): some clicks are more careful, and it shows."""
-    picked = posterior.task.picked
-    if posterior.picks is None or not picked:
-        return NO_PICKS
-    found = LeaveOneOut(posterior.of_picks_alone).deviations()
-    deviations = np.minimum([each for name, each in found.items() if name in picked], OUTLYING)
-    return Scatter(float(np.sqrt(np.mean(deviations**2) / 2.0)), len(deviations))  # the skin has two axes
+def scatter_of(posterior: Posterior) -> float | None:
+    """Root mean square of the picks' deviations from where all else has them, on an axis; None of too few picks.
+
+    In the units of picks as good as is said (leave_one_out.py): clicks are more careful here than there, and it shows.
+    """
+    if posterior.picks is None or len(posterior.task.picked) < FEW:
+        return None
+    deviations = np.array(list(LeaveOneOut(posterior.of_picks_alone).deviations().values()))
+    return float(np.sqrt(np.mean(np.minimum(deviations, OUTLYING) ** 2) / 2.0))  # the skin has two axes
 
 
 def seen_vertices(posterior: Posterior) -> Booleans:
