@@ -33,7 +33,7 @@ def test_shapes_on_the_model_are_kept_apart(toy_rig: Rig) -> None:
 
 def test_what_is_written_is_read_back(toy_rig: Rig) -> None:
     shape = {"name": "cut", "closed": True, "color": "#c53030", "points": LINE, "bridged": [False, True]}
-    known = shape | {"error_mm": [None, 2.5]}
+    known = shape | {"error_mm": [None, 2.5], "line_error_mm": 1.8}
     lines = parsed_drawing({"shapes": [shape, known | {"name": "scar"}]}, toy_rig, "mm").on_scan
     np.testing.assert_array_equal(lines[1].error, [np.nan, 0.0025])
     assert [shape_document(line, 1e-3) for line in lines] == [shape, known | {"name": "scar"}]

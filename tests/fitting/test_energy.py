@@ -24,7 +24,7 @@ def fitted(task: FitTask) -> RigParameters:
 
 def energy(task: FitTask, x: RigParameters) -> float:
     problem, stage, state = ScanProblem(task), task.recipe.stages[1], BodyState(task.rig, x)
-    return problem.value(problem.terms(stage, 1.0, state, problem.matches(stage, 1.0, state)), state).energy
+    return problem.energy(problem.terms(stage, 1.0, state, problem.matches(stage, 1.0, state)), state)
 
 
 @pytest.mark.parametrize("axis", range(3))

@@ -81,7 +81,7 @@ def test_its_energy_is_equation_9_of_the_paper(seed: int, torso: Rig, fit: ScanP
         + ((CM * gaps) ** 2).sum() / LANDMARKS
     )
     terms = fit.terms(stage, 1.0, state, matches)
-    assert 2.0 * fit.value(terms, state).energy == pytest.approx(expected, rel=1e-5)
+    assert 2.0 * fit.energy(terms, state) == pytest.approx(expected, rel=1e-5)
 
 
 def test_its_residual_has_three_axes_and_the_scans_direction(torso: Rig, fit: ScanProblem) -> None:

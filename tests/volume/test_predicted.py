@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from breastrig.core.errors import BadInput
+from breastrig.drawings.skin_maps.settings import skin_map_settings
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.volume.breast_skin import breast_skins
@@ -70,10 +71,12 @@ def test_posture_and_breast_are_off_independently_and_each_side_by_its_own(goal:
     within = [np.linspace(0.001, 0.03, len(skins[0].skin)), np.full(len(skins[1].skin), 0.2)]
     still = [np.zeros((len(each.skin), 3)) for each in skins]
     found = with_breasts(rig, rig.template, "standing", goal, list(zip(still, within, strict=True)))
+    hanging = skin_map_settings(rig).error_hanging if goal == "prone" else 0.0
+    assert (hanging > 0.01) == (goal == "prone")
     only = {side.side: np.setdiff1d(side.skin, other.skin) for side, other in (skins, skins[::-1])}
     for side, off in zip(skins, within, strict=True):
         here = np.isin(side.skin, only[side.side])
-        assert found.radii[side.skin[here]] == pytest.approx(np.sqrt(prior.posture**2 + off[here] ** 2))
+        assert found.radii[side.skin[here]] == pytest.approx(np.sqrt(prior.posture**2 + off[here] ** 2 + hanging**2))
     others = np.setdiff1d(np.arange(len(rig.template)), np.union1d(skins[0].skin, skins[1].skin))
     assert found.radii[others] == pytest.approx(prior.posture)
 
