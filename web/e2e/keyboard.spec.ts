@@ -113,8 +113,8 @@ test("from page load to the fitted result without a mouse, and the live region s
     await tabTo(page, /^Fit with \d+ landmarks$/);
     await page.keyboard.press("Enter");
     await untilFitted(page);
-    const off = await page.evaluate(() => window.__breastrig!.state().fit!.result!.drawn_line_error_mm!);
-    await expect(status).toHaveText(new RegExp(`^The fit is done: mean distance [\\d.]+ millimetres\\. Check this fit\\. Lines may be far off; .* 3 landmarks were only agreed to where they were proposed; .* Drawn lines ±\u00a0${Math.round(off)}\u00a0mm\\.$`));
+    const off = await page.evaluate(() => window.__breastrig!.state().fit!.result!.line_error_mm!);
+    await expect(status).toHaveText(new RegExp(`^The fit is done: mean distance [\\d.]+ millimetres\\. Check this fit\\. Lines may be far off; .* 3 landmarks were only agreed to where they were proposed; .* Lines on the breasts ±\u00a0${Math.round(off)}\u00a0mm\\.$`));
     const front = await hook.picture(page);
     await tabTo(page, /^3D view/);
     await page.keyboard.press("Shift+ArrowRight");
