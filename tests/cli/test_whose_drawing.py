@@ -140,7 +140,7 @@ def test_a_plans_line_far_off_its_own_scan_is_left_out_and_it_is_said(fits: Path
     assert [shape["item"] for shape in laid["shapes"]] == ["near"]
     [missing] = laid["missing"]
     assert missing["item"] == "far"
-    assert missing["reason"].startswith('"far" lies up to ')
+    assert missing["reason"].startswith('Point 1 of "far" is 32 mm away from the scan')
 
 
 def test_scans_that_do_not_look_like_one_patients_are_asked_about_at_every_door(

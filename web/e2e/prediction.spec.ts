@@ -30,7 +30,7 @@ test("the stance that is missing is predicted, the pattern is carried there, and
     await expect(page.getByRole("dialog")).toHaveCount(0);
     const pane = page.getByRole("region", { name: "Supine, predicted" });
     await expect(pane.getByText("predicted, not scanned")).toBeVisible();
-    await expect(pane.getByText(/Predicted from the standing scan: .* Lines on it: ±\s\d+\smm\./)).toBeVisible();
+    await expect(pane.getByText(/Predicted from the standing scan: .* Drawn lines ±\s\d+\smm\./)).toBeVisible();
     await expect(pane.getByRole("button", { name: "Work here" })).toBeHidden();
     await expect(page.getByText(/^Shown on the supine body, predicted and not scanned/)).toBeVisible();
     const { from, stance, errors } = await other(page);

@@ -53,8 +53,8 @@ test("distances are coloured, read under the pointer, and are the service's", as
   await test.step("first stands what the fit is good for; distances to the skin are folded away, with that of the model alone", async () => {
     const alone = result.model_alone!.surface_distance_mm.mean!;
     expect(result.surface_distance_mm.mean!).toBeLessThan(0.5 * alone);
-    await expect(page.locator(".numbers .hero")).toHaveText(`±\u00a0${Math.round(result.drawn_line_error_mm!)}\u00a0mmdrawn lines`);
-    await expect(page.getByRole("button", { name: /^Fit/ }).locator(".summary")).toHaveText(`±\u00a0${Math.round(result.drawn_line_error_mm!)}\u00a0mm`);
+    await expect(page.locator(".numbers .hero")).toHaveText(`±\u00a0${Math.round(result.line_error_mm!)}\u00a0mmlines on the breasts`);
+    await expect(page.getByRole("button", { name: /^Fit/ }).locator(".summary")).toHaveText(`±\u00a0${Math.round(result.line_error_mm!)}\u00a0mm`);
     const radii = Object.values(result.landmark_uncertainty_mm!).map(Math.round);
     await expect(page.locator(".numbers .verdict-level")).toHaveText("A good fit");
     await expect(page.locator(".numbers > :is(.verdict, .sure, .hero):visible")).toHaveClass([/verdict/, /hero/, /sure/]); // in this order
