@@ -95,6 +95,24 @@ def test_what_cannot_be_drawn_is_said_in_a_sentence(fits: Fits) -> None:
             breastrig.draw(fits[0], wrong)  # type: ignore[arg-type]
 
 
+def test_another_patients_drawing_is_asked_about(fits: Fits) -> None:
+    theirs = fits[1].drawing
+    with pytest.raises(breastrig.BadInput, match="was made for patient"):
+        breastrig.draw(fits[0], theirs)
+    own = fits[0].drawing
+    again = breastrig.draw(fits[0], own)
+    for mine, its in zip(again.lines, own.lines, strict=True):
+        np.testing.assert_allclose(mine.points, its.points, atol=2e-6)
+    with pytest.raises(breastrig.BadDrawing, match="away from the scan"):  # a person's word does not bring it here
+        breastrig.draw(fits[0], theirs, same_patient=True)
+
+
+def test_a_drawing_without_a_unit_has_that_of_its_scan(fits: Fits) -> None:
+    document = {"shapes": [{"name": "mine", "points": fits[0].drawing.lines[0].points.tolist()}]}
+    [line] = breastrig.draw(fits[0], document).lines
+    np.testing.assert_allclose(line.points, fits[0].drawing.lines[0].points, atol=2e-6)
+
+
 def test_the_radii_are_those_of_the_result_in_the_scans_unit(fits: Fits) -> None:
     fit = fits[0]
     assert fit.line_error_mm == fit.result["line_error_mm"]

@@ -147,8 +147,11 @@ def is_plan(document: dict[str, Any]) -> bool:
     return document.get("schema") == PLAN_SCHEMA
 
 
-def checked_plan(document: dict[str, Any]) -> Plan:
-    """The plan of a document, also of a drawing file whose lines lie on a scan.  Raises BadDrawing with a sentence."""
+def checked_plan(document: dict[str, Any], unit: str = "mm") -> Plan:
+    """The plan of a document, also of a drawing file whose lines lie on a scan; in `unit` where that names none.
+
+    Raises BadDrawing with a sentence.
+    """
     try:
         if is_plan(document):
             return Plan.model_validate(document)
@@ -162,7 +165,7 @@ def checked_plan(document: dict[str, Any]) -> Plan:
     elsewhere = next((shape.name for shape in drawing.shapes if not shape.points), None)
     if elsewhere is not None:
         raise BadDrawing("A drawing becomes a plan where its points lie on a scan; give a plan or such a file.")
-    to_mm = 1e3 * METRES_PER_UNIT[drawing.unit or "mm"]
+    to_mm = 1e3 * METRES_PER_UNIT[drawing.unit or unit]
     return Plan(
         schema=PLAN_SCHEMA,
         patient=drawing.patient,

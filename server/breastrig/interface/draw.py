@@ -20,6 +20,7 @@ from breastrig.interface.fit_result import Fit
 from breastrig.interface.one_thread import one_thread
 from breastrig.rig.model import Rig
 from breastrig.workflow.folder.fit_folder import FitFolder
+from breastrig.workflow.folder.whose import check_whose
 from breastrig.workflow.lines.plan_on_fit import plan_document, plan_on_folders
 from breastrig.workflow.lines.transfer import drawing_document
 
@@ -27,7 +28,7 @@ Drawn: TypeAlias = str | Path | Line | Lesion | Drawing | Mapping[str, Any] | Se
 ROUGH = 0.05  # m that a rough place may be off the scan
 
 
-def draw(fit: Fit, drawing: Drawn | None = None, tumours: Sequence[str] = ()) -> Drawing:
+def draw(fit: Fit, drawing: Drawn | None = None, tumours: Sequence[str] = (), *, same_patient: bool = False) -> Drawing:
     """A drawing made on the scan of a finished fit, in that scan's unit and frame.
 
     Args:
@@ -36,16 +37,18 @@ def draw(fit: Fit, drawing: Drawn | None = None, tumours: Sequence[str] = ()) ->
             `Line` and `Lesion` objects in the scan's unit and frame; a document breastrig/plan@1 or drawing@1, or its
             Path.
         tumours: Circles on the skin, as in `fit`: "L:10,45,12".
+        same_patient: Whether the document is this patient's though it names another's code and scan.
 
     Returns:
         Lines with `error_mm` (M,) where it is known; lesions with depth and distances.
 
     Raises:
         BadDrawing: Also for a pattern that does not fit on this patient, with the reason.
+        NeedsYes: For a document that was made for another patient.
     """
     found = fit.in_metres
     with one_thread():
-        plan = _plan(fit, drawing, tumours)
+        plan = _plan(fit, drawing, tumours, same_patient)
         laid = plan_on_folders(found.rig, plan, [(found, "")])
         if laid.missing:
             raise BadDrawing(laid.missing[0].reason)
@@ -77,7 +80,7 @@ def project(fit: Fit, points: ArrayLike, name: str = "line", *, closed: bool = F
     return drawing_of(shapes).lines[0]
 
 
-def _plan(fit: Fit, drawing: Drawn | None, tumours: Sequence[str]) -> Plan:
+def _plan(fit: Fit, drawing: Drawn | None, tumours: Sequence[str], same_patient: bool) -> Plan:
     """What was asked for, as a plan."""
     found = fit.in_metres
     circles = [tumour_text(short) for short in tumours]
@@ -93,7 +96,8 @@ def _plan(fit: Fit, drawing: Drawn | None, tumours: Sequence[str]) -> Plan:
         drawing = drawing.document
     if not isinstance(drawing, Mapping):
         return checked_plan(_document([*items_of(drawing, found), *extra]))
-    given = checked_plan(dict(drawing))
+    check_whose(drawing, [found.result], same_patient)
+    given = checked_plan(dict(drawing), found.unit)
     return given.model_copy(update={"items": [*given.items, *checked_plan(_document(extra)).items]})
 
 

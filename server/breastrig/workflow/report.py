@@ -55,7 +55,7 @@ def laid_plan(
     """
     for a, b in combinations(fits, 2):
         check_one_body(a, b, same_patient)
-    plan = checked_plan(document)
+    plan = checked_plan(document, fits[0].unit)
     found = []
     for place, fit in enumerate(fits):
         others = [other for other in fits if other is not fit]
