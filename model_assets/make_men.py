@@ -1,8 +1,8 @@
 """Makes men of MakeHuman's adult dials, standing and lying: python model_assets/make_men.py FOLDER.
 
 As make_poses.py makes women (virtual_patient/sampled.py), of statures of the survey ANSUR II; every other one has
-gynaecomastia.  Men n with n % 3 == 2 are of the group `report`, the others are what `breastrig model learn male FOLDER`
-learns from.  A man who is there stays.
+gynaecomastia.  Men n with n % 3 == 2 are of the group `validation`, the others are what `breastrig model learn male
+FOLDER` learns from.  A man who is there stays.
 """
 
 import argparse
@@ -21,7 +21,7 @@ from virtual_patient.woman import AVERAGE, Woman, vertices_of
 from breastrig_studies.virtual.case_files import UNITS, write_case, write_json
 from breastrig_studies.virtual.scan import Circumstances, scan_skin
 
-GROUPS = ("choose", "choose", "report")
+GROUPS = ("development", "development", "validation")
 FIRST = 5000  # number of the first man
 STATURE, SPREAD = 1.756, 0.039  # m, and of its logarithm: 4,082 men of ANSUR II
 BELOW = 0.004  # m to both sides of the nipple's meridian where his fold or the muscle's border is looked for

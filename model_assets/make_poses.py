@@ -29,7 +29,8 @@ from breastrig_studies.virtual.bodies import VirtualBody
 from breastrig_studies.virtual.case_files import UNITS, write_case, write_json
 from breastrig_studies.virtual.scan import Circumstances, scan_skin
 
-GROUPS = ("choose", "report", "choose", "sealed")
+GROUPS = ("development", "validation", "development", "test")
+UNSEEN = 600  # number of the first woman of the test set; those of its turn before were looked at often: validation
 FIRST = 2000  # number of the first woman: those below solve gravity (make_gravity.py), or had other groups
 WITH_HANDS = (*BOX[:2], 0.8)  # m, as BOX, with whole arms
 STATURE, SPREAD = 1.628, 0.039  # m, and of its logarithm: 1,986 women of ANSUR II; MakeHuman's are 1.3 to 2.2 m tall
@@ -60,12 +61,18 @@ def main() -> None:
     part, parts = map(int, options.part.split("/"))
     for number in range(options.first + part, options.first + options.women, parts):
         kind = options.kind or [*KINDS][number % len(KINDS)]
-        place = options.folder / f"{kind}_{number:03d}_{GROUPS[number % len(GROUPS)]}"
+        place = options.folder / f"{kind}_{number:03d}_{group_of(number)}"
         if not (place / "patient.json").is_file():
             try:
                 write_woman(place, source, net, trunk, number, kind, options.poses)
             except ValueError as error:  # of some heavy ones no fold is found
                 print(f"{place.name} is left out: {error}")
+
+
+def group_of(number: int) -> str:
+    """The set to which this woman belongs."""
+    group = GROUPS[number % len(GROUPS)]
+    return "validation" if group == "test" and number < UNSEEN else group
 
 
 def write_woman(place: Path, source: Source, net: Net, trunk: Net, number: int, kind: str, scans: int | None) -> None:
@@ -93,7 +100,7 @@ def write_woman(place: Path, source: Source, net: Net, trunk: Net, number: int, 
         "family": "makehuman",
         "virtual": True,
         "kind": kind,
-        "half": GROUPS[number % len(GROUPS)],
+        "half": group_of(number),
         "source": place.name,
     }
     patient |= {"stature_m": round(float(stature), 3)}

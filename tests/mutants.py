@@ -18,7 +18,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOMS = ("geometry", "scan", "colour", "relief", "drawings", "report", "fitting", "rig", "energies", "correspondence")
+ROOMS = (
+    "geometry",
+    "scan",
+    "colour",
+    "relief",
+    "drawings",
+    "validation",
+    "fitting",
+    "rig",
+    "energies",
+    "correspondence",
+)
 HERE = Path(__file__).resolve().parents[1]
 LONGEST_S = 240.0
 OPERATORS = {ast.Add: ("+", "-"), ast.Sub: ("-", "+"), ast.Lt: ("<", ">"), ast.Gt: (">", "<")}

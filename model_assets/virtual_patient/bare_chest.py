@@ -2,7 +2,7 @@
 
 The map treats the three coordinates alike and is not shown the breasts, so that their weight does not pull the chest.
 It departs from the smoothest sheet through the places around (ridge regression).  Half of the women estimate it, a
-quarter chooses the penalty, a quarter is reported (docs/decisions/0021).
+quarter (validation) chooses the penalty, a quarter tests it (docs/decisions/0021).
 """
 
 from dataclasses import dataclass, replace
@@ -58,8 +58,8 @@ def estimated(rig: Rig, women: Women, recipe: dict[str, Any]) -> BareChest:
     flat = thin_plate(rig.template, breasts(rig), *laplacian(rig.template, rig.faces))
     sheet = RBFInterpolator(flat[around], np.eye(len(around)), kernel="linear", degree=1)(flat[under])
 
-    estimating, choosing, reported = women.part(0, 2), women.part(1, 4), women.part(3, 4)
-    sides = [(estimating.whole, estimating.bare)]
+    development, validation, test = women.part(0, 2), women.part(1, 4), women.part(3, 4)
+    sides = [(development.whole, development.bare)]
     sides += [tuple(each[:, rig.mirror_vertices] * MIRROR for each in sides[0])]
     whole, bare = (np.concatenate(each) for each in zip(*sides, strict=True))
     middle = whole[:, around].mean(axis=1, keepdims=True)
@@ -72,9 +72,9 @@ def estimated(rig: Rig, women: Women, recipe: dict[str, Any]) -> BareChest:
         return BareChest(under, np.round(fade * fade * (3.0 - 2.0 * fade), 3), around, np.round(sheet + extra, 4))
 
     rng = np.random.default_rng(0)
-    fitted = [Women(each.whole + _noise(rig, len(each.whole), recipe, rng), each.bare) for each in (choosing, reported)]
+    fitted = [Women(each.whole + _noise(rig, len(each.whole), recipe, rng), each.bare) for each in (validation, test)]
     best = min(recipe["penalties"], key=lambda penalty: float(np.abs(_gaps(rig, of(penalty), fitted[0])).mean()))
-    for name, bodies in (("their skin", reported), ("a fit's skin", fitted[1])):
+    for name, bodies in (("their skin", test), ("a fit's skin", fitted[1])):
         gaps = 1e3 * np.abs(_gaps(rig, of(best), bodies))
         print(f"Chests under breasts from {name}: {gaps.mean():.1f} mm off, 95 % {np.percentile(gaps, 95):.1f}.")
     print(f"Penalty {best}, {len(around)} places around.")

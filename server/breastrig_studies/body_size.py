@@ -26,7 +26,7 @@ def main(folder: Path, group: str | None) -> None:
     rig, recipe = read_rig(default_rig_path()), load_recipe("default")
     asked: dict[str, list[list[bool]]] = {"all landmarks": [], "none": []}
     for case in read_cohort(folder):
-        if case.sealed or group not in (None, case.group):
+        if case.held_out or group not in (None, case.group):
             continue
         scene = read_scene(case)
         for given, picks in zip(asked, (dict(scene.landmarks), {}), strict=True):

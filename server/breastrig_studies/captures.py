@@ -3,7 +3,7 @@
     python -m breastrig_studies.captures COHORT... -o DIR [--group report] [--each 1] [--worst 30]
 
 Of each woman every condition (virtual/as_captured.py) takes another of her scans in turn, or all with `--each 0`.
-Sealed women are left out.  Printed is a table by condition, one by woman is DIR/captures.csv, and DIR/worst.jpg shows
+The test set is left out.  Printed is a table by condition, one by woman is DIR/captures.csv, and DIR/worst.jpg shows
 the worst fits from four sides.  Answers are kept in DIR/work.  docs/decisions/0026.
 """
 
@@ -22,7 +22,7 @@ from breastrig.core.errors import FitFailed
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
-from breastrig_studies.cohort import Case, read_cohort
+from breastrig_studies.cohort import DEVELOPMENT, VALIDATION, Case, read_cohort
 from breastrig_studies.output.pictures import INK, SIZE, fit_row
 from breastrig_studies.studies.case import read_scene
 from breastrig_studies.studies.result_cache import Record, Unit, records
@@ -49,8 +49,8 @@ def is_right(each: dict[str, Any]) -> bool:
 
 
 def chosen(folders: Sequence[Path], group: str) -> list[Case]:
-    """All cases of a group; never a sealed one."""
-    cases = [case for folder in folders for case in read_cohort(folder) if not case.sealed]
+    """All cases of a group; never one of the test set."""
+    cases = [case for folder in folders for case in read_cohort(folder) if not case.held_out]
     return [case for case in cases if case.group == group]
 
 
@@ -125,7 +125,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("cohorts", type=Path, nargs="+")
     parser.add_argument("-o", "--output", type=Path, required=True)
-    parser.add_argument("--group", choices=("choose", "report"), default="report")
+    parser.add_argument("--group", choices=(DEVELOPMENT, VALIDATION), default=VALIDATION)
     parser.add_argument("--each", type=int, default=1)
     parser.add_argument("--condition", choices=CONDITIONS, action="append")
     parser.add_argument("--jobs", type=int, default=1)

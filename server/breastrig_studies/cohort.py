@@ -26,17 +26,17 @@ class Case:
     unit: str
     folder: Path
     hanging: bool | None = None  # whether its breasts were made to hang; None: nobody says
-    group: str = ""  # choose | report | sealed; empty: nobody has divided the cohort
+    group: str = ""  # development | validation | test; empty: the cohort is not divided
 
     @property
-    def sealed(self) -> bool:
-        """Whether `evaluate --sealed` alone looks at it."""
-        return self.group == SEALED
+    def held_out(self) -> bool:
+        """Whether it is of the test set, at which `evaluate --test` alone looks."""
+        return self.group == TEST
 
     @property
     def teaches(self) -> bool:
         """Whether numbers are estimated from it: the other groups say what came of that."""
-        return self.group not in (REPORT, SEALED)
+        return self.group not in (VALIDATION, TEST)
 
     @property
     def coloured(self) -> bool:
@@ -50,7 +50,12 @@ class Case:
 
 
 PLAIN, COLOURED = "scan.ply", "scan.zip"
-CHOOSE, REPORT, SEALED = GROUPS = ("choose", "report", "sealed")
+DEVELOPMENT, VALIDATION, TEST = GROUPS = ("development", "validation", "test")
+EARLIER = {
+    "choose": DEVELOPMENT,
+    "report": VALIDATION,
+    "sealed": VALIDATION,
+}  # in folders of 0.2.0; the last were looked at seven times
 
 
 def _document(path: Path) -> dict[str, object]:
@@ -66,7 +71,8 @@ def _document(path: Path) -> dict[str, object]:
 def _group(patient: dict[str, object], name: str) -> str:
     """As patient.json says, else as the name of the folder ends."""
     ending = name.rpartition("_")[2]
-    return str(patient.get("half", ending if ending in GROUPS else ""))
+    group = str(patient.get("half", ending if ending in (*GROUPS, *EARLIER) else ""))
+    return EARLIER.get(group, group)
 
 
 def _hanging(patient: dict[str, object]) -> bool | None:

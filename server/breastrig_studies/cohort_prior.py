@@ -49,8 +49,8 @@ def number_of(patient: str) -> int:
 
 
 def cases(folder: Path, stance: str) -> list[Case]:
-    """All in that stance that are not sealed."""
-    return [case for case in read_cohort(folder) if case.stance == stance and not (case.sealed or case.coloured)]
+    """All in that stance that are not of the test set."""
+    return [case for case in read_cohort(folder) if case.stance == stance and not (case.held_out or case.coloured)]
 
 
 def contributions(folder: Path, stance: str, kept: Path, rig: Rig, recipe: Recipe) -> Iterator[bytes]:

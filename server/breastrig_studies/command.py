@@ -18,7 +18,7 @@ from breastrig.core.output_files import Output, OutputSet, all_or_nothing, check
 from breastrig.core.private_files import private_folder
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path
-from breastrig_studies.cohort import Case, read_cohort
+from breastrig_studies.cohort import GROUPS, Case, read_cohort
 from breastrig_studies.evaluate import measured
 from breastrig_studies.output.charts import have_plots
 from breastrig_studies.output.publish import (
@@ -29,13 +29,13 @@ from breastrig_studies.output.publish import (
     published,
 )
 from breastrig_studies.output.summary import Circumstances
-from breastrig_studies.sealed import check_unseen, commit, log_line
 from breastrig_studies.studies.plan import Plan
 from breastrig_studies.studies.result_cache import FILES
 from breastrig_studies.studies.rotation_counts import QUICK_ROTATIONS, ROTATIONS
 from breastrig_studies.tables.accuracy import console, failures_table
 from breastrig_studies.tables.colour_landmarks import console as landmarks_by_colour
 from breastrig_studies.tables.ink import console as colour_console
+from breastrig_studies.test_set import check_unseen, commit, log_line
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -67,14 +67,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--half",
-        choices=("choose", "report", "both"),
+        choices=(*GROUPS[:2], "both"),
         help="of the warped bodies or the painted patients; the halves share no source (both)",
     )
     parser.add_argument(
-        "--sealed",
+        "--test",
         type=Path,
         metavar="LOG",
-        help="only the COHORT's sealed patients, which are left out otherwise; appends what was found to a log",
+        help="only the COHORT's test set, which is left out otherwise; appends what was found to a log",
     )
     parser.add_argument(
         "--preset",
@@ -193,12 +193,12 @@ def _warped(options: argparse.Namespace) -> Path:
 
 def _cases(options: argparse.Namespace) -> tuple[Case, ...]:
     """Of the cohort; of the warped bodies only those asked for, for more may be there."""
-    wanted = options.sealed is not None
+    wanted = options.test is not None
     if wanted and (options.cohort is None or options.warped is not None):
-        raise BadInput("--sealed needs a COHORT folder with sealed patients, and takes no made ones.")
-    cases = tuple(case for case in read_cohort(_cohort(options)) if case.sealed == wanted)
+        raise BadInput("--test needs a COHORT folder with a test set, and takes no synthetic ones.")
+    cases = tuple(case for case in read_cohort(_cohort(options)) if case.held_out == wanted)
     if not cases:
-        raise BadInput(f"{options.cohort} has {'no' if wanted else 'only'} sealed patients.")
+        raise BadInput(f"{options.cohort} has {'no' if wanted else 'only'} patients of a test set.")
     if options.painted:
         names = _painted_names(options)
         return tuple(case for case in cases if case.patient in names)
@@ -222,8 +222,8 @@ def _plan(options: argparse.Namespace) -> Plan:
     if len({recipe.name for recipe in recipes}) < len(recipes):
         raise BadInput("Two presets have the same name; give each a name of its own.")
     model = Path(options.model or default_rig_path())
-    sealed = options.sealed is not None
-    return Plan(_cases(options), recipes, model, rotations, options.quick or sealed, sealed)
+    test = options.test is not None
+    return Plan(_cases(options), recipes, model, rotations, options.quick or test, test)
 
 
 def _output(options: argparse.Namespace, plan: Plan | None) -> Output:
@@ -241,9 +241,9 @@ def run(options: argparse.Namespace) -> int:
     plan = _plan(options)
     output = _output(options, plan)
     check_output(output)
-    code = None if options.sealed is None else commit()
+    code = None if options.test is None else commit()
     if code is not None:
-        check_unseen(options.sealed, code, options.again)
+        check_unseen(options.test, code, options.again)
     private_folder(options.output)
     with tqdm(unit="fit", disable=not sys.stderr.isatty(), leave=False, smoothing=0.1) as bar:
 
@@ -255,7 +255,7 @@ def run(options: argparse.Namespace) -> int:
 
         results = measured(plan, options.output, options.jobs, options.again, progress)
         if code is not None:
-            print(log_line(options.sealed, code, options.cohort.name, results.records))
+            print(log_line(options.test, code, options.cohort.name, results.records))
             return 0
         about = Circumstances(_command(options), _kind(options), options.jobs)
         with all_or_nothing(output) as out:

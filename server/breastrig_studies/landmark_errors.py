@@ -2,10 +2,10 @@
 
     python -m breastrig_studies.landmark_errors COHORT... [--write]
 
-Of all scans of the choosing women, picked where their landmarks are: what leave-one-out residuals show beyond the fit's
-own uncertainty.  Mean and deviation by expectation-maximisation for a Student t, so that few women who are unlike all
-others do not decide (Lange, Little and Taylor, Robust statistical modeling using the t distribution, 1989).  Without
---write the numbers are printed.
+Of all scans of the development women, picked where their landmarks are: what leave-one-out residuals show beyond the
+fit's own uncertainty.  Mean and deviation by expectation-maximisation for a Student t, so that few women who are unlike
+all others do not decide (Lange, Little and Taylor, Robust statistical modeling using the t distribution, 1989).
+Without --write the numbers are printed.
 """
 
 import json

@@ -1,8 +1,8 @@
 """`breastrig model learn MODEL BODIES`: what is known of a rig, from bodies whose whole skin is known.
 
 BODIES is a cohort (cohort.py) with truth.ply of every body.  Written into NAME.known and bound to the rig:
-bodies.json, landmark_errors.json, radii.json, uncertainty.toml and verdict.toml.  Bodies of the groups `report` and
-`sealed` are left for whoever measures what came of it (`breastrig evaluate BODIES --model MODEL`).  The rules:
+bodies.json, landmark_errors.json, radii.json, uncertainty.toml and verdict.toml.  Bodies of the groups `validation` and
+`test` are left for whoever measures what came of it (`breastrig evaluate BODIES --model MODEL`).  The rules:
 docs/decisions/0024.
 """
 

@@ -5,10 +5,10 @@
     python model_assets/make_poses.py HEAVY --women 12 --kind heavy
     python -m breastrig_studies.lying_motion DIR/warped POSES HEAVY [-o FILE]
 
-Of the choosing half only.  The mean is that of the first folder.  Two ways of computing how a body lies down are in it,
-that of the given patients and that of our virtual cohort: it begins with the mean of both; then what the skin map still
-gets wrong is added, as far as both ways agree on it, so that nothing is estimated that one way of computing alone says.
-Each body counts as she is and mirrored.
+Of the development half only.  The mean is that of the first folder.  Two ways of computing how a body lies down are in
+it, that of the given patients and that of our virtual cohort: it begins with the mean of both; then what the skin map
+still gets wrong is added, as far as both ways agree on it, so that nothing is estimated that one way of computing alone
+says.  Each body counts as she is and mirrored.
 
 How women differ are the principal components of all folders' bodies about that mean, of what both sides do alike and of
 what one does the reverse of the other.  There dense skin is asked, also what no scan shows.
@@ -32,7 +32,7 @@ from breastrig.geometry.normals import face_normals, vertex_normals
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
-from breastrig_studies.cohort import CHOOSE, Case, read_cohort
+from breastrig_studies.cohort import DEVELOPMENT, Case, read_cohort
 from breastrig_studies.studies.case import Scene, read_scene
 from breastrig_studies.studies.transfer import fitted, places
 
@@ -62,7 +62,7 @@ class Pair:
 
 
 def pairs(rig: Rig, folder: Path) -> Iterator[tuple[dict[str, str], tuple[Scene, Scene], Pair]]:
-    """Those of the choosing half whose scans show the whole torso, with what is written of the patient."""
+    """Those of the development half whose scans show the whole torso, with what is written of the patient."""
     for patient, cases in _stances(folder):
         scenes = (read_scene(cases[0]), read_scene(cases[1]))
         fits = [fitted(rig, load_recipe("default"), scene, scene.landmarks) for scene in scenes]
@@ -77,7 +77,7 @@ def _stances(folder: Path) -> Iterator[tuple[dict[str, str], tuple[Case, Case]]]
         by_patient.setdefault(case.patient, []).append(case)
     for patient, cases in by_patient.items():
         record = json.loads((folder / patient / "patient.json").read_text("utf-8"))
-        if cases[0].group == CHOOSE and record.get("capture", "ordinary") == "ordinary":
+        if cases[0].group == DEVELOPMENT and record.get("capture", "ordinary") == "ordinary":
             standing, lying = ([case for case in cases if case.stance == name] for name in ("standing", "supine"))
             yield from ((record | {"name": patient}, pair) for pair in product(standing, lying))
 

@@ -3,8 +3,8 @@
     python -m breastrig_studies.radii_factors DIR/warped DIR/poses DIR/prone [--write]
 
 The factor of a kind of place is the quantile of error over deviation that holds nine of ten of them, each woman of the
-choosing half counting alike (split conformal prediction with groups: women).  Picks are exact, 5 mm off, and half of
-them.  Without --write: what the file's factors hold of the reporting half, and how wide they are.  Scores of each scan
+development half counting alike (split conformal prediction with groups: women).  Picks are exact, 5 mm off, and half of
+them.  Without --write: what the file's factors hold of the validation half, and how wide they are.  Scores of each scan
 are kept beside its folder, so that it is fitted once.
 """
 
@@ -31,7 +31,7 @@ from breastrig.fitting.uncertainty.radii import OTHER, scatter_of, seen_vertices
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
-from breastrig_studies.cohort import CHOOSE, REPORT, Case, read_cohort
+from breastrig_studies.cohort import DEVELOPMENT, VALIDATION, Case, read_cohort
 from breastrig_studies.studies.case import Scene, read_scene
 from breastrig_studies.studies.landmarks import CLICK_ERROR
 from breastrig_studies.studies.reference_fit import ReferenceFit, reference_fit
@@ -169,14 +169,14 @@ def scores_of_scan(case: Case, rig: Rig, recipe: Recipe) -> Iterator[Score]:
 
 
 def read_scores(folder: Path, rig: Rig, recipe: Recipe) -> Iterator[tuple[Case, str, list[Score]]]:
-    """(case, half, scores) of all women who are not sealed."""
+    """(case, half, scores) of all women but the test set."""
     kept, times = folder.parent / f"radii_{folder.name}", defaultdict[tuple[str, str], int](int)
     kept.mkdir(exist_ok=True)
     for case in read_cohort(folder):
         number = int("".join(filter(str.isdigit, case.patient)) or 0)
-        half = case.group or (CHOOSE, REPORT)[number % 2]
+        half = case.group or (DEVELOPMENT, VALIDATION)[number % 2]
         times[case.patient, case.stance] += 1
-        if case.sealed or times[case.patient, case.stance] > MOST:
+        if case.held_out or times[case.patient, case.stance] > MOST:
             continue
         file = kept / f"{case.patient}_{case.name}.json"
         if not file.is_file():
@@ -213,12 +213,12 @@ def main(folders: Sequence[str], write: bool) -> None:
     rig, recipe = read_rig(default_rig_path()), load_recipe("default")
     known = calibration(rig)
     assert known is not None
-    halves: dict[str, Known] = {CHOOSE: [], REPORT: []}
+    halves: dict[str, Known] = {DEVELOPMENT: [], VALIDATION: []}
     for folder in map(Path, folders):
         for case, half, scores in read_scores(folder, rig, recipe):
             halves[half] += [(f"{folder.name} {case.patient}", case.stance, each) for each in scores]
     if write:
-        estimates = factors(halves[CHOOSE], known.enlarged)
+        estimates = factors(halves[DEVELOPMENT], known.enlarged)
         write_factors(default_rig_path().with_suffix(".known"), estimates)
         known = Calibration.model_validate(known.model_dump() | {"stances": estimates})
     for half, found in halves.items():

@@ -6,10 +6,10 @@
     python -m breastrig_studies.stance_signs DIR/poses DIR/warped DIR/prone
 
 Scans are whole and without their tables, fitted without landmarks and with all that are on them; a part of each and
-prone skins are fitted without.  Printed are the signs' numbers, from the choosing women without landmarks, and how
-many answers are wrong, said to be unsure or not: in the choosing group each woman by the others, else by the numbers
-that are kept.  Fits of whole scans that went astray, whose stance says nothing, are left out, and so are sealed women
-(evaluate --sealed).
+prone skins are fitted without.  Printed are the signs' numbers, from the development women without landmarks, and how
+many answers are wrong, said to be unsure or not: in the development group each woman by the others, else by the numbers
+that are kept.  Fits of whole scans that went astray, whose stance says nothing, are left out, and so is the test set
+(evaluate --test).
 """
 
 import json
@@ -37,7 +37,7 @@ from breastrig.fitting.task import FitTask
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
-from breastrig_studies.cohort import CHOOSE, REPORT, Case, read_cohort
+from breastrig_studies.cohort import DEVELOPMENT, VALIDATION, Case, read_cohort
 from breastrig_studies.studies.case import read_scene
 from breastrig_studies.studies.trust.captured import captured_scene
 
@@ -45,7 +45,7 @@ ASTRAY = 0.04  # m, mean distance of the landmarks
 MOST = 1.5  # standard deviations, of any sign: a woman with next to no breasts shows little, not much
 RIDGE = {SUPINE: 3.0, PRONE: 0.1}  # of the weights, in units of scans, of which each woman has many, or one
 ALONE = "none"  # of the landmarks are given
-GROUPS = (CHOOSE, REPORT)
+GROUPS = (DEVELOPMENT, VALIDATION)
 WHOLE, PARTS = "as_it_is", ("breasts_only", "above_nipples", "below_nipples", "one_side")  # of virtual/as_captured.py
 
 
@@ -61,12 +61,12 @@ class ScanSigns:
 
 
 def signs_of_scans(folder: Path, rig: Rig) -> Iterator[ScanSigns]:
-    """All scans that are not sealed; each is kept beside the folder, so that it is fitted once."""
+    """All scans but the test set's; each is kept beside the folder, so that it is fitted once."""
     kept = folder.parent / f"signs_{folder.name}"
     kept.mkdir(exist_ok=True)
     for number, case in enumerate(read_cohort(folder)):
         file = kept / f"{case.patient}_{case.name}.json"
-        if case.sealed:
+        if case.held_out:
             continue
         if not file.is_file():
             patient = json.loads((folder / case.patient / "patient.json").read_text("utf-8"))
@@ -160,17 +160,18 @@ def main(folders: Sequence[Path]) -> None:
     """Measures what is not measured yet, and prints."""
     rig, kept = read_rig(default_rig_path()), stance_signs()
     scans = [each for folder in folders for each in signs_of_scans(folder, rig)]
-    choosing = [s for s in scans if s.half == CHOOSE]
-    alone = [s for s in choosing if s.kind.endswith(ALONE)]
+    development = [s for s in scans if s.half == DEVELOPMENT]
+    alone = [s for s in development if s.kind.endswith(ALONE)]
     for stance, against in ((SUPINE, all_estimated(alone, kept).supine), (PRONE, all_estimated(alone, kept).prone)):
         say([f"{stance}: constant {against.constant:.3g}"])
         for name, sign in against.signs.items():
             say([f"{stance}.{name}: between {sign.between:.4g}, weight {sign.weight:.4g}, most {sign.most:.3g}"])
     by_others = {
-        source: all_estimated([s for s in alone if s.source != source], kept) for source in {s.source for s in choosing}
+        source: all_estimated([s for s in alone if s.source != source], kept)
+        for source in {s.source for s in development}
     }
-    say(["choosing group, each woman by the others"])
-    say(table(choosing, [likely_stance(s.signs, by_others[s.source]) for s in choosing]))
+    say(["development group, each woman by the others"])
+    say(table(development, [likely_stance(s.signs, by_others[s.source]) for s in development]))
     for group in GROUPS:
         its = [s for s in scans if s.half == group]
         say([f"the kept numbers, group: {group}"])

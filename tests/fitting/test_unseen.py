@@ -1,6 +1,6 @@
 """What the scan does not show stays plausible: half of the example's scan against the fit of the whole.
 
-On ten dev scans cut in the same three ways the bones kept 0.85 to 1.20 of their scales, the volume 0.80 to 1.08.
+On ten given scans cut in the same three ways the bones kept 0.85 to 1.20 of their scales, the volume 0.80 to 1.08.
 """
 
 import numpy as np

@@ -165,7 +165,7 @@ def test_the_command_line_names_the_option_that_answers(
 def test_the_terminal_shows_what_the_file_calls_its_segments(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """For choosing; nothing that is written has these words."""
+    """For development; nothing that is written has these words."""
     words = {1: BODY_WORDS, 2: ("Zoe Quixote", *PLAIN[1:])}
     (tmp_path / "IM000001").write_bytes(file_of(seg(masks(), words)))
     assert (

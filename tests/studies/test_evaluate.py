@@ -195,7 +195,7 @@ def test_a_failed_fit_is_reported_and_the_others_go_on(
         (["nowhere", "--virtual"], "not both"),
         (["nowhere", "--painted"], "--painted alone"),
         (["--painted", "--warped", "3"], "--painted alone"),
-        (["--virtual", "--half", "choose"], "--half"),
+        (["--virtual", "--half", "development"], "--half"),
         (["--virtual", "--hanging", "1"], "--hanging is a share"),
         (["--warped", "1", "--hanging", "2"], "--hanging is a share"),
         (["--warped", "1", "--prone"], "--prone needs a COHORT"),
@@ -223,7 +223,7 @@ def test_prone_bodies_that_were_made_are_what_is_measured(
     seen: list[str] = []
 
     def make(folder: Path, progress: Callable[[str], None], data: Path, bodies: int, half: str) -> None:
-        for name in ("prone_000_choose", "prone_001_report", "prone_003_report"):
+        for name in ("prone_000_development", "prone_001_validation", "prone_003_validation"):
             write_patient(folder / name, rig, 2, "made", stances=("standing",), names=FEW)
 
     def measured(plan: plan.Plan, *_: object) -> None:
@@ -232,9 +232,9 @@ def test_prone_bodies_that_were_made_are_what_is_measured(
 
     monkeypatch.setattr("breastrig_studies.virtual.warped.prone.make_prone", make)
     monkeypatch.setattr(evaluate_command, "measured", measured)
-    asked = ["evaluate", str(cohort), "--warped", "3", "--prone", "--half", "report", "-o", str(tmp_path / "out")]
+    asked = ["evaluate", str(cohort), "--warped", "3", "--prone", "--half", "validation", "-o", str(tmp_path / "out")]
     assert main(asked) == 2
-    assert seen == ["prone_001_report"]
+    assert seen == ["prone_001_validation"]
 
 
 def test_a_pick_along_the_skin_is_on_the_skin_and_as_far_as_asked(cohort: Path, rng: np.random.Generator) -> None:

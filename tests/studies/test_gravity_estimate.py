@@ -55,10 +55,10 @@ def test_radii_hold_nine_of_ten_places_of_women_who_come_later(goal: str) -> Non
     assert (miss <= radii).mean() == pytest.approx(0.9, abs=0.03)
 
 
-def test_each_quarter_has_its_part_and_the_sealed_one_none(
+def test_each_quarter_has_its_part_and_the_test_set_none(
     rig: Rig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """With sealed and choosing women who are unlike the others, the file is still that of the others."""
+    """With validation and test women who are unlike the others, the file is still that of the others."""
     count = len(breast_skins(rig)[0].skin)
     known, used = women(40, 6, count), dict[str, set[int]]()
 

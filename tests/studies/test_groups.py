@@ -1,4 +1,4 @@
-"""Numbers are estimated from the choosing women: who says what came of it, and who is sealed, is not read."""
+"""Numbers are estimated from the development women: those of the validation and the test set are not read."""
 
 import json
 from collections.abc import Callable, Iterator
@@ -19,8 +19,15 @@ from breastrig_studies.cohort import Case, read_cohort
 from breastrig_studies.radii_factors import Score
 
 STANCES = ("standing", "supine")
-GROUPS = {"a": "choose", "b": "report", "c": "sealed", "d_choose": None, "e_report": None, "f_sealed": None}
-CHOSEN, REPORTING = {"a", "d_choose"}, {"b", "e_report"}
+GROUPS = {
+    "a": "development",
+    "b": "validation",
+    "c": "test",
+    "d_development": None,
+    "e_validation": None,
+    "f_test": None,
+}
+DEVELOPED, VALIDATED = {"a", "d_development"}, {"b", "e_validation"}
 
 
 class EnoughError(Exception):
@@ -109,7 +116,7 @@ def of_radii(folder: Path, rig: Rig, read: Read, patch: pytest.MonkeyPatch) -> N
     try:
         radii_factors.main([str(folder)], write=True)
     finally:
-        assert read.names == CHOSEN | REPORTING  # the others are those in whom the factors are measured
+        assert read.names == DEVELOPED | VALIDATED  # the others are those in whom the factors are measured
         read.names = estimated
 
 
@@ -129,7 +136,7 @@ def of_stances(folder: Path, rig: Rig, read: Read, patch: pytest.MonkeyPatch) ->
     try:
         stance_signs.main([folder])
     finally:
-        assert read.names == CHOSEN | REPORTING
+        assert read.names == DEVELOPED | VALIDATED
         read.names = estimated
 
 
@@ -138,7 +145,7 @@ def of_lying(folder: Path, rig: Rig, read: Read, patch: pytest.MonkeyPatch) -> N
     patch.setattr(lying_motion, "read_scene", read.scene)
     patch.setattr(lying_motion, "fitted", lambda *_: bare)
     patch.setattr(lying_motion, "places", lambda *_: bare)
-    assert len([*lying_motion.pairs(rig, folder)]) == len(CHOSEN)
+    assert len([*lying_motion.pairs(rig, folder)]) == len(DEVELOPED)
 
 
 Program = Callable[[Path, Rig, Read, pytest.MonkeyPatch], None]
@@ -150,10 +157,10 @@ def test_only_choosing_women_teach(program: Program, folder: Path, rig: Rig, mon
     read = Read()
     with suppress(EnoughError):
         program(folder, rig, read, monkeypatch)
-    assert read.names == CHOSEN
+    assert read.names == DEVELOPED
 
 
-def test_deep_trunks_are_of_both_halves_and_never_sealed(
+def test_deep_trunks_are_of_both_halves_and_never_of_the_test_set(
     folder: Path, rig: Rig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     read = Read()
@@ -164,11 +171,11 @@ def test_deep_trunks_are_of_both_halves_and_never_sealed(
     monkeypatch.setattr(trunk_depth, "read_scene", scene)
     monkeypatch.setattr(trunk_depth, "estimated", lambda *_: {})
     trunk_depth.main(folder, tmp_path)
-    assert read.names == CHOSEN | REPORTING
+    assert read.names == DEVELOPED | VALIDATED
 
 
 def test_who_has_no_group_teaches(folder: Path) -> None:
     (folder / "c" / "patient.json").unlink()
     cases = read_cohort(folder)
-    assert {case.patient for case in cases if case.teaches} == CHOSEN | {"c"}
-    assert {case.patient for case in cases if case.sealed} == {"f_sealed"}
+    assert {case.patient for case in cases if case.teaches} == DEVELOPED | {"c"}
+    assert {case.patient for case in cases if case.held_out} == {"f_test"}

@@ -20,7 +20,7 @@ def cases(count: int) -> list[ScanSigns]:
         signs |= {"nipples_over_folds": random.normal(0.2 + 0.1 * lies, 0.04)}
         if number % 3 == 0:
             del signs["arms"]
-        found.append(ScanSigns("", "choose", f"source {number % 5}", STANCES[lies], signs))
+        found.append(ScanSigns("", "development", f"source {number % 5}", STANCES[lies], signs))
     return found
 
 
@@ -38,7 +38,7 @@ def test_only_signs_that_distinguish_are_estimated_and_those_set_by_hand_stay() 
 
 
 def test_the_table_counts_what_is_wrong_and_what_is_doubted() -> None:
-    scans = [ScanSigns(stance, "choose", "a", stance, {}) for stance in STANCES for _ in range(2)]
+    scans = [ScanSigns(stance, "development", "a", stance, {}) for stance in STANCES for _ in range(2)]
     found = [
         LikelyStance(*each) for each in (("supine", False), ("supine", True), ("supine", True), ("standing", False))
     ]

@@ -19,7 +19,9 @@ from breastrig.geometry.plane import Plane
 from breastrig.geometry.rays import HAVE_EMBREE, RayCaster
 
 SMOOTHING_ROUNDS = 2  # rounds of neighbour averaging of the normals: a depth camera's noise tilts single triangles
-BEYOND = 0.2  # sine of the angle to the border's own plane; of 240 searches on dev scans 215 are spared, 0.4 pairs lost
+BEYOND = (
+    0.2  # sine of the angle to the border's own plane; of 240 searches on given scans 215 are spared, 0.4 pairs lost
+)
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ from breastrig.scan.orient import Frame, propose_frame
 from breastrig.scan.table import Table, found_table
 
 PLANES = 6  # at most: a floor, four walls and a table top
-HIGH = 0.45  # m above a plane that the body reaches: lying torsos of the development data reach 0.29
+HIGH = 0.45  # m above a plane that the body reaches: lying torsos of the given patients reach 0.29
 AWAY = 0.20  # m from a plane to where the body begins: 0.10 there, where arms and flanks come down to the table
 REACHES = (0.02, 0.98)  # quantiles of the body's heights: what curls up at the edge of a plane does not count
 FLAT = 0.02  # m, standard deviation across a piece that is another plane and no body

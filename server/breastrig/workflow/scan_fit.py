@@ -200,8 +200,9 @@ def _only_proposed(landmarks: Collection[str], confidence: Mapping[str, float]) 
     """The landmarks that are no observations: a proposal is made of this very scan, which would count twice.
 
     Fits of 60 warped bodies with all likely proposals confirmed are as near the true places as fits without them
-    (choosing, reporting half: 7.0 and 8.6 mm for 7.2 and 8.7), but the radii that should hold 90 % of the true places
-    held 10 and 11 % where they counted as picks, 18 and 14 % where each counted with its error; without, 98 and 88 %.
+    (development, validation half: 7.0 and 8.6 mm for 7.2 and 8.7), but the radii that should hold 90 % of the true
+    places held 10 and 11 % where they counted as picks, 18 and 14 % where each counted with its error; without, 98 and
+    88 %.
 
     What colours show is looked for again only where nobody has picked anything (see _with_colour); beside picks such
     proposals are observations with an error of their own.

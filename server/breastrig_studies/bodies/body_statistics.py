@@ -1,12 +1,12 @@
 """Writes what is known of bodies (fitting/body): mean and covariance of scales and shapes over a folder of cases.
 
-    breastrig evaluate --warped 73 --half choose COHORT -o DIR --quick
+    breastrig evaluate --warped 73 --half development COHORT -o DIR --quick
     python -m breastrig_studies.bodies.body_statistics DIR/warped
     python -m breastrig_studies.bodies.body_statistics --beside DIR/poses DIR/women
 
 Each body is seen twice, as she is and mirrored, so that no side is preferred; women of many scans count as others do.
 Standing and lying bodies each lose their own mean: the prior's centre knows the stance already.  The covariance is kept
-as its strongest directions.  With --beside the file's bodies keep half of the say.  Only choosing women are read of
+as its strongest directions.  With --beside the file's bodies keep half of the say.  Only development women are read of
 folders that have groups.
 """
 

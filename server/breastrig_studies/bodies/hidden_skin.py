@@ -3,11 +3,11 @@
     breastrig evaluate --warped 44 COHORT -o DIR --quick
     python -m breastrig_studies.bodies.hidden_skin DIR/warped
 
-Of the choosing half's bodies only, fitted without landmarks.  The given patients and our virtual cohort count alike,
+Of the development half's bodies only, fitted without landmarks.  The given patients and our virtual cohort count alike,
 however many each has, and each body counts as she is and mirrored.  How high the whole back of a lying body is off says
 how she lies and how deep her trunk is, which no two of these bodies share; the mean over her back is taken away.  Of
 what is left, the back's form, only that is kept on which both ways of computing how a body lies down agree: from
-the cohort alone it takes the given patient of the choosing half 0.6 mm farther from her skin.
+the cohort alone it takes the given patient of the development half 0.6 mm farther from her skin.
 """
 
 import json
@@ -26,7 +26,7 @@ from breastrig.geometry.boundary import boundary_vertices
 from breastrig.geometry.normals import vertex_normals
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
-from breastrig_studies.cohort import CHOOSE, read_cohort
+from breastrig_studies.cohort import DEVELOPMENT, read_cohort
 from breastrig_studies.lying_motion import OURS, agreed, spaced
 from breastrig_studies.studies.case import Scene, read_scene
 
@@ -103,7 +103,7 @@ def main(folder: Path, into: Path = FOLDER) -> None:
     bodies: dict[str, dict[str, list[tuple[Booleans, Array]]]] = {"standing": {}, "supine": {}}
     for case in read_cohort(folder):
         patient = json.loads((folder / case.patient / "patient.json").read_text("utf-8"))
-        if case.group == CHOOSE and patient["capture"] == "ordinary":
+        if case.group == DEVELOPMENT and patient["capture"] == "ordinary":
             scene = read_scene(case)
             found = hidden_heights(scene, rig, scene.fitted(rig, recipe, {}).vertices)
             bodies[case.stance].setdefault("ours" if patient["source"].startswith(OURS) else "given", []).append(found)

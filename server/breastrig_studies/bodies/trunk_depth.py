@@ -30,7 +30,7 @@ from breastrig_studies.bodies.hidden_skin import FOLDER, hidden_heights, smoothe
 from breastrig_studies.cohort import read_cohort
 from breastrig_studies.studies.case import read_scene
 
-# Hidden skin of the choosing half, no landmark given, each woman by the others, mean mm (5.9 without): 0.2125 m 5.3,
+# Hidden skin of the development half, no landmark given, each woman by the others, mean mm (5.9 without): 0.2125 m 5.3,
 # 0.2175 5.4.  Below 0.2175 bodies that lie by finite elements get worse, 11.5 -> 11.8, who lie higher, not lower.
 ORDINARY = 0.2175  # m, of the belly above the table
 DAMPING = 0.015  # m: backs differ by 6 mm otherwise, slopes are about 0.4; with 0 one woman alone would make the slope
@@ -79,7 +79,7 @@ def main(folder: Path, into: Path = FOLDER) -> None:
     women = dict[str, list[Body]]()
     for case in read_cohort(folder):
         patient = json.loads((folder / case.patient / "patient.json").read_text("utf-8"))
-        if case.sealed or (patient["capture"], case.stance) != ("ordinary", "supine"):
+        if case.held_out or (patient["capture"], case.stance) != ("ordinary", "supine"):
             continue
         scene = read_scene(case)
         if scene.target.table is None:

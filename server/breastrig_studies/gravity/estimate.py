@@ -2,8 +2,8 @@
 
     python -m breastrig_studies.gravity.estimate FOLDER
 
-Women are split by their numbers: half of them estimate the Gaussian, a quarter chooses its band, a quarter is sealed
-and only measured.
+Women are split by their numbers: half of them (development) estimate the Gaussian, a quarter (validation) chooses its
+band, a quarter (test) is only measured.
 """
 
 import json
@@ -37,7 +37,7 @@ class Woman:
 
     @property
     def part(self) -> str:
-        return ("estimate", "choose", "estimate", "sealed")[self.number % 4]
+        return ("development", "validation", "development", "test")[self.number % 4]
 
 
 def read_women(rig: Rig, folder: Path) -> tuple[Woman, ...]:
@@ -80,7 +80,7 @@ def misses(prior: GravityPrior, women: Sequence[Woman], stance: str, goal: str) 
 
 
 def with_band(prior: GravityPrior, women: Sequence[Woman], breast: Booleans) -> GravityPrior:
-    """The band that holds nine of ten of the choosing women's (P,) bool `breast` vertices."""
+    """The band that holds nine of ten of the development women's (P,) bool `breast` vertices."""
     ratios = [np.divide(*(each[:, breast] for each in misses(prior, women, "standing", goal))) for goal in STANCES[1:]]
     return replace(prior, band=float(np.quantile(np.concatenate(ratios), HELD)))
 
@@ -113,17 +113,16 @@ def document(prior: GravityPrior, women: int) -> dict[str, Any]:
 
 
 def main(folder: Path, file: Path = PLACE) -> None:
-    """Estimates, prints what the sealed quarter says, and writes the file."""
+    """Estimates, prints how far off the test set is, and writes the file."""
     rig = read_rig(default_rig_path())
     women = read_women(rig, folder)
-    parts = {name: [woman for woman in women if woman.part == name] for name in ("estimate", "choose", "sealed")}
+    parts = {name: [woman for woman in women if woman.part == name] for name in ("development", "validation", "test")}
     breast = breast_skins(rig)[0].breast
-    prior = with_band(gaussian(parts["estimate"]), parts["choose"], breast)
+    prior = with_band(gaussian(parts["development"]), parts["validation"], breast)
     for stance, goal in (("standing", "supine"), ("standing", "prone"), ("prone", "supine"), ("supine", "standing")):
-        miss, radii = (each[:, breast] for each in misses(prior, parts["sealed"], stance, goal))
+        miss, radii = (each[:, breast] for each in misses(prior, parts["test"], stance, goal))
         still = [
-            np.linalg.norm((w.heights[goal] - w.heights[stance]).reshape(-1, 3)[breast], axis=1)
-            for w in parts["sealed"]
+            np.linalg.norm((w.heights[goal] - w.heights[stance]).reshape(-1, 3)[breast], axis=1) for w in parts["test"]
         ]
         sys.stdout.write(
             f"{stance} -> {goal}: {1e3 * miss.mean():.1f} mm mean, {1e3 * np.quantile(miss, 0.95):.1f} mm 95 %, "

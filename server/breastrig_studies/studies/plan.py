@@ -30,7 +30,7 @@ class Plan:
     model: Path
     rotations: int
     quick: bool
-    sealed: bool = False  # what is asked of sealed patients, and nothing else
+    test: bool = False  # what is asked of the test set, and nothing else
 
     @property
     def plain(self) -> tuple[Case, ...]:
@@ -43,7 +43,7 @@ class Plan:
 
     def first_round(self) -> list[Unit]:
         """Everything but the number of blendshapes."""
-        if self.sealed:
+        if self.test:
             return self._each("asked")
         units = [unit for recipe in self.recipes for unit in self._each("accuracy", recipe)]
         for question in ("halves", "no_landmarks", "clicks", "one_wrong", "exchanged_sides"):

@@ -37,18 +37,18 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_body_is_the_same_alone_and_again_and_then_stays(tmp_path: Path) -> None:
     said: list[str] = []
     make_warped(tmp_path / "both", said.append, bodies=2)
-    make_warped(tmp_path / "report", said.append, bodies=2, half="report")
+    make_warped(tmp_path / "validation", said.append, bodies=2, half="validation")
     assert len(said) == 6
     cases = read_cohort(tmp_path / "both")
-    assert [case.patient for case in cases] == ["warped_000_choose"] * 2 + ["warped_001_report"] * 2
+    assert [case.patient for case in cases] == ["warped_000_development"] * 2 + ["warped_001_validation"] * 2
     assert {case.unit for case in cases} == {"m", "mm"}
     assert {case.family for case in cases} == {"makehuman"}
-    (name,) = names_of(2, "report")
-    assert [each.name for each in (tmp_path / "report").iterdir()] == [name]
+    (name,) = names_of(2, "validation")
+    assert [each.name for each in (tmp_path / "validation").iterdir()] == [name]
     for file in ("patient.json", *(f"{stance}/{file}" for stance in ("standing", "supine") for file in FILES)):
-        assert (tmp_path / "both" / name / file).read_bytes() == (tmp_path / "report" / name / file).read_bytes()
+        assert (tmp_path / "both" / name / file).read_bytes() == (tmp_path / "validation" / name / file).read_bytes()
     about = json.loads((tmp_path / "both" / name / "patient.json").read_text("utf-8"))
-    assert (about["half"], about["family"], about["virtual"]) == ("report", "makehuman", True)
+    assert (about["half"], about["family"], about["virtual"]) == ("validation", "makehuman", True)
     assert about["numbers"]["bumps"]
     assert {case.hanging for case in cases if case.patient == name} == {
         about["numbers"]["nipples_over_folds"] is not None
@@ -98,7 +98,7 @@ def test_two_of_five_bodies_of_each_half_are_independent_where_there_are_such_so
     for half in (0, 1):
         drawn = [make_module.source_of(sources, n, np.random.default_rng(n)) for n in range(half, 100, 2)]
         assert sum(source.family == "independent" for source in drawn) == 20
-        assert {source.half for source in drawn} == {("choose", "report")[half]}
+        assert {source.half for source in drawn} == {("development", "validation")[half]}
 
 
 def test_a_patients_folder_is_read_back_into_body_coordinates(tmp_path: Path, rng: np.random.Generator) -> None:
@@ -113,7 +113,7 @@ def test_a_patients_folder_is_read_back_into_body_coordinates(tmp_path: Path, rn
         write_case(tmp_path / "patient_c" / stance, body, source.faces, scan, unit, rng, {})
     write_json(tmp_path / "patient_c" / "patient.json", {"family": "vitruvian", "origin": "elsewhere"})
     found = read_sources(tmp_path)[-1]
-    assert (found.name, found.half, found.family) == ("patient_c", "choose", "independent")
+    assert (found.name, found.half, found.family) == ("patient_c", "development", "independent")
     np.testing.assert_allclose(found.standing, source.standing, atol=2e-6)
     np.testing.assert_allclose(found.lying[0].vertices, lying.vertices, atol=2e-6)
     assert found.lying[0].table == pytest.approx(lying.table, abs=0.003)
@@ -134,7 +134,7 @@ def test_a_folder_without_known_patients_is_refused_with_a_sentence(tmp_path: Pa
     [
         (["--warped", "0"], "--warped must be"),
         (["--warped", "3", "--virtual"], "not both"),
-        (["--half", "choose"], "--warped N"),
+        (["--half", "development"], "--warped N"),
         (["nowhere", "--warped", "1"], "patient_a"),
     ],
 )

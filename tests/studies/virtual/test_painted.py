@@ -133,9 +133,9 @@ def test_covered_and_reconstructed_nipples_have_no_areola_in_the_truth(tmp_path:
 
 
 def test_the_halves_share_no_woman_and_are_those_of_the_warped_bodies() -> None:
-    choose, report = painted_patients("choose"), painted_patients("report")
+    choose, report = painted_patients("development"), painted_patients("validation")
     assert not set(choose) & set(report)
     assert set(choose) | set(report) == set(painted_patients())
     halves = {source.name: source.half for source in read_sources()}
-    assert all(halves[f"cohort_{name}"] == "choose" for name in choose)
-    assert all(halves[f"cohort_{name}"] == "report" for name in report)
+    assert all(halves[f"cohort_{name}"] == "development" for name in choose)
+    assert all(halves[f"cohort_{name}"] == "validation" for name in report)

@@ -47,15 +47,15 @@ def height(body: WarpedBody, above: str, below: str) -> float:
 def test_no_source_is_in_both_halves_and_each_half_has_one(sources: tuple[Source, ...]) -> None:
     halves = {
         half: {source.sha256 + source.name for source in sources if source.half == half}
-        for half in ("choose", "report")
+        for half in ("development", "validation")
     }
-    assert not halves["choose"] & halves["report"]
-    assert {source.name for source in sources if source.half == "choose"} == {
+    assert not halves["development"] & halves["validation"]
+    assert {source.name for source in sources if source.half == "development"} == {
         f"cohort_patient_{n}" for n in (1, 3, 5, 7)
     }
     for number in range(20):
         found = source_of(sources, number, np.random.default_rng(number))
-        assert found.half == ("choose", "report")[number % 2]
+        assert found.half == ("development", "validation")[number % 2]
 
 
 def test_without_changes_the_body_is_her_source_in_both_stances(source: Source) -> None:

@@ -29,8 +29,8 @@ BLACK = 0.27  # R of black; loose hair and creases reach 0.25
 BLACK_BLUE = 1.2  # B for each R of black; brown spots and faint brown lines have more
 DARK, DARK_BLUE = 0.33, 1.45  # R from which thin black ink on brown skin may have so much; scars and veins stay below
 # Where a scan has so much black ink that nothing else explains it, fainter lines are of that pen: on brown skin a worn
-# or thin one adds hardly more than hair.  Chosen on painted brown women of the choosing half; scans without black ink
-# never come here.
+# or thin one adds hardly more than hair.  Chosen on painted brown women of the development half; scans without black
+# ink never come here.
 SURE_BLACK = 0.2  # m of black lines; hair, creases and tattoos leave none that pass for a plan
 FAINT_BLACK, FAINT_BLUE = 0.17, 1.5  # for BLACK, and for both shares of B
 FAINT_NARROWEST = 1.6e-3  # m; loose hair stays narrower
@@ -38,12 +38,12 @@ RED = 0.36  # of G and B for red ink; red scars reach 0.33
 RED_OVER, RED_SHARE = 0.12, 1.2  # G over R, and G for each R
 RED_BLUE = 1.2  # B for each G; blood and melanin have more
 # On dark skin ink is lighter than skin in some channel: violet and blue in B, green in G, red in R.  No pigment is, and
-# what is lighter as a whole (scars, gloss) changes no hue.  Chosen on painted women of the choosing half, five inks in
-# six tones, texels of 0.6 and 1 mm.  Thin red ink on brown skin in coarse textures is as blood vessels are: not found.
+# what is lighter as a whole (scars, gloss) changes no hue.  Chosen on painted women of the development half, five inks
+# in six tones, texels of 0.6 and 1 mm.  Thin red ink on brown skin in coarse textures looks like vessels: not found.
 HUE = 0.18  # R over the mean of G and B; under it for red
 LIGHTER = 0.10  # by how much, in G or B, of violet, blue and green
 # Violet and blue darken G and lighten B there, which hues do not add up: R over the lightest channel, and the hue then.
-# Of violet on the darkest choosing woman 0.89 are found, of 0.50; 0.3 and 0.10 find 0.93 and more that is none.
+# Of violet on the darkest development woman 0.89 are found, of 0.50; 0.3 and 0.10 find 0.93 and more that is none.
 OPPOSED, HUE_OF_OPPOSED = 0.36, 0.12
 NO_DARKER_RED = 0.4  # R at most so much lighter for each G or B that is: green in shade is a little, gloss has 0.7
 WIDEST_HUE = 4.6e-3  # m; JPEG keeps hues half as sharp

@@ -22,7 +22,7 @@ from breastrig.rig.state import BodyState
 DAMPING = 1e-3  # of the unknowns' natural sizes: directions that nothing but the picks holds stay
 SHOWN_DISTANCE = 0.015  # m: a place with scan this near is shown
 UNSHOWN_ERROR = (
-    0.010  # m on each axis more, of a place that is not; of none, 0.02, 0.01 and 0 the best on choosing bodies
+    0.010  # m on each axis more, of a place that is not; of none, 0.02, 0.01 and 0 the best on development bodies
 )
 
 

@@ -39,7 +39,7 @@ HEIGHTS = (0.0, 0.03, -0.03)  # m along a part of a body; half of the basin
 TILT = 0.22  # rad, by which the mean normal of a prone front is turned to the head: 0.09 to 0.36
 PRONE_SCALE = 1.05  # of the trunk; hanging breasts say nothing of it
 CONTRADICTED = 0.15  # share by which another position is better: right maps have up to 0.11, reversed ones 0.12 to 0.95
-AGREED = 0.08  # m, mean distance of the landmarks to a start that they agree with; the dev scans' are under 5 cm
+AGREED = 0.08  # m, mean distance of the landmarks to a start that they agree with; the given scans' are under 5 cm
 
 
 def trusted_similarity(model: Array, picked: Array) -> tuple[Similarity, Array]:

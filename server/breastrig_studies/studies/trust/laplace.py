@@ -50,7 +50,7 @@ def main(folders: list[str]) -> None:
     for folder in folders:
         for case in read_cohort(Path(folder)):
             seen[folder, case.stance] += 1
-            if seen[folder, case.stance] > WOMEN or case.sealed:
+            if seen[folder, case.stance] > WOMEN or case.held_out:
                 continue
             scene = read_scene(case)
             for picks in (dict(scene.landmarks), {}):

@@ -23,7 +23,7 @@ from breastrig_studies.virtual.painted.photograph import Photograph, photograph
 from breastrig_studies.virtual.painted.tones import TONES, draw_palette
 from breastrig_studies.virtual.scan import SimulatedScan, scan_body
 from breastrig_studies.virtual.warped.make import Half
-from breastrig_studies.virtual.warped.sources import CHOOSE, REPORT
+from breastrig_studies.virtual.warped.sources import DEVELOPMENT, VALIDATION
 
 SEED = 20_261_123
 PAINT_VERSION = 4  # of the formulas; another one paints all anew
@@ -91,7 +91,9 @@ def painted_scan(
 
 def painted_patients(half: Half = "both") -> tuple[str, ...]:
     """The names of the women of a half; as sources of warped bodies they are of the same one."""
-    halves = {patient.name: (CHOOSE, REPORT)[index % 2] for index, patient in enumerate(read_bodies().patients)}
+    halves = {
+        patient.name: (DEVELOPMENT, VALIDATION)[index % 2] for index, patient in enumerate(read_bodies().patients)
+    }
     return tuple(name for name, own in halves.items() if half in ("both", own))
 
 

@@ -16,7 +16,7 @@ from breastrig_studies.virtual.case_files import UNITS, write_case, write_json
 from breastrig_studies.virtual.warped.body import draw_body
 from breastrig_studies.virtual.warped.captures import scan_captured
 from breastrig_studies.virtual.warped.numbers import HANGING, draw_capture
-from breastrig_studies.virtual.warped.sources import CHOOSE, REPORT, Source, read_sources
+from breastrig_studies.virtual.warped.sources import DEVELOPMENT, VALIDATION, Source, read_sources
 
 SEED = 20_261_122
 FAMILY_VERSION = 2  # of the maps, ranges and captures; another one makes all bodies anew
@@ -24,7 +24,7 @@ BODIES = 100
 HANGS = 2  # beside the stances 0 and 1: the generator of what hangs
 INDEPENDENT_IN_FIVE = (1, 3)  # of each five bodies of a half, these are of independent sources
 
-Half = Literal["choose", "report", "both"]
+Half = Literal["development", "validation", "both"]
 
 
 def make_warped(
@@ -50,13 +50,13 @@ def make_warped(
 
 def names_of(bodies: int, half: Half = "both", kind: Literal["warped", "prone"] = "warped") -> dict[str, int]:
     """The folders of the first bodies, as far as they are of the half, and their numbers."""
-    halves = {number: (CHOOSE, REPORT)[number % 2] for number in range(bodies)}
+    halves = {number: (DEVELOPMENT, VALIDATION)[number % 2] for number in range(bodies)}
     return {f"{kind}_{number:03d}_{own}": number for number, own in halves.items() if half in ("both", own)}
 
 
 def source_of(sources: Sequence[Source], number: int, random: np.random.Generator) -> Source:
     """Of the body's half, and independent for two bodies of five where there is such a source."""
-    half = (CHOOSE, REPORT)[number % 2]
+    half = (DEVELOPMENT, VALIDATION)[number % 2]
     own = [source for source in sources if source.half == half]
     family = "independent" if (number // 2) % 5 in INDEPENDENT_IN_FIVE else "makehuman"
     fitting = [source for source in own if source.family == family] or own

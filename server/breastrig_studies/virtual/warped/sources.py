@@ -23,8 +23,8 @@ from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig_studies.virtual.bodies import read_bodies
 
-CHOOSE, REPORT = "choose", "report"
-HALF_OF_PATIENT = {"patient_a": CHOOSE, "patient_c": CHOOSE, "patient_b": REPORT, "patient_d": REPORT}
+DEVELOPMENT, VALIDATION = "development", "validation"
+HALF_OF_PATIENT = {"patient_a": DEVELOPMENT, "patient_c": DEVELOPMENT, "patient_b": VALIDATION, "patient_d": VALIDATION}
 NAVEL_HEIGHT, SHOULDER_DEPTH = 0.15, 0.032  # m, y of the navel and z of the acromia of the cohort's women
 CROPPED = 0.07  # m from the end of the arm, which whoever scans leaves out
 ARM_AWAY = 0.19  # m from the midline; openings beyond are the arms' ends
@@ -45,7 +45,7 @@ class Source:
     """One woman, standing and lying, in body coordinates (m, +X her left, +Y her head, +Z her front)."""
 
     name: str
-    half: str  # choose | report
+    half: str  # development | validation
     family: str  # makehuman | independent
     origin: str
     licence: str
@@ -76,7 +76,7 @@ def _of_the_cohort() -> list[Source]:
         found.append(
             _source(
                 f"cohort_{patient.name}",
-                CHOOSE if index % 2 == 0 else REPORT,
+                DEVELOPMENT if index % 2 == 0 else VALIDATION,
                 "makehuman",
                 (bodies.origin, bodies.licence, bodies.sha256),
                 (bodies.faces, bodies.scanned),

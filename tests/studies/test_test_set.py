@@ -1,4 +1,4 @@
-"""Sealed patients are measured by `evaluate --sealed` alone, once for each commit, and a log says what was found."""
+"""The test set is measured by `evaluate --test` alone, once for each commit, and a log says what was found."""
 
 import json
 from pathlib import Path
@@ -26,17 +26,17 @@ def answer(*_: object) -> dict[str, object]:
 answer.__module__ = asked.__module__  # by which answers are kept
 
 
-def test_sealed_patients_are_looked_at_once_for_each_commit(
+def test_a_test_set_is_looked_at_once_for_each_commit(
     cohort: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (cohort / "patient_x" / "patient.json").write_text(json.dumps({"half": "sealed", "family": "makehuman"}))
+    (cohort / "patient_x" / "patient.json").write_text(json.dumps({"half": "test", "family": "makehuman"}))
     monkeypatch.setitem(registry.ANSWERS, "asked", answer)
     monkeypatch.setattr(command, "commit", lambda: "abc1234")
-    log = tmp_path / "sealed.md"
+    log = tmp_path / "test_set.md"
     look = ["evaluate", str(cohort), "--jobs", "1", "-o", str(tmp_path / "out")]
     assert main(look) == 2
-    assert "only sealed patients" in capsys.readouterr().err
-    look += ["--sealed", str(log)]
+    assert "only patients of a test set" in capsys.readouterr().err
+    look += ["--test", str(log)]
     assert main(look) == 0
     first = log.read_text().splitlines()
     assert first[-1] == capsys.readouterr().out.strip()

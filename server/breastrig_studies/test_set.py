@@ -1,6 +1,6 @@
-"""The sealed patients: looked at once for each commit, by a command that says so in a log.
+"""The test set: looked at once for each commit, by a command that says so in a log.
 
-breastrig evaluate COHORT --sealed docs/sealed.md -o DIR
+breastrig evaluate COHORT --test docs/test_set.md -o DIR
 """
 
 import subprocess
@@ -15,13 +15,13 @@ from breastrig.core.errors import BadInput
 from breastrig_studies.studies.result_cache import Record
 from breastrig_studies.studies.trust.asked import RIGHT
 
-TITLE = """# Sealed women
+TITLE = """# Test set
 
-Virtual women on whom nothing is chosen.  `breastrig evaluate COHORT --sealed docs/sealed.md` alone looks at them, and
+Virtual women on whom nothing is chosen.  `breastrig evaluate COHORT --test docs/test_set.md` alone looks at them, and
 appends a line.  Scans are whole and without tables, the stance is `auto`; a fit is right when its landmarks are no more
 than 15 mm off on average.  *good*: of right fits with all landmarks.  *wrong*: called good, of fits that are not right,
-with one landmark 30 mm off, or of scans 1.25 times too large without a question about her size (up to cc66939d with
-one, too).  *stance*: right, and how many others are said to be unclear.  *mm*: landmarks, all and none given.
+with one landmark 30 mm off, or of scans 1.25 times too large without a question about the patient's size.
+*stance*: right, and how many others are said to be unclear.  *mm*: landmarks, all and none given.
 
 """
 ASKED = "Her trunk is"  # begins a question about her size
@@ -46,16 +46,14 @@ def commit() -> str:
     try:
         found = subprocess.run(asked, cwd=Path(__file__).parent, capture_output=True, text=True, check=True)
     except (OSError, subprocess.CalledProcessError) as error:
-        raise BadInput("--sealed says which commit looked, so that it runs from a git checkout only.") from error
+        raise BadInput("--test says which commit looked, so that it runs from a git checkout only.") from error
     return found.stdout.strip()
 
 
 def check_unseen(log: Path, code: str, again: bool) -> None:
     """BadInput when this commit has looked already."""
     if log.is_file() and f"| {code} |" in log.read_text("utf-8") and not again:
-        raise BadInput(
-            f"The sealed patients were looked at with {code} already, see {log.name}; --again looks once more."
-        )
+        raise BadInput(f"The test set was looked at with {code} already, see {log.name}; --again looks once more.")
 
 
 def log_line(log: Path, code: str, cohort: str, records: Sequence[Record]) -> str:
