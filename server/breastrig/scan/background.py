@@ -1,8 +1,8 @@
-"""Floors and walls around a patient, cut away before anything else is looked for.
+"""Cuts floors and walls around a patient away, before any other analysis.
 
-A scan of a room has large planes in it, and so has the scan of a supine patient on a table.  What tells them apart is
-the body: one that lies on a table begins close above it and is not high; one that stands before a wall or on a floor is
-away from it, or high above it.  So each large plane is judged by the body that is left without it.
+A scan of a room contains large planes, and so does the scan of a supine patient on a table. The body tells them apart:
+on a table it begins close above the plane and is not high; before a wall or on a floor it is away from the plane, or
+high above it. So each large plane is judged by the body that is left without it.
 """
 
 from dataclasses import dataclass, replace
@@ -26,7 +26,7 @@ Planes = tuple[tuple[Array, float], ...]  # (3,) unit normal to the body, and he
 
 @dataclass(frozen=True, eq=False)
 class WithoutBackground:
-    """What is left of a scan."""
+    """A scan without its floors and walls."""
 
     faces: Integers  # (F, 3) of the same vertices
     frame: Frame  # as seen on what is left, with the planes that were cut
@@ -57,7 +57,7 @@ def without_background(vertices: Array, faces: Integers, stands: bool = False) -
 
 
 def cut_background(vertices: Array, faces: Integers, frame: Frame) -> WithoutBackground:
-    """The same again for a frame that is known."""
+    """Cuts the background planes of a known frame."""
     left = faces
     for plane in frame.background:
         kept = _left_by(found_table(vertices, left, *plane), vertices, left)
@@ -106,7 +106,7 @@ def _all_is_low(heights: Array) -> bool:
 
 
 def only_body(vertices: Array, faces: Integers) -> Booleans:
-    """(F,) of the largest piece that is not flat: in a room all else is furniture, or another person's."""
+    """(F,) triangles of the largest piece that is not flat: in a room all others are furniture or another person."""
     body = _body(vertices, faces)
     if body is None:
         return np.ones(len(faces), np.bool_)

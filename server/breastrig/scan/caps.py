@@ -1,8 +1,8 @@
-"""Flat pieces with which programs close a scan: a plate behind it, lids on neck, waist and arms.  None of them is skin.
+"""Detects flat pieces with which programs close a scan: a plate behind it, lids on neck, waist and arms.
 
-A lid is planar to a fraction of a millimetre, as no scanned surface is, and what it adjoins lies behind it and meets it
-at an edge; a table or a floor has the body before it.  A fan over a ragged border folds over itself, so that either
-winding is of it.  Evidence: docs/decisions/0022.
+None of them is skin. A lid is planar to a fraction of a millimetre, as no scanned surface is. The surface beside it
+lies behind it and meets it at an edge; a table or a floor has the body in front of it. A triangle fan over a ragged
+border folds over itself, so it contains both windings. Evidence: docs/decisions/0022.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""From what the scanner wrote to what can be fitted: one function a step, each returns new arrays.
+"""Cleaning steps from the scanner's surface to one that can be fitted; each returns new arrays.
 
 The scan itself is never changed on disk; drawings are projected on the cleaned surface, which is a part of it.
 """
@@ -72,7 +72,7 @@ def compact(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
 
 
 def _check_skin(vertices: Array, faces: Integers) -> None:
-    """Raises BadScan for a surface that is next to none, or drawn by a few long triangles."""
+    """Raises BadScan for a surface of almost no area, or one that consists of a few long triangles."""
     corners = vertices[faces]
     is_short = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1) < LONG
     area = 0.5 * float(np.linalg.norm(face_crosses(vertices, faces[is_short]), axis=1).sum())
@@ -86,7 +86,7 @@ def _check_skin(vertices: Array, faces: Integers) -> None:
 def clean(scan: Scan) -> Surface:
     """The part of a scan that can be fitted: no dust, no triangles without area, all faces outwards, no flat lids.
 
-    No word is said but of lids: nobody has to do anything about them, and no fit is another for them.
+    Only removed lids are reported: the other steps need no action and do not change a fit.
     """
     vertices, faces = welded(np.asarray(scan.vertices, dtype=np.float64), np.asarray(scan.faces, dtype=np.int64))
     crosses = face_crosses(vertices, faces)

@@ -1,4 +1,4 @@
-"""What kind of file some bytes are, from the bytes; the name only helps to say what is wrong."""
+"""Detects the kind of a file from its bytes; its name only words the errors."""
 
 import re
 
@@ -88,7 +88,7 @@ def file_type_of(data: bytes, named: str | None = None) -> str:
 
 
 def volume_kind(start: bytes) -> str:
-    """Of a file that begins so: "label map", "structures" (contours), "dicom", "other" (of volumes), or ""."""
+    """The kind of volume: "label map", "structures" (contours), "dicom", "other" (volumes) or "" (none), from a file's first bytes."""
     if _is_nifti(start):
         return "label map"
     if _is_dicom(start):
@@ -114,7 +114,7 @@ def _is_dicom(start: bytes) -> bool:
 
 
 def other_volume(start: bytes) -> str | None:
-    """The sentence for volumes of other kinds; None where it begins as none."""
+    """The error sentence for unsupported kinds of volumes; None for any other file."""
     if start.startswith(b"NRRD"):
         return f"This is an NRRD file, as 3D Slicer writes it; {EXPORT_MAP}."
     if META_IMAGE_START.match(start) and (b"ElementType" in start or b"DimSize" in start):
@@ -152,7 +152,7 @@ def _is_nearly_binary_stl(data: bytes) -> bool:
 
 
 def _bytes_over_binary_stl(data: bytes) -> int:
-    """So many bytes more than the number of triangles asks for; negative where it has no such number or fewer."""
+    """Bytes beyond those that the announced triangles need; negative where the file is shorter or announces none."""
     if len(data) < BINARY_STL_HEADER:
         return -1
     count = int.from_bytes(data[BINARY_STL_HEADER - 4 : BINARY_STL_HEADER], "little")

@@ -1,8 +1,8 @@
-"""What a person has cut out of a scan with a lasso: gone for fits and proposals, while the stored scan stays whole.
+"""Parts that a person has cut out of a scan with a lasso: left out of fits and proposals; the stored scan stays whole.
 
-A cut is the lasso's corners in a picture, and how that picture showed the scan: a projective map from its own axes.  It
-cuts like scissors, everything within the lasso however deep.  So it is small, needs no numbering of triangles, and the
-page and this module find the same triangles: both take a triangle's middle, in numbers as short as the page's.
+A cut is the lasso's corners in a picture, and the projective map from the scan's own axes to that picture. It removes
+everything within the lasso, however deep. So it is small and needs no numbering of triangles, and the page and this
+module find the same triangles: both take a triangle's middle, in numbers as short as the page's.
 """
 
 import json
@@ -29,7 +29,7 @@ class HandCut:
 
     @classmethod
     def of(cls, document: Mapping[str, Any]) -> "HandCut":
-        """From {to_picture: 16 numbers, column by column, lasso: [[x, y], ...]}."""
+        """Reads {to_picture: 16 numbers, column by column, lasso: [[x, y], ...]}."""
         return cls(np.reshape(document["to_picture"], (4, 4)).T.astype(np.float64), np.array(document["lasso"], float))
 
 
@@ -55,7 +55,7 @@ def are_cut(places: Array, documents: Sequence[Mapping[str, Any]]) -> Booleans:
 
 
 def without_hand_cuts(scan: Scan, documents: Sequence[Mapping[str, Any]]) -> Scan:
-    """The scan as it is left by these cuts (see HandCut.of).  BadScan where that is next to nothing."""
+    """The scan without these cuts (see HandCut.of). Raises BadScan where almost nothing is left."""
     left = without_cuts(scan.vertices, scan.faces, documents)
     count = len(scan.faces) - len(left)
     if not count:
@@ -65,7 +65,7 @@ def without_hand_cuts(scan: Scan, documents: Sequence[Mapping[str, Any]]) -> Sca
 
 
 def without_cuts(vertices: Array, faces: Integers, documents: Sequence[Mapping[str, Any]]) -> Integers:
-    """The triangles that are left of (V, 3) m vertices and (F, 3) faces.  BadScan where that is next to nothing."""
+    """The remaining triangles of (V, 3) m vertices and (F, 3) faces. Raises BadScan where almost nothing is left."""
     cut = cut_triangles(vertices, faces, [HandCut.of(document) for document in documents])
     if cut.any() and len(cut) - np.count_nonzero(cut) < MIN_TRIANGLES:
         raise BadScan("What was cut away by hand leaves nothing to look at; take one of the cuts back.")

@@ -1,8 +1,8 @@
-"""How much a scan may ask for.  Each is far above any real scan and far below what hurts."""
+"""Resource limits of a scan: far above any real scan, far below what would harm the service."""
 
 MEBIBYTE = 2**20
 FILE_BYTES = 400 * MEBIBYTE
-TRIANGLES = 2_000_000  # an edge of 1 mm on a torso; reading one takes 20 s, of which most is finding how she lies
+TRIANGLES = 2_000_000  # an edge of 1 mm on a torso; reading one takes 20 s, of which most is finding the orientation
 TOO_MANY_TRIANGLES = f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first."
 VERTICES = 3 * TRIANGLES  # an STL repeats every corner
 POINTS = 5_000_000  # of a cloud; a depth camera that goes around a torso sees some 500,000

@@ -1,4 +1,4 @@
-"""Numbers in the text of scan files, whichever sign stands before their decimals, and words for what is no number."""
+"""Parses numbers in the text of scan files, with decimal points or commas, and words for missing numbers."""
 
 import re
 import warnings

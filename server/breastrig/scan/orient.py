@@ -1,8 +1,8 @@
-"""Which way a scan looks and whether the patient stands or lies: proposals with a reason, never decisions.
+"""Proposes a scan's orientation and the patient's position: proposals with a reason, never decisions.
 
-A depth camera that goes round the front sees mostly surfaces that face it, so the mean normal of the scan
-points to the front.  A lying patient is scanned from above with the table: one large plane behind everything
-else, facing the camera.  Up is the scanner's +Y where that is across the front, else the longer extent.
+A depth camera that goes round the front sees mostly surfaces that face it, so the mean normal of the scan points to the
+front. A lying patient is scanned from above with the table: one large plane behind everything else, facing the camera.
+Up is the scanner's +Y where that is across the front, else the longer extent.
 """
 
 from dataclasses import dataclass
@@ -41,7 +41,7 @@ class Frame:
 
     @property
     def known(self) -> Array | None:
-        """`rotation` where the file says it, and no look at the scan; None elsewhere."""
+        """`rotation` where the file states it, without looking at the scan; else None."""
         return self.rotation if self.confidence == 1.0 else None
 
 
@@ -51,7 +51,7 @@ LABEL_MAP_FRAME = Frame(
     confidence=1.0,
     reason="A label map says where the patient's front and head are.",
     stance="prone",
-    stance_reason="The scan is a label map, and a breast MRI is taken prone. If it is not, say how she lies.",
+    stance_reason="The scan is a label map, and a breast MRI is taken prone. If it is not, state the position.",
     fronts=np.array([[0.0, -1.0, 0.0]]),
 )  # LPS
 
@@ -66,7 +66,7 @@ def _directions(count: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class _Members:
-    """Which of M triangles belong to which of G groups: pairs, group after group; no group is empty."""
+    """Members of G groups among M triangles: (group, triangle) pairs, sorted by group; no group is empty."""
 
     groups: Integers  # (N,)
     triangles: Integers  # (N,)
@@ -86,7 +86,7 @@ class _Members:
         return np.asarray(np.einsum("ni,ni->n", points.take(self.triangles, axis=0), normals.take(self.groups, axis=0)))
 
     def peaks(self, heights: Array, weights: Array) -> tuple[Array, Array]:
-        """Of each group the level (m) at which two neighbouring bins hold the most weight, and that weight."""
+        """(G,) the level (m) per group at which two neighbouring bins hold the most weight, and (G,) that weight."""
         low = np.minimum.reduceat(heights, self.starts)
         bins = np.floor((heights - low[self.groups]) / PLANE_BIN).astype(np.int64)
         count = int(bins.max()) + 2  # the last stays empty
@@ -99,7 +99,7 @@ class _Members:
 def table_plane(centres: Array, normals: Array, areas: Array) -> tuple[Array, float, float] | None:
     """(normal, offset in m, share of the area) of a table behind the body, or None.
 
-    centres, normals (M, 3) and areas (M,) of triangles.  All guesses go through the rounds together.
+    centres, normals (M, 3) and areas (M,) of triangles. All candidates are refined together.
     """
     total = areas.sum()
     guesses = _directions(300)
@@ -158,7 +158,9 @@ def propose_frame(vertices: Array, faces: Integers) -> Frame:
     if table is not None:
         front, stance = table[0], "supine"
         share = f"{100 * table[2]:.0f} % of the scan"
-        stance_reason = f"{share} lies in one plane behind the body: a table. If it is a wall, say that she stands."
+        stance_reason = (
+            f"{share} lies in one plane behind the body: a table. If it is a wall, say that the patient stands."
+        )
         reason = "The front is where the table faces"
         confidence = 0.7
     else:

@@ -15,7 +15,7 @@ from breastrig.geometry.boundary import boundary_vertices, triangle_components
 from breastrig.geometry.normals import face_areas, face_crosses, vertex_normals
 from breastrig.scan.background import is_flat, only_body
 
-LARGE = 0.3  # of the body's area, as seen from one side; a side of her shows it, an arm with skin all around does not
+LARGE = 0.3  # of the body's area, as seen from one side; a side of the patient shows it, a whole arm does not
 REACH = 0.06  # m from border to border; tears are narrower
 RISE = 0.5  # sine: how far each may lie above or below the other's tangent plane; 6 cm on a breast bend by 0.45
 ALIKE = 0.3  # cosine between the normals on both sides of a tear
@@ -34,19 +34,19 @@ class Piece:
 
 
 def without_other_pieces(vertices: Array, faces: Integers, in_room: bool) -> tuple[Booleans, tuple[Piece, ...]]:
-    """(F,) the body's triangles among (F, 3) `faces`, and the pieces that the others are, the largest first.
+    """(F,) the body's triangles among (F, 3) `faces`, and the other pieces, the largest first.
 
-    `in_room`: floors or walls were cut away.  What is left beside her is furniture then, and not looked at closer.
+    `in_room`: floors or walls were cut away. Pieces beside the patient are then furniture and not examined further.
     """
     count, labels = triangle_components(faces, len(vertices))
     piece = labels[faces[:, 0]]
     if (piece == piece[0]).all():
         return np.ones(len(faces), dtype=np.bool_), ()
-    hers = only_body(vertices, faces) if in_room else _body_pieces(vertices, faces, labels, count)[piece]
+    of_body = only_body(vertices, faces) if in_room else _body_pieces(vertices, faces, labels, count)[piece]
     areas = face_areas(vertices, faces)
-    whole = np.bincount(piece[~hers], areas[~hers], count)
+    whole = np.bincount(piece[~of_body], areas[~of_body], count)
     others = np.argsort(-whole, kind="stable")[: np.count_nonzero(whole)]
-    return hers, tuple(_piece(vertices, faces, np.flatnonzero(piece == other), areas) for other in others)
+    return of_body, tuple(_piece(vertices, faces, np.flatnonzero(piece == other), areas) for other in others)
 
 
 def _piece(vertices: Array, faces: Integers, own: Integers, areas: Array) -> Piece:
@@ -65,7 +65,7 @@ def _body_pieces(vertices: Array, faces: Integers, labels: Integers, count: int)
         if areas[which] == 0.0 or (body is not None and areas[which] < LARGE * areas[body]):
             break
         if is_flat(vertices[np.unique(faces[piece == which])], FLAT):
-            continue  # a table or a wall that was not found as one, larger than she is
+            continue  # a table or a wall that was not found as one, larger than the patient
         body = which if body is None else body
         is_body[which] = which == body or facing[which] >= LARGE * areas[body]
     if body is None:
@@ -88,11 +88,11 @@ class _Border:
 
     def continuing(self, is_body: Booleans) -> Booleans:
         """(P,) pieces of which enough of the border continues that of the (P,) pieces that are the body's."""
-        hers = is_body[self.pieces]
-        if hers.all() or not hers.any():
+        of_body = is_body[self.pieces]
+        if of_body.all() or not of_body.any():
             return np.zeros(len(is_body), dtype=np.bool_)
-        others = np.flatnonzero(~hers)
-        own = np.flatnonzero(hers)
+        others = np.flatnonzero(~of_body)
+        own = np.flatnonzero(of_body)
         found = cKDTree(self.places[own]).query(self.places[others], distance_upper_bound=REACH)
         distance, nearest = np.asarray(found[0]), np.asarray(found[1])
         near = np.isfinite(distance)

@@ -29,7 +29,7 @@ class Piece:
 
 
 def part(piece: Piece, chosen: Booleans) -> Piece:
-    """Some of the (F,) triangles, with the vertices that they use."""
+    """The piece with only the chosen (F,) triangles and the vertices that they use."""
     faces = piece.faces[chosen]
     used = np.zeros(len(piece.vertices), np.bool_)
     used[faces] = True
@@ -63,7 +63,7 @@ class BallInside:
 
 @dataclass(frozen=True)
 class TakenSegment:
-    """What became of a segment of a label map."""
+    """A segment of a label map with how it is used."""
 
     number: int  # in the file
     name: str  # "Lesion 1", "Tissue 2": none of the file's words, which may be the patient's name

@@ -130,7 +130,7 @@ def read_scan(
 def coloured_scan(
     source: Path | bytes, file_type: str | None, units: str, answers: VolumeAnswers = NOTHING_SAID
 ) -> Scan:
-    """As `read_scan`; a scan whose picture alone is over a limit comes without it, and says so."""
+    """The scan as `read_scan` returns it; without its picture and with a note where only that is over a limit."""
     try:
         return read_scan(source, file_type, units, for_display=False, answers=answers)
     except TooLarge:
@@ -158,7 +158,7 @@ def _scan(
     for_display: bool = False,
     from_points: bool = False,
 ) -> Scan:
-    """What has been read, in metres."""
+    """The scan in metres."""
     metres = METRES_PER_UNIT[unit]
     whole, strays = _placed(whole, metres)
     jpeg = whole.picture if whole.picture is None or not for_display else written_anew(whole.picture)
@@ -181,7 +181,7 @@ def _scan(
 
 
 def _pieces(data: bytes, kind: str, files: Companions, texture: bool) -> Pieces:
-    """What a file of this kind holds.  BadScan or TooLarge with a sentence, whatever its parser raises."""
+    """The contents of a file of this kind. Raises only BadScan or TooLarge, whatever its parser raises."""
     if kind in ("glb", "gltf"):
         return _guarded(kind, lambda: glb_pieces(data, files, texture))
     if kind == "usd":
@@ -195,7 +195,7 @@ def _pieces(data: bytes, kind: str, files: Companions, texture: bool) -> Pieces:
 
 
 def _guarded(kind: str, parse: Callable[[], Pieces]) -> Pieces:
-    """What a parser of untrusted bytes gives."""
+    """The result of a parser of untrusted bytes; any exception becomes BadScan or TooLarge."""
     try:
         return parse()
     except BadInput:
@@ -207,7 +207,7 @@ def _guarded(kind: str, parse: Callable[[], Pieces]) -> Pieces:
 
 
 def _label_map(data: bytes, kind: str, units: str, answers: VolumeAnswers) -> Pieces:
-    """What a label map holds, in mm."""
+    """The contents of a label map, in mm."""
     from breastrig.scan.volumes.label_map import label_map_pieces  # SciPy's filters, and few scans are volumes
 
     if units not in UNIT_CHOICES:
@@ -239,7 +239,7 @@ def _check_size(size: int) -> None:
 
 
 def _joined(found: Pieces) -> tuple[Piece, tuple[str, ...]]:
-    """All pieces as one, with the colours or the picture that they share, and what there is to say."""
+    """All pieces as one, with their common colours or picture, and notes."""
     for piece in found.pieces:
         if len(piece.faces) and not 0 <= piece.faces.min() <= piece.faces.max() < len(piece.vertices):
             raise BadScan("The triangles of this scan name vertices that do not exist; export it again.")
@@ -266,7 +266,7 @@ def _joined(found: Pieces) -> tuple[Piece, tuple[str, ...]]:
 
 
 def _placed_or_not(piece: Piece) -> tuple[Piece, ...]:
-    """The piece, apart where some corners have no place in the picture that the others have."""
+    """The piece, split into faces with and without texture coordinates where some corners have none."""
     if piece.uv is None or piece.picture is None:
         return (replace(piece, uv=None, picture=None),)
     has_place: Booleans = np.all(np.isfinite(piece.uv)[piece.faces], axis=(1, 2))
@@ -323,7 +323,7 @@ def _sound_points(cloud: PointCloud) -> PointCloud:
 
 
 def _check(whole: Piece, has_points: bool) -> None:
-    """What every scan must be, whatever file it came in."""
+    """Raises BadScan or TooLarge unless the scan has an allowed number of triangles."""
     if not len(whole.faces):
         what = "only points" if has_points else "no triangles"
         raise BadScan(f"This scan has {what}; export it as a triangle mesh.")
@@ -335,7 +335,7 @@ def _check(whole: Piece, has_points: bool) -> None:
 
 
 def _extent(vertices: Array, faces: Integers) -> float:
-    """How far the triangles reach, in the vertices' unit."""
+    """The extent of the triangles, in the vertices' unit."""
     used = np.zeros(len(vertices), np.bool_)
     used[faces[:, 0]] = True
     return extent(vertices[used])
@@ -370,7 +370,7 @@ def _placed(whole: Piece, metres: float) -> tuple[Piece, tuple[str, ...]]:
 
 
 def _far_away(vertices: Array, metres: float) -> tuple[str, ...]:
-    """What a place far from the origin does to numbers in single precision: the file's own, or those for display."""
+    """A note where the scan lies so far from the origin that single precision rounds its file or its display."""
     reach = float(np.abs(vertices).max())
     if metres * reach <= EXACT_WITHIN:
         return ()

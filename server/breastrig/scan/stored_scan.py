@@ -1,4 +1,4 @@
-"""What the service keeps of an uploaded scan: triangles, colours and picture, none of the file's names and comments.
+"""The service's copy of an uploaded scan: triangles, colours and picture, none of the file's names and comments.
 
 A numpy .npz without pickled objects, exact to the last bit; the sha256 is that of the uploaded bytes.
 """
@@ -40,7 +40,7 @@ def write_stored(scan: Scan, path: Path) -> None:
 
 
 def read_stored(path: Path, texture: bool = True, for_display: bool = True) -> Scan:
-    """What `write_stored` wrote, without its picture if `texture` is false, with it as it is if not `for_display`.
+    """The scan that `write_stored` wrote; no picture if not `texture`, the original one if not `for_display`.
 
     BadScan when it is damaged.
     """

@@ -27,7 +27,7 @@ BEHIND_SHARE = 0.06  # of the area may lie behind the plane, as in scan/orient.p
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """What of a scan is table."""
+    """The part of a scan that is a table."""
 
     triangles: Booleans  # (F,)
     plane: Plane | None  # its normal to the body; None where there is no table

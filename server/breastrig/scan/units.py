@@ -21,7 +21,7 @@ SAMPLES = 20_000  # points looked at
 
 
 def extent(vertices: Array) -> float:
-    """How far the (V, 3) vertices reach: the diagonal of their box, stray points left out, in their own unit."""
+    """Extent of (V, 3) vertices in their own unit: the diagonal of their bounding box, without outliers."""
     sample = vertices[:: max(1, len(vertices) // SAMPLES)]
     low, high = np.quantile(sample, [STRAY, 1.0 - STRAY], axis=0)
     return float(np.linalg.norm(high - low))
@@ -67,9 +67,9 @@ def decide_unit(across: float, asked: str, named: str | None = None, by_default:
 
 
 def size_doubt(metres: float, unit: str, is_known: bool = False) -> str:
-    """A sentence for what was read in this unit and is so many metres across; empty where that is an ordinary torso.
+    """A sentence for a scan of this size (m) in this unit that is no ordinary torso; empty where it is one.
 
-    Where the unit `is_known`, as that of label maps, no other is named.
+    Where the unit `is_known`, as that of label maps, no other unit is suggested.
     """
     low, high = ORDINARY
     if low <= metres <= high:

@@ -1,7 +1,7 @@
-"""A zip as scanner apps send it: the one mesh that is meant, and the material and pictures that it names.
+"""Reads zips of scanner apps: the one mesh with the material and pictures that it names, or the one label map.
 
-Or the one label map.  Only these are unpacked, in memory.  Meshes of one folder whose names differ in words such as
-"textured" or "refined" are one scan, of which the one with a picture is read; any other choice is refused.
+Only these are unpacked, in memory. Meshes of one folder whose names differ in words such as "textured" or "refined" are
+one scan, of which the one with a picture is read; any other choice is refused.
 """
 
 import io
@@ -68,7 +68,7 @@ SAME_SCAN = "The zip holds this scan {count} times; the {kind} with the most on 
 
 @dataclass(frozen=True)
 class Unpacked:
-    """What of a zip is read."""
+    """The unpacked contents of a zip."""
 
     mesh: bytes
     ending: str  # of the mesh's name, one of MESH_RANK
@@ -86,7 +86,7 @@ def unpacked(data: bytes) -> Unpacked:
 
 
 def _check_list(data: bytes) -> None:
-    """The list of entries is read whole before anything can be counted, so its length is looked at first."""
+    """Checks the length of the list of entries, which is read whole before anything can be counted."""
     tail = data[-END_64_BYTES - END_BYTES - COMMENT_BYTES :]
     end = tail.rfind(END)
     if end < 0 or len(tail) < end + END_BYTES:
@@ -115,12 +115,12 @@ class _Entry:
 
     @property
     def words(self) -> frozenset[str]:
-        """Of its name, without the ending."""
+        """The words of its name, without the ending."""
         return frozenset(WORD.findall(PurePosixPath(self.name).stem))
 
 
 def _name(info: zipfile.ZipInfo) -> str:
-    """Many programs write UTF-8 without the flag that says so; zipfile then takes it for an old character set."""
+    """The entry's name. Many programs write UTF-8 without its flag; zipfile then assumes an old character set."""
     if info.flag_bits & UTF_8_FLAG:
         return info.filename
     try:
@@ -168,7 +168,7 @@ class _Reader:
             raise BadScan(DAMAGED) from error
 
     def start(self, entry: _Entry) -> bytes:
-        """The first bytes, of what is packed once more in a .gz too."""
+        """The first bytes of the entry, unpacked if it is a .gz."""
         if entry.info.compress_type not in PACKINGS:
             return b""
         with self._archive.open(entry.info) as file:
@@ -176,12 +176,12 @@ class _Reader:
         return first_bytes(start) if start.startswith(GZIP_START) else start
 
     def volume(self, entry: _Entry) -> bytes:
-        """As `read`; labels are packed a thousand times smaller, and come packed once more."""
+        """The label map's bytes, unpacked if it is a .gz; labels may be compressed more than other files."""
         content = self.read(entry, most_packed=False)
         return gunzipped(content) if content.startswith(GZIP_START) else content
 
     def companion(self, entry: _Entry) -> bytes:
-        """As `read`; a material file that is far too long only by its first bytes and one, which is refused."""
+        """The file's bytes; of a material file only as many as show that it is over its limit."""
         content = self.read(entry)
         return content[: MATERIAL_FILE_BYTES + 1] if entry.ending == "mtl" else content
 
@@ -236,7 +236,7 @@ def _volume(reader: _Reader, entries: list[_Entry]) -> Unpacked | None:
 
 
 def _from(folder: str, entry: _Entry) -> str:
-    """The entry's path as one in this folder names it; others keep theirs below a folder that no name has."""
+    """The entry's path relative to this folder; paths outside it are put below a folder that no file names."""
     if folder == ".":
         return entry.path
     inside = entry.path[len(folder) + 1 :] if entry.path.lower().startswith(folder + "/") else ""
@@ -244,7 +244,7 @@ def _from(folder: str, entry: _Entry) -> str:
 
 
 def _preference(mesh: _Entry, is_painted: bool) -> tuple[bool, bool, bool, bool, int, int]:
-    """The best of several meshes of one scan has the highest."""
+    """Sort key among several meshes of one scan; the best is the highest."""
     words = mesh.words
     return (
         not words & PREVIEW,

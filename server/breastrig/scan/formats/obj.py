@@ -40,7 +40,7 @@ LOOSE = (
 
 
 def read_obj(data: bytes, files: Companions, texture: bool) -> Pieces:
-    """What the file draws.  Raises BadScan, TooLarge, or ValueError where it is damaged."""
+    """The file's meshes or points. Raises BadScan, TooLarge, or ValueError where it is damaged."""
     lines = _Lines(data)
     if lines.few_corners:
         files.note(few_corners(lines.few_corners))
@@ -125,7 +125,7 @@ class _Lines:
 
 
 def _uniform(data: bytes) -> bytes:
-    """With one kind of line ends and spaces."""
+    """The data with one kind of line ends and spaces, without a byte order mark."""
     return data.removeprefix(b"\xef\xbb\xbf").replace(b"\r\n", b"\n").replace(b"\r", b"\n").replace(b"\t", b" ")
 
 

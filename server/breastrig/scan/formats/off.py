@@ -19,7 +19,7 @@ COLOURS_LEFT = "Colours of this OFF file that are numbers of a table were left o
 
 
 def read_off(data: bytes) -> Pieces:
-    """What the file draws.  Raises BadScan, TooLarge, or ValueError where it is damaged or cut off."""
+    """The file's mesh or points. Raises BadScan, TooLarge, or ValueError where it is damaged or cut off."""
     lines = [bare for line in data.replace(b"\r", b"\n").split(b"\n") if (bare := REMARK.sub(b"", line).strip())]
     head = OFF_START.match(lines[0])
     assert head is not None

@@ -67,7 +67,7 @@ Columns = dict[str, NDArray[Any] | Ragged]
 
 
 def read_ply(data: bytes, files: Companions, texture: bool) -> Pieces:
-    """What the file draws.  Raises BadScan, TooLarge, or ValueError where it is damaged or cut off."""
+    """The file's meshes or points. Raises BadScan, TooLarge, or ValueError where it is damaged or cut off."""
     form, elements, named, at = _header(data)
     if max(element.count for element in elements) > VERTICES or any(
         element.name == "face" and element.count > TRIANGLES for element in elements
@@ -153,7 +153,7 @@ def _text(data: bytes, elements: list[Element]) -> dict[str, Columns]:
 
 
 def _columns(element: Element, values: Array, at: Integers, ends: Integers) -> Columns:
-    """Each property of rows that begin `at` so many numbers and end before `ends`."""
+    """Each property's numbers, in rows that start at `at` and end before `ends`."""
     found: Columns = {}
     for each in element.properties:
         if len(at) and (at >= ends).any():
@@ -229,7 +229,7 @@ def _layout(element: Element, order: str, lengths: list[int]) -> np.dtype[Any]:
 
 
 def _walked(data: bytes, at: int, element: Element, order: str) -> tuple[Columns, int]:
-    """Rows of different lengths, one after the other."""
+    """The rows of an element whose lists differ in length, read one after the other."""
     byte_order: Literal["big", "little"] = "big" if order == ">" else "little"
     lists: list[tuple[int, np.dtype[Any], int]] = []  # bytes before it, the kind of its length, bytes of an item
     places: list[tuple[int, int]] = []  # of each property: the lists before it, and bytes behind the last of them
@@ -345,7 +345,7 @@ def _cloud(vertex: Columns, points: Array) -> Pieces:
 
 
 class _Painted:
-    """Triangles with what colours them."""
+    """Triangles with their colours or pictures."""
 
     def __init__(
         self, vertex: Columns, face: Columns, vertices: Array, faces: Integers, polygons: Integers, named: list[str]
@@ -396,7 +396,7 @@ class _Painted:
         )
 
     def _with_places(self) -> Piece | None:
-        """With places in a picture, of vertices or of the corners of polygons; None where the file has none."""
+        """The mesh with texture coordinates per vertex or per polygon corner; None where the file has none."""
         colours = _colours(self._vertex)
         places = _places(self._vertex)
         if places is not None:

@@ -11,7 +11,7 @@ FEW_CORNERS = "{count} of this file {have} fewer than three corners and {were} l
 
 
 def few_corners(count: int) -> str:
-    """Says how many faces were left out because they are a line, a point or nothing."""
+    """The note on how many faces were left out because they are a line, a point or empty."""
     one = count == 1
     return FEW_CORNERS.format(
         count="One face" if one else f"{count:,} faces", have="has" if one else "have", were="was" if one else "were"
@@ -19,7 +19,7 @@ def few_corners(count: int) -> str:
 
 
 def whole_numbers(values: NDArray[Any]) -> Integers:
-    """The same as integers; ValueError where one has a fraction or is too large."""
+    """The values as integers; ValueError where one has a fraction or is too large."""
     with np.errstate(all="ignore"):
         found = values.astype(np.int64)
     if not np.array_equal(found, values):

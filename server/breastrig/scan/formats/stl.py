@@ -22,7 +22,7 @@ CUT_OFF = "This STL file is cut off or damaged: its length does not fit its tria
 
 
 def read_stl(data: bytes) -> Pieces:
-    """What the file draws.  Raises BadScan, TooLarge, or ValueError where it is damaged or cut off."""
+    """The file's mesh. Raises BadScan, TooLarge, or ValueError where it is damaged or cut off."""
     if is_text_stl(data):
         vertices, faces = _joined(_text(data).reshape(-1, 3, 3))
         return Pieces((Piece(vertices, faces),))

@@ -134,7 +134,7 @@ class _Model:
 
 
 def read_3mf(data: bytes, files: Companions, texture: bool) -> Pieces:
-    """What the build of a model draws; `data` is the package's 3dmodel.model.
+    """The meshes of a model's build; `data` is the package's 3dmodel.model.
 
     Raises BadScan, TooLarge, or ValueError where it is damaged.
     """
@@ -156,7 +156,7 @@ class _Package:
         self._visits = self._triangles = self._vertices = 0
 
     def pieces(self) -> tuple[Piece, ...]:
-        """What is built, or all objects where nothing is."""
+        """The built items, or all objects where nothing is built."""
         items = self.root.items or [
             {"objectid": str(each)} for each, found in self.root.objects.items() if len(found.corners)
         ]

@@ -35,7 +35,7 @@ NESTED = "This USD file keeps its mesh in other files; export the scan as one US
 
 
 def usd_pieces(data: bytes, texture: bool) -> Pieces:
-    """What the scene draws, with +Y up.  BadScan or TooLarge with a sentence."""
+    """The scene's meshes, +Y up. Raises BadScan or TooLarge with a sentence."""
     from pxr import UsdUtils
 
     silent = UsdUtils.CoalescingDiagnosticDelegate()  # its warnings name what is in the file
@@ -79,7 +79,7 @@ def _ending(name: str) -> str:
 
 
 class _Scene:
-    """What the first layer draws, with those that it names."""
+    """The scene of the first layer and the layers that it names."""
 
     def __init__(self, folder: Path, layers: dict[str, bytes], files: Companions, texture: bool) -> None:
         from pxr import Sdf, Usd, UsdGeom
@@ -230,7 +230,7 @@ def _one(colour: NDArray[np.uint8]) -> tuple[int, int, int]:
 
 
 def _strike_out(layer: Any, folder: str, places: dict[str, Path]) -> bool:
-    """Leaves nothing in a layer that names another than those of the package; whether there was any."""
+    """Removes all references from a layer but those to the package's own layers; returns whether there were any."""
     from pxr import Sdf
 
     found = False

@@ -28,7 +28,7 @@ ARRAYS = ("vertices", "faces", "colours", "uv")
 
 
 def usd_pieces(data: bytes, texture: bool) -> Pieces:
-    """What the scene draws, with +Y up.  BadScan or TooLarge with a sentence."""
+    """The scene's meshes, +Y up. Raises BadScan or TooLarge with a sentence."""
     if importlib.util.find_spec("pxr") is None:
         raise BadScan(WITHOUT_LIBRARY)
     command = [sys.executable, "-m", __name__, *(["--texture"] if texture else [])]
@@ -84,7 +84,7 @@ def _unpacked(answer: bytes) -> Pieces:
 
 
 def main() -> None:
-    """The other side: limits first, then the library."""
+    """The child process: sets its limits, then reads with the library."""
     with contextlib.suppress(ImportError, ValueError, OSError):  # systems without such limits
         import resource
 

@@ -290,7 +290,7 @@ def _decoded(data: bytes) -> str:
 def metres_per_unit(
     places: Mapping[str, Array], unit: str | None, scan_unit: float, bounds: tuple[Array, Array]
 ) -> float:
-    """Of the places of a file; where it names no unit that of the scan, or m, cm or mm where they lie on it only then.
+    """Metres per unit of a file's places; without a named unit the scan's, or m, cm or mm where only that lies on it.
 
     `scan_unit` in m, `bounds` the (3,) lowest and highest place of the scan in m.
     """
@@ -311,7 +311,7 @@ def metres_per_unit(
 def landmarks_of_file(
     source: Path | bytes, scan: Callable[[], tuple[float, tuple[Array, Array]]], file_type: str | None = None
 ) -> Picks:
-    """What a file says of landmarks; `scan` gives unit (m) and bounds as above, asked where the file has none.
+    """The landmarks of a file, mm; `scan` gives unit (m) and bounds as above, called only where the file has no unit.
 
     Raises BadLandmarks with one sentence.
     """

@@ -17,7 +17,7 @@ Value = TypeVar("Value")
 
 
 def known_name(written: str, known: Mapping[str, Iterable[str]]) -> str:
-    """The landmark that is meant, of those that are `known` with what else they are called; else what is written."""
+    """The landmark of `known` (name -> synonyms) that a written name means; the written name where none fits."""
     if written in known:
         return written
     wanted = _key(written)
@@ -30,7 +30,7 @@ def known_name(written: str, known: Mapping[str, Iterable[str]]) -> str:
 
 
 def by_known_names(places: Mapping[str, Value], known: Mapping[str, Iterable[str]]) -> dict[str, Value]:
-    """The same under known names.  BadLandmarks when two are one landmark."""
+    """The values under known names. Raises BadLandmarks when two names mean the same landmark."""
     found: dict[str, Value] = {}
     for written, place in places.items():
         name = known_name(written, known)
@@ -63,7 +63,7 @@ def _sides() -> dict[str, str]:
 
 @lru_cache(maxsize=256)
 def _other_keys(name: str) -> frozenset[tuple[str, str]]:
-    """What else the landmark of this name of the model is called."""
+    """The keys of a landmark's synonyms."""
     sided = SIDED.fullmatch(name)
     base, side = (sided[1], f" {sided[2]}") if sided else (name, "")
     return frozenset(_key(word + side) for word in _words()["landmarks"].get(base, ()))

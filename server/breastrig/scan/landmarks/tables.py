@@ -93,7 +93,7 @@ def table_landmarks(text: str) -> tuple[Pairs, str | None] | None:
 
 
 def number(cell: Any) -> float:
-    """Of a cell, whichever sign stands before its decimals; ValueError or TypeError where it is none."""
+    """The number in a cell, with decimal point or comma; ValueError or TypeError where it is none."""
     return float(cell.strip().replace("\u2212", "-").replace(",", ".") if isinstance(cell, str) else cell)
 
 
@@ -127,13 +127,13 @@ def _is_unplaced(row: list[str], columns: list[str]) -> bool:
 
 
 def _lines(text: str) -> list[str]:
-    """The filled ones, without remarks and what Excel writes of its separator."""
+    """The lines that are not empty, without remarks and without Excel's line that names the separator."""
     lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith(("#", "//", "%"))]
     return lines[1:] if lines and lines[0].strip().lower().strip('"').startswith("sep=") else lines
 
 
 def _without_preamble(lines: list[str]) -> list[str]:
-    """From the row that names the columns on, or from the first with separators; what has numbers is never left out."""
+    """The lines from the row of column names, or from the first with separators; keeps all rows with numbers."""
     marks = (";", "\t", ",", None)
     for at, line in enumerate(lines[:PREAMBLE]):
         rows = [line.split(mark) for mark in marks]
@@ -172,7 +172,7 @@ def _absent(row: list[str]) -> bool:
 
 
 def _separator(lines: list[str]) -> str | None:
-    """What parts the cells: the sign that all lines have, spaces where commas are decimals; None for no table."""
+    """The separator that all lines have, a space where commas are decimals; None where it is no table."""
     for mark in ";\t":
         if lines and all(mark in line for line in lines):
             return mark

@@ -45,11 +45,11 @@ class Companions:
         return {_usual(name): read for name, read in self._listed().items()}
 
     def note(self, sentence: str) -> None:
-        """Something to say of these files, once."""
+        """Adds a note on these files, unless it was given already."""
         self._notes[sentence] = None
 
     def notes(self) -> tuple[str, ...]:
-        """What was found, one sentence each."""
+        """Notes on these files, one sentence each."""
         return tuple(self._notes)
 
     def find(self, written: str) -> bytes | None:

@@ -34,7 +34,7 @@ UNPAINTED = "Parts of this scan have no texture and are shown in one colour."
 
 @dataclass(frozen=True)
 class _Cell:
-    """Where a picture lies on the sheet, pixels."""
+    """A picture's rectangle on the sheet, pixels."""
 
     left: int
     top: int
@@ -77,7 +77,7 @@ def joined_textures(pieces: Sequence[Piece]) -> tuple[bytes | None, Array, str |
 
 
 def _in_one_colour(piece: Piece) -> Piece:
-    """With a picture of one pixel: the mean colour of its vertices, that of its material, or grey."""
+    """The piece with a picture of one pixel: the mean colour of its vertices, its material's colour, or grey."""
     from PIL import Image  # as below
 
     colour = piece.tint or (UNCOLOURED, UNCOLOURED, UNCOLOURED)

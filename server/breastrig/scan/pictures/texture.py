@@ -155,10 +155,9 @@ def _plain_png(data: bytes) -> bytes:
 
 
 def _plain_jpeg(data: bytes) -> bytes:
-    """From the first marker to the end of the picture: frames, tables and scans.
+    """The JPEG reduced to its frames, tables and scans, without metadata.
 
-    Of the markers for programs two say how the numbers become colours: JFIF, kept without its small preview, and
-    Adobe's.
+    Two application markers stay because they define the colour space: JFIF, without its small preview, and Adobe's.
     """
     kept, at, passes = [data[:2]], 2, 0
     while True:

@@ -59,7 +59,7 @@ def _on_tile(piece: Piece, tile: Integers, picture: str | None, files: Companion
 
 
 def _crossing(piece: Piece, tiles: Integers) -> int:
-    """How many triangles reach beyond their (F, 2) tiles."""
+    """The number of triangles that reach beyond their (F, 2) tiles."""
     assert piece.uv is not None
     beyond = np.abs(piece.uv[piece.faces] - tiles[:, None] - 0.5) - 0.5  # NaN, without a place, is never more
     return int(np.count_nonzero((beyond > BORDER).any(axis=(1, 2))))

@@ -108,7 +108,7 @@ def _packed(data: bytes, header: _Header) -> NDArray[np.void]:
 
 
 def unpack_lzf(packed: bytes, size: int) -> bytes:
-    """What LZF packed: runs of bytes as they are, and repetitions of what came before."""
+    """The LZF-decompressed bytes: literal runs and back references. ValueError where it is not of `size` bytes."""
     found, at, end = bytearray(), 0, len(packed)
     while at < end and len(found) <= size:
         control = packed[at]

@@ -90,7 +90,7 @@ def _rows(lines: list[bytes]) -> tuple[list[str] | None, list[bytes]]:
 
 
 def _words(line: bytes, separator: bytes | None) -> list[bytes]:
-    """Of one row; without a separator between spaces, or between commas."""
+    """The cells of one row; without a separator, split at spaces or at commas."""
     if separator is not None:
         return [word.strip().strip(b'"') for word in line.strip(separator + b" ").split(separator)]
     words = line.replace(b", ", b" ").split()
@@ -132,7 +132,7 @@ def _by_numbers(table: Array) -> PointCloud:
 
 
 def _are_colours(three: Array) -> bool:
-    """Whole numbers to 255, or shares of one."""
+    """Whether the values are whole numbers up to 255, or shares of one."""
     low, high = float(three.min()), float(three.max())
     is_whole = bool((three == np.round(three)).all())
     return low >= 0.0 and (1.0 < high <= 255.0 if is_whole else high <= 1.0)

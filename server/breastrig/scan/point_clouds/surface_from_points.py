@@ -60,7 +60,7 @@ def _some(values: Array | None, kept: Booleans) -> Array | None:
 
 
 def _together(points: Array) -> Booleans:
-    """(N,) without strays: far from all others, or nearly alone."""
+    """(N,) which points are no strays (far from all others, or nearly alone)."""
     low, high = np.quantile(points, [STRAY, 1.0 - STRAY], axis=0)
     kept = ((points > low - FAR) & (points < high + FAR)).all(axis=1)
     whose, count = _grouped(np.floor((points[kept] - low) / (3.0 * REACH)).astype(np.int64))
@@ -69,7 +69,7 @@ def _together(points: Array) -> Booleans:
 
 
 def _thinned(points: Array, normals: Array | None, colours: Array | None) -> tuple[Array, Array | None, Array | None]:
-    """One mean for each cube of THINNED."""
+    """The cloud with the mean of the points in each cube of side THINNED."""
     if not len(points):
         return points, normals, colours
     cube = np.floor((points - points.min(axis=0)) / THINNED).astype(np.int64)

@@ -1,4 +1,4 @@
-"""What a person says about a label map where its file does not: its frame, and what its segments are."""
+"""A person's answers about a label map whose file leaves them open: its frame, and the meaning of its segments."""
 
 import json
 from collections.abc import Iterable, Mapping
@@ -36,12 +36,12 @@ def checked_answers(frame: str | None, segments: Mapping[Any, Any] | None = None
 
 
 def segments_of_words(words: Iterable[str]) -> dict[int, TakenAs]:
-    """Of 2=lesion, ...; BadSettings with a sentence."""
+    """Parses 2=lesion, ... Raises BadSettings with a sentence."""
     return {_number(number): _taken_as(what) for number, _, what in (word.partition("=") for word in words)}
 
 
 def segments_of_json(text: str | None) -> dict[int, TakenAs]:
-    """Of {"2": "lesion", ...}; BadSettings with a sentence."""
+    """Parses {"2": "lesion", ...}. Raises BadSettings with a sentence."""
     if not text:
         return {}
     try:

@@ -102,7 +102,7 @@ class _Frames:
 
 @dataclass
 class _Held:
-    """Where a segment is."""
+    """The voxels of a segment: its frames and bounds."""
 
     frames: dict[int, list[int]] = field(default_factory=lambda: defaultdict(list))  # slice -> frames that show it
     empty: set[int] = field(default_factory=set)  # slices that are known to hold nothing of it
@@ -152,13 +152,13 @@ def read_segmentation(data: bytes) -> Volume:
 
 
 def _descriptions(dataset: Any) -> dict[int, Any]:
-    """Those of the segments, by their numbers."""
+    """The segments' descriptions by segment number."""
     listed = dataset.get("SegmentSequence", None) or []
     return {int(each.SegmentNumber): each for each in listed if "SegmentNumber" in each}
 
 
 def _dataset(data: bytes) -> Any:
-    """The whole file, parsed; its limits are checked first."""
+    """The whole file, parsed, after its limits are checked."""
     from pydicom.filereader import read_partial
 
     if data.startswith(DICOM_MARK):  # without the 128 bytes that belong before it
@@ -180,7 +180,7 @@ def _dataset(data: bytes) -> Any:
 
 
 def _inflated(data: bytes) -> bytes:
-    """The same file as it is without the packing of its whole content."""
+    """The file with its deflated content unpacked. Raises BadScan or TooLarge."""
     start = DICOM_MARK_AT + 4 if data[DICOM_MARK_AT : DICOM_MARK_AT + 4] == DICOM_MARK else 0
     if not data.startswith(GROUP_LENGTH, start):
         raise BadScan(DAMAGED)
@@ -266,7 +266,7 @@ def _numbers(value: Any, size: int) -> NDArray[np.float64]:
 
 
 def _pixels(dataset: Any, count: int, rows: int, columns: int) -> Callable[[int], NDArray[Any]]:
-    """What gives (R, C) of a frame: booleans, or numbers of segments."""
+    """A function frame -> (R, C) pixels: booleans, or segment numbers."""
     bits = int(dataset.get("BitsAllocated", 1))
     if bits not in (1, 8, 16):
         raise BadScan(IMAGE)
@@ -361,7 +361,7 @@ def _perhaps_coarser(frames: _Frames, step: float) -> list[str]:
 
 
 def _held(frames: _Frames, slices: Integers) -> dict[int, _Held]:
-    """Of each segment that has any pixel."""
+    """Each segment that has any pixel, by its number."""
     held: dict[int, _Held] = defaultdict(_Held)
     for frame, at in enumerate(slices.tolist()):
         pixels, number = frames.pixel(frame), frames.segments[frame]
@@ -422,5 +422,5 @@ def _codes(segment: Any, name: str) -> Iterator[tuple[str, str]]:
 
 
 def shown(text: str) -> str:
-    """What can be shown of words."""
+    """The text's printable characters, at most NAME of them."""
     return " ".join("".join(each if each.isprintable() else " " for each in text).split())[:NAME].strip()

@@ -1,4 +1,4 @@
-"""What a .gz holds, within limits."""
+"""Unpacks .gz files, within limits."""
 
 import gzip
 import io
@@ -11,7 +11,7 @@ GZIP_START, MEMBER_START = b"\x1f\x8b", b"\x1f\x8b\x08"
 
 
 def gunzipped(data: bytes) -> bytes:
-    """What the members of a .gz hold, one after the other.
+    """The unpacked members of a .gz, joined.
 
     TooLarge beyond the limit of label maps, BadScan where it is damaged.
     """
@@ -29,7 +29,7 @@ def gunzipped(data: bytes) -> bytes:
 
 
 def first_bytes(start: bytes) -> bytes:
-    """What the beginning of a .gz begins with; empty where that is damaged."""
+    """The first unpacked bytes of a .gz from its beginning; empty where that is damaged."""
     try:
         return zlib.decompressobj(wbits=zlib.MAX_WBITS | 16).decompress(start, len(start))
     except zlib.error:

@@ -59,7 +59,7 @@ def label_map_pieces(data: bytes, kind: str, answers: VolumeAnswers) -> Pieces:
 
 
 def _said(segments: tuple[TakenSegment, ...]) -> list[str]:
-    """What became of them, without the file's words; tissue only by its number where there is much of it."""
+    """Notes on the use of each segment, without the file's words; many tissue segments are only counted."""
     named = [each for each in segments if len(segments) <= SAID_EACH or each.taken_as != "tissue"]
     notes = []
     for each in named:

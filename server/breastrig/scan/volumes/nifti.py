@@ -125,7 +125,7 @@ def _check_areas(labels: NDArray[np.uint8], count: int) -> None:
 def _readings(
     header: Any, shape: tuple[int, ...], frame: str | None
 ) -> tuple[tuple[Reading, ...], str, tuple[str, ...]]:
-    """Where the voxels may lie, why that is in doubt, and what there is to say."""
+    """The possible readings of the voxels' frame, the reason where it is ambiguous, and notes."""
     try:
         mm = MM.get(header.get_xyzt_units()[0])
     except KeyError:  # a number that stands for nothing
@@ -175,7 +175,7 @@ def _form(header: Any, name: str) -> Array | None:
 
 
 def _difference(one: Array, other: Array, shape: tuple[int, ...]) -> str:
-    """What is between both, in words; empty where no voxel lies more than its size elsewhere."""
+    """The difference between two affines in words; empty where no voxel moves by more than its size."""
     corners = np.array(list(product(*((0, size - 1) for size in shape)))) @ (one - other)[:3, :3].T
     farthest = float(np.linalg.norm(corners + (one - other)[:3, 3], axis=1).max())
     if np.linalg.det(one[:3, :3]) * np.linalg.det(other[:3, :3]) < 0.0:
@@ -184,7 +184,7 @@ def _difference(one: Array, other: Array, shape: tuple[int, ...]) -> str:
 
 
 def _codes(affine: Array) -> str:
-    """Where the axes of an affine in LPS grow to."""
+    """Axis codes of an affine in LPS, such as "RAS"."""
     from nibabel.orientations import aff2axcodes
 
     found: Any = aff2axcodes(RAS_TO_LPS @ affine)  # type: ignore[no-untyped-call]
@@ -204,7 +204,7 @@ def _axis_codes() -> list[str]:
 
 
 def _along(codes: str, sizes: Array, shape: tuple[int, ...]) -> Reading:
-    """With its axes to there, and its middle at 0."""
+    """The reading with these axis codes and the volume's middle at 0."""
     turn = np.zeros((3, 3))
     for axis, letter in enumerate(codes):
         turn["LPSRAI".index(letter) % 3, axis] = (1.0 if letter in "LPS" else -1.0) * sizes[axis]

@@ -1,4 +1,4 @@
-"""What a person is asked about a label map whose file does not say where it lies: what each answer would show."""
+"""Asks for the frame of a label map whose file does not state it, and shows the outcome of each answer."""
 
 import base64
 import io
@@ -56,7 +56,7 @@ def _choice(reading: Reading, body: Booleans, taken: Taken) -> dict[str, Any]:
 
 
 def _seen(body: Booleans, affine: Array) -> tuple[NDArray[Any], Booleans]:
-    """How the voxel axes are turned (as nibabel has it), and the body along left, back and up."""
+    """The orientation of the voxel axes (nibabel's form), and the body along left, back and up."""
     from nibabel.orientations import apply_orientation, io_orientation
 
     turn: NDArray[Any] = io_orientation(affine)  # type: ignore[no-untyped-call]
@@ -79,7 +79,7 @@ def _lesion(lesion: BallInside, affine: Array, seen: Booleans, turn: NDArray[Any
 
 
 def _picture(seen: Booleans, turn: NDArray[Any], affine: Array, lesions: list[tuple[float, float]]) -> str:
-    """As one who faces the patient sees it: her right is left; near is light."""
+    """The body from the front, the patient's right on the left, near is light: a PNG as data address."""
     depth = seen.argmax(axis=1) / max(1, seen.shape[1] - 1)
     grey = np.where(seen.any(axis=1), 235.0 - 160.0 * depth, 20.0).astype(np.uint8)
     sizes = np.zeros(3)

@@ -1,7 +1,7 @@
-"""What each segment of a label map is: a lesion, or tissue.
+"""Classifies each segment of a label map: a lesion, or tissue.
 
 A person's word counts, then the segment's codes, then its form: what is small, compact and inside the body is a lesion,
-in any language.  Words of the file are only a hint, for a lesion that is not compact or reaches the skin.
+in any language. Words of the file are only a hint, for a lesion that is not compact or reaches the skin.
 """
 
 import re
@@ -39,7 +39,7 @@ HINT = re.compile(
 
 @dataclass(frozen=True, eq=False)
 class Taken:
-    """What became of all segments."""
+    """The use of all segments."""
 
     segments: tuple[TakenSegment, ...]
     lesions: tuple[BallInside, ...]  # centres in voxel indices, radii in mm
@@ -106,7 +106,7 @@ def _decided(
     is_largest: bool,
     is_looked_at: bool,
 ) -> tuple[TakenAs, str, list[_Part] | None]:
-    """What it is, why, and its parts where they were looked at."""
+    """The segment's use, the reason, and its parts where they were examined."""
     if said in ("tissue", "unused"):
         return said, "A person said so.", None
     is_hinted = segment.coded is None and bool(HINT.search(_plain(segment.label)))
@@ -170,7 +170,7 @@ def _lies_inside(inside: Booleans, box: Box, body: Booleans) -> bool:
 
 
 def _radius(volumes: NDArray[Any] | float) -> NDArray[np.float64]:
-    """Of balls of these volumes."""
+    """Radii of balls of these volumes."""
     return np.cbrt(np.asarray(volumes) * 3.0 / (4.0 * np.pi))
 
 

@@ -1,4 +1,4 @@
-"""Slices that are missing between others: one is laid from its neighbours, more stay open; both are said."""
+"""Fills single missing slices from their neighbours; longer runs stay open. Both are reported."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ def _depth(inside: Booleans) -> np.ndarray:
 
 
 def bridged_labels(labels: NDArray[np.uint8], axis: int) -> tuple[int, tuple[Gap, ...]]:
-    """How many single empty slices between others were filled in place, (I, J, K) codes, and longer runs of them.
+    """Fills single empty slices between similar ones in place, (I, J, K) codes. Returns their number, and longer runs.
 
     Empty slices between two that do not show the same are no gap in anything.
     """

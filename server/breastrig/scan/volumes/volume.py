@@ -31,7 +31,7 @@ class Segment:
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """Where the voxels may lie."""
+    """A possible frame of the voxels."""
 
     value: str  # of the answer `frame`
     text: str  # what that means
@@ -49,7 +49,7 @@ class Gap:
 
 @dataclass(frozen=True, eq=False)
 class Volume:
-    """All segments, whose voxels lie as one of the readings says."""
+    """All segments; their voxels lie as one of the readings states."""
 
     shape: tuple[int, int, int]
     segments: tuple[Segment, ...]
@@ -60,7 +60,7 @@ class Volume:
 
 
 def check_shape(shape: tuple[int, ...]) -> None:
-    """BadScan or TooLarge for what is no volume that is read."""
+    """Raises BadScan or TooLarge for a shape that is not supported."""
     if len(shape) < 3 or any(size != 1 for size in shape[3:]):
         raise BadScan("This label map must be one volume of three dimensions; export it as one.")
     if min(shape[:3]) < 2:
@@ -70,7 +70,7 @@ def check_shape(shape: tuple[int, ...]) -> None:
 
 
 def check_affine(affine: Array) -> None:
-    """BadScan for voxels of no size, or of one that no image of a body has."""
+    """Raises BadScan for voxels of no size, or of one that no image of a body has."""
     sizes = np.linalg.norm(affine[:3, :3], axis=0)
     if not np.isfinite(affine).all() or not sizes.all() or abs(np.linalg.det(affine[:3, :3] / sizes)) < FLAT:
         raise BadScan("This label map does not say where its voxels lie; export it again.")

@@ -1,6 +1,6 @@
-"""What Draco or meshopt compressed in a GLB, by their own decoders, which the extra `breastrig[formats]` brings.
+"""Decodes Draco and meshopt compression in a GLB, with their own decoders (extra `breastrig[formats]`).
 
-What comes out is as hostile as an ordinary array: its indices are checked with those of all other files.
+Decoded arrays are as untrusted as ordinary ones: their indices are checked with those of all other files.
 """
 
 from typing import Any

@@ -61,7 +61,7 @@ BROKEN = (ValueError, TypeError, KeyError, IndexError, AttributeError, Recursion
 
 
 def glb_pieces(data: bytes, files: Companions, texture: bool) -> Pieces:
-    """What the file's scene draws, in metres if the file keeps to the format; `data` is a .glb or a .gltf.
+    """The meshes of the file's scene, in metres if the file keeps to the format; `data` is a .glb or a .gltf.
 
     Raises BadScan, or TooLarge when a limit is passed, each with a sentence.
     """
@@ -103,7 +103,7 @@ def _document(data: bytes, files: Companions, kind: str) -> tuple[dict[str, Any]
 
 
 def _content(uri: str, inside: list[bytes]) -> bytes:
-    """What a data address holds; ValueError when it cannot be decoded."""
+    """The decoded content of a data address; ValueError when it cannot be decoded."""
     text = uri.removeprefix("data:")
     coded = inside[int(text)].replace(b"\\/", b"/") if text.isdigit() else text.encode()
     head, comma, content = coded.partition(b",")
@@ -121,7 +121,7 @@ def _bring_pictures(document: dict[str, Any], inside: list[bytes]) -> None:
 def _joined_buffers(
     document: dict[str, Any], binary: bytes, inside: list[bytes], files: Companions, kind: str
 ) -> bytes:
-    """All buffers behind one another; views say where in them."""
+    """All buffers joined into one; views are moved accordingly."""
     parts: list[bytes] = []
     for index, buffer in enumerate(document.get("buffers", [])):
         uri = buffer.pop("uri", None)
@@ -150,7 +150,7 @@ def _joined_buffers(
 
 
 class _Drawn:
-    """What the nodes of one document draw."""
+    """The meshes that one document's scene draws."""
 
     def __init__(self, content: tuple[dict[str, Any], bytes], files: Companions, texture: bool) -> None:
         self._document, self._binary = content
@@ -206,7 +206,7 @@ class _Drawn:
         return {number: float(share) for number, share in enumerate(own) if share}
 
     def _check_counts(self, drawn: list[list[dict[str, Any]]], shapes: list[dict[int, float]]) -> None:
-        """The sizes that the document announces for all that is drawn: primitives, node by node, with their shapes."""
+        """Checks the announced sizes of everything that is drawn: primitives, node by node, with their shapes."""
         pieces = sum(map(len, drawn))
         if pieces > GLTF_PRIMITIVES:
             raise TooLarge(

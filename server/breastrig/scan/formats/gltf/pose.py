@@ -1,4 +1,4 @@
-"""Where the skin and the shapes of a glTF scene put a mesh: in the pose that its nodes have, without animations.
+"""Applies skin and morph targets of a glTF scene to a mesh: in the pose of its nodes, without animations.
 
 glTF ignores the transform of a node that has a skin: its joints place the mesh, each with its inverse bind matrix.
 """
