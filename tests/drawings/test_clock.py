@@ -1,4 +1,4 @@
-"""The clock on the breast where its circle is folded, and as an observer who faces her reads it."""
+"""The clock on the breast where its circle is folded, and as an observer facing the patient reads it."""
 
 from types import SimpleNamespace
 from typing import Any

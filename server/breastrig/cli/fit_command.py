@@ -59,8 +59,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="SIDE:HOUR,DISTANCE,RADIUS",
         help="adds a tumour's circle, may be given again: L:10,45,12 is the left breast at 10 o'clock (as read by an "
-        "observer who faces her), 45 mm from the nipple along the skin, radius 12 mm; or at:X,Y,Z,RADIUS, all in mm, "
-        "around a place picked in the scan's frame",
+        "observer facing the patient), 45 mm from the nipple along the skin, radius 12 mm; or at:X,Y,Z,RADIUS, "
+        "all in mm, around a place picked in the scan's frame",
     )
     parser.add_argument(
         "--refine",

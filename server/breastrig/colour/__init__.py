@@ -1,1 +1,1 @@
-"""What a scan's colours show: the surgeon's ink, areolae, creases.  Scans without colour never come here."""
+"""Detects features in a scan's colours: the surgeon's ink, areolae, creases. Used only for scans with colour."""

@@ -27,7 +27,7 @@ class ObservedAreola:
 def areolae_document(
     found: Mapping[str, ObservedAreola | None], metres_per_unit: float
 ) -> dict[str, ResultAreola | None]:
-    """By side what result.json says, its border in the scan's unit."""
+    """The areolae by side as in result.json, borders in the scan's unit."""
     return {
         side: None
         if each is None
@@ -41,7 +41,7 @@ def areolae_document(
 
 
 def areolae_of(result: ResultFile, metres_per_unit: float) -> dict[str, ObservedAreola | None]:
-    """What a result.json says, empty where it says nothing."""
+    """The areolae of a result.json; empty where it has no such entry."""
     return {
         side: None
         if each is None

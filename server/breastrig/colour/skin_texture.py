@@ -323,7 +323,7 @@ class _VertexSource:
         columns: NDArray[np.float32],
         rows: NDArray[np.float32],
     ) -> NDArray[np.uint8]:
-        """As _TextureSource's."""
+        """(M, 3) sRGB at (M,) columns and rows of triangles `faces[index]`, their (N, 3, 2) corners there."""
         by = _affine(corners, self._values[faces]).astype(np.float32)
         at = by[index, 0] * columns[:, None] + by[index, 1] * rows[:, None] + by[index, 2]
         found: NDArray[np.uint8] = np.clip(np.rint(at), 0, 255).astype(np.uint8)

@@ -1,9 +1,9 @@
-"""Places on the breast as surgeons say them: an hour and a distance from the nipple.
+"""Places on the breast by the clock: an hour and a distance from the nipple.
 
-The clock is read by an observer who faces the patient: 12 is towards her head and 3 towards her
-LEFT, for both breasts; so 3 is lateral on the left breast and medial on the right one.  The distance is that of a
-tape on the skin.  The clock's face is the plane that the circle of that distance looks at best (its vector area),
-which follows a breast that points sideways or down.
+The clock is read by an observer facing the patient: 12 is towards the patient's head and 3 towards the patient's LEFT,
+for both breasts; so 3 is lateral on the left breast and medial on the right one. The distance is measured with a tape
+on the skin. The clock's face is the plane of the circle at that distance (its vector area), which follows a breast that
+points sideways or down.
 """
 
 from collections.abc import Callable, Hashable, Mapping
@@ -45,7 +45,7 @@ class FittedSkin:
         return LruCache(KEPT_CONSTRUCTIONS)
 
     def constructed(self, pattern: Hashable, construct: Callable[["FittedSkin"], Construction]) -> Construction:
-        """What a pattern has constructed here, made once: its lines need it, and so do its handles."""
+        """The construction of a pattern on this skin, cached: its lines and its handles share it."""
         found: Construction | None = self._constructions.get(pattern)
         if found is None:
             found = construct(self)
@@ -77,7 +77,7 @@ class FittedSkin:
         return self.rig.landmark_points((name,))
 
     def height(self, name: str) -> float:
-        """m along the body of a landmark's own place: a fold that the breast covers lies beside the fitted skin."""
+        """Height (m) along the body of a landmark itself: a fold under the breast lies beside the fitted skin."""
         place = self.known.get(name)
         return float((self.at(self.landmark(name))[0] if place is None else place) @ self.axes[:, 1])
 

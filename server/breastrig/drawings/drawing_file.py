@@ -36,7 +36,7 @@ class Drawing:
 
 
 def checked_drawing(content: bytes | dict[str, Any]) -> GivenDrawing:
-    """The fields of what others give.  Raises BadDrawing for what is no drawing, and beyond the limits."""
+    """The checked fields of an untrusted drawing. Raises BadDrawing for what is no drawing, and beyond the limits."""
     return _checked(GivenDrawing, content)
 
 
@@ -69,7 +69,7 @@ def parsed_drawing(content: bytes | dict[str, Any], rig: Rig, unit: str) -> Draw
 
 
 def lines_on_scan(content: bytes | dict[str, Any], unit: str) -> tuple[Polyline, ...]:
-    """The polylines of a drawing that a fit has left, perhaps none; BadDrawing where a shape is not on the scan."""
+    """The polylines of a fit's drawing, perhaps none; BadDrawing where a shape is not on the scan."""
     found = _checked(ReadDrawing, content)
     elsewhere = next((shape.name for shape in found.shapes if not shape.points), None)
     if elsewhere is not None:

@@ -1,8 +1,8 @@
-"""What a drawing file may hold (breastrig/drawing@1): its fields, their limits, and what they must have in common.
+"""The schema of drawing files (breastrig/drawing@1): fields, limits and consistency checks.
 
-Files, requests and answers are all checked by these classes, so what one of them takes the others take too.  The
-limits are far beyond a surgeon's drawing, which has some ten lines of some hundred points; what a fit has left has
-none, for a whole plan may be in it.
+Files, requests and answers are all checked by these classes, so all of them accept the same. The limits are far beyond
+a surgeon's drawing, which has some ten lines of some hundred points; a drawing written by a fit has none, for it may
+contain a whole plan.
 """
 
 from collections import Counter
@@ -50,7 +50,7 @@ def _is_not_said(values: list[object] | None) -> bool:
 
 
 class Part(BaseModel):
-    """A part of a drawing file, which others may have written: what is not needed is passed over."""
+    """A part of a drawing file from any program: unknown fields are ignored."""
 
     model_config = ConfigDict(extra="ignore", frozen=True, populate_by_name=True, defer_build=True)
 
@@ -99,7 +99,7 @@ class GivenShape(_Shape):
 
     @property
     def size(self) -> int:
-        """How many points it has, wherever they are."""
+        """The number of its points, on a scan or on the model."""
         return len(self.points or self.surface_points or ())
 
 
@@ -162,7 +162,7 @@ class ReadDrawing(Part):
 
 
 def _check_lengths(name: str, points: int, bridged: list[bool] | None, error_mm: list[float | None] | None) -> None:
-    """BadDrawing, which Pydantic hands on as it is, when something is said of other points than there are."""
+    """Raises BadDrawing (which Pydantic passes on) where a list per point has another length than the points."""
     for said, what in ((bridged, "whether they are bridged"), (error_mm, "how far off they may be")):
         if said and len(said) != points:
             raise BadDrawing(

@@ -1,9 +1,9 @@
-"""How far off a line may be: radii that hold the true place of each of its points with 90 %, and one number across it.
+"""Line errors: the 90 % radius of each point of a line, and one number across the line.
 
-A line that the fit projects is as far off as the model under it.  A line that is carried from one scan to another is
-off by what both fits are off there, whatever it was off before; but what they share (one model, one body) cancels, so
-the square sum of both radii is taken down by a factor, and what the skin itself does is added.  Both are chosen with
-known skin (skin_maps).  A prediction shares nothing with the truth, so that its radii count in full.
+A projected line has the error of the model under it. A line that is transferred between scans has the errors of both
+fits there, whatever it had before; but the part that both fits share (one model, one body) cancels, so the root sum of
+squares of both radii is reduced by a factor, and an error of the skin itself is added. Both are estimated on bodies
+with known skin (skin_maps). A prediction shares nothing with the truth, so its radii count in full.
 """
 
 from collections.abc import Iterable, Sequence

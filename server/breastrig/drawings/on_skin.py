@@ -1,4 +1,4 @@
-"""How far a drawn point may be off the skin of its scan: one limit for every door by which lines come in."""
+"""The greatest distance of a drawn point from the skin of its scan: one limit for all interfaces that take lines."""
 
 from collections.abc import Sequence
 from itertools import groupby

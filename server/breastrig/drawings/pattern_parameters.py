@@ -1,6 +1,6 @@
-"""The patterns' parameters as data, for those who offer them as sliders and choices.
+"""The patterns' parameters as data, for forms with sliders and choices.
 
-All of it is read from the classes that check the values, so what is offered and what is taken cannot differ.
+All of it is read from the classes that check the values, so the offered and the accepted values cannot differ.
 """
 
 from functools import cache
@@ -38,7 +38,7 @@ class PatternInfo(BaseModel, extra="forbid", frozen=True):
 
 
 def pattern_forms(rig: Rig) -> list[PatternInfo]:
-    """What can be asked for on this rig."""
+    """The patterns available on this rig, with their parameters."""
     return [
         PatternInfo(name=name, label=LABELS[name], parameters=tuple(parameters_of(PATTERNS[name]).values()))
         for name in able_patterns(rig)

@@ -85,7 +85,7 @@ class AskedDrawing:
     def where_it_fits(
         self, rig: Rig, vertices: Array, landmarks: Mapping[str, Array]
     ) -> tuple[ModelDrawing | None, tuple[str, ...]]:
-        """As on_model, without the patterns that do not fit on this patient; of each of those a sentence."""
+        """The drawing as by `on_model`, without patterns that do not fit this patient; a sentence for each of these."""
         try:
             return self.on_model(rig, vertices, landmarks), ()
         except BadDrawing:
@@ -100,7 +100,7 @@ class AskedDrawing:
         return left.on_skin(skin) if left.fixed or left.patterns else None, tuple(missing)
 
     def on_skin(self, skin: FittedSkin) -> ModelDrawing:
-        """The same on a skin that has been measured before, and remembers it."""
+        """The drawing on a skin that caches its measurements."""
         shapes = [shape for drawing in self.fixed for shape in drawing.shapes]
         shapes += [shape for _, pattern in self.patterns for shape in pattern.drawn(skin)]
         names = [drawing.name for drawing in self.fixed] + [name for name, _ in self.patterns]
@@ -233,7 +233,7 @@ def _example(kind: type[BaseModel]) -> str:
 
 
 def _unique(shapes: list[DrawnShape]) -> tuple[DrawnShape, ...]:
-    """The second of a name gets a number before its side: tumour_2_L."""
+    """The shapes with unique names: a second one gets a number before its side, tumour_2_L."""
     seen: Counter[str] = Counter()
     result = []
     for shape in shapes:

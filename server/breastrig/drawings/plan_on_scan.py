@@ -1,7 +1,7 @@
-"""A plan as it lies on one scan: what was made there, and all else carried there from the scan it was made on.
+"""The plan on one scan: the items made there, and all others transferred from the scan they were made on.
 
-A pattern is drawn once, on the body on which it was planned, and then carried like a pen's line: on the other stance
-the same skin is meant, not the same construction made again.
+A pattern is drawn once, on the body on which it was planned, and then transferred like a pen's line: on the other
+stance the same skin is meant, not the same construction made again.
 """
 
 from collections import Counter
@@ -64,9 +64,9 @@ class PlanOnScan:
 
 
 def plan_on_scan(rig: Rig, here: PlannedScan, others: Sequence[PlannedScan]) -> PlanOnScan:
-    """All items on the scan `here`; those of the other scans of the same patient are carried.
+    """All items on the scan `here`; those of the other scans of the same patient are transferred.
 
-    An item that cannot be drawn or carried is missing, with the reason; the others are there all the same.
+    An item that cannot be drawn or transferred is missing, with the reason; the others are not affected.
     """
     lines, missing = _drawn(rig, here.scan, here.items)
     inside = LesionsOnScan(rig, here.scan, here.wall)
@@ -91,7 +91,7 @@ def plan_on_scan(rig: Rig, here: PlannedScan, others: Sequence[PlannedScan]) -> 
 
 
 def _with_lines(lesion: PlacedLesion, lines: Sequence[PlannedLine]) -> PlacedLesion:
-    """With its distances to all that may be cut along."""
+    """The lesion with its distances to all planned lines that may be incisions."""
     cuts = [each.line for each in lines if isinstance(each.item, PlanLine | PlanPattern)]
     return replace(lesion, distances=(*lesion.distances, *distances_to_lines(lesion, cuts)))
 
@@ -138,7 +138,7 @@ def _on_skin(
 def _carried(
     rig: Rig, a: FittedScan, b: FittedScan, drawn: Sequence[PlannedLine]
 ) -> tuple[list[PlannedLine], list[MissingItem]]:
-    """All at once, which costs as much as one; where that fails each by itself, so that one bad line harms no other."""
+    """The transferred items, all at once (as fast as one); each alone if that fails, so that others stay."""
     if not drawn:
         return [], []
     try:
@@ -165,7 +165,7 @@ def _named_apart(each: PlannedLine, taken: set[str], stance: str) -> PlannedLine
 
 
 def _unique(lines: Sequence[PlannedLine]) -> tuple[PlannedLine, ...]:
-    """Two tumours of one breast are tumour_L and tumour_L 2."""
+    """The items with unique names: two tumours of one breast are tumour_L and tumour_L 2."""
     seen: Counter[str] = Counter()
     result = []
     for each in lines:

@@ -77,7 +77,7 @@ class PlanTumour(_Item):
 
     kind: Literal["tumour"] = "tumour"
     side: Literal["L", "R"] = Field(description="the patient's side")
-    clock: float = Field(gt=0.0, lt=13.0, description="hour as read by an observer who faces her")
+    clock: float = Field(gt=0.0, lt=13.0, description="hour as read by an observer facing the patient")
     distance_mm: float = Field(ge=0.0, le=200.0, description="from the nipple along the skin")
     radius_mm: float = Field(ge=1.0, le=80.0, description="of the circle along the skin, margin included")
     depth_mm: float | None = Field(None, ge=0.0, le=DEEPEST, description="below the skin; null where it is not known")
@@ -143,7 +143,7 @@ def _twice(values: Sequence[Named]) -> Named | None:
 
 
 def is_plan(document: dict[str, Any]) -> bool:
-    """Whether a document says that it is a plan, and not a drawing."""
+    """Whether a document is marked as a plan, and not as a drawing."""
     return document.get("schema") == PLAN_SCHEMA
 
 
@@ -189,7 +189,7 @@ def line_item(shape: dict[str, Any], item_id: str, scan: str) -> PlanLine:
 
 
 def asked_of(item: PlanPattern | PlanTumour) -> tuple[str, Mapping[str, float | str]]:
-    """Name and parameters of what the item asks for, as patterns.py takes them."""
+    """Name and parameters of an item's drawing, as patterns.py takes them."""
     if isinstance(item, PlanTumour):
         return "tumour", item.model_dump(include={"side", "clock", "distance_mm", "radius_mm"})
     return item.name, item.parameters

@@ -59,7 +59,7 @@ def prepared(rig: Rig, scan: FittedScan, shapes: Sequence[Polyline]) -> list[Pol
 
 
 def _among(corners: tuple[int, ...], own: Booleans) -> tuple[int, ...]:
-    """The corners' numbers in a line of more points, of which `own` (M,) are those that it had before."""
+    """The corners' indices in the resampled line, of which `own` (M,) are the original points."""
     return tuple(np.flatnonzero(own)[list(corners)].tolist())
 
 

@@ -46,7 +46,7 @@ def on_scan(rig: Rig, vertices: Array, drawing: ModelDrawing, target: ScanTarget
 def shapes_on_scan(
     rig: Rig, vertices: Array, normals: Array, shapes: Sequence[DrawnShape], target: ScanTarget
 ) -> tuple[Polyline, ...]:
-    """The same for some shapes, with the posed vertices' (V, 3) unit normals."""
+    """The shapes on the scan, given the posed vertices' (V, 3) unit normals."""
     if not shapes:
         return ()
     even = [_on_model(rig, vertices, normals, shape) for shape in shapes]
@@ -82,7 +82,7 @@ def _on_model(rig: Rig, vertices: Array, normals: Array, shape: DrawnShape) -> t
 
 
 def _ends(lines: Sequence[Array]) -> Integers:
-    """Where all but the last of the lines end when they are put together."""
+    """End indices of all lines but the last when they are concatenated."""
     return np.cumsum([len(line) for line in lines])[:-1]
 
 

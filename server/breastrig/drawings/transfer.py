@@ -110,7 +110,7 @@ def _mapped(
 
 
 def _skin_map(rig: Rig, a: FittedScan, b: FittedScan) -> PointMap:
-    """The same skin in another stance; see skin_map.carried for the direction."""
+    """A map of points to the same skin in another stance; see skin_map.carried for the direction."""
     backwards = a.stance == "supine" and b.stance != "supine"
     skin = SkinMap(rig, b, a) if backwards else SkinMap(rig, a, b)
     move = skin.moved_back if backwards else skin.moved
@@ -127,7 +127,7 @@ def _skin_map(rig: Rig, a: FittedScan, b: FittedScan) -> PointMap:
 
 
 def _model_map(rig: Rig, a: FittedScan, b: FittedScan, model: ClosestPointSearch) -> PointMap:
-    """The same place of the model: over which point of the model does it stand, and where is that on B."""
+    """A map of points to the same place of the model: the model's point below each, moved to B."""
     turned = vertex_normals(a.vertices, rig.faces)
     there = vertex_normals(b.vertices, rig.faces)
 

@@ -88,7 +88,7 @@ def file_type_of(data: bytes, named: str | None = None) -> str:
 
 
 def volume_kind(start: bytes) -> str:
-    """The kind of volume: "label map", "structures" (contours), "dicom", "other" (volumes) or "" (none), from a file's first bytes."""
+    """The kind of volume in these first bytes: "label map", "structures" (contours), "dicom", "other" or "" (none)."""
     if _is_nifti(start):
         return "label map"
     if _is_dicom(start):

@@ -55,7 +55,7 @@ export function mirroredValues(values: Values): Values | null {
   return { ...values, side, ...(values.clock && Number.isFinite(hour) ? { clock: String(mirroredHour(hour)) } : {}) };
 }
 
-/** As read by one who faces her, 0.5 to 12.5: 10 o'clock on one breast lies where 2 o'clock does on the other. */
+/** As read by an observer facing the patient, 0.5 to 12.5: 10 o'clock on one breast lies where 2 o'clock does on the other. */
 const mirroredHour = (hour: number): number => Math.round(100 * (hour > 11.5 ? 24 - hour : 12 - hour)) / 100;
 
 /** For people: the labels of all parts. */

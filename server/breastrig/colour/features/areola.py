@@ -49,7 +49,7 @@ class Areola:
 
 @dataclass(frozen=True)
 class Candidate:
-    """Somewhere to look closer."""
+    """A possible place, to be measured."""
 
     right: float  # m from the picture's middle
     up: float
@@ -87,7 +87,7 @@ def _median(pictures: Array, size: int) -> Array:
 
 
 def candidates(patch: Patch, limits: AreolaLimits, spread: float) -> list[Candidate]:
-    """Where an areola may be, best first; `spread` (m) is how far off the middle of the picture is expected to be."""
+    """Possible places of the areola, best first; `spread` (m) is the expected distance from the picture's middle."""
     level, known = level_colour(patch)
     value = limits.lightness * -level[..., 0] + limits.redness * level[..., 1]
     value = np.where(known, value - np.median(value[known]) if known.any() else 0.0, 0.0)
@@ -265,7 +265,7 @@ def _series(shape: Array, turn: Array) -> Array:
 
 
 def _centroid(points: Array) -> tuple[float, float]:
-    """Of the polygon (P, 2)."""
+    """Centroid of the polygon (P, 2)."""
     after = np.roll(points, -1, axis=0)
     cross = points[:, 0] * after[:, 1] - points[:, 1] * after[:, 0]
     middle = ((points + after) * cross[:, None]).sum(axis=0) / (3.0 * cross.sum())

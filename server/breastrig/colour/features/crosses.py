@@ -1,8 +1,8 @@
-"""Crosses that the surgeon drew: where one lies about where the form has a landmark of the midline, it marks it.
+"""Crosses that the surgeon drew: one near a landmark of the midline, as the form has it, marks that landmark.
 
-Surgeons mark notch and xiphoid before they draw anything else.  Crosses elsewhere mark other things, so only those
-near the midline and nearer to one of the two than the form is sure of it count.  Ink is looked for around these places
-only, which takes a tenth of the time that the whole scan would.
+Surgeons mark notch and xiphoid before they draw anything else. Crosses elsewhere mark other things, so only those near
+the midline and within the form's uncertainty of one of the two count. Ink is searched around these places only, which
+takes a tenth of the time of the whole scan.
 """
 
 from collections.abc import Mapping
@@ -32,10 +32,10 @@ def marked_by_crosses(
     limits: CrossLimits,
     image: NDArray[np.uint8] | None = None,
 ) -> dict[str, Observation]:
-    """Those of the `expected` places (3,) m, on the midline, that a cross marks.
+    """The `expected` places (3,) m on the midline that a cross marks.
 
-    `spreads` (m) say how far off they are as a rule, `left` (3,) is the body's unit direction, `image`
-    the decoded texture (H, W, 3), if it is.
+    `spreads` (m) are their usual errors, `left` (3,) is the body's unit direction, `image` the decoded texture (H, W,
+    3), if it is.
     """
     if scan.colour_kind != "texture" or not expected:
         return {}

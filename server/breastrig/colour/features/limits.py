@@ -1,4 +1,4 @@
-"""Numbers that distinguish features from what looks like them; each has its reason beside it in features.toml."""
+"""Numbers that separate features from similar structures; each has its reason beside it in features.toml."""
 
 from functools import lru_cache
 
@@ -6,7 +6,7 @@ from breastrig.core.settings_file import Positive, SettingsPart, packaged
 
 
 class AreolaLimits(SettingsPart):
-    """Of colour/features/areola.py and nipple.py."""
+    """Limits of colour/features/areola.py and nipple.py."""
 
     lightness: Positive  # weights of darker and redder in the search
     redness: Positive
@@ -35,7 +35,7 @@ class AreolaLimits(SettingsPart):
 
 
 class NavelLimits(SettingsPart):
-    """Of colour/features/navel.py."""
+    """Limits of colour/features/navel.py."""
 
     lightness: Positive  # weights of darker and redder
     redness: Positive
@@ -52,7 +52,7 @@ class NavelLimits(SettingsPart):
 
 
 class CrossLimits(SettingsPart):
-    """Of colour/features/crosses.py."""
+    """Limits of colour/features/crosses.py."""
 
     around: Positive  # m, how far around a landmark ink is looked for
     aside: Positive  # m, of a cross from the form's midline
@@ -72,5 +72,5 @@ class Features(SettingsPart):
 
 @lru_cache(maxsize=1)
 def features() -> Features:
-    """The package's own."""
+    """The package's own settings (features.toml), read once."""
     return packaged(Features, "breastrig.colour.features", "features.toml")

@@ -1,8 +1,8 @@
 """The navel: a spot of darker or redder skin and a dent, one above the other, on the body's midline.
 
-The form knows the midline well and the height hardly: bellies have no shape that would say where the navel is.  So the
-picture is narrow and high, and both signs are looked for in it, each in units of how much the rest of the belly shows
-of it.  Where they leave one place, it is the navel; where they leave several, none is taken.
+The form gives the midline well and the height hardly: bellies have no shape that shows the navel's height. So the
+picture is narrow and high, and both signs are searched in it, each in units of its scatter on the rest of the belly. It
+is taken only where they leave one place.
 """
 
 import numpy as np
@@ -23,7 +23,7 @@ NAVEL_SEEN = "navel seen"
 def find_navel(
     skin: ColouredSkin, expected: Array, outwards: Array, up: Array, spread: float, limits: NavelLimits
 ) -> Observation | None:
-    """Near the `expected` place (3,) m, which is `spread` m off as a rule; None where none stands out."""
+    """The navel near the `expected` place (3,) m, whose usual error is `spread` m; None where none stands out."""
     patch = skin.patch(expected, skin.normal(expected, outwards, 0.03), up, HALF, PIXEL)
     level, known = level_colour(patch)
     right, high = patch.offsets()

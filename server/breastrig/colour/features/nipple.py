@@ -26,7 +26,7 @@ AREOLA_SEEN = "areola seen"
 def find_nipple(
     skin: ColouredSkin, expected: Array, outwards: Array, up: Array, spread: float, limits: AreolaLimits
 ) -> Observation | None:
-    """Near the `expected` place (3,) m, which is `spread` m off as a rule; None where no areola can be seen.
+    """The nipple near the `expected` place (3,) m, whose usual error is `spread` m; None where no areola can be seen.
 
     `outwards` and `up` (3,) are unit directions of the body there.
     """

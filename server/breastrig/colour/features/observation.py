@@ -1,4 +1,4 @@
-"""A landmark as the form expects it and as colours show it; loads none of the image filters."""
+"""A landmark as the form expects it and as colours show it; imports no image filters."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Expectation:
-    """Where the form has a landmark."""
+    """A landmark's location according to the form."""
 
     place: Array  # (3,) m, in the scan's frame
     outwards: Array  # (3,) unit, out of the body there

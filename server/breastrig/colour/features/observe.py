@@ -1,9 +1,9 @@
-"""What colour shows of the landmarks on one scan, given where the body's form expects them.
+"""Finds landmarks by colour on one scan, near the places where the body's form expects them.
 
-Colour says precisely where something is but not always what it is, the form the reverse: so features are looked for
-near expected places only, a place that the form rules out is not taken, and a landmark of which nothing is seen
-(covered, reconstructed without pigment, outside of the scan) is left to the form.  Each side is looked for at its own
-expected place, and both are dropped where they would lie the wrong way round or be one and the same.
+Colour gives a precise place but not always its identity, the form the reverse. So features are searched near expected
+places only, a place that the form excludes is not taken, and a landmark that cannot be seen (covered, reconstructed
+without pigment, outside of the scan) is left to the form. Each side is searched at its own expected place, and both are
+dropped where they would be swapped or coincide.
 """
 
 from collections.abc import Mapping
@@ -29,10 +29,10 @@ BETWEEN_CROSSES = "mid_sternum"
 def observed_landmarks(
     scan: Scan, expected: Mapping[str, Expectation], left: Array, up: Array
 ) -> dict[str, Observation]:
-    """Those of the `expected` landmarks that the colours show.
+    """The `expected` landmarks that the colours show.
 
-    None for a scan without any, with one colour everywhere, or with a broken picture.
-    `left` and `up` (3,) are the body's unit directions in the scan's frame.
+    Empty for a scan without any, with one colour everywhere, or with a broken picture. `left` and `up` (3,) are the
+    body's unit directions in the scan's frame.
     """
     if not scan.shows_colour:
         return {}

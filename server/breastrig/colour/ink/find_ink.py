@@ -1,7 +1,7 @@
-"""From a coloured scan to the lines that were drawn on the skin.
+"""Finds the lines drawn on the skin of a coloured scan.
 
-Pictures of the skin, ridges in each, chains of ridge points, pieces that have the colour of ink, strokes joined of
-them, and what each stroke is.  One second for a texture of 2048 by 2048.
+Steps: pictures of the skin, ridges in each, chains of ridge points, pieces with the colour of ink, strokes joined of
+them, and the kind of each stroke. One second for a texture of 2048 by 2048.
 """
 
 from dataclasses import dataclass
@@ -43,10 +43,10 @@ EXPOSURES = np.geomspace(0.25, 1.0, 9)  # light that white would send back in th
 
 
 def markers_of(added: Array, lengths: Array, skin: Array) -> list[Marker]:
-    """Of N strokes that add densities (N, 3) over (N,) m to well-lit skin of densities (3,), red, green, blue.
+    """The marker of each of N strokes that add densities (N, 3) over (N,) m to lit skin of densities (3,), R, G, B.
 
-    How bright the picture is as a whole is not known beforehand; the exposure under which the strokes look most
-    like markers is taken, the same for all.
+    The picture's exposure is unknown; the one under which the strokes look most like markers is taken, the same for
+    all.
     """
     if not len(added):
         return []

@@ -1,8 +1,8 @@
-"""What strokes are: lines of the plan, or marks beside it (crosses, arrows, writing), or no plan at all.
+"""Classifies strokes: lines of the plan, marks beside it (crosses, arrows, writing), or not part of a plan.
 
-Lines are closed, dashed or plain.  Letters, numbers and arrow heads turn within millimetres, lines of a plan do not.
-A tattoo is writing too, only more of it than a surgeon writes in one place, and black; where nothing but marks is
-found, they are none of a plan.
+Lines are closed, dashed or plain. Letters, numbers and arrow heads turn within millimetres, lines of a plan do not. A
+tattoo is writing too, only more of it than a surgeon writes in one place, and black; where nothing but marks is found,
+they are none of a plan.
 """
 
 from enum import Enum
@@ -17,7 +17,7 @@ from breastrig.geometry.boundary import components
 
 
 class Kind(Enum):
-    """As it is written in drawings and answers."""
+    """The kind of a stroke, as written in drawings and answers."""
 
     LINE = "line"
     CLOSED = "closed"
@@ -28,12 +28,12 @@ class Kind(Enum):
 
     @property
     def is_mark(self) -> bool:
-        """Beside the plan, not a line of it."""
+        """Whether it is a mark beside the plan, not a line of it."""
         return self in (Kind.CROSS, Kind.ARROW, Kind.WRITING)
 
 
 def sorted_out(strokes: list[Stroke]) -> list[tuple[Stroke, Kind]]:
-    """Strokes that belong to a plan, longest first, each with what it is."""
+    """The strokes that belong to a plan, longest first, each with its kind."""
     near = _distances(strokes)
     large = np.array([stroke.length >= limits.LENGTH for stroke in strokes], dtype=np.bool_)
     kept = np.flatnonzero(large | (near[:, large] < limits.DETAIL_REACH).any(axis=1))

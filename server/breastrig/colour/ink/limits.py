@@ -1,9 +1,9 @@
-"""The numbers of ink detection, each with its reason.  Lengths in m, densities in units of the natural logarithm.
+"""The numbers of ink detection, each with its reason. Lengths in m, densities in units of the natural logarithm.
 
-They were chosen by looking at four virtual patients whose colours are painted by formula, few and round on purpose, and
-none to a single case.  `breastrig evaluate` chooses their common factor anew for each patient, on the others; the
-numbers themselves have seen all four.  On photographs of real skin nothing is known yet.
-Ink of half the light adds a density of 0.7.
+They were set on four virtual patients whose colours are painted by formula, few and round on purpose, and none to a
+single case. `breastrig evaluate` chooses their common factor anew for each patient, on the others; the numbers
+themselves have seen all four. They are not validated on photographs of real skin. Ink of half the light adds a density
+of 0.7.
 """
 
 # Ridges

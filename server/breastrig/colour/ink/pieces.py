@@ -26,7 +26,7 @@ WITHIN = np.abs(OFFSETS) < 2.8e-3
 
 
 class Ink(Enum):
-    """What a density may be of."""
+    """The possible inks of a density."""
 
     COLOURED = "coloured"  # violet, blue, green
     BLACK = "black"
@@ -59,10 +59,10 @@ class Piece:
 def ink_of(
     added: Array, width: float, share: float = 1.0, has_black: bool = False, hue: float | None = None
 ) -> Ink | None:
-    """Which ink adds (3,) densities in a line of that width (m); `share` lowers what is asked for.
+    """The ink that adds (3,) densities in a line of that width (m), or None; `share` scales the thresholds.
 
-    `has_black`: the scan surely has black ink, of which this may be a faint line.  `hue` is a piece's, by default
-    that of `added`.
+    `has_black`: the scan surely has black ink, of which this may be a faint line. `hue` is a piece's, by default that
+    of `added`.
     """
     red, green, blue = (float(value) for value in added)
     if width > limits.WIDEST_HUE:
@@ -102,7 +102,7 @@ class Measured:
     lines: tuple[Piece, ...]
 
     def pieces(self, factor: float = 1.0, has_black: bool = False) -> list[Piece]:
-        """Those that may be ink; `factor` is of densities, `has_black` as in `ink_of`."""
+        """The pieces that may be ink; `factor` scales densities, `has_black` as in `ink_of`."""
         share = factor * limits.LENIENT
         may_be = [line for line in self.lines if ink_of(line.added, line.width, share, has_black, line.hue)]
         return _without_doubles(_without_echoes(may_be))
@@ -160,9 +160,9 @@ def _between(one: Array, other: Array) -> Array:
 
 
 def _without_echoes(found: list[Piece]) -> list[Piece]:
-    """Without pieces beside one of the opposite hue that is much clearer: compressed pictures have such rims.
+    """The pieces without those beside a much clearer one of the opposite hue: compressed pictures have such rims.
 
-    Only what differs from the skin in hue more than in darkness can be one.
+    Only pieces that differ from the skin in hue more than in darkness can be such rims.
     """
     if not found:
         return found
@@ -182,7 +182,7 @@ def _without_echoes(found: list[Piece]) -> list[Piece]:
 
 
 def _without_doubles(found: list[Piece]) -> list[Piece]:
-    """Of pieces beside each other, where a broad line has two ridges or two pictures meet, the longer ones."""
+    """The pieces without the shorter of two side by side (a broad line with two ridges, or meeting pictures)."""
     if not found:
         return found
     places = np.concatenate([piece.places for piece in found])

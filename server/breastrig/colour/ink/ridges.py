@@ -42,7 +42,7 @@ class RidgePoints:
     along: Array  # (M, 2) unit vector along the line in the picture, rows and columns
 
     def at(self, rows: Integers) -> "RidgePoints":
-        """Some of them."""
+        """The points at these indices."""
         return RidgePoints(*(getattr(self, each.name)[rows] for each in fields(RidgePoints)))
 
 
@@ -94,9 +94,9 @@ def _tops_of(smooth: Single, picture: SkinPicture, own: Booleans, weight: Single
 
 
 def _strongest(found: Sequence[RidgePoints], worth: Sequence[float], shape: tuple[int, ...]) -> RidgePoints:
-    """Of lines that several signals see those points whose signal is strongest around; its own are left unbroken.
+    """The points of each signal where it is the strongest around; a signal's lines stay unbroken.
 
-    `worth` is what heights of each signal are multiplied by.
+    `worth` scales the heights of each signal.
     """
     cells = tuple(side // CELL + 1 for side in shape)
     spots = [np.rint(points.spots).astype(np.int64).T // CELL for points in found]

@@ -33,13 +33,13 @@ class Stroke:
 
 
 class _Skin:
-    """Where the scan has skin."""
+    """The scan's skin, to tell whether a place is on it."""
 
     def __init__(self, places: Array) -> None:
         self._tree = cKDTree(places)
 
     def is_off(self, places: Array) -> Booleans:
-        """(M,) whether the scan has nothing there."""
+        """(M,) whether the scan has no skin there."""
         return np.asarray(self._tree.query(places, distance_upper_bound=OFF_SKIN)[0] > OFF_SKIN)
 
 

@@ -1,1 +1,1 @@
-"""Patterns in the patient's own millimetres: each a class that knows its parameters and draws itself on her skin."""
+"""Patterns in millimetres on the patient's skin: each a class that knows its parameters and draws itself."""

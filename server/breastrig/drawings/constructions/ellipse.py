@@ -1,4 +1,4 @@
-"""The ellipse of a mastectomy around the nipple: its axes along the skin, its long axis turned as the surgeon wants it.
+"""The ellipse of a mastectomy around the nipple: its axes along the skin, its long axis at the surgeon's angle.
 
 Stewart's is transverse and rises a little towards the armpit, Orr's is steeper; skin-sparing ones are small and round.
 """
@@ -40,7 +40,7 @@ class MastectomyEllipse(OnBreasts):
         skin.geodesics.look_from(joined(list(nipples.values())), MARGIN * reach)
         shapes = []
         for side in sides:
-            # clockwise from 12 for the observer: her left is his right
+            # clockwise from 12 for the observer, on whose right is the patient's left
             axis = OUTWARDS[side] * (np.pi / 2.0 - np.radians(self.axis_deg))
             angles = 2.0 * np.pi * np.arange(STEPS) / STEPS
             along, across = np.cos(angles) / self.length_mm, np.sin(angles) / self.width_mm

@@ -5,7 +5,7 @@ All lengths are geodesic millimetres (Wise, Plast. Reconstr. Surg. 17, 1956), ea
 * the new nipple is on the meridian (midclavicle to nipple) at the height of the fold, never below the nipple;
 * the keyhole is an arc around it as long as the new areola's circumference, open below by `opening_deg`;
 * two vertical limbs of equal length leave its ends and diverge;
-* horizontal limbs join their lower ends to the ends of the fold, which may be planned above or below her own.
+* horizontal limbs join their lower ends to the ends of the fold, which may be planned above or below the patient's own.
 """
 
 from dataclasses import dataclass
@@ -69,7 +69,11 @@ class Reduction(AroundAreola):
     nipple_above_fold_mm: float = NIPPLE_ABOVE_FOLD
     nipple_outward_mm: float = NIPPLE_OUTWARD
     fold_below_mm: float = Field(
-        0.0, title="New fold below the fold", ge=-20.0, le=30.0, description="new fold under her own, along the skin"
+        0.0,
+        title="New fold below the fold",
+        ge=-20.0,
+        le=30.0,
+        description="new fold below the patient's own, along the skin",
     )
 
     def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
@@ -90,7 +94,7 @@ class Reduction(AroundAreola):
         return tuple(shapes)
 
     def constructed(self, skin: FittedSkin) -> dict[str, "WiseBreast"]:
-        """By side; BadDrawing when the pattern does not fit on the breast."""
+        """The pattern on each breast, by side; BadDrawing when it does not fit."""
         return skin.constructed(self, self._constructed)
 
     def _constructed(self, skin: FittedSkin) -> dict[str, "WiseBreast"]:
@@ -128,11 +132,11 @@ class Reduction(AroundAreola):
 
     @property
     def _limbs(self) -> tuple[float, ...]:
-        """mm, the lengths that are tried."""
+        """The limb lengths to try, mm."""
         return LIMBS if self.limb_mm is None else (self.limb_mm,)
 
     def keyhole(self, skin: FittedSkin, new: SurfacePoints) -> SurfacePoints:
-        """Clockwise for the observer, as long as the new areola's rim, which will be sewn to it."""
+        """The keyhole's arc, clockwise for the observer, as long as the new areola's rim, which will be sewn to it."""
         gap = np.radians(self.opening_deg) / 2.0
         angles = np.linspace(np.pi + gap, 3.0 * np.pi - gap, ARC_STEPS + 1)
         rim = 1e-3 * self.areola_mm * np.pi
@@ -181,7 +185,7 @@ class Reduction(AroundAreola):
         )
 
     def new_nipple(self, skin: FittedSkin, side: str, nipple: SurfacePoints, meridian: Array) -> SurfacePoints:
-        """Where the (M, 3) m meridian, from the collarbone to the nipple, comes to the fold's height; or beside it."""
+        """The new nipple: at the fold's height on the (M, 3) m meridian from collarbone to nipple, or beside that."""
         on_meridian = self.on_meridian(skin, side, nipple, meridian)
         outward = 1e-3 * self.nipple_outward_mm
         if abs(outward) < NO_SHIFT:
@@ -191,7 +195,7 @@ class Reduction(AroundAreola):
         return on_clock(skin, on_meridian, abs(outward), np.array([0.5 * np.pi if to_left else 1.5 * np.pi]))
 
     def on_meridian(self, skin: FittedSkin, side: str, nipple: SurfacePoints, meridian: Array) -> SurfacePoints:
-        """Where it comes to the new nipple's height; the nipple itself where that is not lower."""
+        """The meridian's point at the new nipple's height; the nipple itself where that is not lower."""
         heights: Array = meridian @ skin.axes[:, 1]
         wanted = skin.height(f"inframammary_fold_{side}") + 1e-3 * self.nipple_above_fold_mm
         if wanted <= heights[-1]:
@@ -209,7 +213,7 @@ class Reduction(AroundAreola):
 
 @dataclass(frozen=True, eq=False)
 class WiseBreast:
-    """The pattern on one breast; ways are (M, 3) m, pairs begin with what the observer sees on his left."""
+    """The pattern on one breast; ways are (M, 3) m, pairs begin with the observer's left."""
 
     nipple: SurfacePoints  # one point
     meridian: Array  # from the collarbone to the nipple
@@ -229,11 +233,11 @@ class WiseBreast:
 
 
 def ends(line: SurfacePoints) -> SurfacePoints:
-    """Its first point and its last."""
+    """The line's first point and its last."""
     return line[[0, -1]]
 
 
 def _on_observers_left(skin: FittedSkin, fold: SurfacePoints) -> SurfacePoints:
-    """The fold beginning there, as the keyhole does: the observer sees the patient's left on his right."""
+    """The fold, starting on the observer's left (the patient's right), as the keyhole does."""
     start, finish = skin.at(ends(fold))
     return fold[::-1] if (start - finish) @ skin.axes[:, 0] > 0.0 else fold

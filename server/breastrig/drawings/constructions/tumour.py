@@ -28,12 +28,12 @@ def _on_the_dial(hour: float) -> float:
 
 
 class Tumour(WrittenNumbers):
-    """Where the tumour is and how large."""
+    """A tumour's place by the clock, and its size."""
 
     side: Literal["L", "R"] = Field(title="Side", description="the patient's side")
     clock: Annotated[float, AfterValidator(_on_the_dial)] = Field(
         title="Hour",
-        description="hour as read by an observer who faces her: 3 is towards her left on both breasts",
+        description="hour as read by an observer facing the patient: 3 is to the patient's left on both breasts",
         json_schema_extra={"minimum": 0.5, "maximum": 12.5},  # what forms offer: once round the dial in half hours
     )
     distance_mm: float = Field(

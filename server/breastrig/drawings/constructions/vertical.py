@@ -59,7 +59,7 @@ class Vertical(AroundAreola):
         return tuple(shapes)
 
     def constructed(self, skin: FittedSkin) -> dict[str, "VerticalBreast"]:
-        """By side; BadDrawing when the pattern does not fit on the breast."""
+        """The pattern on each breast, by side; BadDrawing when it does not fit."""
         return skin.constructed(self, self._constructed)
 
     def _constructed(self, skin: FittedSkin) -> dict[str, "VerticalBreast"]:
@@ -78,12 +78,12 @@ class Vertical(AroundAreola):
 
     @property
     def _wise(self) -> Reduction:
-        """Whose new nipple and keyhole it has."""
+        """The Wise pattern with the same new nipple and keyhole."""
         shared = self.model_dump(include={"areola_mm", "nipple_above_fold_mm", "nipple_outward_mm"})
         return Reduction.model_validate(shared)
 
     def on_meridian(self, skin: FittedSkin, side: str, nipple: SurfacePoints, meridian: Array) -> SurfacePoints:
-        """As the Wise pattern's."""
+        """The meridian's point at the new nipple's height, as in the Wise pattern."""
         return self._wise.on_meridian(skin, side, nipple, meridian)
 
     def _lowest(self, skin: FittedSkin, side: str, nipple: SurfacePoints) -> tuple[Array, SurfacePoints]:
@@ -138,7 +138,7 @@ class VerticalBreast:
 
 
 def _rounded(way: Array) -> Array:
-    """The (M, 3) m way through three points without the bend in its middle: a curve of the second degree along it."""
+    """The (M, 3) m way through three points without the bend in its middle: a parabola."""
     even = resampled(way, 0.002, False)
     share = np.linspace(0.0, 1.0, len(even))[:, None]
     middle = point_along(way, 0.5 * length(way))

@@ -29,13 +29,13 @@ class WrittenNumbers(BaseModel):
 
 
 class OnBreasts(WrittenNumbers):
-    """What is drawn on one breast or on both."""
+    """A pattern drawn on one breast or on both."""
 
     side: Literal["both", "L", "R"] = Field("both", title="Side", description="the patient's side")
 
 
 class AroundAreola(OnBreasts):
-    """What leaves a new areola."""
+    """A pattern with a new areola."""
 
     areola_mm: float = Field(
         42.0, title="New areola", ge=30.0, le=55.0, description="diameter of the new areola; 40 to 45 is usual"

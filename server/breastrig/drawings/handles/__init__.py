@@ -1,1 +1,1 @@
-"""What of a pattern can be dragged on the skin: each handle stands for one parameter and says its value at a place."""
+"""Handles of a pattern that can be dragged on the skin: each sets one parameter and computes its value at a place."""

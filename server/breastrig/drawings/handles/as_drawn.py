@@ -1,7 +1,7 @@
-"""The numbers of a pattern as they are measured on the lines that it has drawn on one patient.
+"""The numbers of a pattern, measured on the lines that it has drawn on one patient.
 
-What is asked for is not always what lies there: a nipple is not moved down, a limb bends with the skin.
-Page and report show what is drawn.
+They may differ from the parameters: a nipple is not moved down, a limb bends with the skin. Page and report show the
+measured ones.
 """
 
 from collections.abc import Callable, Sequence
@@ -143,7 +143,7 @@ def _away(skin: FittedSkin, centre: SurfacePoints, line: SurfacePoints, k: int) 
 
 
 def differs(asked: float, drawn: Sequence[float] | float, unit: str) -> bool:
-    """Whether what is drawn is something else than what was asked for; 90 and -90 degrees are one axis."""
+    """Whether a measured number differs from its parameter; 90 and -90 degrees are one axis."""
     off = np.abs(np.asarray(drawn, dtype=np.float64) - asked)
     if unit == "deg":
         off = np.minimum(off, np.abs(180.0 - off))

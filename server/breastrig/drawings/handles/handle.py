@@ -1,7 +1,7 @@
-"""A handle: a place of a pattern on the skin that a hand may drag, and the parameter that follows it.
+"""A handle: a place of a pattern on the skin that can be dragged, and the parameter that follows it.
 
-The inverse of a construction, as far as one parameter goes: the pattern says where the handle is, and the handle says
-what the parameter must be for the pattern to come to a place.  Whatever the place has beyond that is passed over.
+It inverts a construction for one parameter: the pattern computes the handle's place, and the handle computes the
+parameter for which the pattern comes to a given place. All else about the place is ignored.
 """
 
 from collections.abc import Callable, Mapping
@@ -19,7 +19,7 @@ Values = Mapping[str, float]
 
 @dataclass(frozen=True, eq=False)
 class Handle:
-    """Of one side of a pattern."""
+    """A handle on one side of a pattern."""
 
     name: str  # unique in the pattern: new_nipple_L
     side: str  # L or R
@@ -57,14 +57,14 @@ OUTSIDE = {side: out * np.pi / 2.0 for side, out in OUTWARDS.items()}  # rad clo
 
 
 def areola_handle(skin: FittedSkin, side: str, nipple: SurfacePoints, areola_mm: float) -> Handle:
-    """On the rim of the areola that is kept, laterally."""
+    """The handle on the lateral rim of the areola that is kept."""
     return across_handle(skin, "areola", "areola_mm", side, nipple, areola_mm, OUTSIDE[side])
 
 
 def across_handle(
     skin: FittedSkin, name: str, parameter: str, side: str, nipple: SurfacePoints, across_mm: float, angle: float
 ) -> Handle:
-    """At half of `across_mm` from the nipple under an angle (rad, clockwise from 12): twice its distance counts."""
+    """The handle at half of `across_mm` from the nipple under an angle (rad, clockwise from 12): a diameter."""
     at = skin.at(on_clock(skin, nipple, 0.5e-3 * across_mm, np.array([angle])))[0]
     return Handle(
         f"{name}_{side}",

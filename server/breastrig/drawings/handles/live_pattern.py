@@ -1,8 +1,8 @@
-"""A pattern that follows a hand: what is drawn, and where its handles are, soon after one number of it has changed.
+"""A pattern that follows a drag: its lines and handles, shortly after one number has changed.
 
-The same code draws it as for a fit or a plan, so the lines are the same ones.  It is quick because what was measured
-on this skin is kept (geometry/geodesic.py) and lines that lie as they did are not projected again; and because a hand
-holds one side: only that one is drawn, from its own landmarks, as both would be.
+The same code draws it as for a fit or a plan, so the lines are the same. Measurements on this skin are cached
+(geometry/geodesic.py), unchanged lines are not projected again, and while one side is dragged only that side is drawn,
+from its own landmarks.
 """
 
 from collections.abc import Mapping
@@ -56,7 +56,7 @@ class Drag:
 
 @dataclass(frozen=True)
 class HandleOnScan:
-    """Where a handle stands, and all that is said about it."""
+    """A handle's place on the scan, its label and its numbers."""
 
     handle: Handle
     at: Array  # (3,) m on the scan's skin
@@ -157,10 +157,11 @@ class LiveSkin:
         return self._live(held, parameters, limit) if best is None else replace(best, limit=limit)
 
     def _values(self, handle: Handle, place: SurfacePoints) -> dict[str, float]:
-        """As they must be for the handle to come to the place.
+        """The parameters for which the handle comes to the place.
 
-        It stands on the scan's skin, which is not quite the model's, and some stand beside what they measure: what is
-        read where the handle stands now is not quite its value, and what is read at the place is as much off.
+        The handle is shown on the scan's skin, which is not quite the model's, and may stand beside what it measures.
+        So the value read where it stands now differs from its own; the value at the place is corrected by that
+        difference.
         """
         (stands,) = self._scan.target.search.query(handle.at[None]).points[:1]
         here, there = handle.values_at(self._skin.nearest(stands[None])), handle.values_at(place)
@@ -175,7 +176,7 @@ class LiveSkin:
         return LivePattern(parameters, found, self._on_skin(pattern, handles), limit)
 
     def _on_scan(self, shapes: tuple[DrawnShape, ...]) -> list[Polyline]:
-        """On the scan's skin, with errors; lines that lie as they did are those of before."""
+        """The lines on the scan's skin, with errors; unchanged lines are reused."""
         keys = [(shape.name, shape.points.faces.tobytes(), shape.points.barycentric.tobytes()) for shape in shapes]
         known = {key: line for key in keys if (line := self._lines.get(key)) is not None}
         new = [shape for key, shape in zip(keys, shapes, strict=True) if key not in known]
@@ -195,7 +196,7 @@ class LiveSkin:
 
 
 def _handles(pattern: Pattern, skin: FittedSkin) -> list[Handle]:
-    """None where the pattern has none."""
+    """The handles of a pattern; None where it has none."""
     match pattern:
         case Reduction():
             return wise_handles(pattern, skin)
@@ -254,7 +255,7 @@ def _within(pattern: Pattern, handle: Handle, values: Mapping[str, float]) -> tu
 
 
 def _said(pattern: Pattern, handle: Handle, parameters: Parameters, values: Mapping[str, float]) -> dict[str, float]:
-    """Without what a handle moves as well, where that is as it is when nobody says it."""
+    """The parameters without those that the handle moves too and that keep an unspoken default."""
     first = next(iter(handle.values))
     return {
         key: value

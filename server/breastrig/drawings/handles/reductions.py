@@ -53,7 +53,7 @@ SIDEWAYS = ("first", "second")  # what the observer sees on his left comes first
 
 
 def wise_handles(pattern: Reduction, skin: FittedSkin) -> list[Handle]:
-    """BadDrawing when the pattern does not fit on the breast."""
+    """The handles of the Wise pattern; BadDrawing when it does not fit on the breast."""
     found = []
     for side, breast in pattern.constructed(skin).items():
         found += [
@@ -68,7 +68,7 @@ def wise_handles(pattern: Reduction, skin: FittedSkin) -> list[Handle]:
 
 
 def _limb(skin: FittedSkin, side: str, breast: WiseBreast, k: int) -> Handle:
-    """At its lower end: its length."""
+    """The handle at a limb's lower end: its length."""
     start, at = ends(breast.arc)[[k]], skin.at(breast.lower)[k]
     return Handle(
         f"limb_{SIDEWAYS[k]}_{side}",
@@ -81,7 +81,7 @@ def _limb(skin: FittedSkin, side: str, breast: WiseBreast, k: int) -> Handle:
 
 
 def _angle(pattern: Reduction, skin: FittedSkin, side: str, breast: WiseBreast, k: int) -> Handle:
-    """At half of a limb: how far it turns away from straight down."""
+    """The handle at half of a limb: its angle from straight down."""
     start, turn = ends(breast.arc)[[k]], (1.0, -1.0)[k]
     middles = [point_along(limb, 0.5 * length(limb)) for limb in breast.limbs]
 
@@ -100,7 +100,7 @@ def _angle(pattern: Reduction, skin: FittedSkin, side: str, breast: WiseBreast, 
 
 
 def _opening(pattern: Reduction, skin: FittedSkin, side: str, breast: WiseBreast, k: int) -> Handle:
-    """At an end of the keyhole: the angle at the new nipple."""
+    """The handle at an end of the keyhole: the angle at the new nipple."""
     at, turn = skin.at(ends(breast.arc)), (1.0, -1.0)[k]
 
     def values_at(place: SurfacePoints) -> dict[str, float]:
@@ -118,7 +118,7 @@ def _opening(pattern: Reduction, skin: FittedSkin, side: str, breast: WiseBreast
 
 
 def _fold(pattern: Reduction, skin: FittedSkin, side: str, breast: WiseBreast) -> Handle:
-    """At the new fold below the middle of her own: how far down the skin."""
+    """The handle at the new fold, below the middle of the patient's own: the distance down the skin."""
     number, middle = middle_of_fold(skin, side)
     here = skin.at(breast.fold)[number]
 
@@ -133,7 +133,7 @@ AHEAD_MM = 3.0  # along the way, to see where to it goes
 
 
 def vertical_handles(pattern: Vertical, skin: FittedSkin) -> list[Handle]:
-    """BadDrawing when the pattern does not fit on the breast."""
+    """The handles of the vertical pattern; BadDrawing when it does not fit on the breast."""
     found = []
     for side, breast in pattern.constructed(skin).items():
         found += [
@@ -146,7 +146,7 @@ def vertical_handles(pattern: Vertical, skin: FittedSkin) -> list[Handle]:
 
 
 def _width(pattern: Vertical, skin: FittedSkin, side: str, breast: VerticalBreast, k: int) -> Handle:
-    """Beside the middle of a limb."""
+    """The handle beside the middle of a limb."""
     middle, out = breast.middle(skin), (1.0, -1.0)[k] * breast.across(skin)
     at = skin.at(skin.nearest((middle + 0.5e-3 * pattern.width_mm * out)[None]))[0]
 
@@ -157,7 +157,7 @@ def _width(pattern: Vertical, skin: FittedSkin, side: str, breast: VerticalBreas
 
 
 def _end(pattern: Vertical, skin: FittedSkin, side: str, breast: VerticalBreast) -> Handle:
-    """Where the limbs meet, on the way from the fold to the nipple."""
+    """The handle where the limbs meet, between fold and nipple."""
 
     def values_at(place: SurfacePoints) -> dict[str, float]:
         return {"above_fold_mm": 1e3 * nearest_on_way(breast.way, skin.at(place)[0])[1]}

@@ -72,7 +72,7 @@ def _axis(pattern: MastectomyEllipse, skin: FittedSkin, side: str, nipple: Surfa
 
 
 def tumour_handles(pattern: Tumour, skin: FittedSkin) -> list[Handle]:
-    """BadDrawing when the tumour is not on that breast."""
+    """The handles of a tumour; BadDrawing when it is not on that breast."""
     side = pattern.side
     nipple, centre = skin.landmark(f"nipple_{side}"), pattern.centre(skin)
 

@@ -1,1 +1,1 @@
-"""What lies inside the body."""
+"""Lesions and other places inside the body."""

@@ -1,8 +1,8 @@
-"""Lesions inside the body of one scan, and what is asked of each there: depth, distances, slices, outline on the skin.
+"""Lesions inside the body of one scan: depth, distances, slices, outline on the skin.
 
-How far off a carried lesion may be is an ellipsoid, flatter along the skin's normal, for the skin next to it is seen.
-Distances are straight, from the lesion's centre; the band of each is what both ends, wrong independently, leave open
-along it.  Slices are cuts of the fitted skin.
+The error of a transferred lesion is an ellipsoid, flatter along the skin's normal, for the skin next to it is seen.
+Distances are straight, from the lesion's centre; the 90 % band of each combines the errors of both ends along it, as
+independent. Slices are cuts of the fitted skin.
 
 Evidence: docs/decisions/0015.
 """
@@ -49,7 +49,7 @@ PLANES = {  # columns of the body's axes (left, up, front) that are right and up
 
 @dataclass(frozen=True, eq=False)
 class Distance:
-    """From the centre of a lesion to a place."""
+    """The distance from a lesion's centre to a landmark or line."""
 
     kind: Kind
     to: str  # name of the landmark or the line
@@ -63,7 +63,7 @@ class Slice:
     """A plane through the centre of a lesion, with the skin that it cuts."""
 
     plane: str  # axial | sagittal | coronal
-    right: Array  # (3,) unit, in the scan's frame: what is right in the picture; the patient's left, or her back
+    right: Array  # (3,) unit, in the scan's frame: what is right in the picture; the patient's left or back
     up: Array  # (3,) unit
     outlines: tuple[Array, ...]  # (M, 2) m each, of the skin, from the centre along both
     wall: tuple[Array, ...]  # of the chest wall, where it is known
@@ -85,7 +85,7 @@ class PlacedLesion:
 
 
 class LesionsOnScan:
-    """What a fitted scan says of lesions in it; built once, then asked for each."""
+    """The lesions in one fitted scan; built once, then queried for each."""
 
     def __init__(self, rig: Rig, scan: FittedScan, wall: Array | None = None) -> None:
         """`wall` (V, 3) m: the chest wall under each vertex, where the rig knows it."""
@@ -97,9 +97,9 @@ class LesionsOnScan:
         self._normals = vertex_normals(scan.vertices, rig.faces)
 
     def own(self, items: Iterable[PlanItem]) -> list[PlacedLesion]:
-        """Those that were given on this scan; a tumour by the clock is as far off as the skin there.
+        """The lesions that were given on this scan; a tumour by the clock has the error of the skin there.
 
-        How far off one is that lies far from the fitted breasts is not known, nor are its distances.
+        The error of a lesion far from the fitted breasts is unknown, and so are those of its distances.
         """
         return [
             self._placed(item, _center(item), self._radius(_center(item)) if is_by_clock else 0.0)
@@ -107,7 +107,7 @@ class LesionsOnScan:
         ]
 
     def carried(self, other: FittedScan, items: Iterable[PlanItem]) -> list[PlacedLesion]:
-        """Those that were given on another scan of the same patient."""
+        """The lesions that were given on another scan of the same patient."""
         lesions = [item for item, _ in _lesions(self._rig, other, items)]
         if not lesions:
             return []
@@ -162,12 +162,12 @@ class LesionsOnScan:
         )
 
     def _radius(self, place: Array) -> float | None:
-        """m, of the ball that holds the true place of the skin there with 90 %."""
+        """90 % radius (m) of the skin's location there."""
         radii, search = self._scan.radii, self._scan.search(self._rig)
         return None if radii is None else float(radii_at(self._rig, search, radii, place[None])[0])
 
     def _off(self, place: Array) -> float | None:
-        """m: half of the interval that holds it along any direction."""
+        """Half of the 90 % interval (m) of its location along any direction."""
         radius = self._radius(place)
         return None if radius is None else LINE / BALL * radius
 

@@ -1,10 +1,11 @@
-"""How skin moves when a woman lies down, beyond the rigid motion of her trunk, and how women differ: data beside a rig.
+"""The expected motion of the skin between standing and supine beyond the trunk's rigid motion, and its variation.
 
-The arms go up and the breasts sink outwards in everybody, more or less, and where no landmark is picked (the outer
-side, the upper pole) nothing else tells.  The data are of virtual bodies whose skin is known in both stances, of two
-ways of computing how a body lies down (breastrig_studies/lying_motion.py): no person's body is in them.  They stand at
-places of the torso's template, so that any number of vertices will do; rigs without such a file expect no motion.  The
-bodies of the mean lie with their arms out (54 to 79 degrees from the trunk), those of the ways also with hanging ones.
+The arms go up and the breasts sink outwards in everybody, more or less. Where no landmark is placed (the outer side,
+the upper pole) there is no other information. The data, beside the rig, are of virtual bodies whose skin is known in
+both stances, of two ways of computing how a body lies down (breastrig_studies/lying_motion.py): no person's body is in
+them. They are given at places of the torso's template, so that any number of vertices will do; rigs without such a file
+expect no motion. The bodies of the mean lie with their arms out (54 to 79 degrees from the trunk), those of the
+variation also with hanging ones.
 """
 
 from dataclasses import dataclass
@@ -28,7 +29,7 @@ class Motions:
     """K motions at N places of a template's left side; on the right side each is its mirror image, or that reversed."""
 
     places: Array  # (N, 3) m
-    moves: Array  # (K, N, 3) m along the body's axes: her left, up, front
+    moves: Array  # (K, N, 3) m along the patient's left, up and front
     signs: Array  # (K,) 1 where both sides move alike, -1 where one does the reverse of the other
 
     def at(self, template: Array) -> Array:
@@ -53,7 +54,7 @@ class _Motions(BaseModel):
         return self
 
     def at(self, template: Array) -> Array:
-        """As in Motions."""
+        """(K, V, 3) m: the motions of a template's (V, 3) m vertices."""
         places, moves = 1e-3 * np.array(self.places_mm), 1e-3 * np.array(self.moves_mm)
         return Motions(places, moves, np.array(self.signs, dtype=np.float64)).at(template)
 
@@ -66,9 +67,8 @@ class _File(BaseModel):
 
 @lru_cache(maxsize=8)
 def lying_motion(rig: Rig) -> Array | None:
-    """(1 + K, V, 3) m of the rig's vertices along the body's axes: the mean, and the K ways in which women differ from
-    it, each a standard deviation.  None for a rig of which nothing is known.
-    """
+    """(1 + K, V, 3) m of the rig's vertices along the body's axes: the mean, and K modes of variation between patients,
+    each one standard deviation. None for a rig without such data."""
     stored = known_part(rig, "lying_motion.json", _File)
     if stored is None:
         return None

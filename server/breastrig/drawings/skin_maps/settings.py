@@ -1,6 +1,6 @@
-"""How skin is expected to move between two stances, as data with the reasons beside the numbers.
+"""Settings of the skin's expected motion between two stances, as data with the reasons beside the numbers.
 
-The common ones are beside this file; what a rig knows better, and how far off carried points are, is in its own.
+The common ones are beside this file; a rig's own values and the errors of transferred points are in the rig's file.
 """
 
 import tomllib
@@ -19,7 +19,7 @@ Count = Annotated[int, Field(ge=1)]
 
 
 class SkinMapSettings(SettingsPart):
-    """Of drawings/skin_maps/skin_map.py; lengths in m, angles in rad."""
+    """Settings of drawings/skin_maps/skin_map.py; lengths in m, angles in rad."""
 
     centres: Count
     length: Positive

@@ -79,10 +79,9 @@ class SkinMap:
         motion: Array | None = None,
         ways: bool = True,
     ) -> None:
-        """With the rig's settings and its (1 + K, V, 3) m motions (lying_motion.py), or others; without `ways` the mean
-        alone.
+        """Fits the map with the rig's settings and its (1 + K, V, 3) m motions (lying_motion.py), or others.
 
-        Raises BadDrawing when a model does not lie on its scan.
+        Without `ways` only the mean motion is used. Raises BadDrawing when a model does not lie on its scan.
         """
         self._rig, self._a, self._b = rig, a, b
         lies_down = a.stance == "standing" and b.stance == "supine"
@@ -110,11 +109,11 @@ class SkinMap:
         self._moved_model = ClosestPointSearch(self.moved(a.vertices), rig.faces)
 
     def expected(self, points: Array) -> Array:
-        """(M, 3) m: where (M, 3) m points of A are expected: a rigid motion, and how skin moves in everybody."""
+        """(M, 3) m: expected locations of (M, 3) m points of A: a rigid motion, and the mean motion of the skin."""
         return np.asarray((points - self._source) @ self._turn.T + self._goal + self._motions(points)[:, :, 0])
 
     def _motions(self, points: Array) -> Array:
-        """(M, 3, 1 + K) m: how skin moves in everybody at (M, 3) points of A, and the ways in which women differ."""
+        """(M, 3, 1 + K) m: mean motion of the skin at (M, 3) points of A, and its modes of variation."""
         at = self._a.search(self._rig).query(points).on_mesh
         return at.positions(self._moves, self._rig.faces).reshape(len(points), 3, self._moves.shape[1] // 3)
 
