@@ -979,7 +979,7 @@ export type PlanTumour = {
   kind?: "tumour";
   /** the patient's side */
   side: "L" | "R";
-  /** hour as read by an observer who faces her */
+  /** hour as read by an observer facing the patient */
   clock: number;
   /** from the nipple along the skin */
   distance_mm: number;
