@@ -192,7 +192,7 @@ def _drawing(cells: Mapping[str, str]) -> str | None:
 
 
 def _name(text: str) -> str:
-    """Refuses what is no plain name of a folder."""
+    """The name; refused where it is no plain name of a folder."""
     if text.startswith(".") or re.search(r"[/\\\x00-\x1f\x7f]", text) or text.endswith((".", " ")):
         raise BadInput(f'"{text}" cannot be the name of a folder here; use no slash, and no dot at its ends.')
     if len(text.encode()) > NAME_BYTES or text.casefold() == "batch.csv":
@@ -201,7 +201,7 @@ def _name(text: str) -> str:
 
 
 def _check_place(folder: Path, force: bool) -> None:
-    """Nothing is replaced that a batch has not made."""
+    """Raises BadInput for an existing result that no batch has made."""
     made = folder.is_dir() and (force or (folder / INPUTS).is_file())
     if folder.is_symlink() or (folder.exists() and not made):
         raise BadInput(f"{folder} is there already and is no result of a batch; choose another name, or remove it.")

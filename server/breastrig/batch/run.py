@@ -50,7 +50,7 @@ class BatchStopped(BreastRigError):
 
 @dataclass(frozen=True)
 class Batch:
-    """What to do and where; `model_sha256` is the hash of the rig that the workers have."""
+    """A batch's rows, folder and options; `model_sha256` is the hash of the rig that the workers have."""
 
     rows: Sequence[BatchRow]
     folder: Path
@@ -143,7 +143,7 @@ _Ready = tuple[BatchRow, dict[str, Any], FitOfBytes]
 
 
 def _looked_at(batch: Batch, row: BatchRow) -> _Ready | Outcome:
-    """The row with what its result depends on and its task; or its outcome, where there is nothing to be done."""
+    """The row with its inputs and its task; or its outcome, where nothing is left to do."""
     try:
         task = _fit_of(batch, row)
     except OSError as error:
@@ -196,7 +196,7 @@ def _inputs(batch: Batch, task: FitOfBytes) -> dict[str, Any]:
 
 
 def _said(answers: VolumeAnswers) -> dict[str, Any]:
-    """What a person says of a label map; nothing of other scans."""
+    """A person's answers about a label map, for the inputs' record; empty for other scans."""
     segments = {str(number): what for number, what in answers.segments.items()}
     return {"frame": answers.frame, "segments": segments} if answers else {}
 
@@ -224,7 +224,7 @@ def _found(folder: Path, inputs: dict[str, Any]) -> Outcome | None:
 
 
 def _outcome(batch: Batch, row: BatchRow, inputs: dict[str, Any], future: "Future[dict[str, bytes]]") -> Outcome:
-    """Of a fit that has ended; a result is kept.  Raises BatchStopped."""
+    """The outcome of a fit that has ended; a result is kept. Raises BatchStopped."""
     try:
         files = future.result()
         numbers = numbers_of(files[RESULT], files[MEASURES])
@@ -242,7 +242,7 @@ def _outcome(batch: Batch, row: BatchRow, inputs: dict[str, Any], future: "Futur
 
 
 def _why(error: BaseException, wall_s: float) -> str:
-    """The sentence for a fit that has no result.  Raises BatchStopped when none will have one any more."""
+    """The sentence for a fit without a result. Raises BatchStopped when no later fit can have one either."""
     if isinstance(error, ConnectionError):
         raise BatchStopped("The scheduler was lost; run the same command again, it goes on where it was.") from error
     if isinstance(error, TimeoutError):

@@ -1,4 +1,4 @@
-"""batch.csv: what became of each row, with the numbers of its result.json and of its measures.csv."""
+"""batch.csv: the outcome of each row, with the numbers of its result.json and of its measures.csv."""
 
 import csv
 from collections.abc import Iterable, Mapping
@@ -39,7 +39,7 @@ HEAD_BYTES = 100_000  # of the first line, which names some hundred columns
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one row."""
+    """The outcome of one row."""
 
     name: str
     reason: str | None = None  # why it failed, one sentence; None: it is done
@@ -51,12 +51,12 @@ class Outcome:
 
     @property
     def missing(self) -> str | None:
-        """Why its drawing lacks what was asked for; None: it lacks nothing."""
+        """The reason why its drawing is incomplete; None where it is complete."""
         return self.numbers.get(MISSING)
 
 
 def is_table(file: Path) -> bool:
-    """Whether a batch wrote it: its first line begins with our columns, or is one of an earlier version's fewer."""
+    """Whether a batch wrote it: its first line begins with the columns, or is one of an earlier version with fewer."""
     try:
         with file.open("rb") as stream:
             found = stream.readline(HEAD_BYTES).decode("utf-8", "replace").rstrip("\r\n").split(",")
@@ -79,7 +79,7 @@ def numbers_of(result_json: bytes, measures_csv: bytes) -> dict[str, Any]:
 
 
 def _measures(measures_csv: bytes) -> dict[str, float]:
-    """As notch_nipple_skin_left_mm, notch_nipple_skin_left_low_mm, ...: each number with the ends of its band."""
+    """Measures by column: notch_nipple_skin_left_mm, notch_nipple_skin_left_low_mm, ...: each with its band's ends."""
     numbers = {}
     for row in csv.DictReader(measures_csv.decode().splitlines()):
         unit = "" if row["unit"] in ("1", "grade") else f"_{row['unit']}"

@@ -22,7 +22,7 @@ Runner = Callable[[FitJob], Iterator[Event]]
 
 @dataclass(frozen=True, repr=False)
 class FitOfBytes:
-    """What `breastrig fit` is given, with the files' contents in the place of their names."""
+    """The inputs of `breastrig fit`, with the files' contents in the place of their names."""
 
     scan: bytes
     ending: str  # of the scan's name, as in .ply
@@ -39,7 +39,7 @@ class FitOfBytes:
     answers: VolumeAnswers = NOTHING_SAID  # of a label map
 
     def picks(self) -> Picks:
-        """Those without a unit of their own have the scan's."""
+        """The landmarks; those without a unit of their own have the scan's."""
         if self.landmarks is None:
             return Picks()
         return landmarks_of_file(self.landmarks, self._measured, self.landmarks_ending)

@@ -1,12 +1,12 @@
-"""Where the files that belong to the program are: in an installed wheel and in a source checkout.
+"""Locates the files that belong to the program, in an installed wheel or a source checkout.
 
     name      wheel                        checkout
     model     breastrig/assets/model       model_assets/built
     example   breastrig/assets/example     model_assets/example
     web       breastrig/assets/web         web/dist
 
-The wheel's folder wins where it is there; the checkout's path is returned otherwise, whether it is there or not,
-so that the caller can say what is missing.
+The wheel's folder has priority; otherwise the checkout's path is returned, whether it exists or not, so that the caller
+can report what is missing.
 """
 
 from pathlib import Path
@@ -27,7 +27,7 @@ def asset_folder(name: Literal["model", "example", "web"]) -> Path:
 
 
 def packaged_models() -> dict[str, Path]:
-    """The .glb of each model that comes with BreastRig by name; the first is the one that is taken when nobody says."""
+    """The .glb of each model that comes with BreastRig, by name; the first is the default."""
     folder = asset_folder("model")
     others = sorted(path for path in folder.glob("*/*.glb") if path.stem == path.parent.name)
     return {path.stem: path for path in (folder / "torso.glb", *others)}

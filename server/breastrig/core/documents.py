@@ -21,12 +21,15 @@ _text = json.JSONEncoder(allow_nan=False).encode
 
 
 def indented(document: Any) -> str:
-    """The same characters.  ValueError for a number that is not finite, TypeError for what JSON does not know."""
+    """The JSON text, like `json.dumps(document, indent=1)`.
+
+    ValueError for a number that is not finite, TypeError for a type that JSON lacks.
+    """
     return _indented(document, "\n")
 
 
 def json_bytes(document: Any) -> bytes:
-    """A file of it, indented by one; ValueError for a number that is not finite."""
+    """The document as the bytes of a JSON file, indented by one; ValueError for a number that is not finite."""
     return (indented(document) + "\n").encode()
 
 

@@ -32,7 +32,7 @@ class BreastRigError(Exception):
 
 
 class BadInput(BreastRigError):
-    """The caller can mend it."""
+    """A fault of the input, which the caller can correct."""
 
 
 class BadScan(BadInput):
@@ -64,7 +64,7 @@ def _say_which(question: dict[str, Any], option: str) -> str:
 
 
 class NeedsYes(BadInput):
-    """Most likely a mistake; `field` is the option by which a person says that it is none."""
+    """Most likely a mistake; `field` is the option with which a person confirms that it is intended."""
 
     def __init__(self, problem: str, field: str) -> None:
         super().__init__(f"{problem}; if it is right all the same, say {field}.")
@@ -107,14 +107,14 @@ class TooLarge(BadInput):
 
 
 class TooMany(BadInput):
-    """Too much at once; `retry_after_s` says when to ask again."""
+    """Too many at once; `retry_after_s` is the time to wait."""
 
     def __init__(self, sentence: str, retry_after_s: int) -> None:
         super().__init__(sentence)
         self.retry_after_s = retry_after_s
 
     def __reduce__(self) -> tuple[type["TooMany"], tuple[str, int]]:
-        """Errors travel between processes; this one has more to say than its sentence."""
+        """Pickles `retry_after_s` too: errors travel between processes."""
         return TooMany, (str(self), self.retry_after_s)
 
 
@@ -123,7 +123,7 @@ class FitFailed(BreastRigError):
 
 
 class NotRemoved(BreastRigError):
-    """A scan was deleted, and files of so many places, its own and those of its fits, could not be removed."""
+    """A scan was deleted, but files of this many folders, its own and those of its fits, could not be removed."""
 
     def __init__(self, places: int) -> None:
         super().__init__(

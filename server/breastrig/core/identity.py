@@ -24,7 +24,7 @@ def random_code() -> str:
 
 
 def code_key(code: str) -> str:
-    """What codes are sorted by: numbers in them by their value, those without one last."""
+    """Sort key of a code: numbers in it by their value, codes without a number last."""
     if code == "":
         return "1"
     return "0" + re.sub(r"[0-9]+", lambda found: f"{len(found[0].lstrip('0')):02}{found[0].lstrip('0')}", code.lower())
@@ -32,7 +32,7 @@ def code_key(code: str) -> str:
 
 @dataclass(frozen=True)
 class Identity:
-    """What stands on every page of a report."""
+    """The identity lines on every page of a report."""
 
     code: str = ""  # empty: not known
     made: datetime | None = None  # of the report; None: not said

@@ -1,4 +1,4 @@
-"""How log lines look: for people, or one JSON object each for programs.  What they say names no patient.
+"""Formats log lines: for people, or one JSON object each for programs. They name no patient.
 
 Ids of fits are random and die with the fit; names of files, addresses and landmarks are never logged.
 """
@@ -34,7 +34,7 @@ class JsonLines(logging.Formatter):
 
 
 class TextLines(logging.Formatter):
-    """The same for people."""
+    """Log lines for people."""
 
     def format(self, record: logging.LogRecord) -> str:
         traceback = getattr(record, FIELDS, {}).get("traceback")  # one that was made fit to be logged

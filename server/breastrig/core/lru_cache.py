@@ -1,4 +1,4 @@
-"""The last so many values that were used, by key: for what is worth keeping, and must not grow without end."""
+"""The most recently used values by key, up to a maximum number."""
 
 from collections import OrderedDict
 from collections.abc import Hashable
@@ -9,7 +9,7 @@ Value = TypeVar("Value")
 
 
 class LruCache(Generic[Key, Value]):
-    """At most `most` of them; the one that was not used for longest goes first.  For one thread."""
+    """At most `most` values; the least recently used is dropped first. For one thread."""
 
     def __init__(self, most: int) -> None:
         self._most = most

@@ -1,4 +1,4 @@
-"""Which models a service fits with: its own, and beside the package's torso the package's others by name."""
+"""The models that a service offers: its own, and beside the package's torso the package's others by name."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -12,18 +12,18 @@ FACT = "model"  # of a scan: the name of the model that it is fitted with; absen
 
 @dataclass(frozen=True)
 class ModelChoice:
-    """Sent to workers, too."""
+    """The offered models; picklable, for workers."""
 
     own: Path | None  # the .glb; None: the package's torso
     others: dict[str, Path] = field(default_factory=dict)
 
     def of(self, facts: Mapping[str, Any]) -> Path | None:
-        """The model of a scan by what is kept of it."""
+        """The model of a stored scan."""
         return self.others.get(facts.get(FACT, ""), self.own)
 
 
 def model_choice(own: Path | None) -> ModelChoice:
-    """A service that was given a model offers that one alone."""
+    """The choice of a service; one that was given a model offers that one alone."""
     if own is not None:
         return ModelChoice(own)
     return ModelChoice(None, dict(list(packaged_models().items())[1:]))

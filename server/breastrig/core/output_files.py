@@ -35,7 +35,7 @@ class OutputSet:
 
 @dataclass(frozen=True)
 class Output:
-    """What a command is about to write, and what it must not touch."""
+    """The files that a command will write, and those that it must not touch."""
 
     folder: Path
     sets: tuple[OutputSet, ...]
@@ -105,7 +105,7 @@ def all_or_nothing(output: Output) -> Iterator[Path]:
 
 
 def _put_in_place(output: Output, results: Path, backup: Path) -> None:
-    """Moves the results to their places; if that fails, what was there is there again."""
+    """Moves the results to their places; on failure restores what was there."""
     moved: list[Path] = []
     folders: list[Path] = []
     try:
@@ -154,7 +154,7 @@ def _earlier(folder: Path, one: OutputSet) -> dict[str, Any] | None:
 
 
 def _remove_empty(folders: Iterable[Path]) -> None:
-    """Folders that were made for nothing."""
+    """Removes created folders that stayed empty."""
     for folder in reversed(list(folders)):
         with suppress(OSError):
             folder.rmdir()
@@ -168,7 +168,7 @@ def check_inputs_kept(files: Iterable[Path], inputs: Collection[Path]) -> None:
 
 
 def _resolved(output: Output) -> Output:
-    """With the folder as it is on the disk: x/.. is a folder also where there is no x."""
+    """The output with its real folder: x/.. is a folder also where there is no x."""
     try:
         return replace(output, folder=output.folder.resolve())
     except (OSError, RuntimeError, ValueError) as error:  # RuntimeError: a loop of links, before Python 3.13

@@ -79,7 +79,7 @@ def shown(path: Path | str) -> str:
 
 
 def remove_partial_files(folder: Path) -> None:
-    """What a killed run had half written: no file takes an hour to be written."""
+    """Removes files that a killed run left half written: writing one takes less than an hour."""
     for partial in folder.glob(PREFIX + "*"):
         with suppress(OSError):
             if stat.S_ISREG(partial.lstat().st_mode) and time.time() - partial.lstat().st_mtime > PARTIAL_S:

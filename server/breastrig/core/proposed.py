@@ -1,4 +1,4 @@
-"""Which of a model's landmarks are proposed on a scan: one rule for the service, programs and the command line."""
+"""Decides which landmarks are proposed on a scan: one rule for the service, programs and the command line."""
 
 FARTHEST = 0.1  # m, of the radius: a hand's breadth away any landmark of the trunk may be meant
 NO_SKIN = 0.03  # m; a fold that a breast covers has skin within 10 mm, a navel below an MRI's end none within 100 mm

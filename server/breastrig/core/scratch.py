@@ -1,7 +1,7 @@
-"""Folders for a moment, which do not outlive the process that made them, even if it is killed.
+"""Temporary folders that do not outlive the process that made them, even if it is killed.
 
-What is in them shows patients.  A killed process cannot tidy up, so beside each folder stands a file that its process
-keeps locked, and whoever comes next on this machine removes the folders whose file nobody has locked.
+Their contents show patients. A killed process cannot clean up, so beside each folder is a file that its process keeps
+locked, and the next process on this machine removes the folders whose file is not locked.
 """
 
 import os

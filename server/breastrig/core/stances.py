@@ -1,4 +1,4 @@
-"""How a patient may be scanned, and the sides of the body, which are the patient's own."""
+"""The stances in which a patient may be scanned, and the sides of the body, which are the patient's own."""
 
 from typing import Literal, get_args
 
@@ -9,7 +9,7 @@ STANDING, SUPINE, PRONE = "standing", "supine", "prone"
 STANCES = (AUTO, *get_args(Stance))
 
 SIDES = {"L": "left", "R": "right"}
-OUTWARDS = {"L": 1.0, "R": -1.0}  # along the patient's left: away from her median plane
+OUTWARDS = {"L": 1.0, "R": -1.0}  # along the patient's left: away from the median plane
 
 
 def split_side(name: str) -> tuple[str, str]:
@@ -19,5 +19,5 @@ def split_side(name: str) -> tuple[str, str]:
 
 
 def sides_of(asked: str) -> tuple[str, ...]:
-    """L, R or both of them."""
+    """The sides, L, R or both, of a drawing's `side`."""
     return tuple(SIDES) if asked == "both" else (asked,)

@@ -10,7 +10,7 @@ BEYOND = 1e9  # in any unit; a coordinate that is larger is a mistake, and its s
 
 
 def distance_text(metres: float) -> str:
-    """A distance for a sentence: millimetres, as far as anyone reads such numbers."""
+    """A distance for a sentence, in millimetres up to the size at which such numbers are readable."""
     if metres < 10.0:
         return f"{1e3 * metres:.0f} mm"
     return f"{metres:,.0f} m" if metres < 1e6 else "more than 1,000 km"

@@ -1,11 +1,11 @@
-"""The time of day, and a time that nobody can set: deleting by age asks both."""
+"""The time of day, and a monotonic time: deletion by age requires both."""
 
 import time
 from datetime import UTC, datetime
 
 
 def now() -> datetime:
-    """What the machine takes for the time, in UTC.  It may be wrong, and it may jump."""
+    """The machine's time in UTC. It may be wrong, and it may jump."""
     return datetime.now(UTC)
 
 

@@ -1,1 +1,1 @@
-"""Who matches whom, model vertices and the points of the scan, and how far both are apart."""
+"""Correspondences between model vertices and points of the scan, and distances between both surfaces."""

@@ -25,7 +25,7 @@ MAX_SCAN_POINTS = 20_000  # a larger scan is sampled evenly: the mean changes by
 
 @dataclass(frozen=True, eq=False)
 class SurfaceDistances:
-    """Of each model vertex, nan where no pair was accepted, and of scan points in reach."""
+    """Distances of the model's vertices, nan where no pair was accepted, and of the scan points in reach."""
 
     model: Array  # (V,) m
     scan: Array  # (M,) m
@@ -47,7 +47,7 @@ def summary_mm(distances: Array) -> dict[str, float | None]:
 
 
 class Comparison:
-    """A fitted surface and a scan, each seen from the other; everything is looked for once, when it is asked for."""
+    """A fitted surface and a scan, compared in both directions; computed on first use, and cached."""
 
     def __init__(self, target: ScanTarget, vertices: Array, faces: Integers) -> None:
         """vertices: (V, 3) m, in the target's frame; faces: (F, 3)"""
@@ -77,8 +77,10 @@ class Comparison:
         return self._looked_at(self._stride)
 
     def from_scan(self, stride: int) -> tuple[Array, Booleans, Booleans]:
-        """Of every `stride`-th of the scan's vertices: (M,) m to the model, (M,) not beyond one of its openings, (M,)
-        facing as it does."""
+        """Distances (M,) m from every `stride`-th vertex of the scan to the model, and two masks.
+
+        (M,) not beyond one of the model's openings, (M,) facing as the model does.
+        """
         distances, inside, facing = self._from_scan
         if stride % self._stride:
             return self._looked_at(stride)
@@ -100,7 +102,7 @@ class Comparison:
 
     @cached_property
     def distances(self) -> SurfaceDistances:
-        """Both ways."""
+        """Distances in both directions."""
         model = np.full(len(self.vertices), np.nan)
         model[self.accepted.vertices] = self.accepted.distances
         distances, inside, facing = self._from_scan

@@ -33,7 +33,7 @@ class Correspondences:
 
 @dataclass(frozen=True)
 class MatchRules:
-    """How to search and what to dismiss."""
+    """The search method and the limits of accepted matches."""
 
     method: str = "rays"  # rays | tree | nearest_vertex
     max_distance: float = 0.05  # m

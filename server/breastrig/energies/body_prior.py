@@ -1,8 +1,8 @@
-"""What bodies have in common, as one Gaussian over all bone scales and shape weights (equations 4 and 5 joined).
+"""The body prior: one Gaussian over all bone scales and shape weights (equations 4 and 5 joined).
 
-r = A (θ − μ) with Aᵀ A = Σ⁻¹ and θ the scales, bone by bone, then the weights.  With a diagonal Σ these are the two
-priors of the paper; with what is known of bodies a broad chest is also expected to be deep, and a part that no scan
-shows follows those that it does.
+r = A (θ − μ) with Aᵀ A = Σ⁻¹ and θ the scales, bone by bone, then the weights. With a diagonal Σ these are the two
+priors of the paper; with a covariance estimated on bodies a broad chest is also expected to be deep, and a part that no
+scan shows follows those that it does.
 """
 
 from dataclasses import dataclass
@@ -50,5 +50,5 @@ class BodyPrior(StructuredTerm[BodyState]):
         return Linearisation(self.residual(state), self._slope.jacobian)
 
     def normal_equations(self, state: BodyState) -> NormalEquations:
-        """With JᵀJ formed once."""
+        """JᵀJ, Jᵀr, ½ |r|²; JᵀJ is formed once."""
         return self._slope.normal_equations(self.residual(state))

@@ -32,7 +32,7 @@ class Edges:
 
 @lru_cache(maxsize=16)
 def pressed_edges(rig: Rig, least: float) -> Edges:
-    """Those that can get below the stretch `least`."""
+    """The edges whose stretch can get below `least`."""
     sides = np.concatenate([rig.faces[:, [0, 1]], rig.faces[:, [1, 2]], rig.faces[:, [2, 0]]])
     corners = rig.template[rig.faces]
     areas = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
@@ -79,7 +79,7 @@ class Folding(StructuredTerm[BodyState]):
         return Linearisation(residual, jacobian)
 
     def normal_equations(self, state: BodyState) -> NormalEquations:
-        """Of the few edges that cost."""
+        """JᵀJ, Jᵀr, ½ |r|² from the few edges with a residual."""
         residual = self.residual(state)
         beyond = np.flatnonzero(residual)
         rows = -self._weights[beyond, None] * self._edges.slopes[beyond]

@@ -23,7 +23,7 @@ UNKNOWN = 0.1  # m; an error as large as this is none of a place
 
 @dataclass(frozen=True, eq=False)
 class LandmarkObservation:
-    """Where one landmark of the patient is, in the scan's frame."""
+    """An observed location of one landmark of the patient, in the scan's frame."""
 
     name: str
     place: Array  # (3,) m

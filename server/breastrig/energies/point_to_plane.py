@@ -41,5 +41,5 @@ class PointToPlane(StructuredTerm[BodyState]):
         return Linearisation(self.residual(state), state.posed.rows(self.matches.vertices, self._directions))
 
     def normal_equations(self, state: BodyState) -> NormalEquations:
-        """By structure, without the Jacobian."""
+        """JᵀJ, Jᵀr, ½ |r|² by structure, without the Jacobian."""
         return normal_equations(state.posed, self.matches.vertices, self._directions, self.residual(state))

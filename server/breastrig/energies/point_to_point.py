@@ -52,6 +52,6 @@ class PointToPoint(StructuredTerm[BodyState]):
         )
 
     def normal_equations(self, state: BodyState) -> NormalEquations:
-        """By structure, without the Jacobian."""
+        """JᵀJ, Jᵀr, ½ |r|² by structure, without the Jacobian."""
         chosen = np.tile(self.matches.vertices, 3)
         return normal_equations(state.posed, chosen, self._directions, self.residual(state))

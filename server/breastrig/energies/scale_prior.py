@@ -55,5 +55,5 @@ class ScalePrior(StructuredTerm[BodyState]):
         return Linearisation(self.residual(state), self._slope.jacobian)
 
     def normal_equations(self, state: BodyState) -> NormalEquations:
-        """With JᵀJ formed once."""
+        """JᵀJ, Jᵀr, ½ |r|²; JᵀJ is formed once."""
         return self._slope.normal_equations(self.residual(state))

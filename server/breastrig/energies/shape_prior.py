@@ -30,7 +30,7 @@ class ShapePrior(StructuredTerm[BodyState]):
         return Linearisation(self.residual(state), jacobian)
 
     def normal_equations(self, state: BodyState) -> NormalEquations:
-        """On the diagonal."""
+        """JᵀJ (diagonal), Jᵀr, ½ |r|²."""
         residual, own = self.residual(state), np.arange(state.dof - len(self.sigma), state.dof)
         hessian, gradient = np.zeros((state.dof, state.dof)), np.zeros(state.dof)
         hessian[own, own], gradient[own] = self.sigma**-2, residual / self.sigma

@@ -1,4 +1,4 @@
-"""Left like right: softly, so that what one side does not show follows the other, and asymmetry stays free.
+"""A soft symmetry prior: a side that is not seen follows the other, and asymmetry stays possible.
 
 r = (α_k − α_mirror(k))/σ for each pair of shapes and (s_j − s_mirror(j))/σ_s for each pair of bones.
 """
@@ -59,5 +59,5 @@ class Symmetry(StructuredTerm[BodyState]):
         return Linearisation(self.residual(state), self._slope.jacobian)
 
     def normal_equations(self, state: BodyState) -> NormalEquations:
-        """With JᵀJ formed once."""
+        """JᵀJ, Jᵀr, ½ |r|²; JᵀJ is formed once."""
         return self._slope.normal_equations(self.residual(state))

@@ -72,7 +72,7 @@ class TableContact(StructuredTerm[BodyState]):
         return Linearisation(self.residual(state), jacobian)
 
     def normal_equations(self, state: BodyState) -> NormalEquations:
-        """Without the rows of vertices above the table, which are zero: nearly all of them."""
+        """JᵀJ, Jᵀr, ½ |r|² without the rows of vertices above the table, nearly all, which are zero."""
         rows, above, count = self._rows(state), self._above(state), 1 + len(self.groups)
         through = np.flatnonzero(above < 0.0)
         residual, jacobian = np.zeros(count + len(through)), np.zeros((count + len(through), rows.shape[1]))

@@ -78,7 +78,7 @@ def boundary_loops(faces: Integers) -> list[Integers]:
 
 
 def components(count: int, first: Integers, second: Integers) -> tuple[int, Integers]:
-    """How many components the graph of `count` nodes has, joined by M edges (M,), (M,), and the (N,) one of each node.
+    """The number of components of a graph of `count` nodes with M edges (M,), (M,), and (N,) each node's component.
 
     They are numbered by their smallest nodes.
     """
@@ -88,6 +88,6 @@ def components(count: int, first: Integers, second: Integers) -> tuple[int, Inte
 
 
 def triangle_components(faces: Integers, count: int) -> tuple[int, Integers]:
-    """The same for `count` vertices, joined by (F, 3) triangles."""
+    """`components` of `count` vertices, joined by (F, 3) triangles."""
     first, second = faces[:, [0, 1]].ravel(), faces[:, [1, 2]].ravel()  # the third edge joins nothing new
     return components(count, first, second)

@@ -29,7 +29,7 @@ FARTHEST = 1e100  # m; beyond it squares overflow
 
 @dataclass(frozen=True, eq=False)
 class ClosestPoints:
-    """Where M queries met the mesh."""
+    """The closest points on a mesh to M queries."""
 
     faces: Integers  # (M,)
     barycentric: Array  # (M, 3)
@@ -38,7 +38,7 @@ class ClosestPoints:
 
     @property
     def on_mesh(self) -> SurfacePoints:
-        """The same points, to be carried by the mesh."""
+        """The points as faces and barycentric coordinates, which follow the mesh."""
         return SurfacePoints(self.faces, self.barycentric)
 
 
@@ -128,7 +128,7 @@ class ClosestPointSearch:
         return result
 
     def distances(self, points: Array) -> tuple[Integers, Array]:
-        """((M,) triangle, (M,) m) as `query`, in half of its time: without saying where on the triangle."""
+        """((M,) triangle, (M,) m) as `query`, in half of its time: without the place on the triangle."""
         points = np.ascontiguousarray(points, dtype=np.float64)
         faces, distances = np.full(len(points), -1, dtype=np.int64), np.full(len(points), np.inf)
         asked = np.flatnonzero(_near(points)) if len(self.triangles) else np.zeros(0, dtype=np.int64)

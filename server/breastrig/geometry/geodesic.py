@@ -43,7 +43,7 @@ class Geodesics:
         return HalfEdges(self.vertices, self.faces)
 
     def look_from(self, sources: SurfacePoints, reach: float) -> None:
-        """Measures from S surface points as far as `reach` (m) at once, and keeps it for paths and circles to come."""
+        """Computes distances from S surface points up to `reach` (m) at once, and caches them for paths and circles."""
         new = [k for k, key in enumerate(_keys(sources)) if not self._known(key, reach)]
         if new:
             asked = sources[new]
@@ -88,7 +88,7 @@ class Geodesics:
         return self.paths(a, b)[0]
 
     def paths(self, a: SurfacePoints, b: SurfacePoints) -> list[Array]:
-        """The same from each of K points to its partner; looked for together, which costs little more than for one."""
+        """The shortest path from each of K points to its partner; computed together, almost as fast as one."""
         found: dict[int, Array] = {}
         pairs = list(zip(_keys(a), _keys(b), strict=True))
         for k, (start, end) in enumerate(pairs):
@@ -117,7 +117,7 @@ class Geodesics:
         return self.circle_points(face, barycentric, radius).positions(self.vertices, self.faces)
 
     def circle_points(self, face: int, barycentric: Array, radius: float) -> SurfacePoints:
-        """The same line as surface points; BadDrawing when it is cut by the end of the surface."""
+        """The circle as surface points; BadDrawing when it is cut by the end of the surface."""
         key = (int(face), np.asarray(barycentric, dtype=np.float64).tobytes()), float(radius)
         line = self._circles.get(key)
         if line is None:

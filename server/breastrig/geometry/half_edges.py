@@ -15,7 +15,7 @@ SADDLE = 1e-9  # rad above a full turn from which a vertex casts a shadow: 0.05 
 
 
 class HalfEdges:
-    """Of (V, 3) m vertices and (F, 3) triangles; all arrays are (3 F,) unless they say otherwise."""
+    """The half-edges of (V, 3) m vertices and (F, 3) triangles; arrays are (3 F,) unless stated otherwise."""
 
     def __init__(self, vertices: Array, faces: Integers) -> None:
         self.vertices, self.faces = vertices, faces
@@ -65,7 +65,8 @@ class HalfEdges:
 
     @cached_property
     def _fans(self) -> tuple[Array, Booleans, Booleans]:
-        """Where each corner begins in its vertex's fan (rad), and which vertices (V,) have a closed one, or several."""
+        """The angle (rad) at which each corner begins in its vertex's fan, (V,) closed fans, (V,) vertices with
+        several."""
         count, corners = len(self.vertices), np.arange(len(self.apex))
         # counter-clockwise around a vertex comes the corner beyond the edge from the vertex to the right end
         after = self.mate[3 * (corners // 3) + (corners + 1) % 3]

@@ -26,7 +26,7 @@ def face_crosses(vertices: Array, faces: Integers) -> Array:
 
 
 def _crosses(vertices: Array, corners: Integers) -> Array:
-    """The same for (3, F) corners; axis by axis, which is several times faster than numpy.cross at this size."""
+    """`face_crosses` of (3, F) corners; axis by axis, which is several times faster than numpy.cross at this size."""
     axes = np.ascontiguousarray(vertices.T)
     first, second, third = (axes.take(corner, axis=1) for corner in corners)
     (x, y, z), (u, v, w) = second - first, third - first
@@ -86,7 +86,7 @@ ROUNDS = 6  # of averaging the normals: a fold is narrower than so many rings of
 
 
 def turned_triangles(vertices: Array, faces: Integers) -> Booleans:
-    """(F,) those of (V, 3) vertices and (F, 3) triangles that face away from how the surface around them faces."""
+    """(F,) which of the triangles, (V, 3) vertices and (F, 3), face away from the surface around them."""
     around, mean = neighbours(faces, len(vertices)), vertex_normals(vertices, faces)
     for _ in range(ROUNDS):
         mean = unit_vectors(mean + around @ mean)

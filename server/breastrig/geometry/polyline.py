@@ -16,7 +16,7 @@ from breastrig.core.arrays import Array, Booleans, Integers, frozen
 
 @dataclass(frozen=True, eq=False)
 class Polyline:
-    """P points, at least one; whoever makes it says which frame they are in, as a rule that of a scan."""
+    """P points, at least one; its frame is that of a scan unless its maker states another."""
 
     name: str
     closed: bool  # the last point is joined to the first
@@ -79,7 +79,7 @@ class Polyline:
 
 
 def parts(lines: Iterable[Sized]) -> list[slice]:
-    """Where the points of each line are, in one array of the points of all lines."""
+    """The slice of each line in one array of the points of all lines."""
     return [slice(start, end) for start, end in pairwise(np.cumsum([0, *map(len, lines)]).tolist())]
 
 

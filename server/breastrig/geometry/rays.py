@@ -31,12 +31,12 @@ except ImportError:  # pragma: no cover - depends on the platform
 
 
 class NoRays(BreastRigError):
-    """embreex is not installed here."""
+    """embreex is not installed."""
 
 
 @dataclass(frozen=True, eq=False)
 class RayHits:
-    """Where M rays met the mesh."""
+    """The hits of M rays on a mesh."""
 
     faces: Integers  # (M,) -1: nothing
     distances: Array  # (M,) m, inf: nothing

@@ -1,8 +1,9 @@
-"""Where a triangle mesh passes through itself: edges that cross a triangle with which they share no corner.
+"""Self-intersections of a triangle mesh: edges that cross a triangle with which they share no corner.
 
-Skin of a fitted model can do that in the armpit and in the fold under a breast, and a tetrahedral mesher refuses it.
+The skin of a fitted model can have them in the armpit and in the fold under a breast, and a tetrahedral mesher refuses
+it.
 
-Exact tests (Möller and Trumbore 1997) of each edge with the triangles nearest to it.  On a mesh with edges much longer
+Exact tests (Möller and Trumbore 1997) of each edge with the triangles nearest to it. On a mesh with edges much longer
 than their neighbours' the nearest are not all; a fitted model has none.
 """
 

@@ -25,7 +25,7 @@ class SurfacePoints:
         return len(self.faces)
 
     def __getitem__(self, chosen: Integers | Sequence[int] | slice) -> "SurfacePoints":
-        """Some of them."""
+        """The points at these indices."""
         return SurfacePoints(self.faces[chosen], self.barycentric[chosen])
 
     def positions(self, vertices: Array, triangles: Integers) -> Array:
@@ -39,14 +39,14 @@ class SurfacePoints:
 
 
 def joined(parts: Sequence[SurfacePoints]) -> SurfacePoints:
-    """All of them, one after the other."""
+    """All points concatenated."""
     return SurfacePoints(
         np.concatenate([part.faces for part in parts]), np.concatenate([part.barycentric for part in parts])
     )
 
 
 class ChordalDeviation:
-    """Of a mesh with fixed (F, 3) triangles and moving vertices; areas are those at the (V, 3) m vertices `rest`."""
+    """The chordal deviation of a mesh with fixed (F, 3) triangles; areas are those at the (V, 3) m vertices `rest`."""
 
     def __init__(self, rest: Array, faces: Integers) -> None:
         count, areas = len(rest), face_areas(rest, faces)

@@ -42,7 +42,7 @@ ELEMENT_TYPES = {(): "SCALAR", (2,): "VEC2", (3,): "VEC3", (4,): "VEC4", (4, 4):
 
 
 def new_document(extras: dict[str, Any] | None = None) -> Document:
-    """An empty glTF 2.0 document that says who wrote it and for what it may be used."""
+    """An empty glTF 2.0 document with its generator and the notice of limits of use."""
     document = Document(asset=Asset(generator=GENERATOR, extras={"notice": LIMITS_OF_USE, **(extras or {})}))
     document.scene = 0
     document.scenes = [Scene(nodes=[])]
@@ -55,7 +55,7 @@ def moved_to(place: Array) -> list[float] | None:
 
 
 def unlit(name: str, colour: tuple[int, int, int], both_sides: bool = False) -> Material:
-    """Of a pen's line, which has no shading; red, green, blue of 0 to 255."""
+    """The unshaded material of a pen's line; red, green, blue of 0 to 255."""
     linear = [round(float(level), 5) for level in to_light(np.array(colour) / 255.0)]
     shading = PbrMetallicRoughness(baseColorFactor=[*linear, 1.0], metallicFactor=0.0, roughnessFactor=1.0)
     return Material(name=name, doubleSided=both_sides, pbrMetallicRoughness=shading, extensions={UNLIT: {}})

@@ -1,6 +1,6 @@
-"""What pygltflib's classes lack: the weights of nodes, and a document's JSON at once.
+"""Extends pygltflib's classes: weights of nodes, and a document's JSON at once.
 
-A primitive's attributes are a dictionary of accessors by what they mean (POSITION, NORMAL, ...).  pygltflib leaves out
+A primitive's attributes are a dictionary of accessors by their meaning (POSITION, NORMAL, ...). pygltflib leaves out
 fields that are None or empty too, but copies each value several times for it: a tenth of a second for a fit.
 """
 

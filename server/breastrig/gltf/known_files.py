@@ -34,14 +34,14 @@ def known_paths(glb: Path) -> tuple[Path, ...]:
 
 
 def read_known(glb: Path, sha256: str) -> dict[str, str]:
-    """Name -> text of what was estimated for the rig with this hash; empty if there is nothing, or it is another's."""
+    """Name -> text of the data estimated for the rig with this hash; empty if there are none of this rig."""
     texts = {path.name: _text(path) for path in known_paths(glb)}
     binding = texts.pop(BINDING, None)
     return texts if binding is not None and _bound(binding) == sha256 else {}
 
 
 def known_words(glb: Path, known: Mapping[str, str]) -> str:
-    """One line for people."""
+    """A summary of the known data, one line for people."""
     if known:
         return f"known of this rig: {', '.join(known)}"
     if known_paths(glb):
@@ -50,7 +50,7 @@ def known_words(glb: Path, known: Mapping[str, str]) -> str:
 
 
 def bind_known(glb: Path, sha256: str) -> Path:
-    """Says that the folder is of the rig with this hash; the file that says so.  Raises BadModel without a folder."""
+    """Binds the folder to the rig with this hash; returns the file with the hash. Raises BadModel without a folder."""
     folder = glb.with_suffix(".known")
     try:
         (folder / BINDING).write_text(
@@ -62,7 +62,7 @@ def bind_known(glb: Path, sha256: str) -> Path:
 
 
 def _bound(text: str) -> str | None:
-    """The hash that it names; None when it names none."""
+    """The hash that the folder is bound to; None when it names none."""
     try:
         return _Binding.model_validate_json(text).rig_sha256
     except ValidationError:

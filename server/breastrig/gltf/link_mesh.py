@@ -1,8 +1,7 @@
-"""The mesh of a scan as share links show it: what is visible of it and nothing more, with or without its colours.
+"""The mesh of a scan as share links show it: only its visible part, with or without colours.
 
-Skin colour, tattoos and birthmarks can identify a person; the shape says less.  What is not seen any more, cut away by
-hand (a face perhaps), as table or as a piece beside her, is not there at all: no triangles, no vertices, and nothing
-of the texture that only they showed.
+Skin colour, tattoos and birthmarks can identify a person; the shape says less. Parts that are cut away, by hand (a face
+perhaps), as table or as a piece beside the patient, are absent: no triangles, no vertices, and nothing in the picture.
 """
 
 import io

@@ -62,7 +62,7 @@ File = TypeVar("File", bound=FilePart)
 
 
 def default_rig_path() -> Path:
-    """The model that is taken when nobody says: from the installed wheel, else from the source checkout."""
+    """The default model's path: from the installed wheel, else from the source checkout."""
     return packaged_models()["torso"]
 
 
@@ -77,7 +77,7 @@ def read_rig(glb: Path) -> Rig:
 
 
 def unread_keys(glb: Path) -> list[str]:
-    """Keys of the side file that nothing reads: somebody's own remarks, or a word that is misspelled."""
+    """Keys of the side file that nothing reads: remarks, or misspelled words."""
     try:
         RigFile.model_validate_json(_bytes(glb.with_suffix(".json")), extra="forbid")
     except ValidationError as error:
@@ -86,7 +86,7 @@ def unread_keys(glb: Path) -> list[str]:
 
 
 def _stamp(file: Path) -> tuple[int, ...] | None:
-    """What changes when the file does; None when it is not there."""
+    """A value that changes when the file does; None when the file does not exist."""
     try:
         found = file.stat()
     except OSError:
@@ -211,7 +211,7 @@ class _SkinnedMesh:
 
 
 def _check_packing(document: dict[str, Any]) -> None:
-    """ValueError for what is compressed, quantised, or needs an extension that nothing here reads."""
+    """Raises ValueError for compressed or quantised data, or a required extension that is not supported."""
     used = [str(name) for key in ("extensionsRequired", "extensionsUsed") for name in document.get(key, [])]
     packed = next((name for name in PLAIN if name in used), None)
     if packed is not None:
@@ -222,7 +222,7 @@ def _check_packing(document: dict[str, Any]) -> None:
 
 
 def _check_amount(count: int, shapes: int) -> None:
-    """ValueError where the shapes are more than a fit can take; asked before any of them is read."""
+    """Raises ValueError, before reading them, where the shapes are more than a fit can take."""
     most = min(SHAPES_MOST, MOVES_MOST // max(count, 1))
     if shapes > most:
         raise ValueError(
@@ -334,7 +334,7 @@ def _shape(shapes: dict[str, Any], name: str, names: list[str]) -> Shape:
 
 
 def _in_order(names: list[str], drawings: tuple[ModelDrawing, ...]) -> tuple[ModelDrawing, ...]:
-    """As the side file names them; those that it does not name follow by name."""
+    """The drawings in the side file's order; those that it does not name follow by name."""
     known = [drawing.name for drawing in drawings]
     for name in _unique("drawing", names):
         _known("drawing", name, known)

@@ -30,7 +30,7 @@ CLAY = [0.60, 0.33, 0.22, 1.0]  # linear RGB of a warm clay
 
 @dataclass(frozen=True, eq=False)
 class SkinnedNodes:
-    """Where things are in the document."""
+    """Indices of the skin and nodes in the document."""
 
     skin: int
     nodes: dict[str, int]  # node name -> index
@@ -86,7 +86,7 @@ def skinned_document(rig: Rig, extras: dict[str, Any]) -> tuple[Document, Buffer
 
 @lru_cache(maxsize=2)  # of a process that fits one scan after the other
 def _only_the_rig(rig: Rig) -> tuple[Document, BufferWriter, SkinnedNodes]:
-    """Read by skinned_document alone, which copies whatever may change."""
+    """The cached document of the rig alone; skinned_document copies all that may change."""
     document = new_document()
     buffer = BufferWriter(document)
     return document, buffer, add_skinned_rig(document, buffer, rig)

@@ -88,7 +88,7 @@ def _side_file(rig: Rig, license: str, provenance: Mapping[str, Any]) -> dict[st
 
 
 def _entry(kind: type[FilePart], thing: object, **named: Any) -> dict[str, Any]:
-    """What the side file says of a part of the rig; `named` are those that it names and the rig counts."""
+    """A part of the rig as an entry of the side file; `named` are values that it gives by name instead of index."""
     values = {name: getattr(thing, name) for name in kind.model_fields} | named
     plain = {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in values.items()}
     return kind.model_validate(plain).model_dump()

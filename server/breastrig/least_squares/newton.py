@@ -31,7 +31,7 @@ ROUNDING = 1e-12  # of the energy; a smaller promise cannot be checked
 
 
 class Status(Enum):
-    """How an optimisation stands; the value is a sentence for people."""
+    """The state of an optimisation; the value is a sentence for people."""
 
     RUNNING = "The fit is running."
     CONVERGED = "Converged: the mean distance no longer changes."

@@ -1,8 +1,8 @@
-"""What a least-squares problem is made of.
+"""The parts of a least-squares problem.
 
-Energy E(x) = ½ Σ_terms |r(x)|², every residual divided by its expected size, so that 1 means one standard
-deviation.  An equation g(x) = 0 with a compliance (Tournier et al., Stable constrained dynamics, 2015; reference 30 of
-the paper) is a residual like any other, with the root of the compliance as its sigma.
+Energy E(x) = ½ Σ_terms |r(x)|², every residual divided by its expected size, so that 1 means one standard deviation. An
+equation g(x) = 0 with a compliance (Tournier et al., Stable constrained dynamics, 2015; reference 30 of the paper) is a
+residual like any other, with the root of the compliance as its sigma.
 """
 
 from abc import ABC, abstractmethod
@@ -26,7 +26,7 @@ class Linearisation:
 
 @dataclass(frozen=True, eq=False)
 class NormalEquations:
-    """What a residual gives to Gauss-Newton's quadratic model at one point."""
+    """A residual's contribution to Gauss-Newton's quadratic model at one point."""
 
     hessian: Array  # (P, P) JᵀJ
     gradient: Array  # (P,) Jᵀr
@@ -34,7 +34,7 @@ class NormalEquations:
 
 
 class ConstantJacobian:
-    """Of a residual that is linear in the step: JᵀJ is formed once."""
+    """The Jacobian of a residual that is linear in the step: JᵀJ is formed once."""
 
     def __init__(self, jacobian: Array) -> None:
         """jacobian: (M, P)"""
@@ -57,15 +57,15 @@ class ResidualTerm(Protocol[X_contra]):
         """(M,) in standard deviations."""
 
     def linearise(self, x: X_contra) -> Linearisation:
-        """The same residual with its Jacobian."""
+        """The residual with its Jacobian."""
 
 
 class StructuredTerm(ABC, Generic[X_contra]):
-    """What residual terms inherit from that need no Jacobian for their normal equations."""
+    """Base class of residual terms that need no Jacobian for their normal equations."""
 
     @abstractmethod
     def normal_equations(self, x: X_contra, /) -> NormalEquations:
-        """What `linearise` would give when multiplied out."""
+        """JᵀJ, Jᵀr, ½ |r|², equal to those of `linearise`."""
 
 
 def inlier_chance(r: Array, even: Array | float | None) -> Array:
@@ -88,5 +88,5 @@ def mixture_cost(r: Array, even: float | None) -> Array:
 
 
 def outlier_cost(even: float) -> float:
-    """What an observation costs that is thrown out."""
+    """The cost of a rejected observation."""
     return float(np.logaddexp(0.0, -0.5 * even * even)) + 0.5 * even * even

@@ -46,7 +46,7 @@ SOLVED = 1  # daqp's answer
 
 @dataclass(frozen=True, eq=False)
 class Bounds:
-    """Where a step may go: a box around 0, and rows A with limits a."""
+    """Bounds of a step: a box around 0, and rows A with limits a."""
 
     lower: Array  # (P,) <= 0, -inf where free
     upper: Array  # (P,) >= 0

@@ -1,1 +1,1 @@
-"""What the form of a scan's skin shows of landmarks: dents and folds, found near where a fit expects them."""
+"""Detects landmarks in the form of a scan's skin: dents and folds near where a fit expects them."""

@@ -38,7 +38,7 @@ class Concavity(SettingsPart):
 
 
 class Shoulder(SettingsPart):
-    """Where the tip of a hanging shoulder lies to the form of the arm below it."""
+    """The position of a hanging shoulder's tip relative to the form of the arm below it."""
 
     edge_below: Positive  # m, under the tip
     edge_beyond: Positive  # m, of the arm's outer edge there, outwards from the tip
@@ -54,7 +54,7 @@ class Shoulder(SettingsPart):
 
 
 class MidSternum(SettingsPart):
-    """Where the middle of the breast bone is expected between its ends."""
+    """The expected middle of the sternum between its ends."""
 
     at: Annotated[float, Field(gt=0.0, lt=1.0)]  # share of the way from notch to xiphoid
     share: Annotated[float, Field(ge=0.0, le=1.0)]  # of the step there from the model's own place
@@ -71,11 +71,11 @@ class Relief(SettingsPart):
     concavities: dict[str, Concavity]  # by the landmark's name without its side
 
     def concavity(self, landmark: str) -> Concavity | None:
-        """That of the landmark; None where it lies in none."""
+        """The landmark's concavity; None where it lies in none."""
         return self.concavities.get(split_side(landmark)[0])
 
 
 @lru_cache(maxsize=1)
 def relief() -> Relief:
-    """The package's own."""
+    """The package's own settings (features.toml), read once."""
     return packaged(Relief, "breastrig.relief", "features.toml")

@@ -21,7 +21,7 @@ NOT_SHOWN = 1.0  # m, error along a fold: it does not say where
 
 @dataclass(frozen=True, eq=False)
 class Expected:
-    """Where the fitted form has a landmark."""
+    """A landmark's location on the fitted form."""
 
     place: Array  # (3,) m, in the scan's frame
     outwards: Array  # (3,) unit, out of the body there
@@ -30,7 +30,7 @@ class Expected:
 def relief_observations(
     target: ScanTarget, expected: Mapping[str, Expected], axes: Array
 ) -> dict[str, LandmarkObservation]:
-    """Those of the `expected` landmarks whose concavity the scan shows.
+    """The `expected` landmarks whose concavity the scan shows.
 
     axes: (3, 3), columns are the body's left, up and front in the scan's frame.
     """
@@ -44,9 +44,9 @@ def relief_observations(
 
 
 def is_on_smooth_skin(target: ScanTarget, concavity: Concavity, place: Expected, axes: Array) -> bool:
-    """Whether the scan shows that nothing of such a concavity is at a place; False also where it shows nothing.
+    """Whether the scan shows smooth skin, without such a concavity, at a place; False also where it shows no skin.
 
-    False for concavities without a limit for it.  axes: as in relief_observations.
+    False for concavities without a limit for it. axes: as in relief_observations.
     """
     if concavity.smooth is None:
         return False
@@ -61,7 +61,7 @@ def is_on_smooth_skin(target: ScanTarget, concavity: Concavity, place: Expected,
 def _evidence(
     target: ScanTarget, expected: Expected, axes: Array, concavity: Concavity, sides: tuple[float, float]
 ) -> tuple[HeightField, SmoothSkin, Array] | None:
-    """The skin around a place and (N, M), how much of a concavity each pixel says, as the logarithm of a chance."""
+    """The skin around a place and (N, M), the log likelihood of the concavity in each pixel."""
     outwards = axes[:, 2] if concavity.view == "front" else _mean_normal(target, expected, concavity.around)
     beyond = 2.0 * concavity.scale  # so that the Gaussian meets no edge
     half = (sides[0] + beyond, sides[1] + beyond)
@@ -76,7 +76,7 @@ def _evidence(
 def _observed(
     name: str, target: ScanTarget, expected: Expected, axes: Array, concavity: Concavity, rules: Relief
 ) -> LandmarkObservation | None:
-    """One of them; None where the scan says no more than the form."""
+    """One landmark's observation; None where the scan adds nothing to the form."""
     sides = (rules.reach * concavity.aside, rules.reach * concavity.up)
     around = _evidence(target, expected, axes, concavity, sides)
     if around is None:

@@ -86,7 +86,7 @@ def _smoothed(depth: Array, size: float) -> Array:
 
 
 def _highest(values: Array) -> tuple[int, int] | None:
-    """Where the largest value is; None where all are nan."""
+    """Row and column of the largest value; None where all are nan."""
     if not np.isfinite(values).any():
         return None
     row, column = np.unravel_index(int(np.nanargmax(values)), values.shape)

@@ -24,9 +24,9 @@ class ShoulderTip:
 
 
 def shoulder_tip(vertices: Array, faces: Integers, near: Array, rules: Shoulder) -> ShoulderTip | None:
-    """Of the shoulder around `near` (3,) m on (V, 3) m `vertices` with (F, 3) triangles.
+    """The tip of the shoulder around `near` (3,) m on (V, 3) m `vertices` with (F, 3) triangles.
 
-    The axes are outwards on this side, up and front.  None where the skin around has no such form.
+    The axes are outwards on this side, up and front. None where the skin around has no such form.
     """
     around = faces[(np.linalg.norm(vertices[faces[:, 0]] - near, axis=1) < rules.reach)]
     tip = near

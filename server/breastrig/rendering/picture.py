@@ -146,7 +146,7 @@ class Scene:
         background: Colour | None = WHITE,
         antialias: bool = True,
     ) -> Picture:
-        """As the function `render`."""
+        """(H, W, 3) picture of `size` pixels, or (H, W, 4); see the function `render`."""
         width, height = size
         pixel = view.height / height
         row, column = np.divmod(np.arange(width * height), width)

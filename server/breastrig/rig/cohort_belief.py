@@ -1,9 +1,9 @@
-"""From sums over women to what is expected of the next one: normal-inverse-Wishart, centred on the built-in prior.
+"""The prior for the next patient from sums over patients: normal-inverse-Wishart, centred on the built-in prior.
 
-In coordinates in which the built-in prior is standard normal, and in those directions alone of which scans showed more
-than it: mean ~ N(0, Σ/κ), Σ ~ IW(ν), scaled so that the built-in prior is what is expected of the first woman.  κ and ν
-are those of the largest marginal likelihood, closed forms of multivariate t: the mean over all ways to leave some women
-out and to predict them from the rest (Fong and Holmes, 2020; decision 0027).
+In coordinates in which the built-in prior is standard normal, and only in directions in which scans showed more than
+it: mean ~ N(0, Σ/κ), Σ ~ IW(ν), scaled so that the built-in prior is the expectation before the first patient. κ and ν
+maximise the marginal likelihood, closed forms of multivariate t: the mean over all ways to leave some patients out and
+to predict them from the rest (Fong and Holmes, 2020; decision 0027).
 """
 
 from dataclasses import dataclass
@@ -16,15 +16,15 @@ from breastrig.least_squares.quadratic_program import cholesky, solve_lower
 from breastrig.rig.cohort_prior import Sums
 from breastrig.rig.model import Rig
 
-FEWEST = 30  # women; of ten nothing is gained yet, and the skin of others is farther (decision 0027)
+FEWEST = 30  # patients; of ten nothing is gained yet, and the skin of others is farther (decision 0027)
 SHOWN = 0.5  # share of its built-in variance that a direction keeps on the mean, at most, to be learned from scans
-WORTHS = np.geomspace(0.5, 4096.0, 27)  # women that the built-in prior may count as
-TOO_MANY = 1e6  # likewise: it is all that is believed
+WORTHS = np.geomspace(0.5, 4096.0, 27)  # patients that the built-in prior may count as
+TOO_MANY = 1e6  # likewise: the built-in prior alone counts
 
 
 @dataclass(frozen=True, eq=False)
 class Gaussian:
-    """Of N scales and weights."""
+    """A Gaussian over N scales and weights."""
 
     mean: Array  # (N,)
     covariance: Array  # (N, N)
@@ -32,23 +32,23 @@ class Gaussian:
 
 @dataclass(frozen=True, eq=False)
 class Belief:
-    """What is expected of the next woman, and why."""
+    """The posterior predictive distribution for the next patient, with its evidence."""
 
     expected: Gaussian
     women: int
-    mean_worth: float  # women that the built-in prior counts as for the mean (κ) ...
+    mean_worth: float  # patients that the built-in prior counts as for the mean (κ) ...
     spread_worth: float  # ... and for the covariance (ν - K - 1)
     directions: int  # K, that were learned of
-    gain: float  # mean log predictive density of a woman's directions over the built-in prior's, nats
+    gain: float  # mean log predictive density of a patient's directions over the built-in prior's, nats
 
     @property
     def closer(self) -> float:
-        """The gain as if each direction were expected within an interval narrower by this share."""
+        """The gain, expressed as the share by which an interval for each direction would be narrower."""
         return float(-np.expm1(-self.gain / self.directions))
 
 
 def mirrored_places(rig: Rig) -> Integers:
-    """(N,) where the scales and weights of the other side stand; the scales' axes are alike on both sides."""
+    """(N,) indices of the other side's scales and weights; the scales' axes are alike on both sides."""
     bones = [rig.bone_names.index(bone.mirror) for bone in rig.bones]
     shapes = [rig.shape_names.index(shape.mirror) for shape in rig.shapes]
     scales = (3 * np.array(bones)[:, None] + np.arange(3)).ravel()
@@ -56,12 +56,12 @@ def mirrored_places(rig: Rig) -> Integers:
 
 
 def believed(rig: Rig, sums: Sums, built_in: Gaussian) -> Belief | None:
-    """What is expected of the next patient; None where they are few or not believed."""
+    """The posterior of these sums; None where patients are few or it predicts no better than the built-in prior."""
     if sums.women < FEWEST:
         return None
     n, root, mirror = sums.women, cholesky(built_in.covariance), mirrored_places(rig)
     root = np.tril(root)
-    mean = 0.5 * (sums.means + sums.means[mirror]) / n  # each woman as she is and mirrored: no side is preferred
+    mean = 0.5 * (sums.means + sums.means[mirror]) / n  # each patient, also mirrored: no side is preferred
     centred = solve_lower(root, mean - built_in.mean)
     about = sums.products / n - np.outer(sums.means, sums.means) / n**2
     about, kept = (0.5 * (each + each[np.ix_(mirror, mirror)]) for each in (about, sums.covariances / n))
@@ -106,12 +106,12 @@ class _Evidence:
         self._along = (axes.T @ mean) ** 2
 
     def spread(self, k: float, b: float) -> Array:
-        """(K, K) of the inverse Wishart after all women."""
+        """(K, K) scale matrix of the inverse Wishart after all patients."""
         pull = k * self._n / (k + self._n)
         return b * k / (k + 1.0) * np.eye(len(self._mean)) + self._scatter + pull * np.outer(self._mean, self._mean)
 
     def at(self, k: float, b: float) -> float:
-        """For built-in priors worth so many women; without what does not depend on them."""
+        """The log evidence with built-in priors worth k and b patients, up to a constant."""
         n, size = self._n, len(self._mean)
         if b >= TOO_MANY:  # a Gaussian of known covariance
             known = k / (k + 1.0)

@@ -1,11 +1,11 @@
-"""What fits of a clinic say of bodies: sums over women, no woman's row; a file `breastrig/prior@1` (decision 0027).
+"""A clinic's prior: sums over patients, no patient's row; a file `breastrig/prior@1` (decision 0027).
 
-Of each stance: how many women, the sums of the posterior means of their scales and weights, of the means' products and
-of the posterior covariances.  Each woman's numbers are rounded to GRID, so that sums are exact: cohorts may be
-merged in any order, and a woman who is removed leaves nothing.
+For each stance: the number of patients, and the sums of the posterior means of their scales and weights, of the means'
+products and of the posterior covariances. Each patient's numbers are rounded to GRID, so that sums are exact: cohorts
+may be merged in any order, and a removed patient leaves no trace.
 
-So that nobody counts twice, each scan is known by a hash of its file's hash, which tells nothing of a body: whoever has
-the scan can find out that it is among these, nobody else who it is of.
+So that no scan counts twice, each is identified by a hash of its file's hash, which contains nothing of a body: only
+who has the scan can find out that it is included.
 """
 
 import hashlib
@@ -36,7 +36,7 @@ ROUNDING = 1e-12  # of the sum of squares, beyond the grid's
 
 @dataclass(frozen=True, eq=False)
 class Sums:
-    """Over the women of one stance; N = 3 B + S, the scales of all bones, then the weights."""
+    """Sums over the patients of one stance; N = 3 B + S, the scales of all bones, then the weights."""
 
     women: int
     means: Array  # (N,)
@@ -46,12 +46,12 @@ class Sums:
 
     @staticmethod
     def of_woman(mean: Array, covariance: Array) -> "Sums":
-        """Of one posterior, (N,) and (N, N)."""
+        """The sums over one posterior, (N,) and (N, N)."""
         m, products, c = (np.round(each / GRID) * GRID for each in (mean, np.outer(mean, mean), covariance))
         return Sums(1, m, products, c)
 
     def plus(self, other: "Sums", sign: int = 1) -> "Sums":
-        """Both together; with -1 the others taken out."""
+        """The sums over both; with -1 the difference."""
         return Sums(
             self.women + sign * other.women,
             self.means + sign * other.means,
@@ -62,7 +62,7 @@ class Sums:
 
     @property
     def possible(self) -> bool:
-        """Whether there can be women of whom these are the sums."""
+        """Whether these can be sums over patients: no negative count or variance."""
         if self.women <= 0:
             return not (self.women or self.means.any() or self.products.any() or self.covariances.any())
         scatter = self.products - np.outer(self.means, self.means) / self.women
@@ -72,7 +72,7 @@ class Sums:
 
 @dataclass(frozen=True, eq=False)
 class CohortPrior:
-    """Of one rig."""
+    """A cohort's sums for one rig, by stance."""
 
     rig_name: str
     rig_sha256: str
@@ -82,16 +82,16 @@ class CohortPrior:
 
     @property
     def women(self) -> int:
-        """Scans of which it is, each of another woman or stance."""
+        """The number of scans, each of another patient or stance."""
         return sum(each.women for each in self.stances.values())
 
     @property
     def scans(self) -> frozenset[str]:
-        """Their hashes; fewer than women where an earlier version kept none."""
+        """Hashes of the scans; fewer than `women` where an earlier version stored none."""
         return frozenset[str]().union(*(each.scans for each in self.stances.values()))
 
     def plus(self, other: "CohortPrior") -> "CohortPrior":
-        """Of both; BadInput where they are of two rigs, or a scan is in both."""
+        """The sums over both; BadInput where they are of two rigs, or a scan is in both."""
         if other.rig_sha256 != self.rig_sha256:
             raise BadInput("These priors are of two different rigs; merge those of one.")
         twice = len(self.scans & other.scans)
@@ -103,7 +103,7 @@ class CohortPrior:
         return replace(self, stances=self._changed(other.stances, 1))
 
     def without(self, other: "CohortPrior") -> "CohortPrior":
-        """With these women taken out; BadInput where they cannot have been in it."""
+        """The prior without these patients; BadInput where they cannot have been in it."""
         if other.rig_sha256 != self.rig_sha256:
             raise BadInput("This fit is of another rig than the prior; it was never in it.")
         left = self._changed(other.stances, -1)
@@ -121,7 +121,7 @@ class CohortPrior:
         return {stance: self.stances.get(stance, none).plus(others.get(stance, none), sign) for stance in both}
 
     def content(self) -> bytes:
-        """Of the file."""
+        """The bytes of the prior's file."""
         upper = np.triu_indices(3 * len(self.bones) + len(self.shapes))
         document: dict[str, Any] = {
             "schema": SCHEMA,
@@ -140,19 +140,19 @@ class CohortPrior:
 
 
 def no_cohort(rig: Rig) -> CohortPrior:
-    """Of nobody."""
+    """An empty cohort."""
     return CohortPrior(rig.name, rig.sha256, rig.bone_names, rig.shape_names, {})
 
 
 def scan_hash(sha256: str) -> str:
-    """By which a scan is known among others, 128 bits; `sha256` is that of its file."""
+    """A scan's identifier in priors, 128 bits as hexadecimal digits; `sha256` is that of its file."""
     return hashlib.sha256(f"breastrig cohort {sha256}".encode()).hexdigest()[:32]
 
 
 def cohort_of_scans(rig: Rig, scans: Iterable[tuple[str, str, Sums]]) -> CohortPrior:
-    """Of (patient, stance, sums).
+    """The cohort of (patient, stance, sums).
 
-    A scan counts once, under however many codes; a patient once in a stance, by the scan that leaves least open.
+    A scan counts once, under however many codes; a patient once in a stance, by the scan that leaves least uncertainty.
     """
     ordered = sorted(scans, key=lambda each: float(np.trace(each[2].covariances)))
     best: dict[tuple[str, str], Sums] = {}
@@ -166,9 +166,9 @@ def cohort_of_scans(rig: Rig, scans: Iterable[tuple[str, str, Sums]]) -> CohortP
 
 
 def merged(priors: Sequence[CohortPrior]) -> tuple[CohortPrior, tuple[str, ...]]:
-    """All of them together, and a sentence where it is to be known what counted; BadInput as `plus`.
+    """All priors added, and a sentence where it must be stated what counted; BadInput as `plus`.
 
-    A prior that holds nobody but who is in another one already counts once, the same file too.
+    A prior whose patients are all in another one already counts once, the same file too.
     """
     whole, said = priors[0], []
     for other in priors[1:]:
@@ -272,7 +272,7 @@ def read_prior(file: Path) -> CohortPrior:
 
 
 def with_prior(rig: Rig, prior: CohortPrior) -> Rig:
-    """The rig with which these women are known; itself where they are none.  BadInput for another rig's prior."""
+    """The rig with this cohort as known data, or itself where that is empty. BadInput for another rig's prior."""
     if prior.rig_sha256 != rig.sha256 or (prior.bones, prior.shapes) != (rig.bone_names, rig.shape_names):
         raise BadInput(f"This prior is of another rig ({prior.rig_name}); make one of fits with {rig.name} as it is.")
     return _with_text(rig, prior.content().decode()) if prior.women else rig
@@ -285,6 +285,6 @@ def _with_text(rig: Rig, text: str) -> Rig:
 
 @lru_cache(maxsize=8)
 def cohort_of(rig: Rig) -> CohortPrior | None:
-    """The women that are known with this rig."""
+    """The cohort that is known with this rig."""
     text = rig.known.get(KNOWN_AS)
     return None if text is None else parsed_prior(text, KNOWN_AS)

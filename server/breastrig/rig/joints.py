@@ -47,7 +47,7 @@ class Joints:
 
 @dataclass(frozen=True, eq=False)
 class JointMotion:
-    """At J joints of a rig with parameters x; everything is computed once, when it is first asked for."""
+    """The motion at J joints of a rig with parameters x; computed on first use, and cached."""
 
     joints: Joints
     x: RigParameters

@@ -1,21 +1,21 @@
-"""What has been estimated for a rig, by file name: priors, limits, expected errors.  Any of it may be missing.
+"""Data estimated for a rig, by file name: priors, limits, expected errors. Any of it may be missing.
 
 The files are in the folder NAME.known beside NAME.glb and are bound to the rig by its hash (gltf/known_files.py), so
 that what was measured with one rig is never said of another.
 
     bodies.json          mean and covariance of scales and shapes over bodies       rig/body_statistics.py
     priors_STANCE.toml   shapes and joints where a stance differs from the rig     rig/stance_priors.py
-    landmark_errors.json  where bodies have landmarks beside the model's             fitting/body/landmark_errors.py
-    hidden_STANCE.json   how deep skin lies that no scan shows                      fitting/body/hidden_skin.py
-    trunk_depth.json     and how much deeper it lies under a high belly             fitting/body/trunk_depth.py
-    lying_motion.json    how skin moves between standing and lying                  drawings/skin_maps/lying_motion.py
-    gravity.json            what gravity does to breasts in all stances            volume/predicted.py
-    skin_map.toml        what differs from the common settings of the skin map      drawings/skin_maps/settings.py
-    radii.json           how far bodies are from the model beyond what a fit knows  fitting/uncertainty/calibration.py
-    uncertainty.toml     what picks that scatter, and an unclear start, make of it  fitting/uncertainty/calibration.py
-    verdict.toml         what right fits look like                                  fitting/verdicts/verdict.py
-    same_body.toml       how much two fits of one body differ                      workflow/folder/one_body.py
-    measures.toml        what measures of breasts are off                           report/calibration.py
+    landmark_errors.json  landmarks of bodies beside the model's                    fitting/body/landmark_errors.py
+    hidden_STANCE.json   depth of skin that no scan shows                           fitting/body/hidden_skin.py
+    trunk_depth.json     its additional depth under a high belly                    fitting/body/trunk_depth.py
+    lying_motion.json    motion of the skin between standing and supine             drawings/skin_maps/lying_motion.py
+    gravity.json         effect of gravity on breasts in all stances                volume/predicted.py
+    skin_map.toml        differences from the common settings of the skin map       drawings/skin_maps/settings.py
+    radii.json           distance of bodies from the model beyond a fit's own error fitting/uncertainty/calibration.py
+    uncertainty.toml     effect of picks that scatter, and of an unclear start      fitting/uncertainty/calibration.py
+    verdict.toml         limits of right fits                                       fitting/verdicts/verdict.py
+    same_body.toml       difference between two fits of one body                    workflow/folder/one_body.py
+    measures.toml        errors of measures of breasts                              report/calibration.py
     volume.json          chest wall and tetrahedra                                  volume/known_volume.py
 """
 
@@ -33,7 +33,7 @@ NOT_CALIBRATED = "Not calibrated for this rig"  # wherever radii or a verdict wo
 
 
 def known_numbers(rig: Rig, file: str) -> dict[str, Any] | None:
-    """The document of one of the files above; None where nothing is known.  Raises BadModel for a damaged one."""
+    """The document of one of these files; None where it is missing. Raises BadModel for a damaged one."""
     text = rig.known.get(file)
     if text is None:
         return None
@@ -47,7 +47,7 @@ def known_numbers(rig: Rig, file: str) -> dict[str, Any] | None:
 
 
 def known_part(rig: Rig, file: str, kind: type[Part]) -> Part | None:
-    """The same, checked."""
+    """The rig's data of this file, validated as `kind`; None where there are none."""
     found = known_numbers(rig, file)
     return None if found is None else checked_part(rig, file, kind, found)
 

@@ -56,7 +56,7 @@ class Joint:
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """What is known of one blendshape besides its displacements."""
+    """Properties of one blendshape besides its displacements."""
 
     name: str
     kind: str  # "body": the same in every stance; "soft": soft tissue, differs by stance; "gravity": supine only
@@ -153,7 +153,8 @@ class Rig:
 
     @cached_property
     def with_correctives_as_shapes(self) -> "Rig":
-        """The same surfaces by linear skinning alone, as viewers have it, once the weights are given (skinning.py)."""
+        """The rig with its correctives as ordinary shapes, as viewers have it; their weights are computed
+        (skinning.py)."""
         if not self.correctives:
             return self
         moves = np.concatenate([self.blendshapes, [each.moves for each in self.correctives]])
@@ -218,7 +219,7 @@ class Rig:
         return ChordalDeviation(self.template, self.faces)
 
     def has_landmarks(self, names: Iterable[str]) -> bool:
-        """Whether it has each of these, as it is called or on both sides."""
+        """Whether it has each of these landmarks, under its name or on both sides."""
         known = {*self.landmark_names}
         return all(name in known or {f"{name}_L", f"{name}_R"} <= known for name in names)
 

@@ -24,7 +24,7 @@ class BonePose:
 
 @dataclass(frozen=True, eq=False)
 class Parameters:
-    """All of a rig's, by name; V vertices."""
+    """All parameters of a rig, by name; V vertices."""
 
     bones: dict[str, BonePose]
     blendshapes: dict[str, float]  # weights; 0 is the template
@@ -33,7 +33,7 @@ class Parameters:
 
 
 def parameters_by_name(rig: Rig, x: RigParameters, metres_per_unit: float, surface: Array | None = None) -> Parameters:
-    """Of parameters in metres; `surface` (V, 3) m is where a layer over the model has the skin in that pose."""
+    """Parameters by name from those in metres; `surface` (V, 3) m is the skin in that pose where a layer moves it."""
     translations = x.translations / metres_per_unit
     return Parameters(
         {
@@ -53,7 +53,7 @@ def layer_at_rest(rig: Rig, x: RigParameters, surface: Array) -> Array:
 
 
 def in_metres(rig: Rig, given: Parameters) -> RigParameters:
-    """The same as a fit has them; BadSettings for those of another rig."""
+    """The parameters as a fit has them, in metres; BadSettings for those of another rig."""
     if set(given.bones) != set(rig.bone_names) or set(given.blendshapes) != set(rig.shape_names):
         raise BadSettings(f"These parameters name other bones or shapes than {rig.name}; give those of this rig.")
     bones = [given.bones[name] for name in rig.bone_names]
@@ -77,7 +77,7 @@ def posed(rig: Rig, given: Parameters) -> Array:
 
 
 def sampled(rig: Rig, rng: np.random.Generator) -> Parameters:
-    """A body as likely as the rig says, in a pose as likely as its joints say; metres, its root at rest."""
+    """A random body drawn from the rig's priors, in a pose drawn from its joints' priors; metres, its root at rest."""
     rest, known = rest_parameters(rig), body_statistics(rig)
     scales, weights = rest.scales, rng.normal(0.0, [shape.sigma for shape in rig.shapes])
     if known is not None:

@@ -1,4 +1,4 @@
-"""Which of a rig's skin is near the breasts: breastbone, folds, the armpits' front, where plans are made."""
+"""The part of a rig's skin near the breasts, where plans are made: breastbone, folds, the armpits' front."""
 
 from functools import lru_cache
 

@@ -29,7 +29,10 @@ TURNS = hat(np.eye(3))  # (3, 3, 3): ∂exp(ω)/∂ω_m at 0
 
 
 def normal_equations(posed: Posed, chosen: Integers, directions: Array, residual: Array) -> NormalEquations:
-    """Of M residuals (M,) with the Jacobian directionsᵀ ∂M/∂x of the chosen vertices, one direction (M, 3) each."""
+    """Normal equations of M residuals (M,) with the Jacobian directionsᵀ ∂M/∂x of the chosen vertices.
+
+    directions: (M, 3), one for each of the (M,) chosen.
+    """
     if isinstance(posed, PosedWithCorrectives):
         inner, step = normal_equations(posed.plain, chosen, directions, residual), posed.tangent
         hessian = step.T @ inner.hessian @ step

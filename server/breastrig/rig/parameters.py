@@ -34,7 +34,7 @@ class RigParameters:
 
     @staticmethod
     def of_numbers(numbers: dict[str, Any]) -> "RigParameters":
-        """Those of which `numbers` were made, to the last bit."""
+        """The parameters that `numbers` returned, to the last bit."""
         return RigParameters(**{name: np.array(numbers[name]) for name in FIELDS})
 
     def numbers(self) -> dict[str, Any]:

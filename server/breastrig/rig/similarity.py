@@ -52,7 +52,7 @@ class Similarities:
         return Similarities(self.scales[numbers], self.rotations[numbers], self.translations[numbers])
 
     def where(self, stays: Booleans, other: "Similarities") -> "Similarities":
-        """These where `stays` (T,), the other ones elsewhere."""
+        """These similarities where `stays` (T,), else the other ones."""
         return Similarities(
             np.where(stays, self.scales, other.scales),
             np.where(stays[:, None, None], self.rotations, other.rotations),
@@ -65,7 +65,7 @@ class Similarities:
         return np.asarray(self.scales[:, None, None] * turned + self.translations[:, None])
 
     def undone(self, points: Array) -> Array:
-        """(M, 3) -> (T, M, 3), the way back"""
+        """The inverse map: (M, 3) -> (T, M, 3)."""
         return np.asarray((points - self.translations[:, None]) @ self.rotations / self.scales[:, None, None])
 
 

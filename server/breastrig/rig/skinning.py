@@ -99,7 +99,7 @@ class Posed:
 
 
 class PosedByDualQuaternions(Posed):
-    """The same by dual quaternions; of quaternions and vectors in the comments at the head of this module."""
+    """A rig posed by dual quaternions; symbols as in the comments at the head of this module."""
 
     @cached_property
     def _stretched(self) -> Posed:
@@ -171,7 +171,7 @@ class PosedByDualQuaternions(Posed):
 
 
 def as_linear(rig: Rig, x: RigParameters) -> tuple[Rig, RigParameters]:
-    """The same surface with correctives as shapes of their own, as glTF has it; linear rigs come back as they are."""
+    """The rig and parameters with correctives as shapes of their own, as in glTF; linear rigs are unchanged."""
     if not rig.correctives:
         return rig, x
     weights = np.concatenate([x.weights, _correction(rig, x)[0]])
@@ -189,16 +189,16 @@ def _correction(rig: Rig, x: RigParameters) -> tuple[Array, Array]:
 
 
 class PosedWithCorrectives(Posed):
-    """The same with correctives."""
+    """A rig posed with correctives."""
 
     @cached_property
     def plain(self) -> Posed:
-        """With the correctives as shapes of their own."""
+        """The pose with the correctives as shapes of their own."""
         return Posed(*as_linear(self.rig, self.x))
 
     @cached_property
     def tangent(self) -> Array:
-        """(P + K, P): a step of `plain` by a step of this."""
+        """(P + K, P): the derivative of a step of `plain` by a step of this."""
         return np.concatenate([np.eye(self.x.dof), _correction(self.rig, self.x)[1]])
 
     @cached_property
@@ -219,7 +219,7 @@ POSED: dict[Skinning, type[Posed]] = {
 
 
 def in_pose(rig: Rig, x: RigParameters) -> Posed:
-    """The rig as it says that it is skinned."""
+    """The rig posed by the skinning that it names."""
     return POSED[rig.skinning](rig, x)
 
 

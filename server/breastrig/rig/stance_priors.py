@@ -1,4 +1,4 @@
-"""What is expected of shapes and joints in one stance, where it differs from the rig's own: data beside the rig.
+"""Priors of shapes and joints in one stance, where it differs from the rig's own: data beside the rig.
 
 Bodies in a breast MRI hang farther than any other and hold their arms overhead (docs/decisions/0019).
 """
@@ -19,7 +19,7 @@ MIRRORED = np.array([1.0, -1.0, -1.0])  # of a rotation vector, in the median pl
 
 
 class ShapePrior(SettingsPart):
-    """Of one shape's weight; what is absent is the rig's."""
+    """The prior of one shape's weight; absent values are the rig's."""
 
     min: FiniteFloat | None = None
     max: FiniteFloat | None = None
@@ -28,7 +28,7 @@ class ShapePrior(SettingsPart):
 
 
 class JointPrior(SettingsPart):
-    """Of the joint above one bone; absent: the rig's, and no turn."""
+    """The prior of the joint above one bone; absent: the rig's, and no rotation."""
 
     rotation_sigma: Positive | None = None  # rad
     rotation_limit: Positive | None = None  # rad
@@ -36,7 +36,7 @@ class JointPrior(SettingsPart):
 
 
 class StancePriors(SettingsPart):
-    """By the names of shapes and bones without their sides."""
+    """Priors by the names of shapes and bones without their sides."""
 
     shapes: dict[str, ShapePrior] = Field(default={})
     joints: dict[str, JointPrior] = Field(default={})
@@ -44,7 +44,7 @@ class StancePriors(SettingsPart):
 
 @lru_cache(maxsize=16)
 def stance_priors(rig: Rig, stance: str) -> StancePriors:
-    """Empty where nothing differs."""
+    """The stance's priors; empty where nothing differs."""
     return known_part(rig, f"priors_{stance}.toml", StancePriors) or StancePriors()
 
 

@@ -41,7 +41,7 @@ class VertexGroups:
 
 @lru_cache(maxsize=16)
 def vertex_groups(rig: Rig) -> VertexGroups:
-    """Of a rig; takes 5 ms once."""
+    """The vertex groups of a rig; takes 5 ms once."""
     bones = len(rig.bones)
     used: Booleans = np.concatenate([rig.skin_weights != 0.0, rig.shapes_by_vertex.any(axis=1)], axis=1)
     parts = _cut(used, np.concatenate([np.full(bones, float(BONE_DOFS)), np.ones(len(rig.shapes))]))
@@ -81,7 +81,7 @@ def _group(used: Booleans, bones: int) -> VertexGroup:
 
 
 def _best_cut(used: NDArray[np.float32], widths: Array) -> int | None:
-    """The column by whose use (N, C) vertices, 0 or 1, are best cut in two; None where no cut pays."""
+    """The column whose use best divides (N, C) vertices, 0 or 1, in two; None where no division saves time."""
     both = (used.T @ used).astype(np.float64)
     total, count = np.diag(both), float(len(used))
     parted = _cost(total, (both > 0.0) @ widths) + _cost(count - total, (total - both > 0.0) @ widths)

@@ -7,7 +7,7 @@ from breastrig.core.arrays import Array, Integers
 
 @dataclass(frozen=True, eq=False)
 class BareChest:
-    """Of one rig, as model_assets/make_volume.py has estimated it (docs/decisions/0021)."""
+    """One rig's map to the skin without breasts, estimated by model_assets/make_volume.py (docs/decisions/0021)."""
 
     under: Integers  # (U,) vertices that a breast lifts
     share: Array  # (U,) 1 under its base, 0 where it ends

@@ -23,7 +23,7 @@ MIRROR = np.array([-1.0, 1.0, 1.0])
 
 @dataclass(frozen=True, eq=False)
 class BreastSkin:
-    """Of one side; rows of both sides are each other's mirror images."""
+    """The skin of one side; rows of both sides are each other's mirror images."""
 
     side: str
     skin: Integers  # (P,) vertices of the rig that the breast moves
@@ -38,7 +38,7 @@ class BreastSkin:
 
 @lru_cache(maxsize=4)
 def breast_skins(rig: Rig) -> tuple[BreastSkin, BreastSkin]:
-    """Of the left and the right; the rig needs its region breast_L, and breast_R is its mirror image."""
+    """The skin of the left and of the right breast; the rig needs its region breast_L, the right one mirrors it."""
     template, breast = rig.template, rig.regions["breast_L"]
     plane = np.stack(
         [RADIUS * np.arctan2(template[:, 0] - TRUNK[0], template[:, 2] - TRUNK[1]), template[:, 1]], axis=1

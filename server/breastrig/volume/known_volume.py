@@ -51,7 +51,7 @@ class KnownVolume:
 
 @lru_cache(maxsize=4)
 def known_volume(rig: Rig) -> KnownVolume:
-    """BadInput for a rig that has none; BadModel for a damaged file."""
+    """The rig's volume data; BadInput for a rig without them, BadModel for a damaged file."""
     found = known_part(rig, FILE, _File)
     if found is None:
         raise BadInput(NONE.format(name=rig.name))

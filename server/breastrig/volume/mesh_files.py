@@ -46,7 +46,7 @@ class Wanted:
 
 
 def check_name(name: str) -> None:
-    """BadInput for an ending that is not written, and where what writes it is not installed."""
+    """Raises BadInput for an unsupported ending, or where its library is not installed."""
     ending = Path(name).suffix.lower()
     if ending not in WRITERS:
         raise BadInput(ENDINGS)

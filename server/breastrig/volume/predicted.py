@@ -1,13 +1,13 @@
-"""How a patient's skin lies in a stance that was not scanned, from the scan of another one.
+"""Predicts a patient's skin in a stance that was not scanned, from the scan of another one.
 
-Two motions add up: that of the trunk and arms when a woman lies down (drawings/skin_maps/lying_motion.py), and what
-gravity does to her breasts.  That is estimated on a cohort solved by finite elements (breastrig_studies/gravity): the
-heights of a breast over the sheet of skin around it, in all stances, are one Gaussian
+Two motions add up: that of the trunk and arms between standing and supine (drawings/skin_maps/lying_motion.py), and the
+effect of gravity on the breasts. That is estimated on a cohort solved by finite elements (breastrig_studies/gravity):
+the heights of a breast over the sheet of skin around it, in all stances, are one Gaussian
 
-    x_s = m_s + F_s z,   z ~ N(0, 1)   for each stance s,
+x_s = m_s + F_s z, z ~ N(0, 1) for each stance s,
 
-so that the heights seen in one stance say z, and z the others (conditional Gaussian; Bishop, Pattern Recognition and
-Machine Learning, 2006, 2.3 and 12.2).  The numbers are data beside the rig, found by its hash.
+so that the heights seen in one stance determine z, and z the others (conditional Gaussian; Bishop, Pattern Recognition
+and Machine Learning, 2006, 2.3 and 12.2). The numbers are data beside the rig, found by its hash.
 """
 
 from collections.abc import Sequence
@@ -80,7 +80,7 @@ class Predicted:
 
 @lru_cache(maxsize=4)
 def gravity_prior(rig: Rig) -> GravityPrior | None:
-    """Of a rig; None where nobody has computed what gravity does to its breasts."""
+    """The rig's gravity prior; None where none has been computed."""
     found = known_part(rig, FILE, _File)
     if found is None:
         return None
@@ -107,7 +107,7 @@ def predicted(rig: Rig, vertices: Array, stance: str, goal: str) -> Predicted:
 
 
 def prior_between(rig: Rig, stance: str, goal: str) -> GravityPrior:
-    """BadInput where nothing is known of the rig, or nothing is to be predicted."""
+    """The prior for this prediction; BadInput where the rig has none, or both stances are the same."""
     prior = gravity_prior(rig)
     if prior is None:
         raise BadInput(f"What gravity does to {rig.name} is not known; only the package's own model is predicted.")
@@ -153,7 +153,7 @@ def stood_up(rig: Rig, vertices: Array, stance: str) -> Array:
 
 @lru_cache(maxsize=8)
 def lying(rig: Rig) -> tuple[Array, Array]:
-    """(V, 3) m twice: how a body lies down while its sternum stays, without and with what its breasts do.
+    """(V, 3) m twice: displacements of lying down, the sternum unmoved, without and with the breasts' own motion.
 
     Without: as the skin around the breasts moves, across them.
     """

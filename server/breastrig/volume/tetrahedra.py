@@ -105,7 +105,7 @@ def extended(known: KnownVolume, surfaces: Array) -> Array:
 
 
 def _solve(points: Array, matrix: sparse.csr_array, free: Integers) -> None:
-    """Moves the `free` points to where the rows of matrix @ points that are theirs are zero."""
+    """Solves the `free` points so that their rows of matrix @ points are zero, in place."""
     rows = matrix[free]
     held = np.setdiff1d(np.arange(len(points)), free)
     points[free] = splu(rows[:, free].tocsc()).solve(-(rows[:, held] @ points[held]))

@@ -1,4 +1,4 @@
-"""Tetrahedra of one body, with what finite elements need to know of them."""
+"""Tetrahedra of one body, with their regions and surfaces for finite elements."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

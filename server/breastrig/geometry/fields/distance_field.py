@@ -48,7 +48,7 @@ def _joined(parts: list[_Windows]) -> _Windows:
 
 @dataclass(frozen=True, eq=False)
 class _Seen:
-    """How N places are seen: through which window and by which centre, (2, N), and where in its plane, (N,)."""
+    """The paths to N places: their window and centre, (2, N), and coordinates in the unfolded plane, (N,)."""
 
     names: Integers
     place: Complexes
@@ -65,9 +65,9 @@ class _Seen:
 
 
 class DistanceFields:
-    """From S surface points to all that is at most (S,) `reach` (m) away; each of them on its own.
+    """Distances from S surface points up to (S,) `reach` (m), each point on its own.
 
-    With `goals`, (S, 3) places, only what a path to the goal can touch that is not longer than the reach.
+    With `goals`, (S, 3) places, only the part that a path to the goal not longer than the reach can touch.
     """
 
     def __init__(self, mesh: HalfEdges, sources: SurfacePoints, reach: Array, goals: Array | None = None) -> None:
@@ -174,7 +174,7 @@ class DistanceFields:
         return best, seen
 
     def _first(self, source: int) -> _Windows:
-        """What a source sees through the edges of its triangle, or all around its vertex."""
+        """The first windows of a source: the edges of its triangle, or all around its vertex."""
         mesh, face, barycentric = self._mesh, int(self._sources.faces[source]), self._sources.barycentric[source]
         corner = int(barycentric.argmax())
         if barycentric[corner] >= 1.0 - AT_CORNER:
@@ -207,7 +207,7 @@ class DistanceFields:
                 return _joined(done) if done else now
 
     def _beyond(self, now: _Windows, number: int) -> _Windows:
-        """What is seen through these windows, the first of which has this number, across their triangles."""
+        """The windows seen through these, the first of which has this number, across their triangles."""
         mesh, d = self._mesh, self._distances
         edge, centre, _, source = now.names
         left, right, to_left, to_right = now.plane
@@ -251,7 +251,7 @@ class DistanceFields:
         return _Windows(names, np.stack([left_end, right_end, last, begin])).chosen(kept)
 
     def _note(self, vertices: Integers, distances: Array, incoming: Array, seen: _Seen) -> None:
-        """Takes over what is shorter than what is known."""
+        """Keeps new distances that are shorter than the known ones."""
         shorter = (distances < self._distances[vertices] - SHORTER).nonzero()[0]
         if len(shorter):
             order = shorter[np.argsort(-distances[shorter], kind="stable")]  # the shortest of each is written last
@@ -260,7 +260,7 @@ class DistanceFields:
             self._seen.put(where, seen, order)
 
     def _bent(self) -> list[_Windows]:
-        """What only vertices see that were reached since the last time, and at which paths may bend."""
+        """The windows of vertices that were reached since the last call and at which paths may bend."""
         reached = self._distances < self._sent
         reached &= self._bends
         vertices = reached.nonzero()[0]

@@ -63,7 +63,8 @@ def implicit_surface(points: Array, normals: Array, width: float, cell: float, r
 def _among_points(tree: cKDTree, vertices: Array, reach: float, around: float) -> Booleans:
     """(V,) within `reach` of a point and not beyond the border of all of them.
 
-    At a straight border the middle of the points within `around` of a place is 0.42 of that away; beyond it is farther.
+    At a straight border the mean of the points within `around` of a place is 0.42 of that away; beyond the border it is
+    farther.
     """
     found = tree.query(vertices, k=AROUND, distance_upper_bound=around)
     distances, who = np.asarray(found[0]), np.asarray(found[1])

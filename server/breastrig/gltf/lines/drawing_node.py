@@ -34,8 +34,8 @@ def add_drawing(
 ) -> None:
     """Adds the drawing's node; nothing when the drawing has no line.
 
-    `positions` are the rest positions of its ribbons (see `positions_exact_in`); they go into a buffer of
-    their own when one is given, because they alone depend on the pose.
+    `positions` are the rest positions of its ribbons (see `positions_exact_in`); they go into a buffer of their own
+    when one is given, because only they depend on the pose.
     """
     lines = ribbons(rig, drawing)
     if not lines:

@@ -26,7 +26,7 @@ NamedLine = tuple[str, Array, bool, Colour]  # name, (M, 3) m, closed
 
 @dataclass(frozen=True, eq=False)
 class Ball:
-    """A node of its own, with what programs are to know of it."""
+    """A ball with a node of its own, and its extras for programs."""
 
     name: str
     center: Array  # (3,) m

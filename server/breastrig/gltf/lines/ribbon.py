@@ -49,7 +49,7 @@ class Ribbon:
 
 @dataclass(frozen=True, eq=False)
 class _Skin:
-    """What all ribbons of a rig need of its template."""
+    """Data of a rig's template that all ribbons share."""
 
     search: ClosestPointSearch
     normals: Array  # (V, 3)
@@ -88,7 +88,7 @@ def exact_in(rig: Rig, lines: Sequence[Ribbon], x: RigParameters, mesh: Array) -
 
 
 def inverses(matrices: Array) -> Array:
-    """(M, 3, 3) of (M, 3, 3) linear maps; where one of them is flat, what comes nearest to inverses."""
+    """(M, 3, 3) inverses of (M, 3, 3) linear maps; the nearest to an inverse where one is flat."""
     try:
         return np.asarray(np.linalg.inv(matrices), dtype=np.float64)
     except np.linalg.LinAlgError:
@@ -121,7 +121,7 @@ def _ribbon(rig: Rig, shape: DrawnShape) -> Ribbon | None:
 
 
 def _dense(points: Array, closed: bool) -> Array:
-    """(M, 3): the same corners, cut so that no stretch is longer than STEP; no repeated points."""
+    """(M, 3): the corners with points in between, no farther apart than STEP; no repeated points."""
     corners = np.concatenate([points, points[:1]]) if closed else points
     steps = np.linalg.norm(np.diff(corners, axis=0), axis=1)
     pieces = [

@@ -25,7 +25,7 @@ def on_triangle(barycentric: Array) -> bool:
 
 
 def drawing_findings(rig: Rig, is_torso: bool) -> list[Finding]:
-    """Needs indices in range."""
+    """Findings on the drawings; requires indices in range."""
     lines = [(drawing, shape) for drawing in rig.drawings for shape in drawing.shapes]
     on_surface = _on_the_surface(rig, lines)
     findings = [on_surface, _colours(lines)]
@@ -97,7 +97,7 @@ def _corners(lines: Lines) -> Finding:
 
 
 def _sides(rig: Rig, lines: Lines, is_torso: bool) -> Finding:
-    """Asked of lines whose partner is there, and of all lines of the torso."""
+    """Checks the sides of lines whose partner is there, and of all lines of the torso."""
     name = "lines of both sides mirror each other"
     if not is_symmetric(rig):
         return Finding(name, True, "the rig claims no symmetry")

@@ -1,4 +1,4 @@
-"""What a check of the rig answers."""
+"""The result of one check of the rig."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -15,5 +15,5 @@ class Finding:
 
 
 def named(names: list[str], limit: int = 5) -> str:
-    """A list of culprits for people."""
+    """The names that break a rule, as text for people."""
     return ", ".join(names[:limit]) + (f" and {len(names) - limit} more" if len(names) > limit else "")

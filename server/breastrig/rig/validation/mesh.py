@@ -16,7 +16,7 @@ TOTAL_TURN = 1.75 * 2.0 * np.pi  # of a whole border; a convex one turns by exac
 
 
 def mesh_findings(rig: Rig) -> list[Finding]:
-    """Needs triangles whose indices are in range."""
+    """Findings on the surface; requires triangles whose indices are in range."""
     findings = [_used(rig), _manifold(rig), _one_direction(rig), _one_piece(rig)]
     if all(finding.ok for finding in findings):
         loops = boundary_loops(rig.faces)
@@ -102,7 +102,7 @@ def _one_piece(rig: Rig) -> Finding:
 
 
 def _outwards(rig: Rig, loops: list[Integers]) -> Finding:
-    """By the volume after closing each border with a fan."""
+    """Whether the surface, closed by a fan at each border, has a positive volume."""
     origin = rig.template.mean(axis=0)
     corners = rig.template[rig.faces] - origin
     volume = float(np.linalg.det(corners).sum()) / 6.0

@@ -61,7 +61,7 @@ def check_rig(rig: Rig, is_torso: bool = False) -> list[Finding]:
 
 
 def describe_rig(rig: Rig) -> str:
-    """What is in the rig, for people."""
+    """A summary of the rig's contents, for people."""
     size = np.ptp(rig.template, axis=0)
     kinds = Counter(shape.kind for shape in rig.shapes)
     width = max([len(name) for name in (*rig.bone_names, *rig.shape_names, *rig.landmark_names)], default=0)

@@ -23,7 +23,7 @@ def is_symmetric(rig: Rig) -> bool:
 
 
 def symmetry_findings(rig: Rig) -> list[Finding]:
-    """Needs indices in range."""
+    """Findings on left and right; requires indices in range."""
     findings = [_vertex_map(rig), *(_name_map(what, things) for what, things in _named_things(rig))]
     if not is_symmetric(rig):
         return [*findings, Finding("left and right", True, "the rig claims no symmetry")]

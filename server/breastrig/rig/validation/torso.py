@@ -91,7 +91,7 @@ BODY_TOPICS: dict[str, tuple[str, ...]] = {
 
 
 def torso_findings(rig: Rig) -> list[Finding]:
-    """Needs a rig that keeps the general rules."""
+    """Findings on the torso; requires a rig that keeps the general rules."""
     return [
         _size(rig),
         _names("it has the nine bones", rig.bone_names, BONES),
@@ -114,7 +114,7 @@ def _size(rig: Rig) -> Finding:
 
 
 def _names(name: str, found: tuple[str, ...], wanted: tuple[str, ...], *, others: bool = False) -> Finding:
-    """`others`: whether it may have more than these."""
+    """Checks the names; `others`: whether more than these are allowed."""
     missing, surplus = sorted(set(wanted) - set(found)), sorted(set(found) - set(wanted))
     if others:
         detail = f"missing: {named(missing)}." if missing else "all" + (f", and {named(surplus)}" if surplus else "")
