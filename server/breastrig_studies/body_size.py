@@ -1,6 +1,6 @@
-"""How often a scan of a wrong scale is asked about, and one of the right scale (fitting/verdicts/size.py).
+"""Measures how often scans of a wrong scale, and of the right one, are questioned (fitting/verdicts/size.py).
 
-    python -m breastrig_studies.body_size DIR/poses [GROUP]
+python -m breastrig_studies.body_size DIR/poses [GROUP]
 
 Each scan is fitted as it is, with all landmarks and with none; the fit and its scan are then scaled together.
 """

@@ -1,10 +1,10 @@
-"""What the program says of scans as they come: bra, hair, lids, the scanner's own axes, parts of a body.
+"""Occlusion and closure of scans: verdicts under bra, hair, lids, the scanner's own axes, parts of a body.
 
-    python -m breastrig_studies.captures COHORT... -o DIR [--group report] [--each 1] [--worst 30]
+python -m breastrig_studies.captures COHORT... -o DIR [--group report] [--each 1] [--worst 30]
 
-Of each woman every condition (virtual/as_captured.py) takes another of her scans in turn, or all with `--each 0`.
-The test set is left out.  Printed is a table by condition, one by woman is DIR/captures.csv, and DIR/worst.jpg shows
-the worst fits from four sides.  Answers are kept in DIR/work.  docs/decisions/0026.
+For each patient every condition (virtual/as_captured.py) takes another of the patient's scans in turn, or all with
+`--each 0`. The test set is left out. Printed is a table by condition, one by patient is DIR/captures.csv, and
+DIR/worst.jpg shows the worst fits from four sides. Answers are kept in DIR/work. docs/decisions/0026.
 """
 
 import argparse
@@ -55,7 +55,7 @@ def chosen(folders: Sequence[Path], group: str) -> list[Case]:
 
 
 def units(cases: Sequence[Case], each: int, conditions: Sequence[str], recipe: Recipe) -> list[Unit]:
-    """The questions, case by case; of each woman `each` scans for a condition, by turns, or all for 0."""
+    """The questions, case by case; for each patient `each` scans for a condition, by turns, or all for 0."""
     result = []
     for number, (_, group) in enumerate(groupby(cases, lambda case: case.folder.parent)):
         scans = list(group)
@@ -94,9 +94,9 @@ def by_woman(found: Sequence[Record]) -> bytes:
 
 
 def worst_sheet(found: Sequence[Record], rig: Rig, count: int) -> Image.Image:
-    """The worst fits: the scan, and the model coloured by its distance to it from the sides, in her true axes.
+    """The worst fits: the scan, and the model coloured by its distance to it from the sides, in the body's true axes.
 
-    In the model's own where those of the scan were turned.
+    In the model's own axes where those of the scan were turned.
     """
     fits = [(r, kind) for r in found if not r.failed for kind in KINDS if "error_mm" in r.answer[kind]]
     fits = sorted(fits, key=lambda fit: -fit[0].answer[fit[1]]["error_mm"])[:count]

@@ -30,12 +30,12 @@ class Case:
 
     @property
     def held_out(self) -> bool:
-        """Whether it is of the test set, at which `evaluate --test` alone looks."""
+        """Whether it is of the test set, which only `evaluate --test` reads."""
         return self.group == TEST
 
     @property
     def teaches(self) -> bool:
-        """Whether numbers are estimated from it: the other groups say what came of that."""
+        """Whether numbers are estimated from it; the other groups measure the result."""
         return self.group not in (VALIDATION, TEST)
 
     @property
@@ -69,14 +69,14 @@ def _document(path: Path) -> dict[str, object]:
 
 
 def _group(patient: dict[str, object], name: str) -> str:
-    """As patient.json says, else as the name of the folder ends."""
+    """The group that patient.json names, else the ending of the folder's name."""
     ending = name.rpartition("_")[2]
     group = str(patient.get("half", ending if ending in (*GROUPS, *EARLIER) else ""))
     return EARLIER.get(group, group)
 
 
 def _hanging(patient: dict[str, object]) -> bool | None:
-    """As the numbers say by which a warped body was made (virtual/warped/numbers.py)."""
+    """Whether a warped body was made with hanging breasts (virtual/warped/numbers.py); None where not recorded."""
     numbers = patient.get("numbers")
     if not isinstance(numbers, dict) or "nipples_over_folds" not in numbers:
         return None

@@ -1,11 +1,11 @@
-"""What a prior that a cohort's fits make is worth, to women like them and to others (docs/decisions/0027).
+"""Measures the gain of a prior from a cohort's fits, on similar patients and on others (docs/decisions/0027).
 
-    python -m breastrig_studies.cohort_prior [--stance supine] LEARN OUT FAMILY=FOLDER ...
+python -m breastrig_studies.cohort_prior [--stance supine] LEARN OUT FAMILY=FOLDER ...
 
-Each scan of LEARN is fitted with all landmarks; priors are of the first 30, 100, 300.  Each scan in that stance of
-every FAMILY is fitted with half of its landmarks and with none, and its left half with the landmarks on it.  Errors,
-mm on the mean: landmarks that were not given, of the first two; skin in front that the half does not show, to the true
-one.  How many of the landmarks are within their radii is shown as well.  Fits are kept in OUT.
+Each scan of LEARN is fitted with all landmarks; priors are of the first 30, 100, 300. Each scan in that stance of every
+FAMILY is fitted with half of its landmarks and with none, and its left half with the landmarks on it. Errors, mean mm:
+for the first two, landmarks that were not given; for the half, skin in front that it does not show, to the true one.
+The share of landmarks within their radii is shown as well. Fits are kept in OUT.
 """
 
 import argparse
@@ -44,7 +44,7 @@ QUESTIONS = ("half", "none", "unseen", "surface", "held")
 
 
 def number_of(patient: str) -> int:
-    """By which kinds of women take turns."""
+    """The number in a patient's name, by which kinds of patients alternate."""
     return int("".join(filter(str.isdigit, patient)) or 0)
 
 
@@ -54,7 +54,7 @@ def cases(folder: Path, stance: str) -> list[Case]:
 
 
 def contributions(folder: Path, stance: str, kept: Path, rig: Rig, recipe: Recipe) -> Iterator[bytes]:
-    """Of each scan, fitted with all landmarks."""
+    """The posterior of each scan, fitted with all landmarks, as bytes."""
     kept.mkdir(parents=True, exist_ok=True)
     for case in sorted(cases(folder, stance), key=lambda case: (number_of(case.patient), case.name)):
         file = kept / f"{case.patient}_{case.name}.bin"
@@ -69,7 +69,7 @@ def contributions(folder: Path, stance: str, kept: Path, rig: Rig, recipe: Recip
 
 
 def priors(folder: Path, stance: str, kept: Path, rig: Rig, recipe: Recipe) -> Iterator[tuple[int, CohortPrior]]:
-    """By how many women they are of; as far as there are women."""
+    """(number of patients, prior) for each of SIZES that the folder has patients for."""
     read = (parsed_contribution(each, rig, stance) for each in contributions(folder, stance, kept, rig, recipe))
     women = (replace(no_cohort(rig), stances={stance: sums}) for sums in read if sums is not None)
     prior = no_cohort(rig)
@@ -116,7 +116,7 @@ def errors(scene: Scene, rigs: dict[int, Rig], recipe: Recipe) -> Iterator[dict[
 def rows(
     family: str, tested: list[Case], rigs: dict[int, Rig], recipe: Recipe, out: Path
 ) -> Iterator[dict[str, object]]:
-    """Of each scan and prior."""
+    """The errors of each scan with each prior."""
     for case in tested:
         file = out / f"{family}_{case.patient}_{case.name}.json"
         if not file.is_file():

@@ -192,7 +192,7 @@ def _warped(options: argparse.Namespace) -> Path:
 
 
 def _cases(options: argparse.Namespace) -> tuple[Case, ...]:
-    """Of the cohort; of the warped bodies only those asked for, for more may be there."""
+    """The cases of the cohort; of the warped bodies only the requested ones, for the folder may hold more."""
     wanted = options.test is not None
     if wanted and (options.cohort is None or options.warped is not None):
         raise BadInput("--test needs a COHORT folder with a test set, and takes no synthetic ones.")
@@ -227,7 +227,7 @@ def _plan(options: argparse.Namespace) -> Plan:
 
 
 def _output(options: argparse.Namespace, plan: Plan | None) -> Output:
-    """Where the files go, and what is read as far as it is known yet."""
+    """The output folder with its possible files, and the input files known so far."""
     folder = options.output
     files = OutputSet(Path(), possible_files(folder), RECORD, SCHEMA, varying=True)
     read: list[Path] = [] if plan is None else [case.folder / name for case in plan.cases for name in FILES]

@@ -1,11 +1,11 @@
-"""Writes where landmarks of bodies lie beside the model's (fitting/body/landmark_errors.py).
+"""Writes the offsets of bodies' landmarks from the model's (fitting/body/landmark_errors.py).
 
-    python -m breastrig_studies.landmark_errors COHORT... [--write]
+python -m breastrig_studies.landmark_errors COHORT... [--write]
 
-Of all scans of the development women, picked where their landmarks are: what leave-one-out residuals show beyond the
-fit's own uncertainty.  Mean and deviation by expectation-maximisation for a Student t, so that few women who are unlike
-all others do not decide (Lange, Little and Taylor, Robust statistical modeling using the t distribution, 1989).
-Without --write the numbers are printed.
+From leave-one-out residuals of all scans of the development patients, with true landmarks as picks, beyond the fit's
+own uncertainty. Mean and deviation by expectation-maximisation for a Student t, so that a few unusual patients do not
+decide (Lange, Little and Taylor, Robust statistical modeling using the t distribution, 1989). Without --write the
+numbers are printed.
 """
 
 import json
@@ -40,9 +40,9 @@ OTHER_SIDE = np.array([-1.0, 1.0, 1.0])
 
 @dataclass(frozen=True, eq=False)
 class Residual:
-    """Of one pick, in its own axes."""
+    """The residual of one pick, in its own axes."""
 
-    group: str  # of women of one origin: groups have the same say
+    group: str  # of patients of one origin: groups count alike
     gap: Array  # (3,) m, from where all else expects the model's landmark to the pick
     variance: Array  # (3,) m², of the fit and of the pick
 
@@ -82,7 +82,7 @@ def estimate(found: Sequence[Residual]) -> tuple[Array, Array]:
 
 
 def document(found: Mapping[tuple[str, str], Sequence[Residual]]) -> dict[str, Any]:
-    """Of the file."""
+    """The file's document."""
     stances: dict[str, dict[str, Any]] = defaultdict(dict)
     for (stance, landmark), each in sorted(found.items()):
         mean, deviation = (np.round(1e3 * values, 1).tolist() for values in estimate(each))
@@ -91,7 +91,7 @@ def document(found: Mapping[tuple[str, str], Sequence[Residual]]) -> dict[str, A
 
 
 def residuals_of(cases: Iterable[Case], rig: Rig, recipe: Recipe) -> Residuals:
-    """Of one fit to each scan."""
+    """The residuals of one fit to each scan."""
     found: Residuals = defaultdict(list)
     for case in cases:
         scene = read_scene(case)

@@ -57,7 +57,7 @@ class Trial:
 
 @dataclass(eq=False)
 class Found:
-    """What all fits say; of wrong ones, which are for the verdict to see, only how clear their starts were."""
+    """Results of all fits; of wrong ones, for the verdict to detect, only how clear their starts were."""
 
     known: Known = field(default_factory=list)
     signals: list[FitSignals] = field(default_factory=list)
@@ -100,7 +100,7 @@ def _knowing(rig: Rig, file: str, found: dict[str, Any]) -> Rig:
 
 
 def _counted(cases: list[Case], what: str) -> Iterator[Case]:
-    """With a bar on a terminal."""
+    """The cases, with a progress bar on a terminal."""
     yield from tqdm(cases, unit="scan", disable=not sys.stderr.isatty(), leave=False, desc=what)
 
 

@@ -1,17 +1,17 @@
-"""Writes how skin moves when a body lies down (drawings/skin_maps): the mean, and how women differ from it.
+"""Writes the motion of skin when a body lies down (drawings/skin_maps): its mean and its variation.
 
     breastrig evaluate --warped 44 COHORT -o DIR --quick
     python model_assets/make_poses.py POSES
     python model_assets/make_poses.py HEAVY --women 12 --kind heavy
     python -m breastrig_studies.lying_motion DIR/warped POSES HEAVY [-o FILE]
 
-Of the development half only.  The mean is that of the first folder.  Two ways of computing how a body lies down are in
-it, that of the given patients and that of our virtual cohort: it begins with the mean of both; then what the skin map
-still gets wrong is added, as far as both ways agree on it, so that nothing is estimated that one way of computing alone
-says.  Each body counts as she is and mirrored.
+Only of the development half. The mean is that of the first folder. It contains two ways of computing how a body lies
+down, that of the given patients and that of the virtual cohort: it begins with the mean of both; then the skin map's
+remaining error is added as far as both ways agree on it, so that nothing rests on one way of computing alone. Each body
+counts as it is and mirrored.
 
-How women differ are the principal components of all folders' bodies about that mean, of what both sides do alike and of
-what one does the reverse of the other.  There dense skin is asked, also what no scan shows.
+The variation is the principal components of all folders' bodies about that mean, symmetric and antisymmetric ones. It
+uses dense skin, also where no scan shows it.
 """
 
 import argparse
@@ -41,9 +41,9 @@ APART = 0.02  # m, between the places
 ROUNDS = 2  # of adding what both ways still get wrong; a third changes less than 0.1 mm
 WIDTH = 0.025  # m, of the Gaussian over the points around a place
 FEW = 20  # points within three widths; with fewer nothing is known of a place
-KEPT = 12  # ways in which women differ; of the next ones none is larger than what a fit is off
+KEPT = 12  # modes of variation; of the next ones none is larger than what a fit is off
 FINER = 0.015  # m, between the places of these ways, and of the Gaussian around each
-OFTEN = 0.3  # of the most that a vertex is known: one that is known less often tells nothing of women
+OFTEN = 0.3  # of the most that a vertex is known: one that is known less often says nothing of patients
 LEAST = 3.0  # vertices around a place; where fewer are known its motion fades
 ON_SKIN, SEEN_COSINE = 0.012, 0.5  # m, and cosine of 60 degrees, of a vertex on its true skin
 SIDES = np.array([[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])
@@ -62,7 +62,7 @@ class Pair:
 
 
 def pairs(rig: Rig, folder: Path) -> Iterator[tuple[dict[str, str], tuple[Scene, Scene], Pair]]:
-    """Those of the development half whose scans show the whole torso, with what is written of the patient."""
+    """The pairs of scans of the development half that show the whole torso, with the record of each patient."""
     for patient, cases in _stances(folder):
         scenes = (read_scene(cases[0]), read_scene(cases[1]))
         fits = [fitted(rig, load_recipe("default"), scene, scene.landmarks) for scene in scenes]
@@ -127,7 +127,7 @@ def missing_of_the_model(rig: Rig, scenes: tuple[Scene, Scene], pair: Pair, moti
 
 
 def differing(rig: Rig, women: Sequence[Sequence[tuple[Array, Booleans]]]) -> Motions:
-    """The standard deviations in which women, each by her pairs of (moves, known), differ most from the mean."""
+    """The modes, one standard deviation each, in which patients, each given as pairs of (moves, known), vary most."""
     template, covered = rig.template, np.sum([known for given in women for _, known in given], axis=0)
     left = np.flatnonzero((covered > OFTEN * covered.max()) & (template[:, 0] > -1e-6))
     at, parts = template[left][spaced(template[left], FINER)], []
@@ -188,13 +188,13 @@ def main(folders: Sequence[Path], file: Path = FILE) -> None:
 
 
 def write(rig: Rig, mean: Motions, folders: Sequence[Path], file: Path) -> None:
-    """The mean, and how the folders' women differ from it."""
+    """Writes the mean, and the variation over the folders' patients."""
     motion = mean.at(rig.template)[0]
     women: dict[tuple[Path, str], list[tuple[Array, Booleans]]] = {}
     for folder in folders:
         for patient, scenes, pair in pairs(rig, folder):
-            of_her = women.setdefault((folder, patient["name"]), [])
-            of_her.append(missing_of_the_model(rig, scenes, pair, motion))
+            of_patient = women.setdefault((folder, patient["name"]), [])
+            of_patient.append(missing_of_the_model(rig, scenes, pair, motion))
     parts = {"mean": mean, "ways": differing(rig, [*women.values()])}
     document = {"schema": SCHEMA, "women": len(women)} | {
         name: {

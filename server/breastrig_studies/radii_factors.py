@@ -1,11 +1,11 @@
-"""Writes by how much radii exceed a posterior's deviations (fitting/uncertainty), over women whose skin is known.
+"""Writes the factors from posterior deviations to 90 % radii (fitting/uncertainty), over patients with known skin.
 
-    python -m breastrig_studies.radii_factors DIR/warped DIR/poses DIR/prone [--write]
+python -m breastrig_studies.radii_factors DIR/warped DIR/poses DIR/prone [--write]
 
-The factor of a kind of place is the quantile of error over deviation that holds nine of ten of them, each woman of the
-development half counting alike (split conformal prediction with groups: women).  Picks are exact, 5 mm off, and half of
-them.  Without --write: what the file's factors hold of the validation half, and how wide they are.  Scores of each scan
-are kept beside its folder, so that it is fitted once.
+The factor of a kind of place is the quantile of error over deviation that holds nine of ten of them, each patient of
+the development half counting alike (split conformal prediction with groups: patients). Picks are exact, 5 mm off, and
+half of them. Without --write: the coverage of the file's factors on the validation half, and their width. Scores of
+each scan are kept beside its folder, so that it is fitted once.
 """
 
 import json
@@ -40,7 +40,7 @@ LEVEL = 0.9
 SEED = 23
 SHOWN = 0.01  # m; a landmark farther from the scan cannot be picked
 EACH = 40  # vertices of a region in a fit
-MOST = 2  # scans of one woman in a stance
+MOST = 2  # scans of one patient in a stance
 STATES = ("given", "others", "alone", "proposed", "seen", "hidden", "seen_alone", "hidden_alone")
 HANGS_WITH = ("nipple", "inframammary_fold", "xiphoid", "mid_sternum", "breast", "areola", "chest", "belly")
 WOMEN = 3  # fewer whose breasts hang say nothing of others
@@ -48,7 +48,7 @@ WOMEN = 3  # fewer whose breasts hang say nothing of others
 
 @dataclass(frozen=True)
 class Score:
-    """Of one place in one fit."""
+    """The score of one place in one fit."""
 
     state: str
     kind: str
@@ -59,7 +59,7 @@ class Score:
 
 
 def trials(scene: Scene) -> Iterator[dict[str, Array]]:
-    """What is picked: nothing, what can be seen, the same 5 mm off, each half of it."""
+    """The sets of picks: none, all visible ones, the same 5 mm off, and each half of them."""
     rng = np.random.default_rng(SEED)
     gaps = {n: float(scene.target.vertex_tree.query(place)[0]) for n, place in scene.landmarks.items()}
     shown = {name: place for name, place in scene.landmarks.items() if gaps[name] < SHOWN}
@@ -70,14 +70,14 @@ def trials(scene: Scene) -> Iterator[dict[str, Array]]:
 
 
 def fitted(scene: Scene, rig: Rig, recipe: Recipe, picks: dict[str, Array], start: RigParameters) -> Posterior | None:
-    """Where the fit with these picks ends; None where it breaks down."""
+    """The posterior of the fit with these picks; None where it fails."""
     task = FitTask(rig, scene.target, start, recipe, {}, scene.case.stance).with_picks(picks)
     *_, last = checked_iterates(task)
     return Posterior(ended(task, last), last.parameters) if last.is_finite else None
 
 
 def scores_of(posterior: Posterior, scene: Scene, true: ReferenceFit | None) -> Iterator[Score]:
-    """Of all places of a fit that are known: landmarks, and of each region EACH vertices."""
+    """The scores of all known places of a fit: landmarks, and EACH vertices of each region."""
     rig, state, picked = posterior.task.rig, posterior.state, posterior.task.picked
     names, rng, scatter = tuple(scene.landmarks), np.random.default_rng(SEED), scatter_of(posterior)
 
@@ -112,7 +112,7 @@ def _regions(rig: Rig) -> Iterator[tuple[str, Integers]]:
 
 
 def quantile(scores: Sequence[float], women: Sequence[str]) -> float:
-    """The score that holds LEVEL of a new woman's places; those known count alike, and one more as the worst."""
+    """The score that holds LEVEL of a new patient's places; known patients count alike, and one more as the worst."""
     values, names = np.array(scores), np.array(women)
     weights = np.zeros(len(values))
     for name in {*women}:
@@ -122,16 +122,16 @@ def quantile(scores: Sequence[float], women: Sequence[str]) -> float:
     return float(values[order][min(int(np.searchsorted(share, LEVEL)), len(values) - 1)])
 
 
-Known = list[tuple[str, str, Score]]  # woman, stance
+Known = list[tuple[str, str, Score]]  # patient, stance
 
 
 def larger_for(each: Score, times: Callable[[float | None], float]) -> float:
-    """What the picks' scatter does to this radius: careful picks say nothing of skin that is not seen."""
+    """The factor of this radius for the picks' scatter; at least 1 for hidden skin, of which picks show nothing."""
     return max(times(each.scatter), 1.0) if each.state == "hidden" else times(each.scatter)
 
 
 def factors(found: Known, times: Callable[[float | None], float]) -> dict[str, dict[str, dict[str, float]]]:
-    """By stance, state and kind; `times`: by how much a scatter of picks enlarges radii."""
+    """Factors by stance, state and kind; `times`: the enlargement of radii for a scatter of picks."""
     result: dict[str, dict[str, dict[str, float]]] = {}
     for stance in sorted({each[1] for each in found}):
         groups: dict[tuple[str, str], list[tuple[float, str, bool]]] = defaultdict(list)
@@ -159,7 +159,7 @@ def factors(found: Known, times: Callable[[float | None], float]) -> dict[str, d
 
 
 def scores_of_scan(case: Case, rig: Rig, recipe: Recipe) -> Iterator[Score]:
-    """Of all trials."""
+    """The scores of all trials."""
     scene = read_scene(case)
     true, alone = reference_fit(scene, rig, recipe), scene.place(rig).parameters
     for picks in trials(scene):
@@ -169,7 +169,7 @@ def scores_of_scan(case: Case, rig: Rig, recipe: Recipe) -> Iterator[Score]:
 
 
 def read_scores(folder: Path, rig: Rig, recipe: Recipe) -> Iterator[tuple[Case, str, list[Score]]]:
-    """(case, half, scores) of all women but the test set."""
+    """(case, half, scores) of all patients but the test set."""
     kept, times = folder.parent / f"radii_{folder.name}", defaultdict[tuple[str, str], int](int)
     kept.mkdir(exist_ok=True)
     for case in read_cohort(folder):
@@ -191,7 +191,7 @@ def write_factors(folder: Path, found: dict[str, dict[str, dict[str, float]]]) -
 
 
 def table(found: Known, known: Calibration) -> Iterator[str]:
-    """A line for each stance and state: the share held of all women, of the woman of whom least, and how wide."""
+    """A line for each stance and state: the share held over all patients, that of the worst patient, and the width."""
     for stance in sorted({each[1] for each in found}):
         its = known.of_stance(stance)
         for state in STATES:

@@ -1,4 +1,4 @@
-"""Finds how much each sign of a stance says where no table is seen (fitting/starts/stance_signs.toml).
+"""Estimates the weight of each sign of a stance where no table is seen (fitting/starts/stance_signs.toml).
 
     python model_assets/make_poses.py DIR/poses
     breastrig evaluate --warped 24 COHORT -o DIR --quick
@@ -6,10 +6,10 @@
     python -m breastrig_studies.stance_signs DIR/poses DIR/warped DIR/prone
 
 Scans are whole and without their tables, fitted without landmarks and with all that are on them; a part of each and
-prone skins are fitted without.  Printed are the signs' numbers, from the development women without landmarks, and how
-many answers are wrong, said to be unsure or not: in the development group each woman by the others, else by the numbers
-that are kept.  Fits of whole scans that went astray, whose stance says nothing, are left out, and so is the test set
-(evaluate --test).
+prone skins are fitted without. Printed are the signs' numbers, from the development group without landmarks, and how
+many answers are wrong, marked as unsure or not: in the development group each patient by the others, else by the
+numbers that are kept. Fits of whole scans that failed, whose stance has no meaning, are left out, and so is the test
+set (evaluate --test).
 """
 
 import json
@@ -42,8 +42,8 @@ from breastrig_studies.studies.case import read_scene
 from breastrig_studies.studies.trust.captured import captured_scene
 
 ASTRAY = 0.04  # m, mean distance of the landmarks
-MOST = 1.5  # standard deviations, of any sign: a woman with next to no breasts shows little, not much
-RIDGE = {SUPINE: 3.0, PRONE: 0.1}  # of the weights, in units of scans, of which each woman has many, or one
+MOST = 1.5  # standard deviations, of any sign: a patient with almost no breasts shows little, not much
+RIDGE = {SUPINE: 3.0, PRONE: 0.1}  # of the weights, in units of scans, of which each patient has many, or one
 ALONE = "none"  # of the landmarks are given
 GROUPS = (DEVELOPMENT, VALIDATION)
 WHOLE, PARTS = "as_it_is", ("breasts_only", "above_nipples", "below_nipples", "one_side")  # of virtual/as_captured.py
@@ -170,7 +170,7 @@ def main(folders: Sequence[Path]) -> None:
         source: all_estimated([s for s in alone if s.source != source], kept)
         for source in {s.source for s in development}
     }
-    say(["development group, each woman by the others"])
+    say(["development group, each patient by the others"])
     say(table(development, [likely_stance(s.signs, by_others[s.source]) for s in development]))
     for group in GROUPS:
         its = [s for s in scans if s.half == group]

@@ -1,4 +1,4 @@
-"""The test set: looked at once for each commit, by a command that says so in a log.
+"""The test set: measured at most once for each commit, by a command that records it in a log.
 
 breastrig evaluate COHORT --test docs/test_set.md -o DIR
 """
@@ -17,14 +17,14 @@ from breastrig_studies.studies.trust.asked import RIGHT
 
 TITLE = """# Test set
 
-Virtual women on whom nothing is chosen.  `breastrig evaluate COHORT --test docs/test_set.md` alone looks at them, and
+Virtual patients on whom nothing is chosen.  Only `breastrig evaluate COHORT --test docs/test_set.md` reads them, and
 appends a line.  Scans are whole and without tables, the stance is `auto`; a fit is right when its landmarks are no more
 than 15 mm off on average.  *good*: of right fits with all landmarks.  *wrong*: called good, of fits that are not right,
 with one landmark 30 mm off, or of scans 1.25 times too large without a question about the patient's size.
 *stance*: right, and how many others are said to be unclear.  *mm*: landmarks, all and none given.
 
 """
-ASKED = "Her trunk is"  # begins a question about her size
+ASKED = "Her trunk is"  # begins a question about the patient's size
 COLUMNS = (
     "date",
     "commit",
@@ -41,7 +41,7 @@ COLUMNS = (
 
 
 def commit() -> str:
-    """Of the work tree that this code is in, marked when it was changed since; BadInput without one."""
+    """The commit of the work tree of this code, marked when it was changed since; BadInput without one."""
     asked = ["git", "describe", "--always", "--dirty=+", "--exclude=*"]
     try:
         found = subprocess.run(asked, cwd=Path(__file__).parent, capture_output=True, text=True, check=True)
@@ -51,7 +51,7 @@ def commit() -> str:
 
 
 def check_unseen(log: Path, code: str, again: bool) -> None:
-    """BadInput when this commit has looked already."""
+    """Raises BadInput when this commit has been measured already."""
     if log.is_file() and f"| {code} |" in log.read_text("utf-8") and not again:
         raise BadInput(f"The test set was looked at with {code} already, see {log.name}; --again looks once more.")
 
@@ -66,7 +66,7 @@ def log_line(log: Path, code: str, cohort: str, records: Sequence[Record]) -> st
 
 
 def figures(records: Sequence[Record]) -> list[str]:
-    """What the columns after the cohort say."""
+    """The log's columns after the cohort."""
     done = [record for record in records if record.unit.question == "asked" and not record.failed]
 
     def is_right(fit: dict[str, object]) -> bool:

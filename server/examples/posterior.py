@@ -1,6 +1,6 @@
-"""What a fit leaves open.
+"""Remaining uncertainty of a fit.
 
-A hundred bodies drawn from the posterior of a fit, and how far each vertex moves among them, beside the
+A hundred bodies drawn from the posterior of a fit, and the scatter of each vertex among them, beside the
 calibrated 90 % radius that the fit states.
 """
 

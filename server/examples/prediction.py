@@ -1,6 +1,6 @@
 """Predicted and true supine.
 
-The lying patient is predicted from the standing scan, and compared with her real lying scan. Both are brought
+The lying patient is predicted from the standing scan, and compared with the real lying scan. Both are brought
 into one frame by the trunk, so that what is left is what gravity does.
 """
 

@@ -1,1 +1,1 @@
-"""What is known of bodies beyond the rig, estimated on virtual ones whose whole skin is known."""
+"""Statistics of bodies beyond the rig, estimated on virtual ones whose whole skin is known."""

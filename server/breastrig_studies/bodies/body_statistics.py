@@ -1,13 +1,13 @@
-"""Writes what is known of bodies (fitting/body): mean and covariance of scales and shapes over a folder of cases.
+"""Writes bodies.json (fitting/body): mean and covariance of scales and shapes over a folder of cases.
 
     breastrig evaluate --warped 73 --half development COHORT -o DIR --quick
     python -m breastrig_studies.bodies.body_statistics DIR/warped
     python -m breastrig_studies.bodies.body_statistics --beside DIR/poses DIR/women
 
-Each body is seen twice, as she is and mirrored, so that no side is preferred; women of many scans count as others do.
-Standing and lying bodies each lose their own mean: the prior's centre knows the stance already.  The covariance is kept
-as its strongest directions.  With --beside the file's bodies keep half of the say.  Only development women are read of
-folders that have groups.
+Each body counts as it is and mirrored, so that no side is preferred; each patient counts alike, however many scans
+there are. Standing and lying bodies each lose their own mean: the prior's centre knows the stance already. The
+covariance is kept as its strongest directions. With --beside the file's bodies keep half of the weight. Of folders that
+have groups only the development group is read.
 """
 
 import json
@@ -37,7 +37,7 @@ KEPT = 0.98  # of the variance
 
 @dataclass(frozen=True, eq=False)
 class KnownBody:
-    """Of one scan of which the whole skin is known."""
+    """The fit to one scan whose whole skin is known."""
 
     woman: str
     stance: str
@@ -45,7 +45,7 @@ class KnownBody:
 
 
 def statistics(rig: Rig, bodies: Sequence[KnownBody]) -> BodyStatistics:
-    """Of these bodies."""
+    """Mean and covariance over these bodies."""
     rows = np.array([np.concatenate([each.parameters.scales.ravel(), each.parameters.weights]) for each in bodies])
     times = Counter((each.woman, each.stance) for each in bodies)
     counts = np.array([1.0 / times[each.woman, each.stance] for each in bodies] * 2)
@@ -61,7 +61,7 @@ def statistics(rig: Rig, bodies: Sequence[KnownBody]) -> BodyStatistics:
 
 
 def mixed(first: BodyStatistics, second: BodyStatistics) -> BodyStatistics:
-    """Both, each with half of the say."""
+    """The average of both, each with half of the weight."""
     return BodyStatistics(
         0.5 * (first.mean_scales + second.mean_scales),
         0.5 * (first.covariance + second.covariance),
@@ -70,7 +70,7 @@ def mixed(first: BodyStatistics, second: BodyStatistics) -> BodyStatistics:
 
 
 def document(rig: Rig, known: BodyStatistics) -> dict[str, Any]:
-    """Of the file."""
+    """The file's document."""
     return {
         "schema": SCHEMA,
         "bodies": known.bodies,

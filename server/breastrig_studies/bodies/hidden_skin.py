@@ -1,13 +1,13 @@
-"""Writes how far hidden skin lies above the fitted model on the mean (fitting/body), over bodies whose skin is known.
+"""Writes the mean height of hidden skin above the fitted model (fitting/body), over bodies whose skin is known.
 
     breastrig evaluate --warped 44 COHORT -o DIR --quick
     python -m breastrig_studies.bodies.hidden_skin DIR/warped
 
-Of the development half's bodies only, fitted without landmarks.  The given patients and our virtual cohort count alike,
-however many each has, and each body counts as she is and mirrored.  How high the whole back of a lying body is off says
-how she lies and how deep her trunk is, which no two of these bodies share; the mean over her back is taken away.  Of
-what is left, the back's form, only that is kept on which both ways of computing how a body lies down agree: from
-the cohort alone it takes the given patient of the development half 0.6 mm farther from her skin.
+Only bodies of the development half, fitted without landmarks. The given patients and the virtual cohort count alike,
+however many each has, and each body counts as it is and mirrored. The error of the whole back's height depends on how a
+body lies and how deep its trunk is, which no two of these bodies share; so the mean over each back is subtracted. Of
+the rest, the back's form, only the part is kept on which both ways of computing how a body lies down agree: from the
+cohort alone the error of the given patient of the development half grows by 0.6 mm.
 """
 
 import json
@@ -61,7 +61,7 @@ def about_the_back(rig: Rig, hidden: Booleans, heights: Array) -> Array:
 
 
 def agreed_form(rig: Rig, bodies: Bodies) -> HiddenSkin:
-    """What is estimated on lying bodies: as far as each source has it, without how high a whole back is."""
+    """The hidden skin of lying bodies on which all sources agree, without the mean height of a whole back."""
     ways = [
         estimated(rig, {source: [(hidden, about_the_back(rig, hidden, heights)) for hidden, heights in given]})
         for source, given in bodies.items()

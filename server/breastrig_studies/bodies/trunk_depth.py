@@ -1,14 +1,14 @@
-"""Writes how hidden skin is deeper the higher a lying belly is (fitting/body), over bodies whose skin is known.
+"""Writes the depth of hidden skin as a function of a lying belly's height (fitting/body), over bodies with known skin.
 
     breastrig evaluate --warped 44 COHORT -o DIR --quick
     python -m breastrig_studies.bodies.trunk_depth DIR/warped
 
-Of both halves, because few women are deep: each half alone has one or two of them.  What it is worth was measured on
-each woman with the others' bodies only (fitting/body/trunk_depth.py).  The bodies are fitted without landmarks; every
-woman counts alike, however many bodies were made of her, and each body counts as she is and mirrored.  For a body whose
-belly lies a beyond ORDINARY, with hidden skin h above the model and what is expected of all bodies (hidden_skin.py),
-the slope of a place is Σ a h / (Σ a² + DAMPING²).  It goes through zero at ORDINARY, so that the ways of computing how
-bodies lie down, which disagree about how high an ordinary back lies, have no part in it.
+Both halves are used, because few patients are deep: each half alone has one or two of them. The gain was measured on
+each patient with the others' bodies only (fitting/body/trunk_depth.py). The bodies are fitted without landmarks; every
+patient counts alike, however many bodies were made of one, and each body counts as it is and mirrored. For a body whose
+belly lies a beyond ORDINARY, with hidden skin h above the model and the expectation over all bodies (hidden_skin.py),
+the slope of a place is Σ a h / (Σ a² + DAMPING²). It goes through zero at ORDINARY, so that it does not depend on the
+ways of computing how bodies lie down, which disagree about the height of an ordinary back.
 """
 
 import json
@@ -30,17 +30,19 @@ from breastrig_studies.bodies.hidden_skin import FOLDER, hidden_heights, smoothe
 from breastrig_studies.cohort import read_cohort
 from breastrig_studies.studies.case import read_scene
 
-# Hidden skin of the development half, no landmark given, each woman by the others, mean mm (5.9 without): 0.2125 m 5.3,
-# 0.2175 5.4.  Below 0.2175 bodies that lie by finite elements get worse, 11.5 -> 11.8, who lie higher, not lower.
+# Hidden skin of the development half, no landmark given, each patient by the others, mean mm (5.9 without): 0.2125 m
+# 5.3, 0.2175 5.4.  Below 0.2175 bodies that lie by finite elements get worse, 11.5 -> 11.8, who lie higher, not lower.
 ORDINARY = 0.2175  # m, of the belly above the table
-DAMPING = 0.015  # m: backs differ by 6 mm otherwise, slopes are about 0.4; with 0 one woman alone would make the slope
+DAMPING = (
+    0.015  # m: backs differ by 6 mm otherwise, slopes are about 0.4; with 0 one patient alone would make the slope
+)
 MOST = 0.05  # m beyond it; 0.041 is the most of any body, and a fit may have gone wrong
 REACH = 0.11  # m; the backs of all bodies are fitted 0.03 to 0.08 above their table
 
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    excess: float  # m, of her belly beyond the ordinary
+    excess: float  # m, of the belly beyond the ordinary
     hidden: Booleans  # (V,)
     heights: Array  # (V,) m of the true skin above what is expected
 

@@ -1,8 +1,8 @@
-"""Writes gravity.json (volume/predicted.py) from solved women: `make cohort`, then
+"""Writes gravity.json (volume/predicted.py) from solved bodies: `make cohort`, then
 
-    python -m breastrig_studies.gravity.estimate FOLDER
+python -m breastrig_studies.gravity.estimate FOLDER
 
-Women are split by their numbers: half of them (development) estimate the Gaussian, a quarter (validation) chooses its
+Bodies are split by their numbers: half of them (development) estimate the Gaussian, a quarter (validation) chooses its
 band, a quarter (test) is only measured.
 """
 
@@ -41,7 +41,7 @@ class Woman:
 
 
 def read_women(rig: Rig, folder: Path) -> tuple[Woman, ...]:
-    """Of the files that make_gravity.py wrote."""
+    """The bodies in the files that make_gravity.py wrote."""
     left, _ = breast_skins(rig)
     return tuple(_woman(rig, left, file) for file in sorted(folder.glob("[0-9]*[0-9].npz")))
 
@@ -80,15 +80,15 @@ def misses(prior: GravityPrior, women: Sequence[Woman], stance: str, goal: str) 
 
 
 def with_band(prior: GravityPrior, women: Sequence[Woman], breast: Booleans) -> GravityPrior:
-    """The band that holds nine of ten of the development women's (P,) bool `breast` vertices."""
+    """The prior with the band that holds nine of ten of the (P,) bool `breast` vertices of the development bodies."""
     ratios = [np.divide(*(each[:, breast] for each in misses(prior, women, "standing", goal))) for goal in STANCES[1:]]
     return replace(prior, band=float(np.quantile(np.concatenate(ratios), HELD)))
 
 
 def with_lying_mean(rig: Rig, prior: GravityPrior) -> GravityPrior:
-    """With the mean of lying breasts from bodies known in both stances by two ways of computing (decision 0008).
+    """The prior with the mean of lying breasts from bodies known in both stances by two ways of computing.
 
-    The cohort, whose stiffness is drawn, says how a woman differs from that.
+    The cohort, whose stiffness is drawn, gives the variation about that mean (decision 0008).
     """
     trunk, whole = lying(rig)
     supine = prior.mean["standing"] + (whole - trunk)[breast_skins(rig)[0].skin].ravel()
@@ -96,7 +96,7 @@ def with_lying_mean(rig: Rig, prior: GravityPrior) -> GravityPrior:
 
 
 def document(prior: GravityPrior, women: int) -> dict[str, Any]:
-    """As the file has it."""
+    """The prior as the file's document."""
 
     def whole(values: Array) -> Any:
         return np.rint(values / TENTH).astype(int).tolist()

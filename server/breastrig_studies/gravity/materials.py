@@ -16,7 +16,7 @@ Response = tuple[Array, Array, Array]  # (E, Q) energy density, (E, Q, 9) its gr
 
 
 class Law(Protocol):
-    """Of E elements with Q quadrature points each."""
+    """A material law of E elements with Q quadrature points each."""
 
     def energy(self, gradients: Array) -> Array:
         """(E, Q) density at (E, Q, 3, 3) deformation gradients; inf where an element is inverted."""

@@ -1,7 +1,8 @@
-"""How far is skin from where it was predicted in a stance that was not scanned?
+"""Measures the error of skin predicted in a stance that was not scanned.
 
 The standing scan is fitted with its landmarks and predicted; the frame of the other scan is not known, so the
-prediction is laid on it by its landmarks, rigidly, as the standing body is that is its yardstick (`rigid`).
+prediction is aligned to it rigidly by its landmarks; the standing body aligned in the same way is the baseline
+(`rigid`).
 
 Places: the `nipples`, the `breasts`' true skin, and the `lines` of the study of transfers.
 """

@@ -1,10 +1,10 @@
-"""Prone scans of the women who were solved under gravity.
+"""Prone scans of the bodies that were solved under gravity.
 
-    python -m breastrig_studies.gravity.prone_scans COHORT DATA
+python -m breastrig_studies.gravity.prone_scans COHORT DATA
 
-COHORT is a folder of make_gravity.py; DATA becomes a folder of cases for `breastrig evaluate DATA`.  Their
-origin is not that of virtual/warped/prone.py, whose field of view they have.  Computed breasts hang a third as far as
-volunteers' (docs/decisions/0020), so their motion to the front is enlarged.
+COHORT is a folder of make_gravity.py; DATA becomes a folder of cases for `breastrig evaluate DATA`. Their origin is not
+that of virtual/warped/prone.py, whose field of view they have. Computed breasts hang a third as far as volunteers'
+(docs/decisions/0020), so their motion to the front is enlarged.
 """
 
 import sys
@@ -26,7 +26,7 @@ SEED = 7
 
 
 def hanging_skin(rig: Rig, file: Path, forwards: float) -> Array:
-    """(V, 3) m of one woman's file: standing, both breasts hanging `forwards` times as far as computed."""
+    """(V, 3) m from one body's file: standing, both breasts hanging `forwards` times as far as computed."""
     found = {name: np.asarray(values, dtype=np.float64) for name, values in np.load(file).items()}
     skin = found["given"].copy()
     for each in breast_skins(rig):
@@ -36,7 +36,7 @@ def hanging_skin(rig: Rig, file: Path, forwards: float) -> Array:
 
 
 def main(cohort: Path, data: Path) -> None:
-    """NAME/prone/{scan.ply, landmarks.json, case.json, truth.ply} and NAME/patient.json of each woman."""
+    """Writes NAME/prone/{scan.ply, landmarks.json, case.json, truth.ply} and NAME/patient.json of each body."""
     rig = read_rig(default_rig_path())
     arms = rig.skin_weights[:, [k for k, name in enumerate(rig.bone_names) if name.startswith("upper_arm")]].sum(axis=1)
     for file in sorted(cohort.glob("[0-9]*[0-9].npz")):

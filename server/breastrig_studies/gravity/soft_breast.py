@@ -30,7 +30,7 @@ G = 9.81  # m/s²
 
 @dataclass(frozen=True)
 class Stiffness:
-    """Of one woman."""
+    """The stiffness of one body's tissues."""
 
     fat: float  # Pa, shear modulus
     gland: float  # times fat's
@@ -38,7 +38,7 @@ class Stiffness:
     skin: float  # N/m: shear modulus times thickness
 
     def times(self, factor: float) -> "Stiffness":
-        """Fat and all that goes with it, and skin, so much stiffer."""
+        """The stiffness with fat, gland, fascia and skin stiffer by this factor."""
         return replace(self, fat=factor * self.fat, skin=factor * self.skin)
 
 
@@ -67,7 +67,7 @@ class SoftBreast:
 
 @lru_cache(maxsize=8)
 def soft_breast(rig: Rig, side: str) -> SoftBreast:
-    """Of "L" or "R".  Raises BadInput for a rig whose inside is not known."""
+    """The soft tissue of side "L" or "R". Raises BadInput for a rig whose inside is not known."""
     known, region = known_volume(rig), REGIONS.index(f"breast_{side}")
     count, sign = len(rig.template), 1.0 if side == "L" else -1.0
     away = cKDTree(rig.template[rig.regions[f"breast_{side}"]]).query(known.points)[0]
@@ -100,7 +100,7 @@ def published() -> dict[str, Any]:
 
 
 def drawn(table: dict[str, Any], deviations: Array) -> Stiffness:
-    """From the distributions, at (4,) standard normal deviations of fat, gland, fascia, skin; zero: the medians."""
+    """The stiffness at (4,) standard normal deviations of fat, gland, fascia, skin from the medians."""
     names = ("fat", "gland", "fascia", "skin")
     return Stiffness(
         **{

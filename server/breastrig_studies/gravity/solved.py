@@ -1,6 +1,6 @@
-"""One woman's left breast at rest in four positions: unloaded, standing, supine and prone.
+"""The left breast of one body at rest in four positions: unloaded, standing, supine and prone.
 
-Stiffness is drawn from what was published (tissue.toml): nobody knows it of a woman who was only scanned.
+Stiffness is drawn from published values (tissue.toml): it cannot be known of a patient who was only scanned.
 """
 
 from contextlib import suppress
@@ -21,11 +21,10 @@ TILT = np.radians(5.0)  # standard deviation of how a trunk leans in any positio
 
 
 def solved(rig: Rig, vertices: Array, rng: np.random.Generator) -> dict[str, Array]:
-    """Displacements (m) from (V, 3) m standing vertices, by position: of the skin that the left breast moves and of
-    the soft breast's nodes.
+    """Displacements (m) from (V, 3) m standing vertices, by position: of the left breast's skin and of its nodes.
 
-    She is STIFFER, each time, where she does not come to rest: a breast that stands up so is not so soft.  Raises
-    NoEquilibrium after TRIES.
+    The tissue is made STIFFER, each time, where it does not come to rest: a breast with this shape is not so soft.
+    Raises NoEquilibrium after TRIES.
     """
     table, soft, left = published(), soft_breast(rig, "L"), breast_skins(rig)[0]
     stiffness = drawn(table, rng.normal(size=4))

@@ -1,7 +1,7 @@
 """Equilibrium of a soft body under gravity: Newton's method with a line search on the energy, load step by load step.
 
 Linear tetrahedra: where tissue hardly changes its volume they are a little too stiff, far less than a
-woman's stiffness is unknown, for a fraction of the work of quadratic ones (docs/decisions/0020).  SciPy's SuperLU
+patient's stiffness is unknown, for a fraction of the work of quadratic ones (docs/decisions/0020).  SciPy's SuperLU
 solves the systems.
 """
 
@@ -33,7 +33,7 @@ class NoEquilibrium(BreastRigError):
 
 @dataclass(frozen=True, eq=False)
 class Tissue:
-    """What a body is made of."""
+    """The mechanical properties of a body."""
 
     shear: Array  # (T,) Pa of each tetrahedron
     skin: float  # N/m: shear modulus of skin times its thickness

@@ -126,7 +126,7 @@ def clicks_figure(results: Results) -> Chart:
 
 
 def wrong_picks_figure(table: Table) -> Chart:
-    """How many of the wrong picks were named, and how far the model stayed from their true places."""
+    """Share of the wrong picks that were named, and distance of the model from their true places."""
     rows = [row for row in table.rows if not row.mean]
     words = {"independent": HEADINGS["independent"], "MakeHuman": HEADINGS["makehuman"]}
     labels = [(str(row.cells[1]), _short(str(row.cells[2]))) for row in rows if row.cells[0] == rows[0].cells[0]]
@@ -240,7 +240,7 @@ def peers_figure(table: Table) -> Chart:
 
 
 def reliability_figure(table: Table) -> Chart:
-    """What is said against what is covered, for each group of places; see tables/certainty.py."""
+    """Stated against observed coverage, for each group of places; see tables/certainty.py."""
     said = [100.0 * level for level in LEVELS]
     panels = []
     for group in dict.fromkeys(str(row.cells[0]) for row in table.rows):

@@ -51,7 +51,7 @@ SUMMARY, RECORD, SCHEMA = "evaluation.md", "evaluation.json", "breastrig/evaluat
 
 
 def possible_files(folder: Path) -> tuple[str, ...]:
-    """What `published` may write into the folder, as far as it can be known before: figures that are there count."""
+    """The files that `published` may write into the folder, as far as known in advance; existing figures count."""
     figures = sorted(f"figures/{file.name}" for file in (folder / "figures").glob("*.png"))
     return (*(f"{name}.csv" for name in TABLES), *figures, SUMMARY, RECORD)
 

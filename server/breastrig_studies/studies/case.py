@@ -87,13 +87,13 @@ class Scene:
         return found_stance(FitTask(rig, self.target, start, recipe, {}), self.frame).stance
 
     def place(self, rig: Rig) -> Start:
-        """Where the program finds the body in the known stance, without landmarks."""
+        """The start that the program finds in the known stance, without landmarks."""
         if self.case.stance == PRONE:
             return prone_start(rig, self.target, self.frame)
         return self._upright(rig)
 
     def _upright(self, rig: Rig) -> Start:
-        """By the scan alone, looked for once."""
+        """The start found from the scan alone, cached."""
         if rig not in self._starts:
             self._starts[rig] = start_from_scan(rig, self.target, self.frame.fronts)
         return self._starts[rig]

@@ -1,4 +1,4 @@
-"""What colour brings to proposed landmarks: the same coloured scan with its colours and without, none given.
+"""The gain of colour for proposed landmarks: the same coloured scan with its colours and without, none given.
 
 Also whether the errors hold, whether sides are ever exchanged, and how well the areolae's diameters are measured.
 """

@@ -1,9 +1,9 @@
-"""How much of the ink on a scan is found, how much of what is found is ink, and where it ends on the other scan.
+"""Recall and precision of the ink found on a scan, and its error when transferred to the other scan.
 
 Found and true lines are sampled every SAMPLE and moved to the nearest place of the true surface, so that the depth
-error of the scan is not counted.  Letters are ink but no part of a plan: what is found of them is no error, what is
-not found is none either.  Numbers are measured with the thresholds as they are, and with all of them larger and
-smaller by a common factor: for each patient the table takes the factor that is best for the others.
+error of the scan is not counted. Letters are ink but no part of a plan: they count neither as found nor as missed.
+Numbers are measured with the thresholds as they are, and with all of them larger and smaller by a common factor: for
+each patient the table takes the factor that is best for the others.
 """
 
 import json
@@ -111,7 +111,7 @@ def ink_transfer_study(cases: tuple[Case, ...], rig: Rig, recipe: Recipe) -> dic
 
 
 def true_lines(case: Case, other: Case | None) -> TrueLines:
-    """Of the case's ink.json; BadInput when it is not there."""
+    """The true lines of the case's ink.json; BadInput when it is not there."""
     shapes = _shapes(case.folder / "ink.json")
     beyond = None if other is None else _shapes(case.folder / f"ink_in_{other.name}.json")
     parts = [np.zeros((0, 7))]

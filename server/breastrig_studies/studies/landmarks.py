@@ -1,7 +1,7 @@
-"""What do the landmarks bring, and what happens when they are wrong?
+"""The effect of landmarks on a fit, right and wrong ones.
 
-Half given, the other half measured, both ways round; none given, the scan as it lies; every pick 5 mm off; one
-pick 50 mm off; two sides exchanged.  "Named" means what a user reads: a doubt of the program with that name in it.
+Half given, the other half measured, both ways round; none given, the scan as it lies; every pick 5 mm off; one pick 50
+mm off; two sides exchanged. "Named" is what a user reads: an issue of the program with that name in it.
 """
 
 from typing import Any

@@ -1,7 +1,7 @@
-"""How far is a lesion from its true place after it was carried through the body to another stance?
+"""Measures the error of a lesion transferred through the body to another stance.
 
-PATIENT/tumours.json has balls inside the breasts as the same tissue in several stances (millimetres in the axes of
-each scan's file).  Both scans are fitted with their landmarks.
+PATIENT/tumours.json has balls inside the breasts as the same tissue in several stances (millimetres in the axes of each
+scan's file). Both scans are fitted with their landmarks.
 
 Ways: `volume`, the program's; what a user could have instead: `rigid` motion and thin-plate `spline` through the
 landmarks of both.

@@ -47,7 +47,7 @@ def turned(scene: Scene, rotation: Array, shift: Array) -> Scene:
 
 
 def wrong_way(rig: Rig, vertices: Array, true: dict[str, Array]) -> dict[str, bool]:
-    """Which axes of the fitted body point the wrong way, for (V, 3) m vertices and the true landmarks (3,) m."""
+    """Whether each axis of the fitted body is reversed, for (V, 3) m vertices and the true landmarks (3,) m."""
     names = tuple(true)
     points = rig.landmark_points(names)
     rest = points.positions(rig.template, rig.faces)

@@ -1,4 +1,4 @@
-"""Is a drawing that was carried to another patient at the same place of her breast?
+"""Is a drawing that was transferred to another patient at the same place of the breast?
 
 Between two patients no point has a true partner, so the place is judged by what both have: a shape's distance to
 the true nipple and to the true fold, in parts of the distance from nipple to xiphoid.  A shape that stands one and a

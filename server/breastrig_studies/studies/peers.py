@@ -1,7 +1,7 @@
-"""What do others reach from the same start?  Rigid iterative closest points, and a free-form registration.
+"""Other methods from the same start: rigid iterative closest points, and a free-form registration.
 
-Both get the same similarity from the true landmarks as our fit; the free-form one (Amberg et al., 2007, in trimesh)
-is given the landmarks as well.  They deform the same template, so all numbers are of the same kind.
+Both get the same similarity from the true landmarks as our fit; the free-form one (Amberg et al., 2007, in trimesh) is
+given the landmarks as well. They deform the same template, so all numbers are of the same kind.
 """
 
 import time

@@ -1,4 +1,4 @@
-"""Which questions are put to which cases.
+"""Assigns questions to cases.
 
 Two rounds: the number of blendshapes is studied in the order of their usefulness, which the first round measures.
 """
@@ -23,7 +23,7 @@ ORDERS = ("usefulness", "rig")
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """What shall be measured."""
+    """The questions, cases and settings of an evaluation."""
 
     cases: tuple[Case, ...]
     recipes: tuple[Recipe, ...]  # the first one is studied, the others stand beside it
@@ -64,7 +64,7 @@ class Plan:
         return sorted(units, key=lambda unit: place[unit.cases[0]])  # by case, whose scan is then read once
 
     def _of_colour(self) -> list[Unit]:
-        """What is asked of coloured cases, and of the stances of one patient."""
+        """The questions to coloured cases, and to the stances of one patient."""
         coloured = [case for case in self.cases if case.coloured]
         units = [
             Unit((case,), question, self.recipes[0], self.model)
@@ -88,7 +88,7 @@ class Plan:
         return units
 
     def _pairs_of_patients(self) -> list[Unit]:
-        """Each patient with the next one of her family in the same setting, the last with the first."""
+        """Each patient with the next one of the same family in the same setting, the last with the first."""
         units = []
         for setting in dict.fromkeys((case.family, case.name) for case in self.plain):
             same = [case for case in self.plain if (case.family, case.name) == setting]

@@ -1,7 +1,7 @@
-"""Where each model vertex truly is: the model fitted to a case's whole true surface, with all true landmarks.
+"""The reference location of each model vertex: the model fitted to a case's true surface with all true landmarks.
 
-It is no measurement of the program, which never sees that surface, but what unseen parts, and the statistics of
-bodies, are compared with: its skin lies on the true one, and along the skin it is as good as landmarks and shapes are.
+It is no measurement of the program, which never sees that surface, but the reference for unseen parts and for the
+statistics of bodies: its skin lies on the true one, and along the skin it is as good as landmarks and shapes are.
 """
 
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ class ReferenceFit:
 
 
 def reference_fit(scene: Scene, rig: Rig, recipe: Recipe) -> ReferenceFit | None:
-    """None where no true surface is known."""
+    """The reference fit; None where no true surface is known."""
     if scene.truth is None:
         return None
     target = ready(ScanTarget(scene.truth.vertices, np.asarray(scene.truth.triangles)))

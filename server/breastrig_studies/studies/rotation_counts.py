@@ -1,3 +1,3 @@
-"""How many random orientations of each scan are tried."""
+"""The numbers of random orientations per scan."""
 
 ROTATIONS, QUICK_ROTATIONS = 24, 4

@@ -1,7 +1,7 @@
-"""Which settings matter?  Each compliance over decades (figures 7 and 8), and the number of blendshapes (5 and 6).
+"""Sensitivity to settings: each compliance over decades (figures 7 and 8), and the number of blendshapes (5 and 6).
 
-A compliance of the paper is the square of a preset's sigma, so a factor on the one is its root on the other.
-A rig with fewer shapes is the same rig with the rest left out; its file stays as it is.
+A compliance of the paper is the square of a preset's sigma, so a factor on the one is its root on the other. A rig with
+fewer shapes is the same rig with the rest left out; its file stays as it is.
 """
 
 from dataclasses import replace
@@ -28,7 +28,10 @@ def _shapes(shapes: Shapes, root: float) -> Shapes:
 
 
 def _body(body: Body | None, root: float, scale_root: float) -> Body | None:
-    """What bodies have in common is one Gaussian of both, so it changes with either; `factor` is part of the shapes."""
+    """The body prior for changed compliances: one Gaussian of scales and shapes, so it changes with either.
+
+    `factor` is part of the shapes.
+    """
     if body is None:
         return None
     return body.model_copy(update={"share": root**2 * body.share, "scale_sigma": scale_root * body.scale_sigma})

@@ -1,12 +1,12 @@
-"""How far is a drawing from its true place after it was carried to another scan of the same patient?
+"""Measures the error of a drawing transferred to another scan of the same patient.
 
-truth.ply of one patient has the same triangles in every stance.  A line is put on scan A's true surface; the same
-places of the same triangles are its true place on B.  Only places count that both scans saw (a scan point within
-15 mm whose normal is within 60 degrees), and only what lies on the skin of A is given to the transfer.
+truth.ply of one patient has the same triangles in every stance. A line is put on scan A's true surface; the same places
+of the same triangles are its true place on B. Only places count that both scans saw (a scan point within 15 mm whose
+normal is within 60 degrees), and only what lies on the skin of A is given to the transfer.
 
 Lines: `lumpectomy` and the breasts' `meridians` as the model draws them on scan A, and `strokes`: short lines in all
-directions over chest and breasts.  Picks: the true landmarks; each 5 mm off along the skin; and the true ones but
-for one nipple, 30 mm off.  Picks that the fits doubt are left out, as in a fit's folder.
+directions over chest and breasts. Picks: the true landmarks; each 5 mm off along the skin; and the true ones but for
+one nipple, 30 mm off. Picks that the fits doubt are left out, as in a fit's folder.
 
 Ways: `skin`, the program's; `model`, through the fitted models alone; and what a user could have instead: `rigid`
 motion and thin-plate `spline` through all landmarks snapped to the scans, then to the nearest skin.

@@ -1,4 +1,4 @@
-"""What becomes of the parts that a scan does not show?
+"""Measures the parts of a body that a scan does not show.
 
 The scan is cut at the navel, at the nipples and along the midline, fitted with the landmarks that are left, and
 compared with the fit of the whole scan: bone scales, volume, size of the shape weights, and how far the skin moved.
@@ -33,7 +33,7 @@ def whole_fit(scene: Scene, rig: Rig, recipe: Recipe) -> Fitted:
 
 
 def cut_fit(scene: Scene, rig: Rig, recipe: Recipe, whole: Fitted, cut: str) -> Cut | None:
-    """The fit of what a cut leaves: above navel or nipples, or her left half; None without the cut's landmark."""
+    """The fit to the rest of a cut: above navel or nipples, or the left half; None without the cut's landmark."""
     if CUTS[cut] not in scene.landmarks:
         return None
     axes = umeyama(rig.template, whole.vertices).rotation  # columns: left, up, front

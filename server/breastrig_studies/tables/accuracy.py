@@ -1,7 +1,7 @@
-"""From records to tables: the paper's Table 1, the presets, and the study of the landmarks.
+"""Tables from records: the paper's Table 1, the presets, and the study of the landmarks.
 
-Families of bodies stay apart everywhere, and so do stances by the name of their folder: two models of how a breast
-lies down are two settings, though both are supine.
+Families of bodies stay apart everywhere, and so do stances by the name of their folder: two models of how a breast lies
+down are two settings, though both are supine.
 """
 
 from collections.abc import Iterable, Sequence

@@ -1,4 +1,4 @@
-"""How often the 90 % radii hold the true place, and how often right picks are doubted, as tables."""
+"""Tables of the coverage of 90 % radii, and of right picks that are doubted."""
 
 from collections.abc import Sequence
 
@@ -17,7 +17,7 @@ PARTS = {"landmarks": "landmark", "skin": "skin", "lines": "line"}
 
 
 def covered(records: Sequence[Record], kind: str, part: str, place: str | None = None) -> tuple[int, int]:
-    """How many true places the radii covered, of how many; of all kinds of places when none is named."""
+    """The number of true places within the radii, and of all; over all kinds of places when none is named."""
     counts = [
         count
         for record in records
@@ -53,9 +53,9 @@ def certainty_table(records: Sequence[Record]) -> Table:
 
 
 def levels_covered(records: Sequence[Record], group: str, kind: str) -> list[int]:
-    """How many true places of the group the radius of each of LEVELS covered, and of how many, over all cases.
+    """The number of the group's true places within the radius of each of LEVELS, and of all, over all cases.
 
-    `kind` is one of KINDS; carried lines are looked for in the transfers, where they were made with such picks.
+    `kind` is one of KINDS; transferred lines are searched in the transfers, where they were made with such picks.
     """
     if group == CARRIED:
         counts = [

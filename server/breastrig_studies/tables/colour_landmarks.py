@@ -1,4 +1,4 @@
-"""From records to tables: landmarks proposed with the scan's colours and without, and the areolae's diameters."""
+"""Tables from records: landmarks proposed with the scan's colours and without, and the areolae's diameters."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -49,7 +49,7 @@ def colour_landmarks_table(records: Sequence[Record]) -> Table:
 
 
 def areolae_table(records: Sequence[Record]) -> Table:
-    """How far measured diameters are from the true ones."""
+    """Errors of measured diameters of areolae."""
     caption = (
         "Diameters of areolae by the border of their colour, mm: number with a true border, share seen, mean error "
         "(above zero: too large), standard deviation, and the share of true diameters within the band (90 % is meant)."

@@ -1,7 +1,7 @@
-"""From records to tables: ink found on coloured scans, and carried to the other stance.
+"""Tables from records: ink found on coloured scans, and transferred to the other stance.
 
 For each patient the common factor of the thresholds is the one that is best for all other patients, so no number of a
-row was chosen on it.  Where only one patient is there, the factor is 1.
+row was chosen on it. Where only one patient is there, the factor is 1.
 """
 
 from collections.abc import Sequence

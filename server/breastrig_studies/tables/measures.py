@@ -1,4 +1,4 @@
-"""How far the report's measures are off, and how often their bands hold the true ones, as a table."""
+"""Table of the errors of the report's measures, and of the coverage of their bands."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""From records to tables: the number of blendshapes, the compliances, and the peers."""
+"""Tables from records: the number of blendshapes, the compliances, and the peers."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""From records to tables: drawings carried to another stance, and to another patient."""
+"""Tables from records: drawings transferred to another stance, and to another patient."""
 
 from collections.abc import Sequence
 

@@ -16,7 +16,7 @@ COLUMNS = (
     Column("moved_mm", "moved mm", 1),
     Column("most_moved_mm", "most moved mm", 0),
 )
-WORDS = {"navel": "above the navel", "nipples": "above the nipples", "half": "her left half"}
+WORDS = {"navel": "above the navel", "nipples": "above the nipples", "half": "the left half"}
 
 
 def unseen_table(records: Sequence[Record]) -> Table:

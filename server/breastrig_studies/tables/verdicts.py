@@ -1,4 +1,4 @@
-"""How often right fits are called good and wrong ones not, as a table."""
+"""Table of verdicts: shares of right fits called good and of wrong ones that are not."""
 
 from collections.abc import Sequence
 

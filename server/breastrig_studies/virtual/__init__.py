@@ -1,4 +1,4 @@
-"""The virtual cohort: seven adult women that MakeHuman's data made, standing and lying, scanned by a simulated camera.
+"""The virtual cohort: seven adult women made from MakeHuman's data, standing and lying, scanned by a simulated camera.
 
 They have the same origin as the model's template, so that they flatter it; the files and the tables say so.
 """

@@ -20,7 +20,7 @@ from breastrig_studies.virtual.depth_fusion import surface_nets
 from breastrig_studies.virtual.warped.captures import shown
 
 Landmarks = Mapping[str, Array]  # (3,) m
-Mesh = tuple[Array, Integers]  # (V, 3) m, +X her left, +Y her head, +Z her front, about the xiphoid; (F, 3)
+Mesh = tuple[Array, Integers]  # (V, 3) m, +X left, +Y head, +Z front, about the xiphoid; (F, 3)
 
 SOFT = 0.004  # m, over which the edge of what is worn rises
 CUP = 1.5  # of the way from nipple to fold: radius of a cup
@@ -34,7 +34,7 @@ BACK = 0.02  # m behind the shoulders' tips, where only a front was seen
 WALL = (0.02, 0.06)  # m from the ragged border to the plate behind it
 CELL, OUTLINE = 0.01, 3  # m, and cells: how near the outline a border is the outer one
 SOLVED, NARROW = 0.005, 1.0  # m, a voxel of Poisson's surface; voxels, to which normals are blurred
-MARGIN = 0.12  # m around her
+MARGIN = 0.12  # m around the body
 TILTED = 8.0  # degrees, of a scanner in the hand
 FACING, DEEPEST = 0.3, -0.15  # cosine, and m behind the xiphoid: what one camera sees
 ABOVE, BELOW, BESIDE = 0.03, 0.05, 0.03  # m around notch, folds and nipples: one picture of the breasts
@@ -129,7 +129,7 @@ def poisson_lids(mesh: Mesh, marks: Landmarks, random: np.random.Generator) -> M
 
 
 def front_only(mesh: Mesh, marks: Landmarks, random: np.random.Generator) -> Mesh:
-    """What one camera before her sees."""
+    """The mesh that one camera in front of the body sees."""
     vertices, faces = mesh
     seen: Booleans = (vertex_normals(vertices, faces)[:, 2] > FACING) & (vertices[:, 2] > DEEPEST)
     return _kept(mesh, seen)
@@ -196,7 +196,7 @@ def as_captured(
 
 
 def body_frame(marks: Landmarks) -> tuple[Array, Array]:
-    """((3, 3) her left, up and front as columns, (3,) m xiphoid)."""
+    """((3, 3) the patient's left, up and front as columns, (3,) m xiphoid)."""
     up = marks["suprasternal_notch"] - marks["xiphoid"]
     up = marks["suprasternal_notch"] - marks["umbilicus"] if "umbilicus" in marks else up
     up = up / np.linalg.norm(up)
@@ -225,7 +225,7 @@ def _neighbours_mean(vertices: Array, faces: Integers) -> Array:
 
 
 def _kept(mesh: Mesh, chosen: Booleans) -> Mesh:
-    """Of the (V,) vertices."""
+    """The part of the mesh with the chosen (V,) vertices."""
     vertices, faces = compact(mesh[0], mesh[1][chosen[mesh[1]].all(axis=1)])
     return compact(vertices, faces[large_pieces(vertices, faces)[0]])
 
@@ -236,7 +236,7 @@ def _front(mesh: Mesh, marks: Landmarks) -> Mesh:
 
 
 def _closed(mesh: Mesh, wall: float) -> Mesh:
-    """With its outer border drawn out by `wall` (m; 0: moved) to a plate behind all of it."""
+    """The mesh with its outer border drawn out by `wall` (m; 0: moved) to a plate behind all of it."""
     vertices, faces = mesh[0].copy(), mesh[1]
     outline = _Outline.of(vertices)
     edges = boundary_edges(faces)
@@ -257,7 +257,7 @@ def _closed(mesh: Mesh, wall: float) -> Mesh:
 
 @dataclass(frozen=True, eq=False)
 class _Outline:
-    """What one sees from the front, in cells."""
+    """The silhouette from the front, in cells."""
 
     low: Array  # (2,) m
     inside: Booleans
@@ -271,10 +271,10 @@ class _Outline:
         return _Outline(low, binary_fill_holes(binary_closing(seen)))
 
     def holds(self, points: Array, by: int = 0) -> Booleans:
-        """Which of (M, 3) m points are inside it, and this many cells away from it."""
+        """(M,) which of (M, 3) m points are inside it, at least `by` cells from its border."""
         inside = binary_erosion(self.inside, iterations=by) if by else self.inside
         return np.asarray(inside[tuple(np.floor((points[:, :2] - self.low) / CELL).astype(np.int64).T)])
 
     def near(self, points: Array) -> Booleans:
-        """Which of (M, 3) m points are at it."""
+        """(M,) which of (M, 3) m points are at its border or outside."""
         return ~self.holds(points, OUTLINE)

@@ -1,7 +1,7 @@
-"""The bodies of the virtual cohort, as they are kept in the program: true skins and landmarks, no scans.
+"""The stored bodies of the virtual cohort: true skins and landmarks, no scans.
 
-All women share one mesh, so that a vertex is the same point of the skin in both stances (and its like in all
-women).  model_assets/make_cohort.py writes the files.
+All patients share one mesh, so that a vertex is the same point of the skin in both stances (and the corresponding one
+in all patients). model_assets/make_cohort.py writes the files.
 """
 
 import hashlib
@@ -26,17 +26,17 @@ PACKAGE = Path(__file__).resolve().parents[1]
 
 @dataclass(frozen=True, eq=False)
 class VirtualBody:
-    """One woman in one stance, in body coordinates (m, +X her left, +Y her head, +Z her front)."""
+    """One patient in one stance, in body coordinates (m, +X left, +Y head, +Z front)."""
 
     stance: str  # standing | supine
     vertices: Array  # (V, 3) m
     landmarks: dict[str, Array]  # (3,) m
-    table: float | None  # m, z of the table under her back
+    table: float | None  # m, z of the table under the back
 
 
 @dataclass(frozen=True, eq=False)
 class VirtualPatient:
-    """One woman in both stances."""
+    """One patient in both stances."""
 
     name: str
     about: dict[str, Any]  # size, age, measured girths and volumes
@@ -45,7 +45,7 @@ class VirtualPatient:
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
-    """All women and the mesh that they share."""
+    """All patients and the mesh that they share."""
 
     faces: Integers  # (F, 3), open at neck, arms and hips
     scanned: Booleans  # (V,) False on the forearms, which whoever scans crops
@@ -56,13 +56,13 @@ class Bodies:
 
 
 def cohort_folder() -> Path:
-    """The seven virtual women: in the installed package, or in the checkout."""
+    """The folder of the seven virtual patients: in the installed package, or in the checkout."""
     packaged = PACKAGE / "assets" / "cohort"
     return packaged if packaged.is_dir() else PACKAGE.parent.parent / "model_assets" / "cohort"
 
 
 def read_bodies(folder: Path | None = None) -> Bodies:
-    """From the folder, or from what the program brings; BadInput when the files are not there or not of this kind."""
+    """The bodies of the folder, or of the package's; BadInput when the files are not there or not of this kind."""
     folder = folder or cohort_folder()
     try:
         about = json.loads((folder / "patients.json").read_text("utf-8"))
@@ -90,7 +90,7 @@ def read_bodies(folder: Path | None = None) -> Bodies:
 
 
 def closed(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
-    """With a lid over each opening at the end of the lists, so that no camera looks into the body."""
+    """The mesh with a lid over each opening appended, so that no camera looks into the body."""
     for loop in boundary_loops(faces):
         middle = np.full(len(loop), len(vertices))
         vertices = np.concatenate([vertices, vertices[loop].mean(axis=0, keepdims=True)])

@@ -44,7 +44,7 @@ def write_known(
     placed: Array,
     more: dict[str, Any],
 ) -> None:
-    """What is known of a scan in the frame that (4, 4) `placed` leads to: truth.ply, landmarks.json, case.json."""
+    """Writes a scan's ground truth in the frame of (4, 4) `placed`: truth.ply, landmarks.json, case.json."""
     write_ply(place / "truth.ply", moved(body.vertices, placed), skin)
     names = sorted(body.landmarks)
     places = np.array([body.landmarks[name] for name in names])

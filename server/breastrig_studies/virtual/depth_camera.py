@@ -48,7 +48,7 @@ class DepthCamera:
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """Where a camera stands."""
+    """The position and axes of a camera."""
 
     position: Array  # (3,) m
     axes: Array  # (3, 3), rows: right, down, forward; unit
@@ -60,7 +60,7 @@ class View:
 
 @dataclass(frozen=True, eq=False)
 class DepthImage:
-    """What one view answered, with the place from where the sensor believes to have looked."""
+    """The depths of one view, with the position that the sensor assumes for it."""
 
     camera: DepthCamera
     view: View

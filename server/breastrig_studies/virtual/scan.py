@@ -1,4 +1,4 @@
-"""The scan of a virtual woman: depth images with their errors, fused to one surface, cropped as people crop."""
+"""The scan of a virtual patient: depth images with their errors, fused to one surface, cropped as people crop."""
 
 from dataclasses import dataclass, replace
 
@@ -26,7 +26,7 @@ class SimulatedScan:
 
 @dataclass(frozen=True, eq=False)
 class Circumstances:
-    """What is not as usual about a scan."""
+    """Unusual circumstances of a scan."""
 
     noisier: float = 1.0  # times the sensor's noise
     voxel: float = VOXEL  # m
@@ -42,7 +42,7 @@ def scan_body(bodies: Bodies, body: VirtualBody, random: np.random.Generator) ->
 def scan_skin(
     body: VirtualBody, skin: Integers, scanned: Booleans, random: np.random.Generator, about: Circumstances
 ) -> SimulatedScan:
-    """The same for any (F, 3) mesh of a body, of which (V,) bool `scanned` is not cropped."""
+    """The scan of any (F, 3) mesh of a body; vertices outside (V,) bool `scanned` are cropped."""
     session = plan_session(body, scanned, random)
     camera = replace(session.camera, noise=about.noisier * session.camera.noise)
     spots = session.blind_spots if about.holes is None else np.concatenate([session.blind_spots, about.holes])

@@ -1,7 +1,7 @@
-"""How one stance of one woman is scanned: where the person with the camera walks and what the scan leaves out.
+"""A scanning session of one stance: the camera's path, and the parts that the scan leaves out.
 
-Everything is drawn from the given generator within the limits of what people do: how far they walk around, how low
-and high the scanning box reaches, how much of each arm is inside, and where wet or shining skin gives no answer.
+Everything is drawn from the given generator within the limits of what people do: how far they walk around, how low and
+high the scanning box reaches, how much of each arm is inside, and where wet or shining skin gives no answer.
 """
 
 from dataclasses import dataclass

@@ -1,1 +1,1 @@
-"""What a fit says of itself: its radii, its doubts and its verdict."""
+"""Calibration of a fit's own statements: radii, issues and verdict."""

@@ -1,6 +1,6 @@
-"""What the program says of a scan without its table, asked as people do: all landmarks, none, a wrong one or size.
+"""Verdicts on scans without a table, given as users do: all landmarks, none, a wrong one, or a wrong size.
 
-The stance is `auto`.  A fit is right when its landmarks are off by no more than RIGHT on average.
+The stance is `auto`. A fit is right when its landmarks are off by no more than RIGHT on average.
 """
 
 from collections.abc import Mapping
@@ -41,7 +41,7 @@ def asked(scene: Scene, rig: Rig, recipe: Recipe) -> dict[str, Any]:
 
 
 def answer(scene: Scene, rig: Rig, recipe: Recipe, picks: Mapping[str, Array], scale: float = 1.0) -> dict[str, Any]:
-    """Of one fit; `picks` are (3,) m by name, scan and picks are `scale` times their size."""
+    """The verdict of one fit; `picks` are (3,) m by name, scan and picks are `scale` times their size."""
     scan = Scan(scale * scene.target.vertices, scene.target.faces, "m", 1.0, "As asked for.", "0" * 64)
     given = {name: (1e3 * scale * place).tolist() for name, place in picks.items()}
     plan = replace(fit_plan(FitSettings(drawing=None, refine=False), rig, given), recipe=recipe)

@@ -1,6 +1,7 @@
-"""What the program says of a scan under a condition of virtual/as_captured.py, with its landmarks and without.
+"""Verdicts on a scan under a condition of virtual/as_captured.py, with its landmarks and without.
 
-Given, and measured, are the landmarks that are on what is left of the scan; what is worn on them leaves them there.
+The landmarks that are given, and measured, are those on the remaining scan; clothes leave the landmarks below them
+there.
 """
 
 import zlib
@@ -22,7 +23,7 @@ ON_SCAN = 0.025  # m; under hair and hanging breasts no scan is nearer
 
 
 def captured_scene(scene: Scene, condition: str) -> Scene:
-    """The same case under a condition."""
+    """The case under a condition."""
     random = np.random.default_rng(zlib.crc32(f"{scene.case.patient}/{scene.case.name}/{condition}".encode()))
     target, true = scene.target, dict(scene.landmarks)
     vertices, faces, marks = as_captured(condition, target.vertices, target.faces, true, random)

@@ -1,9 +1,9 @@
-"""How the energy really rises around a fit, in units of what its Gaussian (fitting/posterior.py) says.
+"""Compares the energy around a fit with its Gaussian approximation (fitting/posterior.py).
 
-    python -m breastrig_studies.studies.trust.laplace COHORT [COHORT ...]
+python -m breastrig_studies.studies.trust.laplace COHORT [COHORT ...]
 
-Steps drawn from the posterior are brought to 1, 2 and 4 deviations; matches are looked for anew at each.  1: as the
-Gaussian says; less: the fit is less sure there than it says.  Of the first two women of each stance.
+Steps drawn from the posterior are scaled to 1, 2 and 4 deviations; matches are searched anew at each. 1: as the
+Gaussian; less: the fit is less certain there than it states. Of the first two patients of each stance.
 """
 
 import sys

@@ -1,7 +1,7 @@
-"""How often radii of several levels hold the true place: the counts behind a reliability plot.
+"""Coverage of radii at several levels: the counts behind a reliability plot.
 
-The program says one radius, that of 90 %.  What it says of the other levels follows from it: places scatter over the
-skin, in two directions alike, so a radius of level p is the share sqrt(ln(1 - p) / ln(0.1)) of it.
+The program states one radius, that of 90 %. Other levels follow from it: places scatter over the skin, in two
+directions alike, so a radius of level p is the share sqrt(ln(1 - p) / ln(0.1)) of it.
 """
 
 import numpy as np
@@ -13,7 +13,7 @@ SHARES = tuple(float(np.sqrt(np.log(1.0 - level) / np.log(0.1))) for level in LE
 
 
 def covered_at_levels(errors: Array, radii: Array) -> list[int]:
-    """How many of the (M,) m errors each level's radius holds ((M,) m radii of 90 %), and M."""
+    """The number of the (M,) m errors within each level's radius ((M,) m radii of 90 %), and M."""
     return [*(int((errors <= share * radii).sum()) for share in SHARES), len(errors)]
 
 

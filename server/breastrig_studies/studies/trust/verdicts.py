@@ -60,7 +60,7 @@ def judged(
     clearness: float | None,
     proposed: dict[str, Array],
 ) -> tuple[dict[str, Any], dict[str, Array]]:
-    """What is said of the fit, and where its landmarks are."""
+    """The verdict on the fit with its errors, and the locations of its landmarks."""
     task = FitTask(rig, scene.target, start, recipe, {}, scene.case.stance).with_picks(picks)
     *_, last = checked_iterates(task)
     posterior = Posterior(ended(task, last), last.parameters)

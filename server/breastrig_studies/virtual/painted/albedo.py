@@ -18,9 +18,9 @@ INK_FADES = 0.0004  # m, from full ink to none
 
 
 class Albedo:
-    """One woman's skin as a function of the place on it; drawn once, the same for both stances.
+    """One patient's skin as a function of the place on it; drawn once, the same for both stances.
 
-    `even`: lines are as dark everywhere.  Otherwise they fade where a misplaced picture leaves the skin, as worn ones.
+    `even`: lines are as dark everywhere. Otherwise they fade where a misplaced picture leaves the skin, as worn ones.
     """
 
     def __init__(

@@ -27,7 +27,7 @@ CANDIDATES = 4_000_000  # texels looked at together
 
 @dataclass(frozen=True, eq=False)
 class Atlas:
-    """Of F triangles, on `side` x `side` texels; row 0 is the upper edge, as in a picture."""
+    """The atlas of F triangles, on `side` x `side` texels; row 0 is the upper edge, as in a picture."""
 
     side: int
     texel: float  # m on skin that faces its chart's axis

@@ -102,7 +102,7 @@ def rim_shape(
 def strokes_elsewhere(
     body: VirtualBody, skin: Integers, strokes: Iterable[Stroke], placed: Array, unit: str
 ) -> list[dict[str, Any]]:
-    """The same points of the skin in another stance, where a transferred drawing should lie."""
+    """The strokes at the same points of the skin in another stance: the truth for a transferred drawing."""
     return [_shape(body, skin, s.name, s.closed, s.color, s.points, placed, unit, None) for s in strokes]
 
 

@@ -32,7 +32,7 @@ TEXTURE = 1024  # texels a side
 
 @dataclass(frozen=True, eq=False)
 class PaintedSkin:
-    """What is on one woman, in both stances."""
+    """The skin and marks of one patient, in both stances."""
 
     skin: Skin
     marks: Marks
@@ -82,7 +82,7 @@ def draw_skin(
 def painted_scan(
     painted: PaintedSkin, body: VirtualBody, scan: SimulatedScan, random: np.random.Generator, side: int, inked: bool
 ) -> PaintedScan:
-    """The picture of a scan of this woman in one stance, on `side` x `side` texels."""
+    """The picture of a scan of this patient in one stance, on `side` x `side` texels."""
     atlas = make_atlas(scan.vertices, scan.faces, side)
     albedo = painted.albedo if inked else painted.bare
     picture = photograph(albedo, painted.skin.vertices, body, painted.skin.faces, scan, atlas, random)
@@ -90,7 +90,7 @@ def painted_scan(
 
 
 def painted_patients(half: Half = "both") -> tuple[str, ...]:
-    """The names of the women of a half; as sources of warped bodies they are of the same one."""
+    """The names of the patients of a half; as sources of warped bodies they are of the same one."""
     halves = {
         patient.name: (DEVELOPMENT, VALIDATION)[index % 2] for index, patient in enumerate(read_bodies().patients)
     }

@@ -1,7 +1,7 @@
-"""What is on a virtual woman's skin: areolae, ink, moles, scars, veins, all as points of her true standing skin.
+"""Marks on a virtual patient's skin: areolae, ink, moles, scars, veins, all as points of the true standing skin.
 
-Points of the skin go where the skin goes, so the same marks lie right on her lying body.  Lines are laid out as seen
-from the front and dropped on the skin along that direction.
+Points follow the skin, so the same marks lie right on the lying body. Lines are laid out as seen from the front and
+projected on the skin along that direction.
 """
 
 from collections.abc import Sequence
@@ -73,7 +73,7 @@ class Spot:
 
 @dataclass(frozen=True, eq=False)
 class Marks:
-    """All of one woman."""
+    """All marks of one patient."""
 
     areolae: tuple[Areola, ...]
     ink: tuple[Stroke, ...]

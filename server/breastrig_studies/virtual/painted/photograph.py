@@ -50,7 +50,7 @@ def photograph(
     atlas: Atlas,
     random: np.random.Generator,
 ) -> Photograph:
-    """Of a body in its stance, whose skin (V, 3) `standing` m, (F, 3) `faces` is painted."""
+    """The photograph of a body in its stance, whose skin (V, 3) `standing` m, (F, 3) `faces` is painted."""
     found = ClosestPointSearch(body.vertices, faces).query(scan.vertices)
     there = np.einsum("mc,mcd->md", found.barycentric, standing[faces[found.faces]])  # on the standing skin
     open_sky = _open_sky(body.vertices, faces, random)

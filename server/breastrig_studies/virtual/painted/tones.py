@@ -38,7 +38,7 @@ INKS = {  # the marker's own colour as a screen shows it, and its Lab on paper
 
 @dataclass(frozen=True, eq=False)
 class Palette:
-    """One woman's colours, (3,) Lab each."""
+    """One patient's colours, (3,) Lab each."""
 
     tone: int
     skin: Array

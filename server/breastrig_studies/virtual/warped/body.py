@@ -66,7 +66,7 @@ FEW = 0.001  # share of the triangles that may be unsound under a breast that ha
 
 
 def is_sound(before: Array, after: Array, faces: Integers) -> bool:
-    """Of two skins (V, 3) m on the same (F, 3) triangles."""
+    """Whether no triangle turns over, collapses or tears between two skins (V, 3) m on the same (F, 3) triangles."""
     old, new = face_crosses(before, faces), face_crosses(after, faces)
     areas, grown = np.linalg.norm(old, axis=1), np.linalg.norm(new, axis=1)
     flat = areas < 1e-9  # m², no triangle to speak of in the source
@@ -109,7 +109,7 @@ TRIES = 20
 
 @dataclass(frozen=True, eq=False)
 class WarpedBody:
-    """A woman that was not there before, in body coordinates (m)."""
+    """A synthetic patient, in body coordinates (m)."""
 
     source: Source
     numbers: Numbers

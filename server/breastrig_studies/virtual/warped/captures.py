@@ -1,4 +1,4 @@
-"""How a warped body is scanned: mostly as usual; else with a poor sensor, with large holes, or only a part of her.
+"""Scans of warped bodies: mostly ordinary; else with a poor sensor, with large holes, or of only a part.
 
 A part is cut out of the ordinary scan in body coordinates, as a scan that was broken off or taken from one side.
 """

@@ -55,7 +55,7 @@ def names_of(bodies: int, half: Half = "both", kind: Literal["warped", "prone"] 
 
 
 def source_of(sources: Sequence[Source], number: int, random: np.random.Generator) -> Source:
-    """Of the body's half, and independent for two bodies of five where there is such a source."""
+    """A source of the body's half, an independent one for two bodies of five where there is such a source."""
     half = (DEVELOPMENT, VALIDATION)[number % 2]
     own = [source for source in sources if source.half == half]
     family = "independent" if (number // 2) % 5 in INDEPENDENT_IN_FIVE else "makehuman"

@@ -1,7 +1,7 @@
-"""What is drawn for one warped body: its proportions, its one-sidedness, its bumps, and how it is scanned.
+"""Random parameters of one warped body: its proportions, its asymmetry, its bumps, and its kind of scan.
 
-The ranges are wide but those of people: the issue's own (segments 15 %, navel 40 mm, folds 20 mm), the rest so that
-no body looks monstrous.
+The ranges are wide but those of people: the issue's own (segments 15 %, navel 40 mm, folds 20 mm), the rest so that no
+body looks monstrous.
 """
 
 from dataclasses import asdict, dataclass, replace
@@ -61,7 +61,7 @@ class Numbers:
     sag: float = 0.0  # m, of their lower poles
 
     def written(self) -> dict[str, Any]:
-        """As JSON says it."""
+        """The numbers as a JSON document."""
         return asdict(self)
 
 
@@ -116,5 +116,5 @@ def with_hanging(numbers: Numbers, random: np.random.Generator) -> Numbers:
 
 
 def draw_capture(random: np.random.Generator) -> str:
-    """How this body is scanned."""
+    """A random kind of scan."""
     return str(random.choice(list(CAPTURES), p=list(CAPTURES.values())))

@@ -1,7 +1,7 @@
 """Prone warped bodies, scanned as a breast MRI shows them: the front of the chest, breasts hanging, no arms.
 
-A patient who was computed prone (a donor, PATIENT/prone/truth.ply) gives the motion of her skin from standing; it is
-carried to a warped standing body by a thin-plate spline through the landmarks.  Real breasts hang farther (60 to 150
+A patient who was computed prone (a donor, PATIENT/prone/truth.ply) gives the motion of the skin from standing; it is
+transferred to a warped standing body by a thin-plate spline through the landmarks. Real breasts hang farther (60 to 150
 mm) than the donors', so the motion to the front is enlarged; upper poles, trunks and crops differ from body to body.
 Bodies of each half have donors of that half.
 """
@@ -70,7 +70,7 @@ class Donor:
 
 @dataclass(frozen=True)
 class ProneNumbers:
-    """What is drawn for one prone body; lengths in m."""
+    """Random parameters of one prone body; lengths in m."""
 
     forwards: float  # times the donor's motion to the front, and the share of it along the body and sideways
     along: float
@@ -107,7 +107,7 @@ def draw_numbers(random: np.random.Generator) -> ProneNumbers:
 
 
 def read_donors(data: Path) -> dict[str, Donor]:
-    """By name: the patients of the folder that have prone/truth.ply; BadInput when a half would have none."""
+    """Donors by name: the patients of the folder with prone/truth.ply; BadInput when a half would have none."""
     donors = {}
     for name in HALF_OF_PATIENT:
         if (data / name / "prone" / "truth.ply").is_file():

@@ -1,8 +1,8 @@
 """The bodies that are warped: the seven of the cohort and, where a folder of cases is given, its patients.
 
-A source is one woman in both stances on one mesh, so that a vertex is the same point of her skin in both.  All are
-moved into the cohort's coordinates (navel and shoulders at the same place), because the simulated session is planned
-in them.  No source serves both halves: constants are chosen on one half and reported on the other.
+A source is one patient in both stances on one mesh, so that a vertex is the same point of the skin in both. All are
+moved into the cohort's coordinates (navel and shoulders at the same place), because the simulated session is planned in
+them. No source serves both halves: constants are chosen on one half and reported on the other.
 """
 
 import hashlib
@@ -25,7 +25,7 @@ from breastrig_studies.virtual.bodies import read_bodies
 
 DEVELOPMENT, VALIDATION = "development", "validation"
 HALF_OF_PATIENT = {"patient_a": DEVELOPMENT, "patient_c": DEVELOPMENT, "patient_b": VALIDATION, "patient_d": VALIDATION}
-NAVEL_HEIGHT, SHOULDER_DEPTH = 0.15, 0.032  # m, y of the navel and z of the acromia of the cohort's women
+NAVEL_HEIGHT, SHOULDER_DEPTH = 0.15, 0.032  # m, y of the navel and z of the acromia of the cohort's patients
 CROPPED = 0.07  # m from the end of the arm, which whoever scans leaves out
 ARM_AWAY = 0.19  # m from the midline; openings beyond are the arms' ends
 TRUNK = 0.12  # m from the midline, where a lying back touches the table
@@ -42,7 +42,7 @@ class Lying:
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """One woman, standing and lying, in body coordinates (m, +X her left, +Y her head, +Z her front)."""
+    """One patient, standing and lying, in body coordinates (m, +X left, +Y head, +Z front)."""
 
     name: str
     half: str  # development | validation
@@ -52,7 +52,7 @@ class Source:
     faces: Integers  # (F, 3)
     scanned: Booleans  # (V,) False on the forearms
     standing: Array  # (V, 3) m
-    lying: tuple[Lying, ...]  # one or more models of the same woman lying down
+    lying: tuple[Lying, ...]  # one or more models of the same patient lying down
     names: tuple[str, ...]  # of the landmarks
     points: SurfacePoints  # the landmarks, as points of the skin
     sha256: str
@@ -63,7 +63,7 @@ class Source:
 
 
 def read_sources(data: Path | None = None) -> tuple[Source, ...]:
-    """The cohort's women and, when `data` is given, its patients; BadInput when a file of them does not fit."""
+    """The cohort's patients and, when `data` is given, those of that folder; BadInput when a file does not fit."""
     return (*_of_the_cohort(), *(() if data is None else _of_a_folder(data)))
 
 

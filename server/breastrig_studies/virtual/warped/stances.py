@@ -1,9 +1,9 @@
-"""A change of the standing skin carried to the lying skin of the same woman.
+"""Transfers a change of the standing skin to the lying skin of the same patient.
 
-Per vertex, the rotation between the stances is the best one of its edges (Kabsch), smoothed over the skin.  Each
-edge's change is turned by the rotation of its ends and added to the lying edge; positions follow by least squares
-(as deformation transfer does, Sumner and Popović 2004).  Edges, not positions, because arms that lie aside must
-stay on their shoulders when the trunk becomes longer.  Where the back lies on the table it stays on it.
+Per vertex, the rotation between the stances is the best one of its edges (Kabsch), smoothed over the skin. Each edge's
+change is turned by the rotation of its ends and added to the lying edge; positions follow by least squares (as
+deformation transfer does, Sumner and Popović 2004). Edges, not positions, because arms that lie aside must stay on
+their shoulders when the trunk becomes longer. Where the back lies on the table it stays on it.
 """
 
 from dataclasses import dataclass
