@@ -23,7 +23,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Says how many; returns 0."""
+    """Writes the cases and prints their number; returns 0."""
     data, folder = options.data, options.output.absolute()
     if ownership_of(data) is not Ownership.OURS:
         raise BadInput(f"There is no BreastRig data folder at {shown(data)}; check the name.")

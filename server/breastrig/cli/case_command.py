@@ -50,7 +50,7 @@ def _action(
 
 
 def _no_options(_parser: argparse.ArgumentParser) -> None:
-    """The case is all."""
+    """Adds no options: the case is the only one."""
 
 
 def _create_options(parser: argparse.ArgumentParser) -> None:

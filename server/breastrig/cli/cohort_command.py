@@ -45,7 +45,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """The action that was asked for."""
+    """Runs the requested action."""
     if options.action == "info":
         print("\n".join(described(_rig(options), read_prior(options.prior))))
         return 0
@@ -94,12 +94,12 @@ def _patients(prior: CohortPrior) -> str:
 
 
 def counted(women: int, stance: str) -> str:
-    """As in 1 standing patient."""
+    """The number with its noun: 1 standing patient."""
     return f"{women} {stance} patient{'' if women == 1 else 's'}"
 
 
 def described(rig: Rig, prior: CohortPrior) -> list[str]:
-    """Lines for people."""
+    """A description of the prior, line by line."""
     rig, recipe = with_prior(rig, prior), load_recipe("default")
     lines = [f"for {prior.rig_name} ({prior.rig_sha256[:12]})"]
     for stance, sums in prior.stances.items():

@@ -39,7 +39,7 @@ OF_UNIX = (*OF_THE_SERVER, "batch", "index", "worker")  # processes with limits,
 
 
 def own_module(command: str) -> Any:
-    """`breastrig.cli.COMMAND_command`; BadInput when what it needs is not there."""
+    """`breastrig.cli.COMMAND_command`; BadInput when a package that it needs is missing."""
     try:
         if command in OF_UNIX:
             importlib.import_module("fcntl")
@@ -55,12 +55,12 @@ def own_module(command: str) -> Any:
 
 
 def further_commands() -> dict[str, str]:
-    """Those of other packages that are installed, with what each is for."""
+    """The commands of other installed packages, with a description of each."""
     return {each.name: f"of the package {each.module.partition('.')[0]}" for each in entry_points(group=GROUP)}
 
 
 def further_module(command: str) -> Any:
-    """The module of one of them; BadInput when the package that has it is not there."""
+    """The module of another package's command; BadInput when that package cannot be imported."""
     entry = next(iter(entry_points(group=GROUP, name=command)))
     try:
         return entry.load()

@@ -1,4 +1,4 @@
-"""What is not known of fits of versions that kept no hashes."""
+"""Warns about fits of versions that stored no hashes."""
 
 import sys
 from pathlib import Path
@@ -7,6 +7,6 @@ from breastrig.workflow.folder.earlier_fits import unchecked
 
 
 def say_unchecked(*folders: Path | None) -> None:
-    """A sentence for each on stderr."""
+    """Prints a sentence for each such fit on stderr."""
     for sentence in unchecked(folders):
         print(f"breastrig: {sentence}", file=sys.stderr)

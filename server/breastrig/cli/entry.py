@@ -1,4 +1,4 @@
-"""What the installed program `breastrig` starts: watches for Ctrl-C before anything else is imported."""
+"""Entry point of the program `breastrig`: handles Ctrl-C before anything else is imported."""
 
 import os
 import sys

@@ -94,7 +94,7 @@ LEVELS = {
 
 
 def _output(options: argparse.Namespace) -> Output:
-    """What will be written, and what is read."""
+    """The output folder with its files, and the input files."""
     preset = Path(options.preset) if options.preset.endswith(".toml") else None
     inputs = [options.scan, options.landmarks, options.cuts, preset, options.prior]
     return output_folder(options, [fit_set(Path())], [*inputs, *files_of_model(options.model)])
@@ -117,12 +117,12 @@ def _run(options: argparse.Namespace) -> FitRun[Iterate, Fit]:
 
 
 def _to_check(reason: str) -> str:
-    """What is said of a pick that was followed, as a question or with what to do."""
+    """The message on a pick that was followed: a question, or a sentence with what to do."""
     return reason if reason.endswith("?") else f"{reason.removesuffix('.')}; check it."
 
 
 def run(options: argparse.Namespace) -> int:
-    """Fits and writes; returns 0, 3 where that is of no use, or 4 where a pattern does not fit on this patient."""
+    """Fits and writes; returns 0, 3 where the result cannot be used, or 4 where a pattern does not fit."""
     code = checked_code(options.code)
     quiet = options.no_progress or not sys.stderr.isatty()
     with all_or_nothing(_output(options)) as out, tqdm(unit="step", leave=False, disable=quiet) as bar:
@@ -160,7 +160,7 @@ def _mm(distance: float | None) -> str:
 
 
 def summary(result: ResultFile) -> str:
-    """What a result.json says in one line: first what it is good for, distances to the skin after that."""
+    """A result.json in one line: first the errors of lines and landmarks, then distances to the skin."""
     level = result.verdict.level if result.verdict else "check"
     sure = "" if level == "unusable" else sure_text(result, result.drawn_line_error_mm)
     found, alone = (_mm(each.surface_distance_mm.mean) for each in (result, result.distances))

@@ -14,7 +14,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Says what was found; returns 0, or 1 where a case has a damaged document."""
+    """Prints the result; returns 0, or 1 where a case has a damaged document."""
     if ownership_of(options.data) is not Ownership.OURS:
         raise BadInput(f"There is no BreastRig data folder at {options.data}; check the name.")
     index = Index(options.data)

@@ -17,7 +17,7 @@ _working = False
 
 
 def watch() -> None:
-    """From now on signals end the process at once; a signal that is ignored (nohup, background) stays ignored."""
+    """Lets signals end the process at once; a signal that is ignored (nohup, background) stays ignored."""
     global _asked, _working
     _asked, _working = None, False
     for number in NUMBERS:
@@ -26,7 +26,7 @@ def watch() -> None:
 
 
 def work_begins() -> None:
-    """From now on the first signal raises KeyboardInterrupt in the main thread."""
+    """Lets the next signal raise KeyboardInterrupt in the main thread."""
     global _working
     _working = True
 

@@ -71,7 +71,7 @@ def check(options: argparse.Namespace) -> int:
 
 
 def read_all_known(rig: Rig) -> None:
-    """BadModel says what is wrong with what is known of it."""
+    """Reads all known data of a rig; BadModel for the first fault."""
     _ = calibration(rig), verdict_limits(rig), measure_calibration(rig), skin_map_settings(rig)
     _ = body_statistics(rig), trunk_depth(rig), lying_motion(rig)
     if VOLUME in rig.known:
@@ -107,5 +107,5 @@ def build(_options: argparse.Namespace) -> int:
 
 
 def run(options: argparse.Namespace) -> int:
-    """The action that was asked for."""
+    """Runs the requested action."""
     return {"info": info, "check": check, "bind": bind, "learn": learn, "build": build}[options.action](options)

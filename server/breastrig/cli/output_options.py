@@ -1,4 +1,4 @@
-"""What every command that writes results has in common: -o, --force, and which files are never written over."""
+"""Options of every command that writes results: -o, --force, and the files that are never overwritten."""
 
 import argparse
 import sys
@@ -13,7 +13,7 @@ MISFIT = 4  # exit code: all is written, but a pattern or an item does not fit o
 
 
 def say_misfits(reasons: Iterable[str]) -> int:
-    """Says on stderr what is not drawn and why; the exit code, 0 where there is nothing to say."""
+    """Prints on stderr each item that is not drawn, with the reason; returns the exit code, 0 where there is none."""
     said = tuple(reasons)
     for reason in said:
         print(f"breastrig: {reason}", file=sys.stderr)
@@ -46,7 +46,7 @@ def output_file(options: argparse.Namespace, inputs: Iterable[Path | None]) -> O
 
 
 def files_of_fit(folder: Path | None) -> list[Path]:
-    """What a command reads of a fit's folder, or should not lose: the fit as a whole."""
+    """The files of a fit's folder that a command reads and must not overwrite: the fit as a whole."""
     return [] if folder is None else [folder / name for name in FIT_FILES]
 
 

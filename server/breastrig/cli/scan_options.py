@@ -1,4 +1,4 @@
-"""How a command's scan is to be read: its unit, and what a person says of a label map."""
+"""Options for reading a scan: its unit, and a person's answers about a label map."""
 
 import argparse
 import sys
@@ -28,14 +28,14 @@ def add_scan_options(parser: argparse.ArgumentParser) -> None:
 
 
 def scan_of(options: argparse.Namespace, scan: Path) -> Scan:
-    """The scan, read, with a word about its segments."""
+    """The scan, read; prints the names of its segments."""
     found = read_coloured(scan, options.units, _answers(options))
     say_segments(found.in_metres)
     return found
 
 
 def scan_source(options: argparse.Namespace, scan: Path) -> ScanSource:
-    """The same, to be read when it is needed."""
+    """The scan, to be read when it is needed."""
     return ScanSource(scan, options.units, _answers(options), say_segments)
 
 
@@ -44,7 +44,7 @@ def _answers(options: argparse.Namespace) -> VolumeAnswers:
 
 
 def say_segments(scan: ScanInMetres) -> None:
-    """Shows what the file of a label map calls its segments: the words are needed for choosing, and kept nowhere."""
+    """Prints the names of a label map's segments: they are needed for choosing, and kept nowhere."""
     for each in scan.segments:
         called = f' "{each.label}"' if each.label else ""
         across = "" if each.radius_mm is None else f", {2 * each.radius_mm:.0f} mm across"

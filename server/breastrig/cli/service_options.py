@@ -1,4 +1,4 @@
-"""Options that serve, config and purge share, and what they come to with environment and settings file."""
+"""Options that serve, config and purge share, and the effective settings with environment and settings file."""
 
 import argparse
 import os
@@ -25,13 +25,13 @@ def add_setting_options(parser: argparse.ArgumentParser, names: Iterable[str]) -
 
 
 def chosen_data_folder(options: argparse.Namespace) -> Path:
-    """The one that the service would use: environment and settings file count as well."""
+    """The service's data folder; environment and settings file count as well."""
     folder: Path = effective_settings({"data": options.data}, settings_file(None))["data"].value
     return folder
 
 
 def checked(name: str) -> Callable[[str], str]:
-    """Refuses a wrong value of a setting as a mistake of usage; the text itself goes on."""
+    """An option's type that checks a setting: a wrong value is a mistake of usage; the text itself is passed on."""
     setting = SETTINGS[name]
 
     def check(text: str) -> str:

@@ -38,7 +38,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Carries and writes; returns 0, or 4 where an item does not fit on scan B."""
+    """Transfers and writes; returns 0, or 4 where an item does not fit on scan B."""
     fits = [*files_of_fit(options.from_fit), *files_of_fit(options.to_fit)]
     inputs = [options.drawing, *fits, *files_of_model(options.model)]
     with all_or_nothing(output_file(options, inputs)) as out:

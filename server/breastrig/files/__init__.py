@@ -1,1 +1,1 @@
-"""Documents that leave the program, as one model each: for whoever writes, reads or serves them."""
+"""Documents that leave the program, each as one model for writing, reading and serving."""

@@ -278,11 +278,11 @@ class ResultFile(Document):
 
     @property
     def distances(self) -> "ResultFile | ModelAlone":
-        """Those of the model alone where they are known."""
+        """The distances of the model alone where they are known."""
         return self if self.model_alone is None else self.model_alone
 
     def document(self) -> dict[str, Any]:
-        """As JSON has it."""
+        """The JSON document."""
         return self.model_dump(mode="json")
 
     def content(self) -> bytes:
@@ -294,7 +294,7 @@ class ResultFile(Document):
         return json_bytes(document | {"fields": _field_hashes(json_bytes(document))})
 
     def beside(self, files: Mapping[str, bytes]) -> "ResultFile":
-        """The same with the hashes of these files."""
+        """The result with the hashes of these files."""
         return self.model_copy(update={"files": {name: _sha256(files[name]) for name in HASHED}})
 
     def check_files(self, read: Callable[[str], bytes | None], shown: str) -> None:
@@ -343,7 +343,7 @@ def _changed_fields(text: bytes, hashes: Mapping[str, str]) -> list[str]:
 
 
 def _field_hashes(text: bytes) -> dict[str, str]:
-    """The same for 5 and 5.0, 0 and -0, and however the text is spaced: other programs may have written it again."""
+    """Hashes of the document's fields, equal for 5 and 5.0, 0 and -0, and any spacing (programs may rewrite it)."""
 
     def number(text: str) -> float:
         return float(text) + 0.0  # no negative zero
@@ -371,12 +371,12 @@ def result_text(folder: Path) -> bytes:
 
 
 def read_result(folder: Path) -> ResultFile:
-    """What the fit in a folder says of itself; BadInput where there is none."""
+    """The result in a fit's folder; BadInput where there is none."""
     return parsed_result(result_text(folder), folder_name(folder))
 
 
 def folder_name(folder: Path) -> str:
-    """As a message names a folder: no place outside of it."""
+    """A folder's name for messages, without its location."""
     return folder.resolve().name[:100]
 
 

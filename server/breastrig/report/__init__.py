@@ -1,1 +1,1 @@
-"""What a fitted body measures, as numbers, pictures, tables and sheets."""
+"""Measures of a fitted body as numbers, pictures, tables and sheets."""

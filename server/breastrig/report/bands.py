@@ -30,12 +30,12 @@ OF_RATIO = 0.72  # held 92 % and more, but for picks 5 mm off (77 to 100 %)
 
 
 def margin_text(mm: float | None) -> str:
-    """± 6 mm, of a radius in mm that holds nine of ten places."""
+    """± 6 mm, for a 90 % radius in mm."""
     return "not known" if mm is None or mm > KNOWN_MM else f"± {mm:.0f} mm"
 
 
 def margins_text(radii: Sequence[float | None]) -> str:
-    """± 2 to 4 mm, of several; those that are not known are counted."""
+    """± 2 to 4 mm, for several; unknown ones are counted."""
     known = sorted(round(mm) for mm in radii if mm is not None and mm <= KNOWN_MM)
     if not known:
         return "not known"
@@ -45,17 +45,16 @@ def margins_text(radii: Sequence[float | None]) -> str:
 
 
 def lines_text(lines_mm: float | None, drawn_mm: float | None) -> str:
-    """How far off lines may be (90 %), across them: drawn lines ± 6 mm, or lines on the breasts where none is drawn.
+    """Line error (90 %): drawn lines ± 6 mm, or lines on the breasts where none is drawn; empty where it is unknown.
 
-    Empty where nothing is known.  Both are line errors (drawings/line_error.py), of the line or the breast of which
-    less is known, in mm.
+    Both are line errors (drawings/line_error.py), in mm, of the line or the breast with the larger one.
     """
     what, mm = ("lines on the breasts", lines_mm) if drawn_mm is None else ("drawn lines", drawn_mm)
     return "" if mm is None else f"{what} {margin_text(mm)}"
 
 
 def sure_text(result: ResultFile, drawn_mm: float | None) -> str:
-    """What a fit is good for: drawn lines ± 6 mm, landmarks ± 2 to 4 mm; empty where nothing is known."""
+    """Errors (90 %) of a fit: drawn lines ± 6 mm, landmarks ± 2 to 4 mm; empty where they are unknown."""
     landmarks = list(result.landmark_uncertainty_mm.values())
     said = [lines_text(result.line_error_mm, drawn_mm), f"landmarks {margins_text(landmarks)}" if landmarks else ""]
     return ", ".join(filter(None, said))
@@ -93,7 +92,7 @@ def shared_half_width(
 
 
 def half_between(left: Value | None, right: Value | None, correlation: float) -> float | None:
-    """Half the band of the difference of two numbers whose errors have this correlation; None where one is unknown."""
+    """Half of the band of the difference of two numbers with this correlation of errors; None where one is unknown."""
     halves = [each.margin for each in (left, right) if each is not None and each.margin is not None]
     if len(halves) < 2:
         return None
@@ -107,7 +106,7 @@ def banded(value: float, half: float | None, least: float = 0.0, most: float = n
 
 
 def without_unknown(row: Row) -> Row:
-    """Without the numbers of which their bands say nothing."""
+    """The rows without numbers whose bands are too wide to mean anything."""
     if row.unit == "grade":
         return row
     cells = {name: value for name in ("left", "right", "value") if (value := getattr(row, name)) is not None}
@@ -119,7 +118,7 @@ def without_unknown(row: Row) -> Row:
 
 
 def _says_nothing(row: Row, value: Value) -> bool:
-    """Whether it holds nothing and twice the number, all that a ratio can be, or heights beyond KNOWN_MM."""
+    """Whether the band is too wide: it includes zero, all possible ratios, or heights beyond KNOWN_MM."""
     if value.margin is None:
         return False
     if row.unit == "1":
@@ -134,10 +133,10 @@ def ratio_half_width(
     joint: Joint | None,
     part: float = OF_RATIO,
 ) -> float | None:
-    """Of the smaller over the larger of two lengths, to first order; what the ends of both sides share cancels.
+    """Half of the 90 % band of the smaller over the larger of two lengths, to first order; shared errors cancel.
 
-    `ends` are, of each length, the places with the (3,) direction in which it grows; `radii` (m) those of a point of
-    each length that is no landmark, whose error is shared with nothing, or empty.  `part` of radii counts.
+    `ends` are, for each length, the places with the (3,) direction in which it grows; `radii` (m) those of a point of
+    each length that is no landmark, whose error is shared with nothing, or empty. `part` of radii counts.
     """
     if min(np.abs(pair)) <= 0.0:
         return None
@@ -149,9 +148,9 @@ def ratio_half_width(
 
 
 def ways_to_midline(place: Place, frame: BodyFrame, known: Mapping[str, Place]) -> list[tuple[Place, Array]]:
-    """By how much the distance of a place to the median plane changes with it and with the landmarks of the plane.
+    """Gradients (3,) of a place's distance to the median plane by the place and by the landmarks of the plane.
 
-    The plane is the model's: it goes where the model's landmarks on it go.
+    The plane is the model's: it moves with the model's landmarks on it.
     """
     out = outwards(place, frame)
     middle = [replace(each, source=MODEL) for name, each in known.items() if name == split_side(name)[0]]

@@ -1,7 +1,7 @@
-"""The patient's own left, up and front, and her median plane, from the fitted model.
+"""The patient's own left, up and front, and the median plane, from the fitted model.
 
-The model is symmetric, so the rigid motion that carries its trunk onto the patient's carries its median plane too.
-Breasts and arms are left out: they differ between the sides and hang or lie as gravity says.
+The model is symmetric, so the rigid motion that moves its trunk onto the patient's moves its median plane too. Breasts
+and arms are left out: they differ between the sides and hang or lie as gravity says.
 """
 
 from dataclasses import dataclass
@@ -19,11 +19,11 @@ NOT_TRUNK = ("arm", "breast", "areola")  # beginnings of the names of regions
 class BodyFrame:
     """Directions of one patient."""
 
-    axes: Array  # (3, 3), columns: her left, up and front; unit, right-handed
+    axes: Array  # (3, 3), columns: the patient's left, up and front; unit, right-handed
     middle: Array  # (3,) m, a point of the median plane
 
     def lateral(self, points: Array) -> Array:
-        """(...,) m: how far to her left of the median plane."""
+        """(...,) m: distance from the median plane to the patient's left."""
         return np.asarray((points - self.middle) @ self.axes[:, 0])
 
     def on_plane(self, points: Array) -> Array:
@@ -31,7 +31,7 @@ class BodyFrame:
         return np.asarray(points - self.lateral(points)[..., None] * self.axes[:, 0])
 
     def height(self, points: Array) -> Array:
-        """(...,) m: how far towards her head."""
+        """(...,) m: position along the axis towards the head."""
         return np.asarray((points - self.middle) @ self.axes[:, 1])
 
 

@@ -1,4 +1,4 @@
-"""How far measures by the model's outline are off where the truth is known, kept as data beside the rig."""
+"""Errors of measures by the model's outline, measured where the truth is known, kept as data beside the rig."""
 
 from functools import lru_cache
 
@@ -16,18 +16,18 @@ class Spread(SettingsPart):
     share: NotNegative  # of the radius
 
     def of(self, radius: float) -> float:
-        """m, for a radius in m."""
+        """The error (m, 90 %) for a radius in m."""
         return float(np.hypot(self.least, self.share * radius))
 
 
 class Outline(Spread):
-    """Of the outline that a fit to a scan carries, in one stance."""
+    """The error of the outline that a fit transfers to a scan, in one stance."""
 
     outwards: float  # m, by which it lies too far in
 
 
 class Heights(SettingsPart):
-    """Of nipple, fold and lowest skin, along a standing body's axis."""
+    """Errors of the heights of nipple, fold and lowest skin, along a standing body's axis."""
 
     picked: NotNegative  # m, 90 %, of a place that was picked
     lowest: NotNegative  # m, 90 %, of the lowest skin
@@ -44,7 +44,7 @@ class Sides(SettingsPart):
 
 
 class MeasureCalibration(SettingsPart):
-    """Of one rig's measures."""
+    """The calibration of one rig's measures."""
 
     standing: Outline
     supine: Outline
@@ -53,11 +53,11 @@ class MeasureCalibration(SettingsPart):
     sides: Sides
 
     def outline(self, stance: str) -> Outline:
-        """Of a stance; every one but lying counts as standing."""
+        """The outline's error in a stance; every one but supine counts as standing."""
         return self.supine if stance == "supine" else self.standing
 
 
 @lru_cache(maxsize=8)
 def measure_calibration(rig: Rig) -> MeasureCalibration | None:
-    """Of this rig; None when nobody has measured it."""
+    """This rig's calibration; None when it has none."""
     return known_part(rig, "measures.toml", MeasureCalibration)

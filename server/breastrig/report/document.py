@@ -47,7 +47,7 @@ class Reported:
 
 
 def stance_said(result: ResultFile) -> str:
-    """The stance of a fit as the report calls it: what no scan shows is predicted."""
+    """The stance's name in the report; one that was not scanned is "predicted"."""
     return f"{result.stance}, predicted" if result.predicted else result.stance
 
 
@@ -79,6 +79,6 @@ def report_document(stances: Sequence[Reported]) -> dict[str, object]:
 
 
 def _lesions(one: Reported) -> dict[str, object]:
-    """Without what pictures alone need."""
+    """The lesions without data that only pictures need."""
     found = [{key: value for key, value in each.items() if key != "slices"} for each in one.lesions]
     return {"lesions": found} if found else {}

@@ -49,7 +49,7 @@ def measures(stance: Stance) -> tuple[Row, ...]:
 
 
 def _without_unseen(row: Row, unseen: Mapping[str, float]) -> Row:
-    """Without what is only the model's on a side that the scan does not show."""
+    """The rows without values that rest only on the model, on a side that the scan does not show."""
     gone = [side for side in unseen if _is_models(row, side) or (row.value is None and _cell(row, side) is None)]
     if not gone:
         return row
@@ -73,12 +73,12 @@ def _cell(row: Row, side: str) -> Value | None:
 
 
 def _is_models(row: Row, side: str) -> bool:
-    """Whether a row needs what is the model's on this side; its outlines are, on both."""
+    """Whether a row uses a part that is only the model's on this side; outlines are, on both."""
     return any(name in (OUTLINE, MODEL_PART) or _is_of_model(name, side) for name in row.landmarks)
 
 
 def _is_of_model(named: str, side: str) -> bool:
-    """Of a landmark with its source."""
+    """Whether a landmark with its source is the model's, on this side."""
     return named.endswith(f"_{side} ({MODEL})")
 
 
@@ -93,7 +93,7 @@ class _Table:
         self._asked = [each for each in stance.rig.lengths if stance.rig.has_landmarks((each.start, each.end))]
 
     def lengths(self) -> Iterator[Row]:
-        """Those that the rig asks for."""
+        """The lengths that the rig defines."""
         self._look_for_all_ways()
         for asked in self._asked:
             ends = {side: self._ends(asked, side) for side in SIDES}
@@ -103,7 +103,7 @@ class _Table:
                 yield from self._sided(asked.name, asked.label, ends, partial(self._between, ends))
 
     def between_nipples(self) -> Iterator[Row]:
-        """From each to the midline, where the rig draws one, and from one to the other."""
+        """The distance from each nipple to the midline, where the rig draws one, and between both."""
         nipples = {side: [self.places[f"nipple_{side}"]] for side in SIDES}
         midline = self.stance.shape("midline")
         if midline is not None:
@@ -130,7 +130,7 @@ class _Table:
             )  # fmt: skip
 
     def _look_for_all_ways(self) -> None:
-        """On the skin, together, which takes a third of the time; each is asked for later, and is known then."""
+        """Computes all ways on the skin together, in a third of the time, and caches them."""
         nipples = [self.places[name] for side in SIDES if (name := f"nipple_{side}") in self.places]
         if nipples and self.stance.shape("midline") is not None:
             self._skin.look_from(joined([self._on_skin(place.point) for place in nipples]), np.inf)
@@ -143,7 +143,7 @@ class _Table:
             self._skin.paths(starts, goals)
 
     def _ends(self, asked: Length, side: str) -> list[Place]:
-        """Of a length, on this side where they have sides."""
+        """The two ends of a length, on this side where they have sides."""
         return [self.places[end if end in self.places else f"{end}_{side}"] for end in (asked.start, asked.end)]
 
     def _one(self, name: str, label: str, ends: Sequence[Place]) -> Iterator[Row]:
@@ -172,13 +172,14 @@ class _Table:
             yield Row(name, label, kind, "mm", left, right, None, landmarks, methods[index], paths, between=between)
 
     def _half(self, ends: Sequence[Place]) -> float | None:
-        """m, of a length between two places, or of the distance of one to the midline."""
+        """Half of the band (m) of a length between two places, or of the distance of one to the midline."""
         if len(ends) == 2 or self.stance.joint is not None:
             return shared_half_width(self._ways(ends), self.stance.joint)
         return half_width([place.radius for place in ends])
 
     def _half_between(self, left: Sequence[Place], right: Sequence[Place]) -> float | None:
-        """mm, of the difference of two lengths or distances to the midline; None where of these nothing is shared."""
+        """Half of the band (mm) of the difference of two lengths or distances to the midline; None if they share
+        nothing."""
         if self.stance.joint is None and not len(left) == len(right) == 2:
             return None
         ways = [*self._ways(left), *((place, -way) for place, way in self._ways(right))]
@@ -186,7 +187,7 @@ class _Table:
         return None if half is None else 1e3 * half
 
     def _ways(self, ends: Sequence[Place]) -> list[tuple[Place, Array]]:
-        """By how much the length between two places changes with each, or the distance of one to the midline."""
+        """Gradients (3,) of the length between two places by each, or of the distance of one to the midline."""
         if len(ends) == 1:
             return ways_to_midline(ends[0], self.frame, self.places)
         (a, b) = ends
@@ -197,7 +198,7 @@ class _Table:
         return self._apart(ends[side])
 
     def _apart(self, ends: Sequence[Place]) -> tuple[Array, Array]:
-        """(M, 3) m each: straight and along the skin."""
+        """The lines between two places, (M, 3) m each: straight and along the skin."""
         a, b = (place.point for place in ends)
         return np.stack([a, b]), self._skin.path(self._on_skin(a), self._on_skin(b))
 

@@ -1,4 +1,4 @@
-"""The report's pictures: the scan with its drawing, and the model coloured by how far off its places may be."""
+"""The report's pictures: the scan with its drawing, and the model coloured by its 90 % radii."""
 
 import io
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ UNSURE: Colour = (0.45, 0.20, 0.50)
 UNKNOWN: Colour = (0.60, 0.60, 0.60)
 SCAN_GREY: Colour = (0.80, 0.78, 0.76)
 PREDICTED: Colour = (0.70, 0.78, 0.90)  # of a body that no scan shows: as the page tints it, bluish
-PALE: Colour = (0.93, 0.93, 0.93)  # what is not her trunk: table, forearms
+PALE: Colour = (0.93, 0.93, 0.93)  # parts beside the trunk: table, forearms
 BODY_REACH = (0.015, 0.04)  # m from the model, where grey begins to turn pale and has done so
 INK: Colour = (
     0.10,
@@ -66,7 +66,7 @@ def _predicted_pictures(stance: Stance, cameras: Sequence[Camera], size: tuple[i
 
 
 def uncertainty_pictures(stance: Stance, cameras: Sequence[Camera], size: tuple[int, int]) -> list[Picture]:
-    """The model, the darker the farther off its places may be; grey where that is not known."""
+    """The model, darker where its location is less certain; grey where that is not known."""
     assert stance.radii is not None
     scene = Scene([Layer(stance.vertices, stance.rig.faces, uncertainty_colours(1e3 * stance.radii))])
     return [scene.render(view, size) for view in cameras]
@@ -86,7 +86,7 @@ def uncertainty_colours(radii_mm: Array) -> Array:
 
 
 def jpeg(picture: Picture) -> bytes:
-    """The same bytes for the same picture."""
+    """The picture as JPEG, deterministic."""
     stream = io.BytesIO()
     Image.fromarray(picture).save(stream, "JPEG", quality=JPEG_QUALITY, subsampling=0)
     return stream.getvalue()

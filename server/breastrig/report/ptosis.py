@@ -1,4 +1,4 @@
-"""How far a breast hangs: nipple and lowest point above or below the fold, and Regnault's grade of ptosis.
+"""Ptosis of a breast: nipple and lowest point above or below the fold, and Regnault's grade.
 
 Regnault 1976 (Clin Plast Surg 3:193), in the usual reading in millimetres, for standing patients:
 
@@ -7,8 +7,8 @@ Regnault 1976 (Clin Plast Surg 3:193), in the usual reading in millimetres, for 
     III    more than 30 mm below it, or below it and at the lowest contour
     glandular (pseudoptosis): the nipple above the fold, the breast's lowest point well below it
 
-Heights are along the body's axis (body_frame.py).  The nipple has to be picked or observed in colour: else fits of
-hanging breasts are 15 mm off.  A hanging breast hides its fold, which is then taken at the xiphoid's height.
+Heights are along the body's axis (body_frame.py). The nipple has to be picked or observed in colour: else fits of
+hanging breasts are 15 mm off. A hanging breast hides its fold, which is then taken at the xiphoid's height.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -102,7 +102,7 @@ def ptosis(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> Iter
 
 
 def _heights(stance: Stance, frame: BodyFrame, known: Mapping[str, Place], side: str) -> _Heights | None:
-    """None where the rig lacks what is needed (measures.toml too), or only the model says where the nipple is."""
+    """The heights; None where the rig lacks what is needed (measures.toml too), or only the model gives the nipple."""
     nipple, fold = known.get(f"nipple_{side}"), known.get(f"inframammary_fold_{side}")
     inside = vertices_within(stance.rig, side)
     known_of_rig = measure_calibration(stance.rig)
@@ -149,7 +149,7 @@ def _half_between(stance: Stance, frame: BodyFrame, sides: Sequence[_Heights], w
 def _fold(
     frame: BodyFrame, nipple: Place, fold: Place, xiphoid: Place | None, errors: Heights
 ) -> tuple[float, float | None, Place, float]:
-    """The level of the fold and its error (m), the place that says it, and what of it (m) is not that place's."""
+    """The fold's level and its error (m), the place that gives it, and the part (m) of it that is not that place's."""
     if fold.source == MODEL and xiphoid is not None:
         over = float(frame.height(nipple.point) - frame.height(xiphoid.point))
         if over < errors.covered_below:
@@ -159,7 +159,7 @@ def _fold(
 
 
 def _error(place: Place, errors: Heights) -> float | None:
-    """m, 90 %, of a place's height: of one that was picked a click's, whatever the fit thinks of the model there."""
+    """The error (m, 90 %) of a place's height: a click's for a picked one, whatever the fit's radius there."""
     if place.radius is None:
         return None
     return errors.picked if place.source == PICKED else place.radius

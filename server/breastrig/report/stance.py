@@ -69,7 +69,7 @@ MODEL = "model"  # source of a place
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """Where a landmark is on this patient, and who says so."""
+    """A landmark's location on this patient, with its source."""
 
     name: str
     point: Array  # (3,) m

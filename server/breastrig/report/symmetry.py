@@ -115,7 +115,7 @@ def _ratio(
 
 
 def _alone(place: Place, frame: BodyFrame, _known: Mapping[str, Place]) -> list[tuple[Place, Array]]:
-    """The distance to a median plane of which nothing is known."""
+    """The distance to a median plane without an error of its own."""
     return [(place, outwards(place, frame))]
 
 

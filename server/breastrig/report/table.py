@@ -77,7 +77,7 @@ class Row:
         return self.measure, self.kind
 
     def with_values(self, changed: Callable[[Value], Value | None]) -> "Row":
-        """With each of its numbers changed."""
+        """The row with each of its numbers changed."""
         left, right, value = (None if each is None else changed(each) for each in (self.left, self.right, self.value))
         return replace(self, left=left, right=right, value=value)
 
@@ -93,7 +93,7 @@ class Row:
 
 
 def rounded_once(row: Row) -> Row:
-    """As files have its numbers: what is computed of them, differences and changes, agrees with what is written."""
+    """The row with its numbers rounded as in files, so that differences and changes agree with the written ones."""
     digits = FILE_DIGITS[row.unit]
 
     def cut(value: Value) -> Value:
@@ -112,7 +112,7 @@ def printed_step(rows: Sequence[Row]) -> float:
 
 
 def as_printed(row: Row, step: float) -> Row:
-    """With its numbers as they are printed: differences and changes of such rows agree with what stands beside them."""
+    """The row with its numbers as printed, so that differences and changes agree with those beside them."""
     return row.with_values(lambda value: value.moved_to(_in_steps(value.value, step)))
 
 

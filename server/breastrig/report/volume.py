@@ -38,7 +38,7 @@ METHOD = (
 
 @dataclass(frozen=True, eq=False)
 class Volume:
-    """Of one breast."""
+    """The volume of one breast."""
 
     value: float  # m³
     low: float  # m³

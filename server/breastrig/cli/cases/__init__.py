@@ -1,1 +1,1 @@
-"""What the actions of `breastrig case` do."""
+"""The actions of `breastrig case`."""

@@ -71,7 +71,7 @@ def fit(options: argparse.Namespace) -> int:
 
 
 def predict(options: argparse.Namespace) -> int:
-    """From the newest fit of the scan that is done."""
+    """Predicts another stance from the scan's newest finished fit."""
     case = Case(options.case)
     scan = _chosen(case, options.scan)
     done = [fit for fit in case.fits(scan.id) if fit.state == "done" and fit.predicted_from is None]

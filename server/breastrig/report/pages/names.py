@@ -1,4 +1,4 @@
-"""Names of lines and landmarks as people say them."""
+"""Names of lines and landmarks for people."""
 
 import re
 from collections.abc import Collection, Sequence

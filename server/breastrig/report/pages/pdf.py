@@ -77,7 +77,7 @@ METHODS = (  # a sentence, and the measure that it is about; none for what holds
         "fit and scan; a change within the bands says nothing.",
         "volume",
     ),
-    ("M1 to M6: ratios of left and right (Reddy et al. 2017); every woman has some asymmetry.", "M1"),
+    ("M1 to M6: ratios of left and right (Reddy et al. 2017); every patient has some asymmetry.", "M1"),
     (
         "Ptosis I: nipple at the fold or up to 10 mm below; II: up to 30 mm; III: more, or at the lowest contour; "
         "glandular: only the lowest point hangs, 20 mm and more below the fold.",
@@ -102,7 +102,7 @@ def report_pdf(stances: Sequence[Reported], identity: Identity = UNNAMED) -> byt
 
 
 def _written(stances: Sequence[Reported]) -> list[tuple[str, str]]:
-    """What people have written: names of lines and items, and notes."""
+    """The texts that people have written: names of lines and items, and notes."""
     lines = [("The name of a line", line.name) for one in stances for line in one.stance.lines]
     items = [(f"“{item.name}”", f"{item.name} {item.text}") for one in stances for item in one.plan]
     lesions = [("The name of a lesion", str(lesion["name"])) for one in stances for lesion in one.lesions]
@@ -110,7 +110,7 @@ def _written(stances: Sequence[Reported]) -> list[tuple[str, str]]:
 
 
 def report_content(stances: Sequence[Reported], identity: Identity) -> dict[str, Any]:
-    """All that the template shows."""
+    """All data of the template."""
     made = identity.made
     levels = [one.result.verdict.level if one.result.verdict else "good" for one in stances]
     warned = [
@@ -141,7 +141,7 @@ def report_content(stances: Sequence[Reported], identity: Identity) -> dict[str,
 
 
 def methods(stances: Sequence[Reported]) -> str:
-    """How the numbers of the tables were measured."""
+    """The sentences on how the numbers of the tables were measured."""
     measured = {None, *(row.measure for one in stances for row in one.rows)}
     return " ".join(sentence for sentence, measure in METHODS if measure in measured)
 
@@ -160,7 +160,7 @@ def _facts(stances: Sequence[Reported], identity: Identity) -> list[list[str]]:
 
 
 def _large_pictures(stances: Sequence[Reported]) -> list[Table]:
-    """Of one stance two views, of two stances the front of each, in one scale."""
+    """Two views of one stance, or the front view of each of two, in one scale."""
     views = ("front", "three_quarter") if len(stances) == 1 else ("front",)
     aspect = LARGE[0] / LARGE[1]
     height = max(view.height for one in stances for view in views_of(one.stance, views, aspect))
@@ -228,7 +228,7 @@ def _lesions(stances: Sequence[Reported]) -> list[Table]:
 
 
 def _lesion_values(lesion: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Of the lines the nearest alone."""
+    """The numbers of a lesion; of the lines only the nearest."""
     error = lesion["error_mm"]
     off = "as given" if error == 0.0 else margin_text(error)
     distances = [each for each in lesion["distances"] if each["kind"] != "line"]
@@ -246,7 +246,7 @@ def _whither(distance: Mapping[str, Any]) -> str:
 
 
 def _banded(distance: Mapping[str, Any]) -> str:
-    """12 mm, 8 to 17"""
+    """A number with its band: 12 mm, 8 to 17."""
     band = "" if distance["low_mm"] is None else f", {distance['low_mm']:.0f} to {distance['high_mm']:.0f}"
     return f"{distance['mm']:.0f} mm{band}"
 
@@ -299,7 +299,7 @@ def _cells(row: Row, step: float, is_change: bool) -> list[str]:
 
 
 def _landmarks(stances: Sequence[Reported]) -> Table:
-    """Of each landmark and stance: who placed it, model to pick, radius of the true place."""
+    """For each landmark and stance: its source, the distance from model to pick, and its 90 % radius."""
     placed = [places(one.stance) for one in stances]
     names = list(dict.fromkeys(name for found in placed for name in found))
     rows = []
@@ -315,7 +315,7 @@ def _landmarks(stances: Sequence[Reported]) -> Table:
 
 
 def _uncertainty(stances: Sequence[Reported]) -> Table | None:
-    """Maps of how far off the fitted skin may be along the body; None where no fit knows that."""
+    """Maps of the skin's 90 % radii over the body; None where no fit has them."""
     pictures = []
     for one in stances:
         if one.stance.radii is not None:
@@ -335,12 +335,12 @@ def _settings(stances: Sequence[Reported]) -> Table:
 
 
 def _margin(radius: float) -> str:
-    """Of a radius in mm."""
+    """A radius in mm as text."""
     return "not known" if radius > KNOWN_MM else f"±{radius:.1f}"
 
 
 def _verdict(one: Reported) -> str:
-    """What the fit is good for: how far off a line may be, then the landmarks; results of earlier versions say less."""
+    """The verdict with the line error, then the landmarks'; results of earlier versions have fewer numbers."""
     result = one.result
     level = VERDICTS[result.verdict.level if result.verdict else "check"]
     sure = sure_text(result, one.drawn_mm)
@@ -348,7 +348,7 @@ def _verdict(one: Reported) -> str:
 
 
 def _making(result: ResultFile) -> dict[str, str]:
-    """How the fit was made; of a prediction the one that it comes from."""
+    """Facts on the fit; for a prediction on the fit it comes from."""
     scan, model, landmarks = result.scan, result.model, result.landmark_distance_mm
     mean, most, count = landmarks.mean, landmarks.max, len(landmarks.each)
     picked = "no landmarks were picked" if mean is None else f"mean {mean:.1f} mm, largest {most:.1f} mm, of {count}"
@@ -375,13 +375,13 @@ def _distances(found: Distances) -> str:
 
 
 def _remarks(stances: Sequence[Reported]) -> list[str]:
-    """Of each stance, with its name where there are two."""
+    """The remarks of each stance, with its name where there are two."""
     prefixes = [f"{one.name.capitalize()}: " if len(stances) > 1 else "" for one in stances]
     return [prefix + remark for prefix, one in zip(prefixes, stances, strict=True) for remark in _doubts(one)]
 
 
 def _doubts(one: Reported) -> list[str]:
-    """Why to check the fit, unusual picks and those not followed, patterns that do not fit, what reading found."""
+    """Reasons to check the fit, unusual picks and those not followed, patterns that do not fit, and reading notes."""
     result = one.result
     reasons = list(result.verdict.reasons) if result.verdict else []
     reasons += [pick.reason for pick in (*result.landmarks_not_followed, *result.landmarks_unusual)]

@@ -1,4 +1,4 @@
-"""Which characters the report's fonts can print, asked of the typesetter itself; the others would be boxes.
+"""Finds characters that the report's fonts cannot print, by asking the typesetter; it would print boxes for them.
 
 The fonts are those that Typst ships (Latin, Greek, Cyrillic, Hebrew, Arabic, Armenian, Georgian, Devanagari) and, where
 `breastrig[fonts]` is installed, Noto for Chinese, Japanese, Korean, Thai, Lao, Khmer and Myanmar.
@@ -27,7 +27,7 @@ NAMED_CHARACTERS = 12  # in a sentence
 
 
 def installed_fonts() -> "typst.Fonts":
-    """Those of `font_folders` and the typesetter's own."""
+    """The fonts of `font_folders` and the typesetter's own."""
     import typst
 
     return typst.Fonts(include_system_fonts=False, font_paths=list(font_folders()))
@@ -35,7 +35,7 @@ def installed_fonts() -> "typst.Fonts":
 
 @cache
 def font_folders() -> list[Path]:
-    """Of the fonts that are installed beside the typesetter's own."""
+    """The folders of installed fonts beside the typesetter's own."""
     packs = [Path(str(files(name) / "fonts")) for name in PACKS if find_spec(name) is not None]
     return sorted({font.parent for pack in packs for font in pack.rglob("*.ttf")})
 
@@ -49,7 +49,10 @@ def unprintable(text: str) -> str:
 
 
 def check_printable(texts: Iterable[tuple[str, str]]) -> None:
-    """Of (what it is, text).  BadInput with one sentence that names the characters that cannot be printed."""
+    """Raises BadInput, one sentence with the characters, for a text that cannot be printed.
+
+    texts: (description, text).
+    """
     known = list(texts)
     if not unprintable("".join(text for _, text in known)):
         return

@@ -51,7 +51,7 @@ class TapePoint:
 
 
 def tape_points(stance: Stance) -> list[TapePoint]:
-    """Of all lines, in their order; a place that several lines share once."""
+    """The key points of all lines, in their order; a place that several lines share once."""
     frame = body_frame(stance.rig, stance.vertices)
     known = {name: place for name, place in places(stance).items() if name in FOUND}
     picked = {name: place for name, place in known.items() if place.source != "model"}
@@ -83,7 +83,7 @@ def tape_points(stance: Stance) -> list[TapePoint]:
 def _of_line(
     stance: Stance, line: Polyline, frame: BodyFrame, geodesics: Geodesics, known: Mapping[str, Place]
 ) -> list[TapePoint]:
-    """Its key points with the line's own errors; of a circle its centre alone."""
+    """A line's key points with its own errors; of a circle only its centre."""
     key = key_points(line, frame)
     centre = _centre(line)
     if centre is None:
@@ -108,7 +108,7 @@ def _radii(stance: Stance, geodesics: Geodesics, centre: Array, rim: SurfacePoin
 
 
 def _centre(line: Polyline) -> Array | None:
-    """(3,) m of a circle on the skin; None of other lines."""
+    """(3,) m: the centre of a circle on the skin; None for other lines."""
     if not line.closed or len(line.points) < 2 * THREE:
         return None
     centre = np.asarray(line.points.mean(axis=0))
@@ -181,7 +181,7 @@ def _spread(point: Array, normal: Array, marks: Sequence[Place]) -> float:
 
 
 def _error(point: TapePoint, normal: Array, marks: Sequence[Place]) -> float | None:
-    """mm: what the landmarks leave, and what the line itself is off; None where a landmark's radius is not known."""
+    """The point's error, mm, from the landmarks and the line; None where a landmark's radius is not known."""
     spread = _spread(point.at, normal, marks)
     if not np.isfinite(spread) or any(mark.radius is None for mark in marks):
         return None
@@ -215,7 +215,7 @@ def _lengths(
 
 
 def _own(line: Polyline, where: Sequence[int]) -> float | None:
-    """mm, how far off the line itself may be there; None where that is not known, or where it was drawn."""
+    """The line's own error there, mm; None where it is unknown, or where the line was drawn."""
     if line.error is None:
         return None
     known = line.error[list(where)]

@@ -21,7 +21,7 @@ ROOM = (4.2, 3.0)  # mm that a number takes
 
 
 def tape_sheet(name: str, stance: Stance) -> dict[str, Any] | None:
-    """None where nothing is drawn, or the rig has too few landmarks."""
+    """The sheet's data; None where nothing is drawn, or the rig has too few landmarks."""
     points = tape_points(stance)
     if not points:
         return None
