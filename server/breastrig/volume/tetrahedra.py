@@ -1,8 +1,8 @@
 """The rig's tetrahedra in a fitted body.
 
 Skin nodes are the fitted vertices, wall nodes lie under the skin without its breasts; the nodes between start on their
-harmonic extension and are moved until every tetrahedron is sound (sound.py).  The same nodes and tetrahedra for every
-body, and at once (docs/decisions/0021).
+harmonic extension and are moved until every tetrahedron is well shaped (untangle.py). The same nodes and tetrahedra for
+every body, and fast (docs/decisions/0021).
 """
 
 from functools import lru_cache
@@ -17,7 +17,7 @@ from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import bone_matrices
 from breastrig.volume.known_volume import KnownVolume, known_volume
-from breastrig.volume.sound import sound
+from breastrig.volume.untangle import untangle
 from breastrig.volume.volume_mesh import SOFT, VolumeMesh
 
 WALL_SPRING = 3.0  # the wall is an estimate,
@@ -63,7 +63,7 @@ def nodes_between(rig: Rig, vertices: Array, wall: Array) -> Array:
     springs[:count] = SKIN_SPRING
     normals = np.zeros_like(start)
     normals[:count], normals[count : 2 * count] = (rig.normals_at(start[part : part + count]) for part in (0, count))
-    return sound(start, known.tetrahedra, known.points, springs, normals)
+    return untangle(start, known.tetrahedra, known.points, springs, normals)
 
 
 def chest_wall(rig: Rig, x: RigParameters, vertices: Array) -> Array:

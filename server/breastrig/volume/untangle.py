@@ -22,11 +22,11 @@ EPSILON = 0.01  # of the determinant's regularisation, of a regular tetrahedron'
 REGULAR = np.linalg.inv(np.array([[1.0, 0.5, 0.5], [0.0, np.sqrt(0.75), np.sqrt(1 / 12)], [0.0, 0.0, np.sqrt(2 / 3)]]))
 
 
-def sound(points: Array, tetrahedra: Integers, rest: Array, springs: Array, normals: Array) -> Array:
-    """(N, 3) m: the points, moved where tetrahedra are bad; `rest` (N, 3) m says how large these are beside each other.
+def untangle(points: Array, tetrahedra: Integers, rest: Array, springs: Array, normals: Array) -> Array:
+    """(N, 3) m: the points, moved where tetrahedra are inverted or badly shaped; `rest` (N, 3) m gives their sizes.
 
     `springs` (N,) hold the nodes: the weaker the earlier they move, inf: never; across surfaces, along their `normals`
-    (N, 3), they are stiffer.  What cannot be mended is left as good as it gets.
+    (N, 3), they are stiffer. Returns the best found where some cannot be mended.
     """
     sizes = np.cbrt(np.linalg.det(_edges(rest, tetrahedra))) * 2 ** (1 / 6)  # edges of regular ones
     for strongest in np.unique(springs[np.isfinite(springs)]):
@@ -46,7 +46,7 @@ def _edges(points: Array, tetrahedra: Integers) -> Array:
 
 
 def _relaxed(points: Array, tetrahedra: Integers, sizes: Array, bad: Booleans, springs: Array, normals: Array) -> Array:
-    """One round."""
+    """One round: the points after minimising the energy around the bad tetrahedra."""
     from scipy.optimize import minimize  # slow to load, and most fits need no tetrahedra
 
     free = _near(bad, tetrahedra, len(points))
