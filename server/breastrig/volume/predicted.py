@@ -102,7 +102,7 @@ def predicted(rig: Rig, vertices: Array, stance: str, goal: str) -> Predicted:
         mirror = MIRROR if each.side == "R" else np.ones(3)
         heights = each.heights(local) * mirror
         move, within = prior.moved(heights, stance, goal)
-        breasts.append((fullness(heights[each.breast]) * move * mirror, within))
+        breasts.append((breast_presence(heights[each.breast]) * move * mirror, within))
     return with_breasts(rig, vertices, stance, goal, breasts)
 
 
@@ -116,8 +116,8 @@ def prior_between(rig: Rig, stance: str, goal: str) -> GravityPrior:
     return prior
 
 
-def fullness(heights: Array) -> float:
-    """0 for (B, 3) m heights of a side without a breast, which is moved by nothing, 1 for those of breasts."""
+def breast_presence(heights: Array) -> float:
+    """0 for (B, 3) m heights of a side without a breast, which does not move, to 1 for those of a breast."""
     share = (np.quantile(np.linalg.norm(heights, axis=1), TOP) - FLAT) / FLAT
     return float(np.clip(share, 0.0, 1.0))
 
