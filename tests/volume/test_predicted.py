@@ -13,9 +13,9 @@ from breastrig.volume.predicted import (
     STANCES,
     GravityPrior,
     gravity_prior,
+    in_standing_frame,
     posture,
     predicted,
-    stood_up,
     with_breasts,
 )
 
@@ -155,7 +155,7 @@ def test_the_skin_joins_at_the_edge_of_the_breasts(rig: Rig) -> None:
 def test_a_trunk_that_lies_comes_back_to_how_it_stands(rig: Rig) -> None:
     turn = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     lying = (rig.template + posture(rig, "supine")) @ turn.T + [1.0, 2.0, 3.0]
-    assert stood_up(rig, lying, "supine") == pytest.approx(rig.template, abs=1e-9)
+    assert in_standing_frame(rig, lying, "supine") == pytest.approx(rig.template, abs=1e-9)
 
 
 def test_what_is_not_known_is_said(rig: Rig) -> None:

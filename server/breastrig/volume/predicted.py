@@ -96,7 +96,7 @@ def gravity_prior(rig: Rig) -> GravityPrior | None:
 def predicted(rig: Rig, vertices: Array, stance: str, goal: str) -> Predicted:
     """The (V, 3) m vertices of a body that was fitted in `stance`, in `goal`.  Raises BadInput."""
     prior = prior_between(rig, stance, goal)
-    local = stood_up(rig, vertices, stance)
+    local = in_standing_frame(rig, vertices, stance)
     breasts = []
     for each in breast_skins(rig):
         mirror = MIRROR if each.side == "R" else np.ones(3)
@@ -146,7 +146,7 @@ def in_template(rig: Rig, vertices: Array, stance: str = "standing") -> tuple[Ar
     return away @ motion.rotation.T + around.mean(axis=0), motion.rotation
 
 
-def stood_up(rig: Rig, vertices: Array, stance: str) -> Array:
+def in_standing_frame(rig: Rig, vertices: Array, stance: str) -> Array:
     """(V, 3) m in the template's frame: the body of a stance with its trunk and arms as they are standing."""
     return in_template(rig, vertices, stance)[0] - posture(rig, stance)
 
