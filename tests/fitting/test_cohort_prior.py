@@ -9,7 +9,7 @@ from scipy.stats import multivariate_normal
 
 from breastrig.correspondence.target import ScanTarget
 from breastrig.energies.body_prior import BodyPrior
-from breastrig.fitting.body.expected_body import cohort_belief, expected_body
+from breastrig.fitting.body.expected_body import cohort_posterior, expected_body
 from breastrig.fitting.fit import FitIterate, fit_iterates
 from breastrig.fitting.picks.checked_fit import ended
 from breastrig.fitting.posterior import Posterior
@@ -130,13 +130,13 @@ def test_the_geometric_mean_of_both_is_expected(rig: Rig, family: CohortPrior) -
     assert recipe.body is not None
     assert own is not None
     known = with_prior(rig, family)
-    belief = cohort_belief(known, recipe.shapes, recipe.body, "standing")
+    posterior = cohort_posterior(known, recipe.shapes, recipe.body, "standing")
     expected = expected_body(known, recipe.shapes, recipe.body, "standing")
-    assert belief is not None
+    assert posterior is not None
     assert expected is not None
     bodies = own.mean + rng.standard_normal((5, len(own.mean))) @ np.linalg.cholesky(own.covariance).T
     found, theirs, built = (
-        multivariate_normal(each.mean, each.covariance).logpdf(bodies) for each in (expected, belief.expected, own)
+        multivariate_normal(each.mean, each.covariance).logpdf(bodies) for each in (expected, posterior.expected, own)
     )
     np.testing.assert_allclose(np.diff(found), np.diff(0.5 * (theirs + built)), rtol=1e-6)
 

@@ -1,4 +1,4 @@
-"""Sums over women: exact in any order, of one rig, and believed as far as they predict."""
+"""Sums over patients: exact in any order, of one rig, and weighted by how well they predict."""
 
 import json
 from dataclasses import replace
@@ -10,7 +10,7 @@ import pytest
 from breastrig.core.errors import BadInput
 from breastrig.fitting.uncertainty.contribution import FARTHEST, built_in, parsed_contribution
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.rig.cohort_belief import Gaussian, believed
+from breastrig.rig.cohort_posterior import Gaussian, posterior_of
 from breastrig.rig.cohort_prior import CohortPrior, Sums, cohort_of, no_cohort, parsed_prior, with_prior
 from breastrig.rig.model import Rig
 
@@ -105,36 +105,38 @@ def test_a_file_that_is_none_is_refused_in_one_sentence(rig: Rig, own: Gaussian,
 def test_women_of_a_family_move_the_mean_and_narrow_what_they_share(rig: Rig, own: Gaussian) -> None:
     root = np.linalg.cholesky(own.covariance)
     sums = women(rig, own, 60, 5, shift=1.0).stances["standing"]
-    belief = believed(rig, sums, own)
-    assert belief is not None
-    whitened = np.linalg.solve(root, np.linalg.solve(root, belief.expected.covariance).T)
+    posterior = posterior_of(rig, sums, own)
+    assert posterior is not None
+    whitened = np.linalg.solve(root, np.linalg.solve(root, posterior.expected.covariance).T)
     assert np.linalg.eigvalsh(whitened).min() > 0.0
-    assert belief.gain > 1.0
-    few = believed(rig, women(rig, own, 6, 5, shift=1.0).stances["standing"], own)
-    assert few is None or few.gain < belief.gain
+    assert posterior.gain > 1.0
+    few = posterior_of(rig, women(rig, own, 6, 5, shift=1.0).stances["standing"], own)
+    assert few is None or few.gain < posterior.gain
 
 
 def test_women_as_the_built_in_prior_has_them_change_it_little(rig: Rig, own: Gaussian) -> None:
-    """They are believed by what they predict: next to nothing better than without them."""
+    """Patients like the built-in prior improve on it by almost nothing."""
     root = np.linalg.cholesky(own.covariance)
-    belief = believed(rig, women(rig, own, 30, 6).stances["standing"], own)
-    if belief is not None:
-        away = np.linalg.solve(root, belief.expected.mean - own.mean)
+    posterior = posterior_of(rig, women(rig, own, 30, 6).stances["standing"], own)
+    if posterior is not None:
+        away = np.linalg.solve(root, posterior.expected.mean - own.mean)
         assert np.linalg.norm(away) < 0.1 * np.sqrt(len(away))
-        assert belief.gain < 0.3
+        assert posterior.gain < 0.3
 
 
 def test_no_side_is_preferred(rig: Rig, own: Gaussian) -> None:
-    from breastrig.rig.cohort_belief import mirrored_places
+    from breastrig.rig.cohort_posterior import mirrored_places
 
     other = mirrored_places(rig)
     symmetric = Gaussian(
         0.5 * (own.mean + own.mean[other]), 0.5 * (own.covariance + own.covariance[np.ix_(other, other)])
     )
-    belief = believed(rig, women(rig, own, 30, 7, shift=1.0).stances["standing"], symmetric)
-    assert belief is not None
-    np.testing.assert_allclose(belief.expected.mean, belief.expected.mean[other], atol=1e-9)
-    np.testing.assert_allclose(belief.expected.covariance, belief.expected.covariance[np.ix_(other, other)], atol=1e-9)
+    posterior = posterior_of(rig, women(rig, own, 30, 7, shift=1.0).stances["standing"], symmetric)
+    assert posterior is not None
+    np.testing.assert_allclose(posterior.expected.mean, posterior.expected.mean[other], atol=1e-9)
+    np.testing.assert_allclose(
+        posterior.expected.covariance, posterior.expected.covariance[np.ix_(other, other)], atol=1e-9
+    )
 
 
 def test_a_woman_beyond_all_bounds_counts_as_one_at_the_bound(rig: Rig, own: Gaussian) -> None:
@@ -158,4 +160,4 @@ def test_a_woman_beyond_all_bounds_counts_as_one_at_the_bound(rig: Rig, own: Gau
 def test_one_woman_is_a_cohort_that_nobody_believes(rig: Rig, own: Gaussian) -> None:
     one = women(rig, own, 1, 9, shift=1.0)
     assert parsed_prior(one.content(), "p.json").content() == one.content()
-    assert believed(rig, one.stances["standing"], own) is None
+    assert posterior_of(rig, one.stances["standing"], own) is None

@@ -17,10 +17,10 @@ from breastrig.core.assets import model_path
 from breastrig.core.errors import BadInput
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.private_files import write_private
-from breastrig.fitting.body.expected_body import cohort_belief
+from breastrig.fitting.body.expected_body import cohort_posterior
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.rig.cohort_belief import FEWEST
+from breastrig.rig.cohort_posterior import FEWEST
 from breastrig.rig.cohort_prior import CohortPrior, merged, read_prior, with_prior
 from breastrig.rig.model import Rig
 from breastrig.workflow.folder.cohort import cohort_of_folders
@@ -103,10 +103,10 @@ def described(rig: Rig, prior: CohortPrior) -> list[str]:
     rig, recipe = with_prior(rig, prior), load_recipe("default")
     lines = [f"for {prior.rig_name} ({prior.rig_sha256[:12]})"]
     for stance, sums in prior.stances.items():
-        belief = None if recipe.body is None else cohort_belief(rig, recipe.shapes, recipe.body, stance)
-        if belief is not None:
-            mean, spread = (sums.women / (sums.women + w) for w in (belief.mean_worth, belief.spread_worth))
-            said = f"one like them is foretold {belief.closer:.0%} closer; "
+        posterior = None if recipe.body is None else cohort_posterior(rig, recipe.shapes, recipe.body, stance)
+        if posterior is not None:
+            mean, spread = (sums.women / (sums.women + w) for w in (posterior.mean_worth, posterior.spread_worth))
+            said = f"one like them is foretold {posterior.closer:.0%} closer; "
             said += f"the mean is {mean:.0%} theirs, the spread {spread:.0%}, the rest the built-in prior's"
         elif sums.women < FEWEST:
             said = f"not used, fewer than {FEWEST}"

@@ -36,7 +36,7 @@ from breastrig.least_squares.newton import Status, System, assemble, energy_of
 from breastrig.least_squares.problem import ResidualTerm, inlier_chance, mixture_cost, outlier_cost
 from breastrig.least_squares.quadratic_program import Bounds
 from breastrig.rig.blocks import block
-from breastrig.rig.cohort_belief import Gaussian
+from breastrig.rig.cohort_posterior import Gaussian
 from breastrig.rig.joints import Joints
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import BONE_DOFS, RigParameters

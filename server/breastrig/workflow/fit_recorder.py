@@ -33,7 +33,7 @@ from breastrig.fitting.verdicts.verdict import Verdict
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.least_squares.newton import Status
-from breastrig.rig.cohort_belief import Gaussian
+from breastrig.rig.cohort_posterior import Gaussian
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.scan.limits import NO_PLACES

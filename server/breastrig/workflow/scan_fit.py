@@ -19,7 +19,7 @@ from breastrig.core.units import BEYOND, distance_text
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.patterns import AskedDrawing, asked_drawing
 from breastrig.files.result import DoubtedPick
-from breastrig.fitting.body.expected_body import cohort_belief
+from breastrig.fitting.body.expected_body import cohort_posterior
 from breastrig.fitting.fit import FitIterate, FitTask
 from breastrig.fitting.observed.landmarks import colour_observations, with_observations
 from breastrig.fitting.picks.mistakes import sides_exchanged
@@ -322,10 +322,10 @@ def _unchecked(plan: FitPlan) -> tuple[str, ...]:
 def _of_cohort(task: FitTask) -> tuple[str, ...]:
     """A note of whose bodies are expected beside the built-in ones."""
     recipe = task.recipe
-    belief = None if recipe.body is None else cohort_belief(task.rig, recipe.shapes, recipe.body, task.stance)
-    if belief is None:
+    posterior = None if recipe.body is None else cohort_posterior(task.rig, recipe.shapes, recipe.body, task.stance)
+    if posterior is None:
         return ()
-    return (f"Fitted with what {belief.women} patients in this stance have in common.",)
+    return (f"Fitted with what {posterior.women} patients in this stance have in common.",)
 
 
 def _words(shown: Mapping[str, Observation] | None) -> tuple[str, ...]:

@@ -24,7 +24,7 @@ from breastrig.core.arrays import Array
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.body_statistics import SCHEMA, BodyStatistics, body_statistics
-from breastrig.rig.cohort_belief import mirrored_places
+from breastrig.rig.cohort_posterior import mirrored_places
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig_studies.cohort import read_cohort

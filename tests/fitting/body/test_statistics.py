@@ -7,7 +7,7 @@ import pytest
 
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.body_statistics import body_statistics
-from breastrig.rig.cohort_belief import mirrored_places
+from breastrig.rig.cohort_posterior import mirrored_places
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig_studies.bodies.body_statistics import KnownBody, document, mixed, statistics

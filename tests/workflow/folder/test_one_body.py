@@ -10,7 +10,7 @@ from helpers.results import result_file
 
 from breastrig.core.errors import NeedsYes
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.rig.cohort_belief import Gaussian
+from breastrig.rig.cohort_posterior import Gaussian
 from breastrig.rig.model import Rig
 from breastrig.workflow.folder.fit_folder import FitFolder
 from breastrig.workflow.folder.one_body import body_doubt, check_one_body, doubts_between

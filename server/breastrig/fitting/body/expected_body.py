@@ -8,7 +8,7 @@ from breastrig.core.arrays import Array
 from breastrig.core.stances import STANDING
 from breastrig.fitting.recipe import Body, Shapes
 from breastrig.rig.body_statistics import body_statistics
-from breastrig.rig.cohort_belief import Belief, Gaussian, believed
+from breastrig.rig.cohort_posterior import CohortPosterior, Gaussian, posterior_of
 from breastrig.rig.cohort_prior import cohort_of
 from breastrig.rig.model import Rig
 from breastrig.rig.stance_priors import in_stance, mean_weights
@@ -34,21 +34,21 @@ def built_in_body(rig: Rig, shapes: Shapes, body: Body, stance: str) -> Gaussian
 
 
 @lru_cache(maxsize=16)
-def cohort_belief(rig: Rig, shapes: Shapes, body: Body, stance: str) -> Belief | None:
-    """What a cohort's fits say beyond it (rig/cohort_prior.py); None without a cohort, or where nothing is believed."""
+def cohort_posterior(rig: Rig, shapes: Shapes, body: Body, stance: str) -> CohortPosterior | None:
+    """The posterior of the rig's cohort (rig/cohort_prior.py); None without one, or where it predicts no better."""
     cohort, built_in = cohort_of(rig), built_in_body(rig, shapes, body, stance)
     sums = None if cohort is None else cohort.stances.get(stance)
     if cohort is None or sums is None or built_in is None:
         return None
-    return believed(rig, sums, built_in)
+    return posterior_of(rig, sums, built_in)
 
 
 def expected_body(rig: Rig, shapes: Shapes, body: Body, stance: str) -> Gaussian | None:
-    """The built-in body; with a cohort the geometric mean of both, for nobody knows whether she is like them."""
-    built_in, belief = built_in_body(rig, shapes, body, stance), cohort_belief(rig, shapes, body, stance)
-    if built_in is None or belief is None:
+    """The built-in body; with a cohort the geometric mean of both, for the patient may be unlike them."""
+    built_in, posterior = built_in_body(rig, shapes, body, stance), cohort_posterior(rig, shapes, body, stance)
+    if built_in is None or posterior is None:
         return built_in
-    own, theirs = (np.linalg.inv(each.covariance) for each in (built_in, belief.expected))
+    own, theirs = (np.linalg.inv(each.covariance) for each in (built_in, posterior.expected))
     covariance = 2.0 * np.linalg.inv(own + theirs)
-    mean = 0.5 * covariance @ (own @ built_in.mean + theirs @ belief.expected.mean)
+    mean = 0.5 * covariance @ (own @ built_in.mean + theirs @ posterior.expected.mean)
     return Gaussian(mean, 0.5 * (covariance + covariance.T))

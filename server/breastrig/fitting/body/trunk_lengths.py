@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from breastrig.core.arrays import Array, Integers
-from breastrig.rig.cohort_belief import Gaussian
+from breastrig.rig.cohort_posterior import Gaussian
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig.rig.skinning import pose

@@ -11,7 +11,7 @@ from breastrig.core.arrays import Array
 from breastrig.fitting.body.expected_body import built_in_body
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import load_recipe
-from breastrig.rig.cohort_belief import Gaussian
+from breastrig.rig.cohort_posterior import Gaussian
 from breastrig.rig.cohort_prior import Sums
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import BONE_DOFS

@@ -35,7 +35,7 @@ from breastrig.files.result import (
 from breastrig.fitting.uncertainty.contribution import read_contribution
 from breastrig.geometry.rotations import rotation_from_quaternion
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.rig.cohort_belief import Gaussian
+from breastrig.rig.cohort_posterior import Gaussian
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.scan.clean import Surface, compact

@@ -31,7 +31,7 @@ class Gaussian:
 
 
 @dataclass(frozen=True, eq=False)
-class Belief:
+class CohortPosterior:
     """The posterior predictive distribution for the next patient, with its evidence."""
 
     expected: Gaussian
@@ -55,7 +55,7 @@ def mirrored_places(rig: Rig) -> Integers:
     return np.concatenate([scales, 3 * len(bones) + np.array(shapes, dtype=np.int64)])
 
 
-def believed(rig: Rig, sums: Sums, built_in: Gaussian) -> Belief | None:
+def posterior_of(rig: Rig, sums: Sums, built_in: Gaussian) -> CohortPosterior | None:
     """The posterior of these sums; None where patients are few or it predicts no better than the built-in prior."""
     if sums.women < FEWEST:
         return None
@@ -87,7 +87,7 @@ def believed(rig: Rig, sums: Sums, built_in: Gaussian) -> Belief | None:
         built_in.mean + turned @ (n / (k + n) * inside),
         built_in.covariance + turned @ (spread - np.eye(len(inside))) @ turned.T,
     )
-    return Belief(expected, n, k, b, len(inside), gain)
+    return CohortPosterior(expected, n, k, b, len(inside), gain)
 
 
 def _whitened(root: Array, matrix: Array) -> Array:
