@@ -105,7 +105,7 @@ def described(rig: Rig, prior: CohortPrior) -> list[str]:
     for stance, sums in prior.stances.items():
         posterior = None if recipe.body is None else cohort_posterior(rig, recipe.shapes, recipe.body, stance)
         if posterior is not None:
-            mean, spread = (sums.women / (sums.women + w) for w in (posterior.mean_worth, posterior.spread_worth))
+            mean, spread = (sums.women / (sums.women + w) for w in (posterior.mean_strength, posterior.spread_strength))
             said = f"one like them is foretold {posterior.closer:.0%} closer; "
             said += f"the mean is {mean:.0%} theirs, the spread {spread:.0%}, the rest the built-in prior's"
         elif sums.women < FEWEST:

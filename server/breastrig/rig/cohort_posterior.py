@@ -18,7 +18,7 @@ from breastrig.rig.model import Rig
 
 FEWEST = 30  # patients; of ten nothing is gained yet, and the skin of others is farther (decision 0027)
 SHOWN = 0.5  # share of its built-in variance that a direction keeps on the mean, at most, to be learned from scans
-WORTHS = np.geomspace(0.5, 4096.0, 27)  # patients that the built-in prior may count as
+PRIOR_STRENGTHS = np.geomspace(0.5, 4096.0, 27)  # candidate weights of the built-in prior, in patients
 TOO_MANY = 1e6  # likewise: the built-in prior alone counts
 
 
@@ -36,8 +36,8 @@ class CohortPosterior:
 
     expected: Gaussian
     women: int
-    mean_worth: float  # patients that the built-in prior counts as for the mean (κ) ...
-    spread_worth: float  # ... and for the covariance (ν - K - 1)
+    mean_strength: float  # weight of the built-in prior, in patients, for the mean (κ) ...
+    spread_strength: float  # ... and for the covariance (ν - K - 1)
     directions: int  # K, that were learned of
     gain: float  # mean log predictive density of a patient's directions over the built-in prior's, nats
 
@@ -74,13 +74,13 @@ def posterior_of(rig: Rig, sums: Sums, built_in: Gaussian) -> CohortPosterior | 
         return None
     inside, scatter = axes.T @ centred, n * axes.T @ (about + kept) @ axes
     evidence = _Evidence(n, inside, scatter)
-    worths = np.array([*WORTHS, TOO_MANY])
-    found = np.array([[evidence.at(k, b) for b in worths] for k in worths])
+    strengths = np.array([*PRIOR_STRENGTHS, TOO_MANY])
+    found = np.array([[evidence.at(k, b) for b in strengths] for k in strengths])
     best = np.unravel_index(int(found.argmax()), found.shape)
     gain = float(found[best] - evidence.at(TOO_MANY, TOO_MANY)) / n
     if gain <= 0.0:
         return None
-    k, b = float(worths[best[0]]), float(worths[best[1]])
+    k, b = float(strengths[best[0]]), float(strengths[best[1]])
     spread = evidence.spread(k, b) * (k + n + 1.0) / ((k + n) * (b + n))
     turned = root @ axes
     expected = Gaussian(
