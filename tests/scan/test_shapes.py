@@ -66,7 +66,7 @@ def test_a_capsule_without_a_vertex_in_its_middle_is_no_torso_and_no_traceback(t
 @pytest.mark.parametrize("announced", [400, 0])
 def test_random_bytes_as_stl_are_one_sentence(announced: int) -> None:
     content = b"x" * 80 + int(announced).to_bytes(4, "little") + RNG.bytes(50 * 400)
-    with pytest.raises(BadScan, match="not finite or far beyond all reason" if announced else "no triangles"):
+    with pytest.raises(BadScan, match="not finite or beyond 1e30" if announced else "no triangles"):
         read_scan(content, "stl")
 
 

@@ -37,4 +37,4 @@ DICOM_ITEMS = 1_000_000  # entries of lists in a DICOM file; 200 slices of 100 s
 DICOM_ELEMENTS = 10_000  # at the top of a DICOM file; segmentations have some fifty
 DICOM_FRAMES = 50_000  # of a segmentation; each takes 1 ms
 
-NO_PLACES = "not finite or far beyond all reason"  # of vertices that are left out
+NO_PLACES = "not finite or beyond 1e30"  # of vertices that are left out

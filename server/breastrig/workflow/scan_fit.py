@@ -75,7 +75,7 @@ def checked_landmarks(rig: Rig, landmarks_mm: dict[str, list[float]]) -> dict[st
         if point.shape != (3,) or not np.isfinite(point).all():
             raise BadLandmarks(f"The landmark {name} needs three finite numbers x y z.")
         if np.abs(point).max() > BEYOND:
-            raise BadLandmarks(f"The landmark {name} has a coordinate beyond all reason; check the file and its unit.")
+            raise BadLandmarks(f"The landmark {name} has a coordinate larger than 1e9; check the file and its unit.")
         result[name] = 1e-3 * point
     return result
 

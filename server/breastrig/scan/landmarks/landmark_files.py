@@ -347,7 +347,7 @@ def _three_numbers(name: str, place: Any) -> list[float]:
     if not all(math.isfinite(value) for value in numbers):
         raise BadLandmarks(f'The landmark "{name}" has a coordinate that is not a finite number; pick it again.')
     if max(map(abs, numbers)) > BEYOND:
-        raise BadLandmarks(f'The landmark "{name}" has a coordinate beyond all reason; check the file and its unit.')
+        raise BadLandmarks(f'The landmark "{name}" has a coordinate larger than 1e9; check the file and its unit.')
     return numbers
 
 
