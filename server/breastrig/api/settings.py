@@ -43,7 +43,9 @@ class Setting:
 
 
 @dataclass(frozen=True)
-class Found:
+class ResolvedSetting:
+    """A setting's value with its source, and its text for people."""
+
     value: Any
     source: str  # for people: "default", "option --port", "environment BREASTRIG_PORT", "file NAME"
     shown: str
@@ -209,7 +211,7 @@ def settings_file(option: Path | None, environment: Mapping[str, str] = os.envir
 
 def effective_settings(
     options: Mapping[str, Any], file: Path | None, environment: Mapping[str, str] = os.environ
-) -> dict[str, Found]:
+) -> dict[str, ResolvedSetting]:
     """Each setting's value.  `options` holds what the command line gave, None for what it did not.
 
     Raises BadSettings for a file that cannot be read, an unknown name in it, and a value that cannot be used.
@@ -226,13 +228,13 @@ def effective_settings(
             text, source = str(in_file[name]), f"file {file}"
         else:
             value = setting.default()
-            found[name] = Found(value, "default", setting.shown(value))
+            found[name] = ResolvedSetting(value, "default", setting.shown(value))
             continue
         try:
             value = setting.read(str(text))
         except ValueError as error:
             raise BadSettings(f"{name} ({source}): {text or 'nothing'} {error}.") from error
-        found[name] = Found(value, source, setting.shown(value))
+        found[name] = ResolvedSetting(value, source, setting.shown(value))
     return found
 
 
@@ -252,7 +254,9 @@ def _read_file(file: Path) -> dict[str, Any]:
     return document
 
 
-def token_source(found: Mapping[str, Found], environment: Mapping[str, str] = os.environ) -> tuple[str | None, str]:
+def token_source(
+    found: Mapping[str, ResolvedSetting], environment: Mapping[str, str] = os.environ
+) -> tuple[str | None, str]:
     """(the token as it was given, where it came from).  Raises BadSettings when its file cannot be read."""
     file = found["token_file"]
     in_environment = environment.get(TOKEN_VARIABLE, "").strip()

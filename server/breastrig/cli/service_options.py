@@ -8,7 +8,7 @@ from pathlib import Path
 from breastrig.api.settings import (
     FILE_VARIABLE,
     SETTINGS,
-    Found,
+    ResolvedSetting,
     effective_settings,
     read_yes_or_no,
     settings_file,
@@ -52,7 +52,7 @@ def add_service_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def service_settings(options: argparse.Namespace) -> dict[str, Found]:
+def service_settings(options: argparse.Namespace) -> dict[str, ResolvedSetting]:
     """The effective settings.  Raises BadSettings."""
     given = {name: getattr(options, name) for name in SETTINGS}
     return effective_settings(given, settings_file(options.config, os.environ), os.environ)
