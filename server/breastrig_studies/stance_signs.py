@@ -25,9 +25,9 @@ from breastrig.core.stances import PRONE, STANDING, SUPINE
 from breastrig.fitting.picks.checked_fit import checked_iterates
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.stance_signs import (
-    Against,
     LikelyStance,
     Sign,
+    StanceLogOdds,
     StanceSigns,
     likely_stance,
     measured_signs,
@@ -105,7 +105,7 @@ def weights_of(scans: Sequence[ScanSigns], stance: str) -> Array:
     return np.asarray(counts * len(counts) / counts.sum())
 
 
-def estimated(scans: Sequence[ScanSigns], kept: Against, stance: str) -> Against:
+def estimated(scans: Sequence[ScanSigns], kept: StanceLogOdds, stance: str) -> StanceLogOdds:
     """Logistic regression with a ridge over the standardised signs, cut off, times the length; Newton's method.
 
     Signs that scans turned at random do not have are kept as they are.

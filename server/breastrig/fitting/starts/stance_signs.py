@@ -45,15 +45,15 @@ class Sign(SettingsPart):
         return self.weight * float(np.clip(value - self.between, -self.most, self.most))
 
 
-class Against(SettingsPart):
-    """How much speaks for a stance, against standing."""
+class StanceLogOdds(SettingsPart):
+    """Log odds of a stance against standing, from signs."""
 
     constant: float  # log odds where no sign says anything
     length: float | None = None  # of the breast by which signs are measured; what is seen of a shorter one says less
     signs: dict[str, Sign]
 
     def log_odds(self, seen: Mapping[str, float]) -> float:
-        """What was not seen says nothing."""
+        """The log odds; signs that were not seen are left out."""
         counted = self.constant + sum(each.counted(seen[name]) for name, each in self.signs.items() if name in seen)
         return counted if self.length is None else counted * seen.get("length", self.length) / self.length
 
@@ -62,8 +62,8 @@ class StanceSigns(SettingsPart):
     """All of stance_signs.toml."""
 
     unsure: float  # log odds of the likeliest stance against the next up to which the answer is doubted
-    supine: Against
-    prone: Against
+    supine: StanceLogOdds
+    prone: StanceLogOdds
 
 
 @dataclass(frozen=True)
