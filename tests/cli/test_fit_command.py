@@ -22,7 +22,7 @@ from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.files.result import ResultFile
-from breastrig.fitting.task import Doubt
+from breastrig.fitting.task import PickIssue
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.pictures.companions import NO_MATERIAL
@@ -293,9 +293,9 @@ def test_unusual_picks_are_named_on_stderr_to_be_checked(
 ) -> None:
     reason, question = "umbilicus is 42 mm from where the model expects it.", "xiphoid is unusual. Is it right?"
     found = (
-        Doubt(("umbilicus",), reason, followed=True),
-        Doubt(("nipple_L",), "nipple_L was let go."),
-        Doubt(("xiphoid",), question, followed=True),
+        PickIssue(("umbilicus",), reason, followed=True),
+        PickIssue(("nipple_L",), "nipple_L was let go."),
+        PickIssue(("xiphoid",), question, followed=True),
     )
     finish = FitRecorder.finish
     monkeypatch.setattr(FitRecorder, "finish", lambda *given: replace(finish(*given), doubts=found))

@@ -17,7 +17,7 @@ from breastrig.fitting.fit import FitTask, fit_iterates
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
-from breastrig.fitting.task import Doubt
+from breastrig.fitting.task import PickIssue
 from breastrig.fitting.uncertainty.radii import radii
 from breastrig.fitting.verdicts import judge as judge_module
 from breastrig.fitting.verdicts import verdict as verdict_module
@@ -126,8 +126,8 @@ def said(**changes: Any) -> Verdict:
 
 
 def test_notes_stand_behind_what_is_to_be_checked_and_make_no_fit_worth_a_check() -> None:
-    near, far = Doubt(("nipple_L",), "", followed=True), Doubt(("acromion_L",), "", followed=True)
-    exchanged = Doubt(("acromion_L", "acromion_R"), "", exchanged=True)
+    near, far = PickIssue(("nipple_L",), "", followed=True), PickIssue(("acromion_L",), "", followed=True)
+    exchanged = PickIssue(("acromion_L", "acromion_R"), "", exchanged=True)
     for doubts, note in (([near], False), ([far], True), ([near, far], False), ([exchanged], False)):
         (reason,) = of_doubts(doubts, {"acromion_L", "acromion_R"})
         assert reason.note == note

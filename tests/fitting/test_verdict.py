@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers.toy_rig import toy_rig
 
-from breastrig.fitting.task import Doubt
+from breastrig.fitting.task import PickIssue
 from breastrig.fitting.verdicts.fit_signals import FitSignals
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, Reason, of_agreed, of_doubts, picked_names
 from breastrig.fitting.verdicts.verdict import Verdict, shows_a_part, verdict, verdict_limits
@@ -34,8 +34,10 @@ NONE = GivenLandmarks(picked=0, left=12, followed=0)
 AGREED = replace(NONE, agreed=12)
 SOME = GivenLandmarks(picked=9, left=3, followed=9)
 ALL = GivenLandmarks(picked=12, left=0, followed=12)
-PAIR = Doubt(("nipple_L", "nipple_R"), "nipple_L and nipple_R look exchanged; they were not followed.", exchanged=True)
-NAVEL = Doubt(
+PAIR = PickIssue(
+    ("nipple_L", "nipple_R"), "nipple_L and nipple_R look exchanged; they were not followed.", exchanged=True
+)
+NAVEL = PickIssue(
     ("umbilicus",), "umbilicus is 40 mm from where it is expected; it was followed. Is it right?", followed=True
 )
 
@@ -186,10 +188,10 @@ def test_of_another_model_nothing_is_known() -> None:
 
 
 def test_landmarks_in_doubt_make_a_right_fit_worth_a_look() -> None:
-    def judged(*doubts: Doubt) -> Verdict:
+    def judged(*doubts: PickIssue) -> Verdict:
         return verdict(RIGHT, Status.CONVERGED, LIMITS, ALL, of_doubts(doubts))
 
-    notch = Doubt(("suprasternal_notch",), "It is elsewhere.")
+    notch = PickIssue(("suprasternal_notch",), "It is elsewhere.")
     one, two = judged(NAVEL), judged(NAVEL, notch)
     assert one.level == two.level == "check"
     assert one.reasons == ("One landmark is in doubt; look at what is asked about it.",)
@@ -203,7 +205,7 @@ def test_landmarks_in_doubt_make_a_right_fit_worth_a_look() -> None:
 def test_a_landmark_in_doubt_that_is_far_from_the_breasts_is_a_note() -> None:
     (note,) = of_doubts((NAVEL,), {"umbilicus"})
     assert verdict(RIGHT, Status.CONVERGED, LIMITS, ALL, (note,)) == Verdict("good", (str(note),))
-    notch = Doubt(("suprasternal_notch",), "It is elsewhere.")
+    notch = PickIssue(("suprasternal_notch",), "It is elsewhere.")
     for doubts in ((NAVEL, notch), (PAIR,)):
         (reason,) = of_doubts(doubts, {"umbilicus", *PAIR.names})
         assert not reason.note
@@ -264,7 +266,7 @@ def all_verdicts() -> Iterator[tuple[str, GivenLandmarks, Verdict]]:
         for given, agreed, repeated in product((NONE, SOME, ALL), (0, 1, 3), (False, True))
         if agreed <= given.left and not (repeated and not given.placed)
     ] + [replace(ALL, followed=0)]  # exchanged, so that none was followed
-    doubts: tuple[tuple[Doubt, ...], ...] = ((), (NAVEL,), (PAIR,), (PAIR, NAVEL))
+    doubts: tuple[tuple[PickIssue, ...], ...] = ((), (NAVEL,), (PAIR,), (PAIR, NAVEL))
     for shown, status, known, given, asked, error in product(
         signals, (Status.CONVERGED, Status.STALLED), (limits, None), landmarks, doubts, (None, 0.005, 0.02, 0.1)
     ):

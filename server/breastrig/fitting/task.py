@@ -15,8 +15,8 @@ from breastrig.rig.parameters import RigParameters
 
 
 @dataclass(frozen=True)
-class Doubt:
-    """Picks that belong together in one question, and why they are asked about, as a sentence."""
+class PickIssue:
+    """An issue with one or several picks: the names, and the reason as a sentence."""
 
     names: tuple[str, ...]
     reason: str
@@ -37,7 +37,7 @@ class FitIterate:
     landmark_distance: float | None  # m, mean over the picked landmarks
     elapsed_s: float
     status: Status  # RUNNING on all but the last
-    not_followed: tuple[Doubt, ...] = ()  # rejected picks
+    not_followed: tuple[PickIssue, ...] = ()  # rejected picks
     relief: Mapping[str, LandmarkObservation] | None = None  # that the skin's form shows; None: not looked at yet
     hanging: tuple[str, ...] = ()  # shapes by which breasts were seen to hang
 

@@ -24,7 +24,7 @@ from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.refine import refined
 from breastrig.fitting.stance import UNCLEAR
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS
-from breastrig.fitting.task import Doubt
+from breastrig.fitting.task import PickIssue
 from breastrig.fitting.uncertainty.contribution import contribution
 from breastrig.fitting.uncertainty.radii import HOLDS_90, Radii
 from breastrig.fitting.verdicts.judge import judge
@@ -76,7 +76,7 @@ class FitOutcome:
     timing_s: dict[str, float]
     distances: SurfaceDistances
     seen: Mapping[str, Observation]  # by name, from colours
-    doubts: tuple[Doubt, ...]  # picks that are asked about
+    doubts: tuple[PickIssue, ...]  # picks that are asked about
     drawing: ModelDrawing | None
     drawing_missing: tuple[str, ...]  # of each pattern that does not fit on this patient why, a sentence or two
     lines: tuple[Polyline, ...]

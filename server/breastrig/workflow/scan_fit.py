@@ -27,7 +27,7 @@ from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.scan_orientation import ScanOrientation, orientation_from
 from breastrig.fitting.starts.second_start import iterates_with_second_start
-from breastrig.fitting.task import Doubt
+from breastrig.fitting.task import PickIssue
 from breastrig.fitting.verdicts.reasons import GivenLandmarks
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.blocks import block
@@ -121,7 +121,7 @@ class ReadyScan:
     cut_away: float  # m², floors and walls
     landmarks: dict[str, Array]  # picked, m, in the scan's frame
     agreed: tuple[str, ...]  # landmarks that were proposed, with what a person has only agreed to
-    exchanged: tuple[Doubt, ...]
+    exchanged: tuple[PickIssue, ...]
     drawing: AskedDrawing | None
     orientation: ScanOrientation | None  # as the upload has found it
     stance_reason: str
@@ -343,12 +343,12 @@ def _exchanged(
     target: ScanTarget,
     certain: Collection[str],
     known: Array | None,
-) -> tuple[Doubt, ...]:
+) -> tuple[PickIssue, ...]:
     """The doubt that all sides are exchanged; none where a person is certain of a side."""
     knows_sides = any(landmark.name in certain and landmark.mirror != landmark.name for landmark in rig.landmarks)
     if knows_sides or not sides_exchanged(rig, landmarks, target, recipe.outliers, known):
         return ()
-    return (Doubt(tuple(name for name in landmarks if name not in certain), ALL_EXCHANGED, exchanged=True),)
+    return (PickIssue(tuple(name for name in landmarks if name not in certain), ALL_EXCHANGED, exchanged=True),)
 
 
 def _warm(target: ScanTarget) -> None:

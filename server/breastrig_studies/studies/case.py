@@ -32,7 +32,7 @@ from breastrig.fitting.starts.orientation import (
     prone_start,
     start_from_scan,
 )
-from breastrig.fitting.task import Doubt, FitTask
+from breastrig.fitting.task import FitTask, PickIssue
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
 from breastrig.rig.model import Rig
@@ -56,7 +56,7 @@ class Fitted:
     parameters: RigParameters
     seconds: float  # of the solver alone: one core's time, so that work beside it does not count
     iterations: int
-    doubts: tuple[Doubt, ...]  # what the program says of the picks
+    doubts: tuple[PickIssue, ...]  # what the program says of the picks
 
 
 class TrueLandmarks(dict[str, Array]):

@@ -12,7 +12,7 @@ from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.starts.hypotheses import Opening
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS
 from breastrig.fitting.starts.second_start import iterates_with_second_start
-from breastrig.fitting.task import Doubt, FitIterate, FitTask
+from breastrig.fitting.task import FitIterate, FitTask, PickIssue
 from breastrig.least_squares.newton import Status
 
 
@@ -41,7 +41,7 @@ def checked_iterates(task: FitTask, known_opening: Opening | None = None) -> Ite
         )
 
 
-def without(task: FitTask, doubts: Sequence[Doubt]) -> FitTask:
+def without(task: FitTask, doubts: Sequence[PickIssue]) -> FitTask:
     """The task without the rejected picks."""
     return task.without({name for doubt in doubts if not doubt.followed for name in doubt.names})
 

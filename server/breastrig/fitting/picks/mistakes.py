@@ -16,7 +16,7 @@ from breastrig.fitting.picks.leave_one_out import LeaveOneOut, log_student, mean
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Outliers
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS, trusted_similarity
-from breastrig.fitting.task import Doubt, FitTask
+from breastrig.fitting.task import FitTask, PickIssue
 from breastrig.geometry.normals import face_normals
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
@@ -54,7 +54,7 @@ def sides_exchanged(
     return bool(softmax([nats[0], np.log(outliers.slip) + nats[1]])[1] > outliers.sure)
 
 
-def mistaken(task: FitTask, x: RigParameters, most: int) -> tuple[Doubt, ...]:
+def mistaken(task: FitTask, x: RigParameters, most: int) -> tuple[PickIssue, ...]:
     """The picks that are not to be followed, at most so many; certain ones are not among them."""
     rig, rules = task.rig, task.recipe.outliers
     places = rig.landmark_points().positions(pose(rig, x), rig.faces)
@@ -74,11 +74,11 @@ def mistaken(task: FitTask, x: RigParameters, most: int) -> tuple[Doubt, ...]:
         as_other = sum(meant_evidence(posterior, task.given[each], nearest[each]) for each in names)
         as_meant = sum(as_named[each] for each in names)
         chances[names] = float(softmax([as_meant, slip + as_other, len(names) * anywhere])[1])
-    found: list[Doubt] = []
+    found: list[PickIssue] = []
     for names in sorted((names for names in chances if chances[names] > rules.sure), key=lambda names: -chances[names]):
         if sum(len(doubt.names) for doubt in found) + len(names) > most:
             continue
         exchanged = len(names) == 2
         what = "look exchanged; they were" if exchanged else f"lies where {nearest[names[0]]} is expected; it was"
-        found.append(Doubt(names, f"{' and '.join(names)} {what} not followed.", exchanged=exchanged))
+        found.append(PickIssue(names, f"{' and '.join(names)} {what} not followed.", exchanged=exchanged))
     return tuple(found)

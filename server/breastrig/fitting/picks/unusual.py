@@ -3,10 +3,10 @@
 from breastrig.fitting.picks.leave_one_out import LeaveOneOut
 from breastrig.fitting.picks.refit_without import from_observation, on_smooth_skin, refit_without
 from breastrig.fitting.posterior import Posterior
-from breastrig.fitting.task import Doubt
+from breastrig.fitting.task import PickIssue
 
 
-def unusual(posterior: Posterior) -> tuple[Doubt, ...]:
+def unusual(posterior: Posterior) -> tuple[PickIssue, ...]:
     """One doubt each, the strangest first; certain picks are not asked about again.
 
     A wrong pick pushes its neighbours, so one after the other is named: each time, of those beyond the limit the one
@@ -33,7 +33,7 @@ def unusual(posterior: Posterior) -> tuple[Doubt, ...]:
         if name in posterior.task.given:  # the fit without it broke down
             break
     return tuple(
-        Doubt(
+        PickIssue(
             (name,),
             f"{name} is {1e3 * gap:.0f} mm from where the scan and the other landmarks expect it; "
             "it was followed. Is it right?",

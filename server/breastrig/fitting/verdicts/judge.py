@@ -7,7 +7,7 @@ import numpy as np
 
 from breastrig.correspondence.distances import Comparison
 from breastrig.fitting.posterior import Posterior
-from breastrig.fitting.task import Doubt
+from breastrig.fitting.task import PickIssue
 from breastrig.fitting.uncertainty.radii import Radii, radii, seen_vertices
 from breastrig.fitting.verdicts.fit_signals import fit_signals
 from breastrig.fitting.verdicts.lesions import of_lesions
@@ -38,7 +38,7 @@ def judge(
     posterior: Posterior,
     status: Status,
     given: GivenLandmarks,
-    doubts: Sequence[Doubt] = (),
+    doubts: Sequence[PickIssue] = (),
     clearness: float | None = None,
     *,
     lesions: Sequence[BallInside] = (),

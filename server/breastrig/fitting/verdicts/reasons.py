@@ -7,7 +7,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS
-from breastrig.fitting.task import Doubt
+from breastrig.fitting.task import PickIssue
 
 VOUCHING = 6  # landmarks; 36 random sets of 6 to 12 on what is no torso leave no line known, 1 of 20 of 4 does (0022)
 LOOK_AGAIN = "look at what is asked about {}"
@@ -81,7 +81,7 @@ def of_agreed(given: GivenLandmarks) -> tuple[Reason, ...]:
     return (Reason(one if given.agreed == 1 else more, note=True),)
 
 
-def of_doubts(doubts: Sequence[Doubt], far: Collection[str] = ()) -> tuple[Reason, ...]:
+def of_doubts(doubts: Sequence[PickIssue], far: Collection[str] = ()) -> tuple[Reason, ...]:
     """How many landmarks are asked about, in a note where all are `far` from what is planned on.
 
     Each doubt has its own sentence, which names them.

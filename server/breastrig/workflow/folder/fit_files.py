@@ -41,7 +41,7 @@ from breastrig.files.result import (
     Verdict,
 )
 from breastrig.fitting.stance import UNCLEAR
-from breastrig.fitting.task import Doubt
+from breastrig.fitting.task import PickIssue
 from breastrig.fitting.uncertainty.contribution import contribution_bytes
 from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.replay import fitted_glb
@@ -56,7 +56,7 @@ def _rounded(values: Array, digits: int = 6) -> list[float]:
     return [round(float(value), digits) for value in np.asarray(values).ravel()]
 
 
-def _doubted(doubt: Doubt) -> DoubtedPick:
+def _doubted(doubt: PickIssue) -> DoubtedPick:
     return DoubtedPick(names=list(doubt.names), reason=doubt.reason)
 
 

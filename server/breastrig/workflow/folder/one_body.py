@@ -26,8 +26,8 @@ QUESTION = "These do not look like scans of one patient"
 
 
 @dataclass(frozen=True)
-class Doubt:
-    """What is said of two fits."""
+class BodyIssue:
+    """A sentence on whether two fits are of one patient."""
 
     says: str  # one sentence, or two
     is_question: bool  # a person has to say that they are of one patient; else it is not known, and said
@@ -79,17 +79,17 @@ def doubts_between(a: FitFolder, b: FitFolder, same_patient: bool = False) -> li
     return [] if doubt is None else [doubt.says]
 
 
-def body_doubt(a: FitFolder, b: FitFolder) -> Doubt | None:
+def body_doubt(a: FitFolder, b: FitFolder) -> BodyIssue | None:
     """Whether the two are of one patient; None where nothing speaks against it."""
     if a.result.scan.sha256 == b.result.scan.sha256:
         if a.stance == b.stance or a.result.predicted or b.result.predicted:
             return None
         both = f"{a.stance} and as {b.stance}"
-        return Doubt(f"Both fits are of the same scan file, as {both}. Choose the scan of the other stance.", True)
+        return BodyIssue(f"Both fits are of the same scan file, as {both}. Choose the scan of the other stance.", True)
     return _by_landmarks(a, b) or _by_trunk(a, b)
 
 
-def _by_landmarks(a: FitFolder, b: FitFolder) -> Doubt | None:
+def _by_landmarks(a: FitFolder, b: FitFolder) -> BodyIssue | None:
     (there, off_there), (here, off_here) = _landmarks(a), _landmarks(b)
     known = there.keys() & off_there.keys() & here.keys() & off_here.keys()
     for bone in BONES:
@@ -100,7 +100,7 @@ def _by_landmarks(a: FitFolder, b: FitFolder) -> Doubt | None:
         allowed = float(np.hypot(np.linalg.norm(offs), bone.change))
         if abs(first - second) > allowed:
             on_first, on_second = _scans(a, b)
-            return Doubt(
+            return BodyIssue(
                 f"{QUESTION}: it is {1e3 * first:.0f} mm {bone.said} on {on_first} and {1e3 * second:.0f} mm on "
                 f"{on_second}; {1e3 * allowed:.0f} mm are explained by their errors.",
                 True,
@@ -108,7 +108,7 @@ def _by_landmarks(a: FitFolder, b: FitFolder) -> Doubt | None:
     return None
 
 
-def _by_trunk(a: FitFolder, b: FitFolder) -> Doubt | None:
+def _by_trunk(a: FitFolder, b: FitFolder) -> BodyIssue | None:
     if PRONE in (a.stance, b.stance):
         return _unknown(a, b, "a prone scan shows too little of the trunk")
     limits = known_part(a.rig, "same_body.toml", TrunkLimits)
@@ -128,11 +128,11 @@ def _by_trunk(a: FitFolder, b: FitFolder) -> Doubt | None:
     ]
     most = " and ".join(words[place] for place in np.argsort(-squares)[:2])
     there, here = _scans(a, b)
-    return Doubt(f"{QUESTION}: the trunk is {most} on {here} than on {there}.", True)
+    return BodyIssue(f"{QUESTION}: the trunk is {most} on {here} than on {there}.", True)
 
 
-def _unknown(a: FitFolder, b: FitFolder, why: str) -> Doubt:
-    return Doubt(f"Whether {' and '.join(_scans(a, b))} are of one patient was not compared: {why}.", False)
+def _unknown(a: FitFolder, b: FitFolder, why: str) -> BodyIssue:
+    return BodyIssue(f"Whether {' and '.join(_scans(a, b))} are of one patient was not compared: {why}.", False)
 
 
 def _scans(a: FitFolder, b: FitFolder) -> tuple[str, str]:

@@ -17,7 +17,7 @@ from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS, start_from_scan
-from breastrig.fitting.task import Doubt, FitTask
+from breastrig.fitting.task import FitTask, PickIssue
 from breastrig.fitting.verdicts.judge import judge
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, picked_names
 from breastrig.rig.model import Rig
@@ -64,7 +64,7 @@ def judged(
     task = FitTask(rig, scene.target, start, recipe, {}, scene.case.stance).with_picks(picks)
     *_, last = checked_iterates(task)
     posterior = Posterior(ended(task, last), last.parameters)
-    doubts: tuple[Doubt, ...] = (*last.not_followed, *unusual(posterior))
+    doubts: tuple[PickIssue, ...] = (*last.not_followed, *unusual(posterior))
     vertices = posterior.state.vertices
     repeated = len(picked_names(picks, proposed)) < MIN_LANDMARKS
     given = GivenLandmarks(picked=len(picks), left=0, followed=len(picks))
