@@ -81,7 +81,7 @@ def table(found: Sequence[Record], kind: str) -> str:
 
 
 def by_woman(found: Sequence[Record]) -> bytes:
-    """All answers as CSV."""
+    """All answers as CSV, one row per patient and scan."""
     columns = ("woman", "scan", "condition", "landmarks", "level", "error_mm", "stance", "unclear", "reasons")
     rows = [
         {"woman": r.case.patient, "scan": r.case.name, "condition": r.unit.settings["condition"], "landmarks": kind}

@@ -49,7 +49,7 @@ def number_of(patient: str) -> int:
 
 
 def cases(folder: Path, stance: str) -> list[Case]:
-    """All in that stance that are not of the test set."""
+    """All cases in that stance that are not of the test set."""
     return [case for case in read_cohort(folder) if case.stance == stance and not (case.held_out or case.coloured)]
 
 

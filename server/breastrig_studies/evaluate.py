@@ -26,7 +26,7 @@ WORK = "work"  # folder of the records
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """Everything that was measured."""
+    """All results of an evaluation."""
 
     plan: Plan
     records: list[Record]

@@ -178,7 +178,7 @@ def _fit_of(batch: Batch, row: BatchRow) -> FitOfBytes:
 
 
 def _inputs(batch: Batch, task: FitOfBytes) -> dict[str, Any]:
-    """Everything that a result depends on; no name of a file is among it."""
+    """Everything that a result depends on; no file names."""
     return {
         "schema": INPUTS_SCHEMA,
         "scan_sha256": _sha256(task.scan),

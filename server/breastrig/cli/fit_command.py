@@ -155,7 +155,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _mm(distance: float | None) -> str:
-    """None where the scan shows no skin near the model."""
+    """The distance as text; it is None where the scan shows no skin near the model."""
     return "no distance" if distance is None else f"{distance:.2f} mm"
 
 

@@ -19,7 +19,7 @@ from breastrig.core.version import __version__
 
 
 def parser(command: str | None = None) -> argparse.ArgumentParser:
-    """It knows all commands by name, and the options of the one that is called."""
+    """The parser, with all commands by name, and the options of the one that is called."""
     root = argparse.ArgumentParser(
         prog="breastrig",
         description="Fits a rigged torso model to a 3D scan and lays surgical drawings on it.",

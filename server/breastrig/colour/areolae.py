@@ -1,7 +1,7 @@
-"""The areolae that a scan's colours showed when it was fitted, as result.json keeps them for the measures.
+"""The areolae found in a scan's colours when it was fitted, as result.json keeps them for the measures.
 
-A side that was looked for and not seen (covered, reconstructed without pigment, no skin there) stands there as null;
-scans without a texture have no such entry.
+A side that was searched without success (covered, reconstructed without pigment, no skin there) is null; scans without
+a texture have no such entry.
 """
 
 from collections.abc import Mapping

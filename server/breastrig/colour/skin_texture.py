@@ -71,7 +71,7 @@ class SkinPicture:
 
 @dataclass(frozen=True, eq=False)
 class SkinTexture:
-    """All pictures of one scan, and what is common to them."""
+    """All pictures of one scan, and their common data."""
 
     scan: Scan
     pictures: tuple[SkinPicture, ...]

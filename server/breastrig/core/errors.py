@@ -95,15 +95,15 @@ class BadSettings(BadInput):
 
 
 class NotFound(BadInput):
-    """No such thing."""
+    """The object does not exist."""
 
 
 class Conflict(BadInput):
-    """The thing is not in a state that allows this."""
+    """The object's state does not allow this action."""
 
 
 class TooLarge(BadInput):
-    """Over a stated limit."""
+    """Input over a stated limit."""
 
 
 class TooMany(BadInput):

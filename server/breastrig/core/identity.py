@@ -43,7 +43,7 @@ class Identity:
 
     @property
     def day(self) -> str:
-        """In file names: of the first scan, else of the report itself."""
+        """The day for file names: of the first scan, else of the report itself."""
         first = next((day for day in self.scanned if day), "")
         return first or ("" if self.made is None else self.made.date().isoformat())
 
@@ -52,7 +52,7 @@ INVISIBLE = "\u034f\u115f\u1160\u17b4\u17b5\u2800\u3164\uffa0"  # drawn as nothi
 
 
 def one_line(code: str) -> str:
-    """A code as it is kept: composed letters, single blanks.  BadInput for what nobody sees or what turns the order."""
+    """A code as stored: composed letters, single blanks. BadInput for invisible or reordering characters."""
     hidden = [each for each in code if unicodedata.category(each) in HIDDEN or each in INVISIBLE]
     if hidden:
         named = ", ".join(dict.fromkeys(f"U+{ord(each):04X}" for each in hidden))

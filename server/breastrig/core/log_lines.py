@@ -16,7 +16,7 @@ NOISY = ("uvicorn", "asyncio", "trimesh", "PIL", "alembic")  # they log files' c
 
 
 class JsonLines(logging.Formatter):
-    """One JSON object a line: time (UTC), level, logger, message, and the traceback where there is one."""
+    """Log lines as JSON objects: time (UTC), level, logger, message, and the traceback where there is one."""
 
     def format(self, record: logging.LogRecord) -> str:
         moment = datetime.fromtimestamp(record.created, UTC).isoformat(timespec="milliseconds")
@@ -54,7 +54,7 @@ def set_up_logs(form: str) -> None:
 
 
 def set_up_logs_from_environment() -> None:
-    """In a worker process of a server that called set_up_logs."""
+    """Sets up the log of a worker process, as its server called set_up_logs."""
     form = os.environ.get(VARIABLE)
     if form is not None and not logging.getLogger().handlers:
         set_up_logs(form)

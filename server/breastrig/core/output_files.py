@@ -45,7 +45,7 @@ class Output:
 
 
 def single_file(file: Path, inputs: Iterable[Path], force: bool, stopped: Callable[[], None] = lambda: None) -> Output:
-    """One file; one that is there already is replaced by force only."""
+    """The output of one file; an existing one is replaced only with `force`."""
     if file.name in ("", ".."):
         raise BadInput(f"{shown(file)} is no name of a file; give one with -o.")
     return Output(file.parent, (OutputSet(Path(), (file.name,)),), tuple(inputs), force, stopped)

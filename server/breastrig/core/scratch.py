@@ -69,7 +69,7 @@ def _remove(folder: Path, lock: FileLock) -> None:
 
 
 def _base() -> Path:
-    """One folder for all processes of this user; another one where somebody else has taken its name."""
+    """The folder for all processes of this user; another one where somebody else has taken its name."""
     return next(_bases(), None) or Path(tempfile.mkdtemp(prefix=f"{_name()}-", dir=tempfile.gettempdir()))
 
 

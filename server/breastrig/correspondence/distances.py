@@ -60,7 +60,7 @@ class Comparison:
 
     @cached_property
     def search(self) -> ClosestPointSearch:
-        """On the fitted surface."""
+        """Closest-point search on the fitted surface."""
         return ClosestPointSearch(self.vertices, self.faces)
 
     @cached_property

@@ -90,7 +90,7 @@ def lesions_on_scan(document: Mapping[str, Any]) -> tuple[tuple[dict[str, Any], 
 
 
 def shape_document(line: Polyline, metres_per_unit: float) -> dict[str, Any]:
-    """The line as a shape of a drawing file in this unit; what is not known of it is left out."""
+    """The line as a shape of a drawing file in this unit; unknown fields are left out."""
     document: dict[str, Any] = {
         "name": line.name,
         "closed": line.closed,

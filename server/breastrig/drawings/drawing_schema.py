@@ -84,7 +84,7 @@ class DrawnShape(_Shape):
 
 
 class GivenShape(_Shape):
-    """One polyline as others may give it: on a scan, or on the model."""
+    """One polyline in an input: on a scan, or on the model."""
 
     points: list[Point] | None = Field(None, description=ON_THE_SKIN)
     bridged: list[bool] | None = Field(None, description=IS_BRIDGED)
@@ -115,7 +115,7 @@ class DrawingFile(Part):
 
 
 class OwnDrawing(Part):
-    """Lines that were drawn on a scan; fields of other drawing files are passed over and not kept."""
+    """Lines drawn on a scan; fields of other drawing files are ignored and not kept."""
 
     schema_: Literal["breastrig/drawing@1"] = Field(SCHEMA, alias="schema")
     unit: Literal["mm"] = "mm"
@@ -130,7 +130,7 @@ class OwnDrawing(Part):
 
 
 class GivenDrawing(Part):
-    """A drawing file as others may give it."""
+    """A drawing file as input."""
 
     schema_: Literal["breastrig/drawing@1"] = Field(SCHEMA, alias="schema")
     name: Title | None = None
@@ -146,14 +146,14 @@ class GivenDrawing(Part):
 
 
 class ReadShape(GivenShape):
-    """One polyline of such a drawing; its name may have become longer than the one that was given."""
+    """One polyline of a drawing written by this program, which may have lengthened its name."""
 
     name: str = Field(min_length=1)
     label: str = ""
 
 
 class ReadDrawing(Part):
-    """A drawing that this program has written: it has the lines of all items, however many."""
+    """A drawing written by this program, with the lines of all items, however many."""
 
     schema_: Literal["breastrig/drawing@1"] = Field(SCHEMA, alias="schema")
     name: str | None = None

@@ -23,12 +23,12 @@ ACROSS = 0.71  # of a place's radius: across a line through it (docs/decisions/0
 
 
 def across(radii: Array) -> float:
-    """Line error (90 %) in the radii's unit, measured across the line: of a fit's breasts, and of any line."""
+    """Line error (90 %), measured across a line, from the radii of its points or of a fit's breasts, in their unit."""
     return ACROSS * float(np.sqrt(np.mean(np.square(radii))))
 
 
 def drawn_error(lines: Iterable[Polyline]) -> float | None:
-    """Line error (90 %) in m of the line of which least is known; None where nothing is known of any.
+    """The largest line error (90 %) of the lines, in m; None where none is known.
 
     This is the number of an item, which has one or several lines, and of everything that is drawn on a scan.
     """
@@ -45,9 +45,9 @@ def radii_at(rig: Rig, fitted: ClosestPointSearch, radii: Array, points: Array) 
 def carried_errors(
     rig: Rig, a: FittedScan, b: FittedScan, on_a: Array, on_b: Array, *, on_skin: bool = True
 ) -> Array | None:
-    """(M,) m: of (M, 3) m points of A's skin that were carried to (M, 3) m on B; None when nothing is known of them.
+    """(M,) m: errors of (M, 3) m points of A's skin that were transferred to (M, 3) m on B; None when unknown.
 
-    Skin that hangs in one of two scans slides farther over what lies under it; a prediction's radii have that in them.
+    Skin that hangs in one of two scans slides farther over the tissue below it; a prediction's radii include that.
     """
     settings = skin_map_settings(rig)
     if settings.error_skin is None or settings.error_share is None:
@@ -65,7 +65,7 @@ def carried_errors(
 def with_errors(
     rig: Rig, fitted: ClosestPointSearch, radii: Array | None, lines: Sequence[Polyline]
 ) -> tuple[Polyline, ...]:
-    """The lines on the scan of a fitted model, each point with its radius; as they are where none are known."""
+    """The lines on the scan of a fitted model, each point with its radius; unchanged where none are known."""
     if radii is None or not lines:
         return tuple(lines)
     errors = radii_at(rig, fitted, radii, np.concatenate([line.points for line in lines]))

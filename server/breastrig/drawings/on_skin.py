@@ -16,7 +16,7 @@ RUNS = 6  # of points that a sentence names
 
 
 def check_on_skin(line: Polyline, distances: Array) -> None:
-    """BadDrawing where a point that crosses no hole is farther off; `distances` (P,) m are the points' to the skin."""
+    """Raises BadDrawing where a point that crosses no hole is too far off; `distances` (P,) m from points to skin."""
     off = np.flatnonzero((distances > OFF_THE_SKIN) & ~line.bridged)
     if len(off):
         raise BadDrawing(
@@ -26,7 +26,7 @@ def check_on_skin(line: Polyline, distances: Array) -> None:
 
 
 def moved_onto_skin(line: Polyline, distances: Array) -> str | None:
-    """A sentence about the points that carrying the line moves onto the skin first; None where they lie on it.
+    """A note on the points that a transfer moves onto the skin first; None where they lie on it.
 
     `distances` (P,) m as in `check_on_skin`, of points that are near enough.
     """
@@ -39,7 +39,7 @@ def moved_onto_skin(line: Polyline, distances: Array) -> str | None:
 
 
 def _runs(numbers: Sequence[int]) -> str:
-    """1 to 3, 7 and 9; what is beyond RUNS is counted."""
+    """Numbers as text, 1 to 3, 7 and 9; those beyond RUNS runs are counted."""
     runs = [[number for _, number in run] for _, run in groupby(enumerate(numbers), lambda each: each[1] - each[0])]
     named = [str(run[0]) if len(run) == 1 else f"{run[0]} to {run[-1]}" for run in runs[:RUNS]]
     left = sum(map(len, runs[RUNS:]))

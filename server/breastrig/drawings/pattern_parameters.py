@@ -16,7 +16,7 @@ UNITS: dict[str, Unit] = {"mm": "mm", "deg": "deg", "clock": "h"}  # by the last
 
 
 class PatternParameter(BaseModel, extra="forbid", frozen=True):
-    """A number, or one of some choices."""
+    """A parameter: a number, or a choice."""
 
     name: str
     label: str

@@ -32,7 +32,7 @@ from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 
 
 class Pattern(Protocol):
-    """Parameters that draw themselves."""
+    """A pattern's parameters, with the method that draws it."""
 
     def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
         """The lines on one patient's fitted skin; BadDrawing when they do not fit there."""
@@ -74,9 +74,9 @@ class AskedDrawing:
     patterns: tuple[tuple[str, Pattern], ...]
 
     def on_model(self, rig: Rig, vertices: Array, landmarks: Mapping[str, Array] | None = None) -> ModelDrawing:
-        """All of it as surface points, for (V, 3) m fitted vertices in the scan's frame.
+        """The drawing as surface points, for (V, 3) m fitted vertices in the scan's frame.
 
-        `landmarks` (3,) m are those that are known better than where the model has them.
+        `landmarks` (3,) m are those that are known better than by the model.
         """
         if len(self.fixed) == 1 and not self.patterns:
             return self.fixed[0]  # the rig's own, of which more is known already

@@ -106,9 +106,9 @@ class LineNearSkin:
 
 
 def smoothed_on_skin(target: ScanTarget, lines: Sequence[LineNearSkin]) -> list[tuple[Array, Booleans]]:
-    """For each line (M, 3) m points on the skin, and which of its points lie there.
+    """(M, 3) m points on the skin for each line, and which of its points lie there.
 
-    All lines go through the rounds together: asking for the skin below them once costs less than line by line.
+    All lines go through the rounds together: one query of the skin costs less than one per line.
     """
     known = [
         each.known & _reliable(np.einsum("mi,mi->m", each.gaps, each.directions), each.known, each.closed)

@@ -19,7 +19,7 @@ SPACING = 0.001  # m between the points that are measured; the largest distance 
 
 @dataclass(frozen=True, eq=False)
 class ShapeGap:
-    """Two shapes of one name."""
+    """The distances between two shapes of one name."""
 
     name: str
     distances: Array  # (M,) m, both directions
@@ -38,7 +38,7 @@ class ShapeGap:
 
 
 def gaps(first: Sequence[Polyline], second: Sequence[Polyline]) -> tuple[ShapeGap, ...]:
-    """One for each name that both drawings have, in the first one's order; BadDrawing when there is none."""
+    """The gap of each name that both drawings have, in the first one's order; BadDrawing when there is none."""
     partner = {shape.name: shape for shape in second}
     common = [shape for shape in first if shape.name in partner]
     if not common:

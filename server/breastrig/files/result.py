@@ -298,9 +298,9 @@ class ResultFile(Document):
         return self.model_copy(update={"files": {name: _sha256(files[name]) for name in HASHED}})
 
     def check_files(self, read: Callable[[str], bytes | None], shown: str) -> None:
-        """BadInput where a file is not the one that the fit wrote; None is read of one that is not there.
+        """Raises BadInput where a file is not the one that the fit wrote; `None` stands for a missing one.
 
-        Passes for results of versions that kept no hashes, and what is missing is missed by whoever needs it.
+        Passes for results of versions that stored no hashes; a missing file is reported where it is needed.
         """
         for name in HASHED:
             content = read(name) if name in self.files else None
@@ -318,7 +318,7 @@ def fit_set(folder: Path) -> OutputSet:
 
 
 def parsed_result(text: bytes, shown: str) -> ResultFile:
-    """BadInput for what is damaged, or was changed since it was written; `shown` names the folder."""
+    """The result; BadInput where it is damaged or was changed since it was written. `shown` names the folder."""
     try:
         result = ResultFile.model_validate_json(text)
     except ValidationError as error:

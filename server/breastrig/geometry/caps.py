@@ -139,7 +139,7 @@ def _smooth_heights(triangles: Integers, rim: Array, inner: int) -> Array:
 
 
 def _fan(rim: Array) -> tuple[Array, Integers]:
-    """For rims that fold over themselves: triangles around the middle."""
+    """Triangles from a rim to its middle, for rims that fold over themselves."""
     count = len(rim)
     first = np.arange(count, dtype=np.int64)
     after = (first + 1) % count

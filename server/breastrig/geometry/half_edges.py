@@ -135,7 +135,7 @@ PIECES = ([0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5])  # corners 0 to 2, the mid
 
 
 def split_flat(vertices: Array, faces: Integers) -> tuple[Array, Integers, Integers]:
-    """Each triangle into four of half its size: vertices, faces, the index of each face's triangle before."""
+    """The mesh with each triangle split into four: vertices, faces, each new face's index of the old one."""
     a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     pairs, which = np.unique(np.minimum(a, b) * len(vertices) + np.maximum(a, b), return_inverse=True)
     middle = len(vertices) + which.reshape(-1, 3)

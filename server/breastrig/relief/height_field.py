@@ -59,9 +59,9 @@ class SmoothSkin:
 def height_field(
     target: ScanTarget, place: Array, outwards: Array, up: Array, half: tuple[float, float], pixel: float
 ) -> HeightField | None:
-    """`half` (m to the right, m upwards) around `place` (3,) m, over the plane that `outwards` (3,) is normal to.
+    """Heights within `half` (m right, m up) of `place` (3,) m, over the plane with normal `outwards` (3,).
 
-    None where the scan shows next to nothing there.
+    None where the scan shows almost nothing there.
     """
     right = np.cross(up, outwards)
     length = float(np.linalg.norm(right))
@@ -88,7 +88,7 @@ def height_field(
 
 
 def smooth_skin(field: HeightField, scale: float) -> SmoothSkin:
-    """At a `scale` (m): the standard deviation of the Gaussian."""
+    """The field smoothed at a `scale` (m), the standard deviation of the Gaussian."""
     pixel = field.pixel
     rows, columns = (_gaussian(length, scale / pixel) for length in field.counts.shape)
     weight = rows @ field.counts @ columns

@@ -10,14 +10,14 @@ from breastrig.core.stances import split_side
 
 
 class Smooth(SettingsPart):
-    """Skin on which nothing of a concavity is seen."""
+    """Limits of skin without a visible concavity."""
 
     around: Positive  # m, of a place
     below: Positive  # logarithm of a chance, as `weight` and `most` make it
 
 
 class Concavity(SettingsPart):
-    """One kind of concavity that a landmark lies in."""
+    """A kind of concavity with a landmark in it."""
 
     view: Literal["skin", "front"]  # along the skin's own normal around, or from the body's front
     around: Positive  # m, of whose skin the normal is the mean
@@ -61,7 +61,7 @@ class MidSternum(SettingsPart):
 
 
 class Relief(SettingsPart):
-    """All of features.toml."""
+    """The contents of features.toml."""
 
     pixel: Positive  # m
     fine: Positive  # m, scale at which the skin's height is read where the landmark is

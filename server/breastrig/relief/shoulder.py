@@ -16,7 +16,7 @@ ROUNDS = 12  # each goes half of the way, so that a thousandth is left
 
 @dataclass(frozen=True, eq=False)
 class ShoulderTip:
-    """In the frame of the vertices it was found on (m)."""
+    """A shoulder's tip, in the frame of the vertices it was found on (m)."""
 
     place: Array  # (3,) on the skin
     edge: Array  # (3,) the arm's outer edge

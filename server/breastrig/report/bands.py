@@ -61,7 +61,7 @@ def sure_text(result: ResultFile, drawn_mm: float | None) -> str:
 
 
 def half_width(radii: Sequence[float | None], share: float = OF_LENGTH) -> float | None:
-    """In the radii's unit; None where one is not known."""
+    """Half of the 90 % band of a length from its ends' radii, in their unit; None where one is not known."""
     known = [radius for radius in radii if radius is not None]
     return share * float(np.linalg.norm(known)) if len(known) == len(radii) and known else None
 
@@ -101,7 +101,7 @@ def half_between(left: Value | None, right: Value | None, correlation: float) ->
 
 
 def banded(value: float, half: float | None, least: float = 0.0, most: float = np.inf) -> Value:
-    """The value with its band, which cannot leave what is possible."""
+    """The value with its band, cut at the possible range."""
     return Value(value) if half is None else Value(value, max(value - half, least), min(value + half, most))
 
 

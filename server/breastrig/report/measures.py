@@ -83,7 +83,7 @@ def _is_of_model(named: str, side: str) -> bool:
 
 
 class _Table:
-    """One stance ready to be measured."""
+    """The measures of one stance."""
 
     def __init__(self, stance: Stance) -> None:
         self.stance = stance
@@ -117,7 +117,7 @@ class _Table:
         yield from self._one("nipple_nipple", "Nipple to nipple", [*nipples["L"], *nipples["R"]])
 
     def base_widths(self) -> Iterator[Row]:
-        """None of a rig without outlines of the breasts, and none lying."""
+        """The base widths; none for a rig without outlines of the breasts, and none lying."""
         widths = [self._base_width(breast_outline(self.stance.rig, side)) for side in SIDES]
         if all(width is not None for width in widths) and self.stance.name == STANDING:
             (left, across_left), (right, across_right) = (width for width in widths if width is not None)

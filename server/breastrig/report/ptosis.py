@@ -37,7 +37,7 @@ OUTLINE = "model inside its breast base outline"
 
 @dataclass(frozen=True, eq=False)
 class _Heights:
-    """One breast, m."""
+    """The heights of one breast, m."""
 
     nipple: float  # above the fold
     nipple_half: float | None  # of its band

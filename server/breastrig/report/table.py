@@ -73,7 +73,7 @@ class Row:
 
     @property
     def key(self) -> tuple[str, str]:
-        """One in a stance: most lengths are there straight and along the skin."""
+        """The row's key, unique in a stance: most lengths are measured straight and along the skin."""
         return self.measure, self.kind
 
     def with_values(self, changed: Callable[[Value], Value | None]) -> "Row":
@@ -83,7 +83,7 @@ class Row:
 
     @property
     def difference(self) -> Value | None:
-        """Left less right, with what their errors do not share; grades are no numbers to be subtracted."""
+        """Left minus right, with the errors that they do not share; grades are not subtracted."""
         if self.unit == "grade" or "difference" in self.not_known:
             return None
         found = less(self.right, self.left)
@@ -104,7 +104,7 @@ def rounded_once(row: Row) -> Row:
 
 
 def printed_step(rows: Sequence[Row]) -> float:
-    """In which steps one measure is printed, of all its stances and sides: as finely as the surest of its numbers."""
+    """The printing step of one measure over all stances and sides, for its most certain number."""
     values = [value for row in rows for value in (row.left, row.right, row.value) if value is not None]
     if not values or rows[0].unit == "grade":
         return 1.0
@@ -131,7 +131,7 @@ def flat_rows(stances: Sequence[tuple[str, Sequence[Row]]]) -> list[dict[str, Ce
 
 
 def less(x: Value | None, y: Value | None) -> Value | None:
-    """y less x, whose errors are independent: their margins add up as squares."""
+    """y minus x with independent errors: their margins add up as squares."""
     if x is None or y is None:
         return None
     change = y.value - x.value
@@ -144,7 +144,7 @@ def less(x: Value | None, y: Value | None) -> Value | None:
 def says_nothing(difference: Value | None, row: Row, of: Sequence[Value | None]) -> bool:
     """Whether the band of a difference of two numbers is as large as the smaller of them, or as a breast.
 
-    Heights are counted from the fold and may be nothing: of them only the breast's size says so.
+    Heights are counted from the fold and may be zero: for them only the breast's size counts.
     """
     if difference is None or difference.margin is None:
         return False
@@ -172,7 +172,7 @@ def contradictions(stances: Sequence[tuple[str, Sequence[Row]]]) -> tuple[str, .
 
 
 def changes(before: Sequence[Row], after: Sequence[Row]) -> list[Row]:
-    """The measures that both stances have, after less before; grades are no numbers to be subtracted."""
+    """The measures that both stances have, after minus before; grades are not subtracted."""
     known = {row.key: row for row in before if row.unit != "grade"}
     return [_change(known[row.key], row) for row in after if row.key in known]
 
@@ -236,7 +236,7 @@ def number(value: Value | None, unit: str, step: float, *, signed: bool = False)
 
 
 def _step(margin: float | None, unit: str) -> float:
-    """In which steps a number is written: no finer than a tenth of its band of nine of ten true values."""
+    """The printing step of a number: no finer than a tenth of its 90 % band."""
     least, most = STEPS[unit]
     return least if not margin else float(np.clip(10.0 ** np.floor(np.log10(0.5 * margin)), least, most))
 
@@ -246,12 +246,12 @@ def _rounded(number: float, step: float, sign: str = "") -> str:
 
 
 def _in_steps(number: float, step: float) -> float:
-    """Halves go up, as on the page, which shows the same numbers."""
+    """The number rounded to steps, halves up, as on the page, which shows the same numbers."""
     return float(np.floor(number / step + 0.5) * step)
 
 
 def grade_text(value: Value | None) -> str:
-    """II (I to III)."""
+    """The grade as text: II (I to III)."""
     text = number(value, "grade", 1.0)
     if value is None or value.low is None or value.high is None:
         return text

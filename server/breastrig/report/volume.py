@@ -146,7 +146,7 @@ def breast_volume(stance: Stance, side: str) -> Volume | None:
 
 
 def _outline_error(stance: Stance, line: Array) -> tuple[float, float]:
-    """m: how far out the outline (N, 3) belongs, and within what of there it lies with 90 %."""
+    """(m, m): the outward correction of the outline (N, 3), and the radius (90 %) of its error after that."""
     calibration = measure_calibration(stance.rig)
     if calibration is None or stance.radii is None:
         return 0.0, OUTLINE_ERROR

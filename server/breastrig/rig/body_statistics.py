@@ -46,7 +46,7 @@ class _File(BaseModel):
 
 @lru_cache(maxsize=8)
 def body_statistics(rig: Rig) -> BodyStatistics | None:
-    """For this rig; None where there are none for its bones and shapes.  A rig may lack some of the shapes."""
+    """This rig's statistics; None where there are none for its bones and shapes. A rig may lack some of the shapes."""
     stored = known_part(rig, "bodies.json", _File)
     places = {} if stored is None else {name: place for place, name in enumerate(stored.shapes)}
     if stored is None or stored.bones != [*rig.bone_names] or not places.keys() >= {*rig.shape_names}:

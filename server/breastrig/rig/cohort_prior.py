@@ -223,7 +223,7 @@ class _File(_Part):
 
 
 def parsed_prior(text: str | bytes, name: str) -> CohortPrior:
-    """The file's text; BadInput for what is none, `name` is shown."""
+    """The prior of a file's text; BadInput where it is none, `name` is shown."""
     try:
         found = _File.model_validate_json(text)
     except (ValidationError, RecursionError) as error:
@@ -261,7 +261,7 @@ def _square(upper: list[float], size: int) -> Array:
 
 
 def read_prior(file: Path) -> CohortPrior:
-    """BadInput for a file that cannot be read or is none."""
+    """The prior of a file; BadInput where it cannot be read or is none."""
     try:
         content = read_ordinary(file, FILE_BYTES)
     except OSError as error:

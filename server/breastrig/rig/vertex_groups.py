@@ -21,7 +21,7 @@ ENTRY_COST = 30.0  # multiplications; what it takes to write one entry
 
 @dataclass(frozen=True, eq=False)
 class VertexGroup:
-    """On what the vertices of one group depend; C = 9 K + L + 1 columns, the residual is the last."""
+    """The bones and shapes of one group's vertices; C = 9 K + L + 1 columns, the residual is the last."""
 
     bones: Integers  # (K,)
     shapes: Integers  # (L,)
@@ -30,7 +30,7 @@ class VertexGroup:
 
 @dataclass(frozen=True, eq=False)
 class VertexGroups:
-    """All groups of a rig, and what is known of its V vertices, group after group, without most of the zeros."""
+    """All groups of a rig, and the data of its V vertices, group after group, without most of the zeros."""
 
     groups: tuple[VertexGroup, ...]
     of_vertex: Integers  # (V,) index of each vertex's group

@@ -64,7 +64,7 @@ def large_pieces(vertices: Array, faces: Integers) -> tuple[Booleans, int]:
 
 
 def compact(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
-    """Only the vertices that a triangle uses."""
+    """The mesh with only the vertices that a triangle uses."""
     used = np.zeros(len(vertices), dtype=np.bool_)
     used[faces] = True
     index = np.cumsum(used) - 1

@@ -40,9 +40,9 @@ EXPORT = "export the scan as PLY, OBJ, STL or GLB"
 
 
 def file_type_of(data: bytes, named: str | None = None) -> str:
-    """One of FILE_TYPES; BadScan with a sentence when the bytes are none of them.
+    """The file type, one of FILE_TYPES; BadScan with a sentence for any other content.
 
-    `named` is the file name's ending.  It decides only for a binary STL of the wrong length, which has no mark of its
+    `named` is the file name's ending. It decides only for a binary STL of the wrong length, which has no mark of its
     own, and words the errors.
     """
     start = data[:LOOKED_AT]

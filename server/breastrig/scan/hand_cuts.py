@@ -136,5 +136,5 @@ def _checked(cut: Any, place: int) -> dict[str, Any]:
 
 
 def _largest(numbers: Array) -> float:
-    """Their largest size; infinite where one is no number."""
+    """The largest absolute value; infinite where one is no number."""
     return float(np.abs(np.nan_to_num(numbers, nan=np.inf)).max())

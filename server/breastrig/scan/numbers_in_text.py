@@ -27,7 +27,7 @@ def with_points(rows: Sequence[bytes]) -> Sequence[bytes]:
 
 
 def numbers(rows: Sequence[bytes]) -> tuple[Array, Integers]:
-    """(all numbers, how many each row has), nan for what says that it is none; ValueError for other words."""
+    """(all numbers, how many each row has), nan for words such as "nan"; ValueError for other words."""
     try:
         return _parsed(with_points(rows))
     except ValueError:

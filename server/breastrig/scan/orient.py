@@ -148,7 +148,7 @@ def _laid_through(planes: Array, centres: Array, areas: Array, groups: Integers,
 
 
 def propose_frame(vertices: Array, faces: Integers) -> Frame:
-    """A proposal for (V, 3) m vertices and (F, 3) triangles."""
+    """The proposed frame of (V, 3) m vertices and (F, 3) triangles."""
     stride = max(1, len(faces) // SAMPLE)
     chosen = faces[::stride]
     normals, areas = face_normals(vertices, chosen), face_areas(vertices, chosen)

@@ -27,7 +27,7 @@ ROUNDS = 6  # pieces that continue pieces; each round adds all that continue wha
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """One of those pieces."""
+    """A piece beside the body."""
 
     place: Array  # (3,) m, on it: with no more than that it is found again on any mesh of the scan
     area: float  # m²

@@ -1,4 +1,4 @@
-"""One mesh of a scan file, before all of them become one scan: scanner apps split what they write by picture."""
+"""The meshes of a scan file before they become one scan: scanner apps split their files by picture."""
 
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
@@ -75,7 +75,7 @@ class TakenSegment:
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """Everything that a file holds."""
+    """The whole contents of a file."""
 
     pieces: tuple[Piece, ...]
     has_points: bool = False  # beside the triangles, or instead of them

@@ -55,7 +55,7 @@ class Scan:
 
     @property
     def measured(self) -> tuple[float, tuple[Array, Array]]:
-        """Its unit in m, and its bounds: what places without a unit of their own are compared with."""
+        """The unit in m and the bounds, for places without a unit of their own."""
         return self.metres_per_unit, self.bounds
 
     @cached_property

@@ -1,7 +1,7 @@
-"""Triangles that all face outwards: some programs write them inside-out, or every which way.
+"""Orients all triangles outwards: some programs write them inside-out, or inconsistently.
 
-Neighbours across an edge agree when they run along it in opposite directions.  Triangles that agree form patches, of
-which a scan has few; from the first patch of each piece on, every second one is turned.  Then each piece as a whole is
+Neighbours across an edge agree when they run along it in opposite directions. Triangles that agree form patches, of
+which a scan has few; from the first patch of each piece on, every second one is turned. Then each piece as a whole is
 turned so that it faces away from the middle of what lies behind it.
 """
 

@@ -39,7 +39,7 @@ class _File(BaseModel):
 
 @dataclass(frozen=True, eq=False)
 class KnownVolume:
-    """At rest: N nodes, the first V are the rig's vertices, the next V lie under them on the chest wall."""
+    """The rest state: N nodes, the first V are the rig's vertices, the next V lie under them on the chest wall."""
 
     points: Array  # (N, 3) m
     chest: BareChest

@@ -70,7 +70,7 @@ def agreed_form(rig: Rig, bodies: Bodies) -> HiddenSkin:
 
 
 def estimated(rig: Rig, bodies: Bodies) -> HiddenSkin:
-    """The mean of the sources."""
+    """The mean over the sources."""
     means, shares = [], []
     for given in bodies.values():
         total, times = np.zeros(len(rig.template)), np.zeros(len(rig.template))

@@ -48,7 +48,7 @@ class Body:
 
 
 def estimated(rig: Rig, women: Mapping[str, Sequence[Body]]) -> dict[str, Any]:
-    """The document."""
+    """The file's document."""
     products, squares, total = np.zeros(len(rig.template)), np.zeros(len(rig.template)), 0.0
     for bodies in women.values():
         for body in bodies:

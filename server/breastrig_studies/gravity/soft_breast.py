@@ -54,7 +54,7 @@ class SoftBreast:
     loose: Booleans  # (T,) in the layer on the wall
 
     def body(self, points: Array, stiffness: Stiffness) -> SoftBody:
-        """At rest without loads at (N, 3) m."""
+        """The soft body, at rest without loads at (N, 3) m."""
         shear = stiffness.fat * (1.0 + (stiffness.gland - 1.0) * self.gland)
         shear[self.loose] = stiffness.fat * stiffness.fascia
         return SoftBody(points, self.tetrahedra, self.skin, self.held, Tissue(shear, stiffness.skin, stretch=TAUT))

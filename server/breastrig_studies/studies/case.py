@@ -1,7 +1,7 @@
-"""One case, read and made ready, and the few things that every question does with it: fit, measure, pick.
+"""Reads one case and prepares it, with the steps that all questions share: fit, measure, pick.
 
 `truth`: from each *seen* model vertex (a scan point within 15 mm whose normal is within 60 degrees) to the true
-surface.  Scenes of the last cases are kept, because the questions come case by case.
+surface. Scenes of the last cases are kept, because the questions come case by case.
 """
 
 import time

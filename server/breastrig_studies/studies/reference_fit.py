@@ -25,7 +25,7 @@ REACH = 0.03  # m; nothing else is near, so the back may be far at first
 
 @dataclass(frozen=True, eq=False)
 class ReferenceFit:
-    """In the scan's frame (m)."""
+    """The reference fit, in the scan's frame (m)."""
 
     parameters: RigParameters
     vertices: Array  # (V, 3), moved onto the true skin

@@ -58,7 +58,7 @@ class Unit:
 
     @property
     def label(self) -> str:
-        """For progress bars and file names."""
+        """A label for progress bars and file names."""
         case = self.cases[0]
         return f"{case.patient}-{case.name if len(self.cases) == 1 else 'together'}-{self.question}"
 

@@ -17,7 +17,7 @@ SMALLEST_PIECE = 80  # triangles; smaller ones are what scanning programs throw 
 
 @dataclass(frozen=True, eq=False)
 class SimulatedScan:
-    """In body coordinates."""
+    """A simulated scan, in body coordinates."""
 
     vertices: Array  # (V, 3) m
     faces: Integers  # (F, 3)

@@ -28,7 +28,7 @@ SECTORS = 6  # of the ring, each of which must differ
 
 @dataclass(frozen=True, eq=False)
 class Areola:
-    """One that was found."""
+    """A found areola."""
 
     centre: Array  # (3,) m, on the skin, in the scan's frame
     normal: Array  # (3,) unit
@@ -75,7 +75,7 @@ THIN = 0.005  # m; a median of this side removes lines up to half of it
 
 
 def _median(pictures: Array, size: int) -> Array:
-    """Each pixel of an (N, M, K) picture as the median of `size` x `size` around it, `size` odd; mirrored at its edges.
+    """The median of `size` x `size` pixels around each of an (N, M, K) picture, `size` odd; mirrored at the edges.
 
     SciPy's `median_filter` sets up a window for each pixel and takes twice as long for the same.
     """

@@ -63,7 +63,7 @@ class CrossLimits(SettingsPart):
 
 
 class Features(SettingsPart):
-    """All of features.toml."""
+    """The contents of features.toml."""
 
     areola: AreolaLimits
     navel: NavelLimits

@@ -44,7 +44,7 @@ def find_nipple(
 
 
 def is_areola(areola: Areola, limits: AreolaLimits) -> bool:
-    """Whether what was measured is one: its size, colour, border and form."""
+    """Whether a measured patch is an areola, by size, colour, border and form."""
     redness = float(areola.contrast[1])
     sure = areola.clearness > limits.sure_clearness and areola.border > limits.sure_border
     return bool(

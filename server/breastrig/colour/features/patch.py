@@ -42,7 +42,7 @@ class Patch:
 
     @property
     def middle(self) -> float:
-        """Row and column of the place that was asked for."""
+        """Row and column of the patch's centre."""
         return 0.5 * (len(self.lab) - 1)
 
     def offsets(self) -> tuple[Array, Array]:
@@ -66,7 +66,10 @@ class Patch:
 
 
 class ColouredSkin:
-    """A coloured scan, made ready to be looked at from anywhere.  Raises BadScan when its picture cannot be decoded."""
+    """A coloured scan, prepared for pictures from any direction.
+
+    Raises BadScan when its picture cannot be decoded.
+    """
 
     def __init__(self, scan: Scan) -> None:
         self._scan = scan

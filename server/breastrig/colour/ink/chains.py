@@ -1,7 +1,7 @@
-"""Things in chains by their ends: neighbours along a line, then ends of lines across gaps, holes and crossings.
+"""Joins things into chains by their ends: neighbours along a line, then ends of lines across gaps and crossings.
 
-Both are the same question: which two free ends belong together?  Every end asks for its cheapest partner, those that
-choose each other are joined, and the rest ask again.  All distances are in space, so neither the seams of the
+Both are the same question: which two free ends belong together? Every end proposes its cheapest partner, those that
+choose each other are joined, and the rest propose again. All distances are in space, so neither the seams of the
 scanner's texture nor those between our pictures matter.
 """
 

@@ -122,7 +122,7 @@ def _markers(drawn: list[tuple[Stroke, Kind]], lit: Array) -> list[Marker]:
 
 
 def _black(drawn: list[tuple[Stroke, Kind]], markers: list[Marker]) -> float:
-    """m of lines that are black by what they add (worn ones), or look most like black ink (full ones do)."""
+    """Length (m) of lines that are black by their densities (worn ones), or most similar to black ink (full ones)."""
     return sum(
         stroke.length
         for (stroke, kind), marker in zip(drawn, markers, strict=True)

@@ -47,12 +47,12 @@ class RidgePoints:
 
 
 def darkening(density: NDArray[Real]) -> NDArray[Real]:
-    """(...) of (..., 3) densities, red, green and blue: what every ink does to lighter skin."""
+    """(...) of (..., 3) densities, red, green and blue: the darkening of lighter skin by any ink."""
     return np.asarray(0.5 * (density[..., 0] + density[..., 1]), dtype=density.dtype)
 
 
 def hue_of(density: NDArray[Real]) -> NDArray[Real]:
-    """(...) of (..., 3) densities: red over the others, what coloured ink changes on the darkest skin too.
+    """(...) of (..., 3) densities: red over the others, the change by coloured ink on the darkest skin too.
 
     Violet, blue and green raise it, red lowers it.
     """
@@ -63,7 +63,7 @@ DENSITY: Single = frozen(-np.log(np.maximum(to_light(np.arange(256) / 255.0), DA
 
 
 def ridge_points(picture: SkinPicture, own: Booleans) -> RidgePoints:
-    """All of a picture on the triangles that are its own (F,); a neighbour's picture has those of the others."""
+    """The ridge points of a picture on its own triangles (F,); other pictures have those of the others."""
     skin, density = picture.skin, np.moveaxis(DENSITY.take(np.moveaxis(picture.pixels, 2, 0)), 0, 2)
     weight = gaussian_filter(skin.astype(np.float32), WIDTH / picture.texel, truncate=TRUNCATE)
     dark = _smoothed(darkening(density), skin, weight, picture.texel)

@@ -46,7 +46,7 @@ class Tumour(WrittenNumbers):
         return (circle(skin, self.centre(skin), 1e-3 * self.radius_mm, self.side),)
 
     def centre(self, skin: FittedSkin) -> SurfacePoints:
-        """One point; BadDrawing when it is not on that breast."""
+        """The tumour's centre; BadDrawing when it is not on that breast."""
         nipple = skin.landmark(f"nipple_{self.side}")
         centre = nipple
         if self.distance_mm > 0.0:
@@ -86,6 +86,6 @@ class PickedTumour(WrittenNumbers):
 
 
 def circle(skin: FittedSkin, centre: SurfacePoints, radius: float, side: str) -> DrawnShape:
-    """All points at `radius` (m) along the skin."""
+    """The points at `radius` (m) along the skin."""
     rim = circle_around(skin, centre, radius)
     return DrawnShape(f"tumour_{side}", f"tumour of the {SIDES[side]} breast", True, COLOR, rim)

@@ -88,7 +88,7 @@ class LivePattern:
 
 
 class LiveSkin:
-    """One fitted scan, prepared for patterns; the first answer takes longest.  For one thread."""
+    """One fitted scan, prepared for patterns; the first call takes longest. For one thread."""
 
     def __init__(self, rig: Rig, scan: FittedScan) -> None:
         self._rig = rig

@@ -14,7 +14,7 @@ ASIDE = np.radians(30.0)  # from the lateral end of the long axis, upwards: wher
 
 
 def periareolar_handles(pattern: Periareolar, skin: FittedSkin) -> list[Handle]:
-    """Areola, outer ring (laterally and below), lift (above)."""
+    """The handles of periareolar rings: areola, outer ring (laterally and below), lift (above)."""
     found = []
     for side in sides_of(pattern.side):
         nipple = skin.landmark(f"nipple_{side}")
@@ -39,7 +39,7 @@ def _lift(pattern: Periareolar, skin: FittedSkin, side: str, nipple: SurfacePoin
 
 
 def ellipse_handles(pattern: MastectomyEllipse, skin: FittedSkin) -> list[Handle]:
-    """Both ends of both axes, and a place of the rim by which it is turned; its centre is the nipple."""
+    """The handles of a mastectomy ellipse: both ends of both axes, and one to turn it; its centre is the nipple."""
     found = []
     for side in sides_of(pattern.side):
         nipple, out = skin.landmark(f"nipple_{side}"), OUTWARDS[side]

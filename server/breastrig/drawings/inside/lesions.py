@@ -205,7 +205,7 @@ class LesionsOnScan:
 
 
 def distances_to_lines(lesion: PlacedLesion, lines: Sequence[Polyline]) -> tuple[Distance, ...]:
-    """To the nearest point of each line, the nearest line first."""
+    """Distances from the lesion to the nearest point of each line, nearest line first."""
     found = []
     for line in lines:
         edges = line.edges if len(line.edges) else np.array([[0, 0]])
@@ -222,7 +222,7 @@ def distances_to_lines(lesion: PlacedLesion, lines: Sequence[Polyline]) -> tuple
 def _distance(
     kind: Kind, to: str, point: Array, center: Array, covariance: Array | None, off: float | None
 ) -> Distance:
-    """`off` (m): half of the interval that holds the place with 90 % along the way to it."""
+    """The distance to a point; `off` (m) is half of the 90 % interval of that point along the way to it."""
     way = point - center
     length = float(np.linalg.norm(way))
     if covariance is None or off is None:
@@ -232,7 +232,7 @@ def _distance(
 
 
 def _lesions(rig: Rig, scan: FittedScan, items: Iterable[PlanItem]) -> Iterator[tuple[PlanLesion, bool]]:
-    """Lesions and, as such, tumours by the clock whose depth is known; and whether it is one of these."""
+    """The lesions and the tumours by the clock with a known depth, each with whether it is such a tumour."""
     skin = FittedSkin(rig, scan.vertices, scan.known)
     for item in items:
         if isinstance(item, PlanLesion):

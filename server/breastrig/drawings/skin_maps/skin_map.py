@@ -57,11 +57,11 @@ class FittedScan:
 
     @property
     def known(self) -> dict[str, Array]:
-        """(3,) landmarks that are known better than by the model: picked, or seen."""
+        """(3,) landmarks that are known better than by the model: picked, or observed."""
         return self.seen | self.landmarks
 
     def search(self, rig: Rig) -> ClosestPointSearch:
-        """On the fitted model, built once."""
+        """Closest-point search on the fitted model, built once."""
         if rig not in self._searches:
             self._searches[rig] = ClosestPointSearch(self.vertices, rig.faces)
         return self._searches[rig]
@@ -202,7 +202,7 @@ def _normals(rig: Rig, vertices: Array) -> Array:
 
 
 def within_reach(rig: Rig, vertices: Array, points: Array) -> Booleans:
-    """(M,) whether (M, 3) m points are so near to the breasts that skin is followed there; all for a rig without.
+    """(M,) whether (M, 3) m points are near enough to the breasts for the skin to be followed; all for a rig without.
 
     `vertices` (V, 3) m are the fitted model's, in the points' frame.
     """

@@ -194,7 +194,7 @@ class DistanceFields:
         return _Windows(names, np.stack([left, right, left, right])).chosen(entered >= 0)
 
     def _spread(self, windows: list[_Windows]) -> _Windows:
-        """All windows, from those of the sources to the farthest."""
+        """Propagates all windows, from those of the sources to the farthest."""
         done: list[_Windows] = []
         now, number = _joined(windows), 0
         while True:

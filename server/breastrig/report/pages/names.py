@@ -37,7 +37,7 @@ PARAMETER = re.compile(r" \([a-z]+(?:_[a-z]+)+\)")  # which a sentence names for
 
 
 def plainly(sentence: str, landmarks: Collection[str] = ()) -> str:
-    """Without names for programs: no (limb_mm), and Left nipple for nipple_L."""
+    """The sentence without internal names: no (limb_mm), and Left nipple for nipple_L."""
 
     def words(found: re.Match[str]) -> str:
         stem, side = sided(found[0])

@@ -186,7 +186,7 @@ def _plan(stances: Sequence[Reported]) -> list[Table]:
 
 
 def _planned(shown: Sequence[tuple[str, PlannedItem]]) -> Table:
-    """One item as (stance, item) show it."""
+    """The rows of one item, as (stance, item)."""
     found: dict[str, dict[str, str]] = {}  # of what, value, stance that has it first
     where_drawn = [each for each in shown if each[1].is_drawn] or shown
     for stance, item in where_drawn:

@@ -41,7 +41,7 @@ def font_folders() -> list[Path]:
 
 
 def unprintable(text: str) -> str:
-    """The characters of a text that would be boxes on paper, each once, a dozen or some more; empty where all print."""
+    """The characters of a text that cannot be printed, each once, at most about a dozen; empty where all can."""
     if ALWAYS.fullmatch(text):
         return ""
     asked = (each for each in dict.fromkeys(text) if not ALWAYS.fullmatch(each) and not _is_silent(each))
@@ -65,7 +65,7 @@ def check_printable(texts: Iterable[tuple[str, str]]) -> None:
 
 
 def checked_code(code: str) -> str:
-    """A patient's code as it is kept and printed; BadInput for what nobody sees, and for what cannot be printed."""
+    """A patient's code as stored and printed; BadInput for invisible characters, and for unprintable ones."""
     kept = one_line(code)
     check_printable([("The code", kept)])
     return kept
@@ -78,7 +78,7 @@ def _is_silent(character: str) -> bool:
 
 @lru_cache(maxsize=256)
 def _without_glyph(characters: str) -> str:
-    """All are drawn at once, which is as quick as one; then by halves, for a plan may have many thousands."""
+    """The characters without a glyph: all are drawn at once, then by halves, for a plan may have many thousands."""
     if not characters or _glyphs(" ".join(characters)).isdisjoint(_missing()):
         return ""
     half = len(characters) // 2

@@ -76,7 +76,7 @@ def _steps(rig: Rig, lines: Lines) -> Finding:
 
 
 def _ends(rig: Rig, lines: Lines) -> Finding:
-    """A closed line that repeats its first point has an edge of no length; one that returns is closed."""
+    """Checks that no closed line repeats its first point, and that a line that returns is closed."""
     wrong = []
     for drawing, shape in lines:
         at = _at(rig, shape)

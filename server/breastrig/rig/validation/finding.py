@@ -6,7 +6,7 @@ from typing import Literal
 
 @dataclass(frozen=True)
 class Finding:
-    """One rule and whether the rig keeps it."""
+    """The result of one rule."""
 
     name: str  # of the rule, for instance "skin weights sum to 1"
     ok: bool

@@ -140,7 +140,7 @@ def _template_triangles(rig: Rig) -> Finding:
 
 
 def _shaped_triangles(rig: Rig) -> Finding:
-    """Each shape alone at the ends of its range: no triangle turns over or becomes a sliver."""
+    """Checks that no triangle turns over or becomes a sliver under any shape at the ends of its range."""
     rest = face_crosses(rig.template, rig.faces)
     bad = []
     thinnest = np.pi

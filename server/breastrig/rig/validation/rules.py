@@ -31,7 +31,7 @@ KINDS = ("body", "soft", "gravity")
 
 
 def check_rig(rig: Rig, is_torso: bool = False) -> list[Finding]:
-    """One finding a rule, kept or broken; where the arrays do not fit together only the first rules are asked."""
+    """The finding of each rule; where the arrays do not fit together only the first rules are checked."""
     findings = [_sizes(rig)]
     if findings[0].ok:
         findings += [_finite(rig), _indices(rig)]
@@ -135,7 +135,7 @@ def _length(rig: Rig) -> Finding:
 
 
 def _left_and_right(rig: Rig) -> Finding:
-    """_L lies on the patient's left, +X, of its partner _R: bones, shapes, landmarks, regions and lines."""
+    """Checks that _L lies on the patient's left, +X, of its partner _R: bones, shapes, landmarks, regions and lines."""
     name = "left is the patient's left, on +X"
     moved = np.linalg.norm(rig.blendshapes, axis=2)
     shares = moved / np.maximum(moved.sum(axis=1, keepdims=True), 1e-12)
@@ -227,7 +227,7 @@ def _rest_frames(rig: Rig) -> Finding:
 
 
 def _joints(rig: Rig) -> Finding:
-    """A tree over all bones: one joint fewer than bones, nothing closed to a ring."""
+    """Checks that the joints form a tree over all bones: one fewer than bones, without rings."""
     name = "joints link all bones to a tree"
     group = list(range(len(rig.bones)))
     for joint in rig.joints:
@@ -275,7 +275,7 @@ def _joints_give(rig: Rig) -> Finding:
 
 
 def _useful_shapes(rig: Rig) -> Finding:
-    """Every shape moves something, and no two are the same up to a factor."""
+    """Checks that every shape moves something, and that no two are the same up to a factor."""
     flat = rig.blendshapes.reshape(len(rig.shapes), len(rig.template) * 3)
     sizes = np.linalg.norm(flat, axis=1)
     idle = [shape.name for shape, size in zip(rig.shapes, sizes, strict=True) if size < 1e-6]

@@ -160,7 +160,7 @@ def _topics(rig: Rig) -> Finding:
 
 
 def _own_side(rig: Rig) -> Finding:
-    """A shape of one breast leaves the other alone."""
+    """Checks that a shape of one breast does not move the other."""
     wrong = []
     for shape, displacement in zip(rig.shapes, rig.blendshapes, strict=True):
         other = rig.regions.get("breast_R" if shape.name.endswith("_L") else "breast_L")
@@ -198,7 +198,7 @@ def _resolution(rig: Rig) -> Finding:
 
 
 def _areolas(rig: Rig) -> list[Finding]:
-    """Rings of neighbours around the nipple's vertex keep a nearly constant distance from it."""
+    """Checks that rings of neighbours around the nipple's vertex keep a nearly constant distance from it."""
     findings = []
     for landmark in rig.landmarks:
         if landmark.name not in ("nipple_L", "nipple_R"):
@@ -228,7 +228,7 @@ def _rings(faces: Integers, start: int, count: int) -> list[Integers]:
 
 
 def _places(rig: Rig) -> Finding:
-    """Landmarks stand where a body has them: catches swapped sides and a rig in another frame."""
+    """Checks that landmarks are at anatomical places: finds swapped sides and a rig in another frame."""
     places: dict[str, Array] = dict(
         zip(rig.landmark_names, rig.landmark_points().positions(rig.template, rig.faces), strict=True)
     )

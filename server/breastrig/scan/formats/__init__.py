@@ -1,1 +1,1 @@
-"""One file format a module: bytes in, arrays out; hostile until proven otherwise."""
+"""One file format a module: bytes in, arrays out; the bytes are untrusted."""

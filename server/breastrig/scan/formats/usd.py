@@ -133,7 +133,7 @@ class _Scene:
         return Pieces(tuple(pieces), notes=self._files.notes(), unit=self._unit, unit_by_default=self._is_default)
 
     def _mesh(self, mesh: Any) -> Iterator[Piece]:
-        """One piece for each material."""
+        """The mesh as one piece for each material."""
         points = np.asarray(mesh.GetPointsAttr().Get(), np.float64).reshape(-1, 3)
         counts = np.asarray(mesh.GetFaceVertexCountsAttr().Get(), np.int64).ravel()
         indices = np.asarray(mesh.GetFaceVertexIndicesAttr().Get(), np.int64).ravel()

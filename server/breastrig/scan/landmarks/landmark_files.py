@@ -104,7 +104,7 @@ def certain_landmarks(source: Path | bytes) -> tuple[str, ...]:
 def checked_certain(
     certain: Sequence[str], landmarks: Collection[str], confidences: Mapping[str, float]
 ) -> tuple[str, ...]:
-    """Each name once, in the order given.
+    """The names, each once, in the order given.
 
     Raises BadLandmarks for a name without a pick, and for one that is only proposed (a confidence below 1).
     """

@@ -1,4 +1,4 @@
-"""Landmarks by the names that people write: other case, spaces, hyphens, sides in words, Latin, German, French."""
+"""Recognises landmarks by their usual names: other case, spaces, hyphens, sides in words, Latin, German, French."""
 
 import re
 import tomllib

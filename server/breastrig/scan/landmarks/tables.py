@@ -1,7 +1,7 @@
-"""Tables of landmarks as people keep them: CSV of spreadsheets and programs, and 3D Slicer's older .fcsv.
+"""Reads tables of landmarks: CSV of spreadsheets and programs, and 3D Slicer's older .fcsv.
 
-Columns are found by their names or, without a row of names, by their content: a name and three numbers, wherever
-they are.  Separators are commas, semicolons, tabs or spaces; decimals have points or commas.
+Columns are found by their names or, without a row of names, by their content: a name and three numbers, wherever they
+are. Separators are commas, semicolons, tabs or spaces; decimals have points or commas.
 """
 
 import csv
@@ -98,7 +98,7 @@ def number(cell: Any) -> float:
 
 
 def _may_be_decimals(row: list[str]) -> bool:
-    """Whether 1,5,2,5,3,5 stands for three numbers: whole ones alone, and too many."""
+    """Whether 1,5,2,5,3,5 may be three numbers with decimal commas: only whole ones, and too many."""
     found = [cell for cell in row if _is_number(cell)]
     return len(found) in (5, 6) and all(cell.lstrip("-+").isdigit() for cell in found)
 

@@ -33,7 +33,7 @@ Reader = Callable[[], bytes]
 
 
 class Companions:
-    """The files that one scan may name, looked for and read when asked for; what became of them is in `notes`."""
+    """The files that one scan may name, read on demand; `notes` says what was missing or changed."""
 
     def __init__(self, listed: Callable[[], Mapping[str, Reader]] = dict) -> None:
         self._listed = listed
@@ -127,7 +127,7 @@ class Companions:
 
 
 def _usual(name: str) -> str:
-    """A path in one spelling: composed accents, no capitals, slashes, no quotes, nothing before its first folder."""
+    """A path in canonical spelling: composed accents, lower case, slashes, no quotes, relative to its first folder."""
     plain = unicodedata.normalize("NFC", name).casefold().strip().strip("\"'").strip().replace("\\", "/")
     parts = [part.strip() for part in plain.split("/")]
     return "/".join(part for part in parts if part not in ("", ".", "..") and not part.endswith(":"))

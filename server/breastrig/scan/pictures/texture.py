@@ -126,7 +126,7 @@ def pixels_of(data: bytes) -> NDArray[np.uint8]:
 
 
 def _as_png(picture: "Image") -> bytes:
-    """Its first frame in eight bits."""
+    """The picture's first frame as PNG with eight bits."""
     from PIL import Image  # as above
 
     if picture.mode.startswith(("I", "F")):

@@ -94,7 +94,7 @@ def _binary(data: bytes, header: _Header) -> NDArray[np.void]:
 
 
 def _packed(data: bytes, header: _Header) -> NDArray[np.void]:
-    """One column after the other, all of them packed together."""
+    """The points of packed data: one column after the other, all compressed together."""
     packed, whole = struct.unpack_from("<II", data, header.size)
     if whole != header.count * header.row.itemsize or header.size + 8 + packed > len(data):
         raise ValueError("another size than that of its points")

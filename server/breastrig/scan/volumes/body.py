@@ -25,7 +25,7 @@ LESION_IN_AIR = 80.0  # mm, where air is all around it
 
 
 class Bodies:
-    """The body as each direction of the front would have it."""
+    """The body for each possible direction of the front."""
 
     def __init__(self, filled: Booleans) -> None:
         """`filled` (I, J, K): where any segment is."""
@@ -66,7 +66,7 @@ def filled(volume: Volume, left_out: frozenset[int] = frozenset()) -> Booleans:
 
 
 def check_shows_body(there: Booleans, affine: Array) -> None:
-    """BadScan where what is there (I, J, K) is no more than a lesion, or more than a body."""
+    """Raises BadScan where the labels (I, J, K) fill no more than a lesion, or more than a body."""
     pieces, count = ndimage.label(there)
     if not count:
         raise BadScan(NO_SKIN)

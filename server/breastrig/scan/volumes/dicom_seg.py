@@ -1,4 +1,4 @@
-"""DICOM segmentations (SEG): their frames need place, orientation and spacing, and nothing else is asked of them.
+"""Reads DICOM segmentations (SEG); their frames need position, orientation and spacing, nothing else.
 
 Each segment has frames of its own, so segments may overlap, and each is read from its own frames.
 """

@@ -1,7 +1,7 @@
-"""Label maps in NIfTI: whole numbers on a grid, and two places in the header that say where it lies.
+"""Reads label maps in NIfTI: whole numbers on a grid, and two transforms in the header that place it.
 
-The sform and the qform each have a code that says whether they hold.  Where neither holds, or both do and contradict
-each other, nobody knows which side is left, and a person is asked.
+The sform and the qform each have a code for whether they are valid. Where neither is, or both are and contradict each
+other, it is not known which side is left, and a person is asked.
 """
 
 from functools import partial
@@ -196,7 +196,7 @@ def _axes(affine: Array) -> str:
 
 
 def _axis_codes() -> list[str]:
-    """All 48, those of axial slices first, and of these those that grow to the head."""
+    """All 48 axis codes; those of axial slices first, and of these those towards the head."""
     return sorted(
         ("".join(letters) for axes in permutations(("RL", "AP", "SI")) for letters in product(*axes)),
         key=lambda codes: ((codes[0] not in "RL") + (codes[2] not in "SI"), "I" in codes),

@@ -56,7 +56,7 @@ class _Part:
 
 
 def check_chosen(volume: Volume, chosen: Mapping[int, TakenAs]) -> None:
-    """BadSettings where a person speaks of a segment that is not there."""
+    """Raises BadSettings where an answer names a segment that does not exist."""
     known = [each.number for each in volume.segments]
     for number in chosen:
         if number not in known:
@@ -65,9 +65,9 @@ def check_chosen(volume: Volume, chosen: Mapping[int, TakenAs]) -> None:
 
 
 def taken_segments(volume: Volume, body: Booleans, affine: Array, chosen: Mapping[int, TakenAs]) -> Taken:
-    """Each segment with what it is taken for, and the lesions.
+    """Each segment with its use, and the lesions.
 
-    `body` (I, J, K) is all that is not air, `affine` (4, 4) to mm.  Raises BadScan for too many lesions, and where a
+    `body` (I, J, K) is all that is not air, `affine` (4, 4) to mm. Raises BadScan for too many lesions, and where a
     segment that a person calls a lesion can be none.
     """
     most = max((each.count for each in volume.segments), default=0)
@@ -145,7 +145,7 @@ def _decided(
 
 
 def _parts(inside: Booleans, box: Box, cell: float, steps: Array) -> list[_Part]:
-    """Its connected parts, without noise."""
+    """The segment's connected parts, without noise."""
     numbers: NDArray[Any]
     numbers, count = ndimage.label(inside)
     radii = _radius(cell * np.bincount(numbers.ravel(), minlength=count + 1))
@@ -175,5 +175,5 @@ def _radius(volumes: NDArray[Any] | float) -> NDArray[np.float64]:
 
 
 def _plain(text: str) -> str:
-    """Without accents."""
+    """The text without accents."""
     return "".join(each for each in unicodedata.normalize("NFKD", text) if not unicodedata.combining(each))

@@ -46,7 +46,7 @@ def bridged_labels(labels: NDArray[np.uint8], axis: int) -> tuple[int, tuple[Gap
 
 
 def gaps_said(gaps: tuple[Gap, ...]) -> tuple[str, ...]:
-    """The sentence about runs of missing slices."""
+    """The note on runs of missing slices."""
     if not gaps:
         return ()
     count = sum(gap.last - gap.first + 1 for gap in gaps)

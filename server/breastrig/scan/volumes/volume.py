@@ -1,4 +1,4 @@
-"""A label map as its reader gives it: segments on one grid of voxels, and where that grid may lie."""
+"""A label map as read: segments on one grid of voxels, and the possible frames of that grid."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field

@@ -59,7 +59,7 @@ class Atlas:
 
 
 def make_atlas(vertices: Array, faces: Integers, side: int) -> Atlas:
-    """For a scan of (V, 3) m vertices and (F, 3) triangles."""
+    """The atlas of a scan of (V, 3) m vertices and (F, 3) triangles."""
     axis = _axes(vertices, faces)
     chart = _components(faces, axis, len(vertices))
     flat = _projected(vertices, faces, axis)

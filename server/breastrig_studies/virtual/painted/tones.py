@@ -1,7 +1,7 @@
-"""Colours of skin and of what is on it, in CIE Lab (D65): made up within what the literature gives as ranges.
+"""Colours of skin and of marks on it, in CIE Lab (D65): invented within the ranges of the literature.
 
-Skin darkens and reddens towards the areola; how much the one or the other depends on the tone.  Every woman's colours
-are drawn around those of her tone.
+Skin darkens and reddens towards the areola; how much of either depends on the tone. Each patient's colours are drawn
+around those of the tone.
 """
 
 from dataclasses import dataclass
@@ -49,7 +49,7 @@ class Palette:
 
 
 def draw_palette(tone: int, random: np.random.Generator) -> Palette:
-    """Around the colours of a tone; some areolae are hardly darker than the skin, some much."""
+    """A palette around the colours of a tone; some areolae are hardly darker than the skin, some much."""
     skin = np.array(SKIN[tone]) + random.normal(0.0, (1.8, 1.0, 1.3))
     areola = skin + np.array(AREOLA[tone]) * random.uniform(0.65, 1.5) + random.normal(0.0, (0.8, 0.8, 0.8))
     return Palette(

@@ -76,7 +76,7 @@ def is_sound(before: Array, after: Array, faces: Integers) -> bool:
 
 
 def is_sound_hanging(before: Array, after: Array, faces: Integers) -> bool:
-    """Likewise of a body whose breasts came to hang: skin there turns far, but not against the skin beside it."""
+    """`is_sound` for a body whose breasts came to hang: skin there turns far, but not against the skin beside it."""
     old, new = face_crosses(before, faces), face_crosses(after, faces)
     areas, grown = (np.maximum(np.linalg.norm(each, axis=1), 1e-12) for each in (old, new))
     share = grown / areas

@@ -190,7 +190,7 @@ def field_of_view(body: VirtualBody, skin: Integers, arms: Array, numbers: Prone
 def mri_scan(
     body: VirtualBody, skin: Integers, arms: Array, numbers: ProneNumbers, random: np.random.Generator
 ) -> SimulatedScan:
-    """Its isosurface, in body coordinates."""
+    """The scan as the isosurface of a segmented MRI, in body coordinates."""
     kept = field_of_view(body, skin, arms, numbers)
     vertices, faces = compact(body.vertices, skin[kept[skin].all(axis=1)])
     vertices, faces = trimesh.remesh.subdivide(vertices, faces)

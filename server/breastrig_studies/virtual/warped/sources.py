@@ -89,7 +89,7 @@ def _of_the_cohort() -> list[Source]:
 
 
 def _of_a_folder(folder: Path) -> list[Source]:
-    """Its patients whose half is laid down (HALF_OF_PATIENT); others are left out."""
+    """The folder's patients whose half is fixed (HALF_OF_PATIENT); others are left out."""
     names = [name for name in HALF_OF_PATIENT if (folder / name / "standing" / "truth.ply").is_file()]
     if not names:
         raise BadInput(f"{folder} holds none of {', '.join(HALF_OF_PATIENT)} with standing/truth.ply.")
@@ -134,7 +134,7 @@ def _source(
     lying: list[Lying],
     landmarks: dict[str, Array],
 ) -> Source:
-    """In the cohort's coordinates, with the landmarks as points of the skin."""
+    """The source in the cohort's coordinates, with the landmarks as points of the skin."""
     shoulders = 0.5 * (landmarks["acromion_L"] + landmarks["acromion_R"])
     shift = np.array([0.0, NAVEL_HEIGHT - landmarks["umbilicus"][1], SHOULDER_DEPTH - shoulders[2]])
     names = tuple(sorted(landmarks))

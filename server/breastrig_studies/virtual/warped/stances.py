@@ -22,7 +22,7 @@ LIFTED = 0.06  # m over the table, from where the skin moves freely
 
 @dataclass(frozen=True, eq=False)
 class Carrier:
-    """For one pair of corresponding skins."""
+    """Transfers changes between one pair of corresponding skins."""
 
     edges: Integers  # (E, 2)
     rotations: Array  # (E, 3, 3) from standing to lying

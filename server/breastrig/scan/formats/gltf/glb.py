@@ -260,7 +260,7 @@ class _Drawn:
         return vertices
 
     def _where(self, vertices: Array, attributes: dict[str, Any], node: int) -> tuple[Array, bool]:
-        """((V, 3) in the scene, whether they are mirrored there): by the joints of its skin, else by the node."""
+        """((V, 3) in the scene, whether mirrored there): placed by the joints of its skin, else by the node."""
         skin = self._document["nodes"][node].get("skin")
         if skin is not None and "JOINTS_0" in attributes:
             sets = [number for number in (0, 1) if f"JOINTS_{number}" in attributes]
