@@ -325,7 +325,7 @@ export type Frame = {
   reason: string;
 };
 
-/** A drawing file as others may give it. */
+/** A drawing file as input. */
 export type GivenDrawing = {
   schema?: "breastrig/drawing@1";
   name?: string | null;
@@ -350,7 +350,7 @@ export type GivenLandmarkFile = {
   unit?: "m" | "dm" | "cm" | "mm" | "in" | "ft";
 };
 
-/** One polyline as others may give it: on a scan, or on the model. */
+/** One polyline in an input: on a scan, or on the model. */
 export type GivenShape = {
   name: string;
   label?: string;
@@ -716,7 +716,7 @@ export type NodePose = {
   weights?: number[] | null;
 };
 
-/** Lines that were drawn on a scan; fields of other drawing files are passed over and not kept. */
+/** Lines drawn on a scan; fields of other drawing files are ignored and not kept. */
 export type OwnDrawing = {
   schema?: "breastrig/drawing@1";
   unit?: "mm";
@@ -821,7 +821,7 @@ export type PatternOnScan = {
   measured?: Record<string, Record<string, number>>;
 };
 
-/** A number, or one of some choices. */
+/** A parameter: a number, or a choice. */
 export type PatternParameter = {
   name: string;
   label: string;
