@@ -298,7 +298,7 @@ class ResultFile(Document):
         return self.model_copy(update={"files": {name: _sha256(files[name]) for name in HASHED}})
 
     def check_files(self, read: Callable[[str], bytes | None], shown: str) -> None:
-        """Raises BadInput where a file is not the one that the fit wrote; `None` stands for a missing one.
+        """Raises BadInput where a file is not the one that the fit wrote; `read` returns None for a missing file.
 
         Passes for results of versions that stored no hashes; a missing file is reported where it is needed.
         """

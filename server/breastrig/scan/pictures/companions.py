@@ -127,7 +127,7 @@ class Companions:
 
 
 def _usual(name: str) -> str:
-    """A path in canonical spelling: composed accents, lower case, slashes, no quotes, relative to its first folder."""
+    """A path in canonical spelling: composed accents, lower case, slashes; no quotes, drives or .. parts."""
     plain = unicodedata.normalize("NFC", name).casefold().strip().strip("\"'").strip().replace("\\", "/")
     parts = [part.strip() for part in plain.split("/")]
     return "/".join(part for part in parts if part not in ("", ".", "..") and not part.endswith(":"))
