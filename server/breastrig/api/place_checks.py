@@ -1,4 +1,4 @@
-"""Landmarks and lines are checked at the door: known names, and points that can be meant for this scan."""
+"""Checks landmarks and lines of requests: known names, and points that can be meant for this scan."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""Units of length at the door of the program; inside, everything is in metres."""
+"""Units of length of input and output; inside the program, everything is in metres."""
 
 METRES_PER_UNIT = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
 UNIT_NAMES = {

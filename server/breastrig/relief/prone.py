@@ -2,7 +2,7 @@
 
 Hanging breasts are the two foremost places of the skin, one on each side; a nipple is the place near its breast's apex
 that stands out most from the skin around.  A fold is where the skin below is most concave along the body; the xiphoid
-lies between the folds.  Errors are those on made bodies (breastrig_studies/virtual/warped/prone.py).
+lies between the folds.  Errors are those on synthetic bodies (breastrig_studies/virtual/warped/prone.py).
 """
 
 import numpy as np

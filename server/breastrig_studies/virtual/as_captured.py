@@ -1,4 +1,4 @@
-"""Scans as they come: what patients wear, what programs do to a surface, how the scanner is held, how little is seen.
+"""Occlusion and closure of scans: clothes, closed surfaces, the scanner's pose, and small parts of a body.
 
 Each condition changes a scan of a body whose true landmarks are known; made by formula, in the body's own axes.
 docs/decisions/0026.

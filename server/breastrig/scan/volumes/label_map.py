@@ -18,7 +18,7 @@ from breastrig.scan.volumes.question import needs_answer
 from breastrig.scan.volumes.segments import check_chosen, taken_segments
 
 FRAME = "Places are in the DICOM patient frame (LPS), mm; the skin was made from the label map."
-BOTH = 200.0  # mm from right to left; nipples alone are 150 to 210 apart in the four given women
+BOTH = 200.0  # mm from right to left; nipples alone are 150 to 210 apart in the four given patients
 ONE_BREAST = (
     "The skin is {:.0f} mm wide from right to left, as one breast alone: a fit finds no sure place on it; export both "
     "breasts and the skin between them."
