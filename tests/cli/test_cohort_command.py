@@ -63,7 +63,7 @@ def test_learn_merge_remove_and_info_agree(results: Path, tmp_path: Path, capsys
     assert "not in the prior" in capsys.readouterr().err
     assert cohort("learn", some[0], "-o", first, "--force") == 0
     for prior, said in (
-        (whole, "30 standing patients: one like them is foretold "),
+        (whole, "30 standing patients: predicts the next such patient "),
         (second, "25 standing patients: not used, fewer than 30"),
         (first, "1 standing patient: not used, fewer than 30"),
     ):

@@ -1,4 +1,4 @@
-"""`breastrig cohort learn|merge|remove|info`: what a clinic's fits say of bodies, for `breastrig fit --prior`.
+"""`breastrig cohort learn|merge|remove|info`: a prior from a clinic's own fits, for `breastrig fit --prior`.
 
     breastrig cohort learn RESULTS -o prior.json         folders that `fit` or `batch` wrote, searched whole
     breastrig cohort merge A.json B.json -o both.json
@@ -106,11 +106,11 @@ def described(rig: Rig, prior: CohortPrior) -> list[str]:
         posterior = None if recipe.body is None else cohort_posterior(rig, recipe.shapes, recipe.body, stance)
         if posterior is not None:
             mean, spread = (sums.women / (sums.women + w) for w in (posterior.mean_strength, posterior.spread_strength))
-            said = f"one like them is foretold {posterior.closer:.0%} closer; "
+            said = f"predicts the next such patient {posterior.closer:.0%} more closely; "
             said += f"the mean is {mean:.0%} theirs, the spread {spread:.0%}, the rest the built-in prior's"
         elif sums.women < FEWEST:
             said = f"not used, fewer than {FEWEST}"
         else:
-            said = "not used, the built-in prior foretells them as well"
+            said = "not used, the built-in prior predicts them as well"
         lines.append(f"{counted(sums.women, stance)}: {said}")
     return lines

@@ -1,4 +1,4 @@
-"""`breastrig model info|check|bind|learn|build`: describe a rig, prove it sound, learn what is known of it."""
+"""`breastrig model info|check|bind|learn|build`: describe a rig, check it, estimate its known data."""
 
 import argparse
 import importlib

@@ -1,4 +1,4 @@
-"""`breastrig presets list|show NAME`: how fits go, as data, to copy and to change (`fit --preset MINE.toml`)."""
+"""`breastrig presets list|show NAME`: the settings of fits as data, to copy and change (`fit --preset MINE.toml`)."""
 
 import argparse
 
