@@ -106,7 +106,7 @@ def banded(value: float, half: float | None, least: float = 0.0, most: float = n
 
 
 def without_unknown(row: Row) -> Row:
-    """The rows without numbers whose bands are too wide to mean anything."""
+    """The row without numbers whose bands are too wide to mean anything."""
     if row.unit == "grade":
         return row
     cells = {name: value for name in ("left", "right", "value") if (value := getattr(row, name)) is not None}

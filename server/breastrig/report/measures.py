@@ -49,7 +49,7 @@ def measures(stance: Stance) -> tuple[Row, ...]:
 
 
 def _without_unseen(row: Row, unseen: Mapping[str, float]) -> Row:
-    """The rows without values that rest only on the model, on a side that the scan does not show."""
+    """The row without values that rest only on the model, on a side that the scan does not show."""
     gone = [side for side in unseen if _is_models(row, side) or (row.value is None and _cell(row, side) is None)]
     if not gone:
         return row
@@ -178,8 +178,8 @@ class _Table:
         return half_width([place.radius for place in ends])
 
     def _half_between(self, left: Sequence[Place], right: Sequence[Place]) -> float | None:
-        """Half of the band (mm) of the difference of two lengths or distances to the midline; None if they share
-        nothing."""
+        """Half of the band (mm) of the difference of two lengths or distances to the midline; None without shared
+        errors."""
         if self.stance.joint is None and not len(left) == len(right) == 2:
             return None
         ways = [*self._ways(left), *((place, -way) for place, way in self._ways(right))]
