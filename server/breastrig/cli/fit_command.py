@@ -8,10 +8,9 @@ import sys
 from datetime import date
 from pathlib import Path
 
-from tqdm import tqdm
-
 from breastrig.cli.interruption import raise_if_asked
 from breastrig.cli.output_options import MISFIT, add_output_options, files_of_model, output_folder
+from breastrig.cli.progress import fitted
 from breastrig.cli.scan_options import add_scan_options, scan_of, scan_source
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import Output, all_or_nothing
@@ -124,15 +123,8 @@ def _to_check(reason: str) -> str:
 def run(options: argparse.Namespace) -> int:
     """Fits and writes; returns 0, 3 where the result cannot be used, or 4 where a pattern does not fit."""
     code = checked_code(options.code)
-    quiet = options.no_progress or not sys.stderr.isatty()
-    with all_or_nothing(_output(options)) as out, tqdm(unit="step", leave=False, disable=quiet) as bar:
-        fitting = _run(options)
-        bar.reset(fitting.iterations_limit)
-        for iterate in fitting:
-            raise_if_asked()
-            bar.update(iterate.iteration - bar.n)
-            bar.set_postfix_str(f"{iterate.stage}, {iterate.mean_distance_mm:.2f} mm")
-        fit = fitting.result()
+    with all_or_nothing(_output(options)) as out:
+        fit = fitted(_run(options), options.no_progress)
         raise_if_asked()
         fit.write(out)
         code = write_patient(out, code, options.scanned)

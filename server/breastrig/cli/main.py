@@ -5,6 +5,7 @@ Only the module of the command that is called is imported.
 """
 
 import argparse
+import gc
 import os
 import sys
 from collections.abc import Sequence
@@ -49,6 +50,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         known = named in COMMANDS or (not named.startswith("-") and named in further_commands())
         options = parser(named if known else None).parse_args(words)
         interruption.work_begins()
+        gc.enable()
         return int(_module(options.command).run(options))
     except BreastRigError as error:
         said = error.on_command_line() if isinstance(error, NeedsAnswer | NeedsYes) else error

@@ -122,7 +122,7 @@ class Verdict(Document):
 class DoubtedPick(BaseModel):
     """Picked landmarks that are asked about: not followed, or unusual."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     names: list[str] = Field(description="which ones")
     reason: str = Field(description="one sentence")

@@ -20,7 +20,7 @@ PositiveTriple = Annotated[list[PositiveFloat], Field(min_length=3, max_length=3
 
 
 class FilePart(BaseModel):
-    model_config = ConfigDict(extra="ignore", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="ignore", frozen=True, allow_inf_nan=False, defer_build=True)
 
 
 class Units(FilePart):

@@ -9,6 +9,7 @@ import hashlib
 import stat
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -20,21 +21,11 @@ from breastrig.core.single_precision import EXACT_WITHIN
 from breastrig.core.units import METRES_PER_UNIT, UNIT_CHOICES
 from breastrig.scan.clean import MIN_TRIANGLES
 from breastrig.scan.file_type import file_type_of, plain_text
-from breastrig.scan.formats.archive import unpacked
-from breastrig.scan.formats.gltf.glb import glb_pieces
-from breastrig.scan.formats.obj import read_obj
-from breastrig.scan.formats.off import read_off
-from breastrig.scan.formats.ply import read_ply
-from breastrig.scan.formats.stl import read_stl
-from breastrig.scan.formats.threemf import read_3mf
-from breastrig.scan.formats.usd_process import usd_pieces
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, NO_PLACES, TOO_MANY_TRIANGLES, TRIANGLES
 from breastrig.scan.pictures.companions import Companions, beside
 from breastrig.scan.pictures.joined_textures import UNPAINTED, joined_textures
 from breastrig.scan.pictures.texture import written_anew
 from breastrig.scan.piece import PARTLY_COLOURED, UNCOLOURED, BallInside, Piece, Pieces, PointCloud, part
-from breastrig.scan.point_clouds.pcd import pcd_points
-from breastrig.scan.point_clouds.point_table import table_points
 from breastrig.scan.scan import Scan
 from breastrig.scan.stored_scan import STORED, read_stored
 from breastrig.scan.units import decide_unit, extent
@@ -84,6 +75,8 @@ def read_scan(
     mesh, files, sorting = plain_text(unpacked_data), Companions(), tuple[str, ...]()
     found = file_type_of(mesh, file_type)
     if found == "zip":
+        from breastrig.scan.formats.archive import unpacked
+
         packed = unpacked(unpacked_data)
         packed = unpacked(packed.mesh) if packed.ending == "3mf" else packed  # which is a zip itself
         mesh, files, sorting = plain_text(packed.mesh), packed.companions, packed.notes
@@ -95,7 +88,8 @@ def read_scan(
     is_volume = found in ("nifti", "dicom")
     if answers and not is_volume:
         raise BadSettings("This scan is no label map; frame and segments are for those alone.")
-    pieces = _label_map(mesh, found, units, answers) if is_volume else _pieces(mesh, found, files, texture)
+    kept = (units, answers) if is_volume else (files, texture)
+    pieces = _guarded(found, partial(_label_map if is_volume else _pieces, mesh, found, *kept))
     from_points = pieces.cloud is not None and not pieces.pieces
     if from_points and pieces.cloud is not None:
         cloud = _sound_points(pieces.cloud)
@@ -181,17 +175,42 @@ def _scan(
 
 
 def _pieces(data: bytes, kind: str, files: Companions, texture: bool) -> Pieces:
-    """The contents of a file of this kind. Raises only BadScan or TooLarge, whatever its parser raises."""
+    """The contents of a file of this kind, by the one reader that it needs."""
     if kind in ("glb", "gltf"):
-        return _guarded(kind, lambda: glb_pieces(data, files, texture))
+        from breastrig.scan.formats.gltf.glb import glb_pieces
+
+        return glb_pieces(data, files, texture)
     if kind == "usd":
-        return _guarded(kind, lambda: usd_pieces(data, texture))
-    if kind in ("pcd", "xyz"):
-        points = pcd_points if kind == "pcd" else table_points
-        return _guarded(kind, lambda: Pieces((), has_points=True, cloud=points(data)))
-    if kind in ("stl", "off"):
-        return _guarded(kind, lambda: {"stl": read_stl, "off": read_off}[kind](data))
-    return _guarded(kind, lambda: {"3mf": read_3mf, "ply": read_ply, "obj": read_obj}[kind](data, files, texture))
+        from breastrig.scan.formats.usd_process import usd_pieces
+
+        return usd_pieces(data, texture)
+    if kind == "pcd":
+        from breastrig.scan.point_clouds.pcd import pcd_points
+
+        return Pieces((), has_points=True, cloud=pcd_points(data))
+    if kind == "xyz":
+        from breastrig.scan.point_clouds.point_table import table_points
+
+        return Pieces((), has_points=True, cloud=table_points(data))
+    if kind == "stl":
+        from breastrig.scan.formats.stl import read_stl
+
+        return read_stl(data)
+    if kind == "off":
+        from breastrig.scan.formats.off import read_off
+
+        return read_off(data)
+    if kind == "3mf":
+        from breastrig.scan.formats.threemf import read_3mf
+
+        return read_3mf(data, files, texture)
+    if kind == "obj":
+        from breastrig.scan.formats.obj import read_obj
+
+        return read_obj(data, files, texture)
+    from breastrig.scan.formats.ply import read_ply
+
+    return read_ply(data, files, texture)
 
 
 def _guarded(kind: str, parse: Callable[[], Pieces]) -> Pieces:
@@ -214,7 +233,7 @@ def _label_map(data: bytes, kind: str, units: str, answers: VolumeAnswers) -> Pi
         raise BadSettings(unknown_name("unit", units, UNIT_CHOICES))
     if units not in ("auto", "mm"):
         raise BadSettings("A label map has a unit of its own, and is read in mm; leave units out.")
-    return _guarded(kind, lambda: label_map_pieces(data, kind, answers))
+    return label_map_pieces(data, kind, answers)
 
 
 def _bytes(source: Path | bytes) -> bytes:

@@ -14,7 +14,7 @@ from breastrig.files.result import DoubtedPick, ResultFile
 
 
 class EventPart(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
 
 class Event(EventPart):

@@ -5,12 +5,10 @@ import json
 import sys
 from pathlib import Path
 
-from tqdm import tqdm
-
 from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder
-from breastrig.cli.interruption import raise_if_asked
 from breastrig.cli.output_options import output_file
+from breastrig.cli.progress import fitted
 from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput, NotFound
 from breastrig.core.output_files import all_or_nothing
@@ -59,9 +57,7 @@ def fit(options: argparse.Namespace) -> int:
     drawing = None if options.drawing == "none" else options.drawing
     run = case.fitting(scan.id, stance=options.stance, preset=options.preset, drawing=drawing, refine=options.refine)
     try:
-        for _ in tqdm(run, unit="step", leave=False, disable=not sys.stderr.isatty()):
-            raise_if_asked()
-        fit = run.result()
+        fit = fitted(run)
     finally:
         run.close()
     for reason in fit.verdict.reasons:
