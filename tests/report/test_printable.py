@@ -14,7 +14,7 @@ from helpers.results import result_file
 
 from breastrig.core.errors import BadInput
 from breastrig.core.identity import Identity, one_line
-from breastrig.files.result import write_patient
+from breastrig.files.result import patient_of
 from breastrig.report.document import PlannedItem, Reported
 from breastrig.report.measures import measures
 from breastrig.report.pages import printable
@@ -71,11 +71,11 @@ def test_with_the_fonts_they_are_printed(reported: Reported, text: str) -> None:
 
 
 @pytest.mark.parametrize("hidden", ["\u202e", "\u200b", "\u2066", "\ufeff", "\u00ad", "\u3164", "\u2028", "\U000e0041"])
-def test_what_nobody_sees_is_in_no_code(hidden: str, tmp_path: Path) -> None:
+def test_what_nobody_sees_is_in_no_code(hidden: str) -> None:
     with pytest.raises(BadInput, match=rf"nobody sees \(U\+{ord(hidden):04X}\)"):
         one_line(f"A{hidden}1")
     with pytest.raises(BadInput, match="nobody sees"):
-        write_patient(tmp_path, f"A{hidden}1", None)
+        patient_of(f"A{hidden}1", None)
 
 
 def test_one_code_is_one_however_its_letters_are_composed() -> None:

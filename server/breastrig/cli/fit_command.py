@@ -16,7 +16,7 @@ from breastrig.core.assets import model_path
 from breastrig.core.output_files import Output, all_or_nothing
 from breastrig.core.stances import STANCES
 from breastrig.drawings.patterns import pattern_help
-from breastrig.files.result import ResultFile, fit_set, write_patient
+from breastrig.files.result import ResultFile, fit_set, patient_of
 from breastrig.fitting.verdicts.verdict import WITH_MARGIN
 from breastrig.interface.fit_result import Fit
 from breastrig.interface.run import FitRun, Iterate, iterates
@@ -122,12 +122,11 @@ def _to_check(reason: str) -> str:
 
 def run(options: argparse.Namespace) -> int:
     """Fits and writes; returns 0, 3 where the result cannot be used, or 4 where a pattern does not fit."""
-    code = checked_code(options.code)
+    patient = patient_of(checked_code(options.code), options.scanned)
     with all_or_nothing(_output(options)) as out:
         fit = fitted(_run(options), options.no_progress)
         raise_if_asked()
-        fit.write(out)
-        code = write_patient(out, code, options.scanned)
+        fit.write(out, patient)
     result, verdict = fit.in_metres.result, fit.verdict
     said = [
         *result.notes,
@@ -140,7 +139,7 @@ def run(options: argparse.Namespace) -> int:
     for sentence in said:
         print(f"breastrig: {sentence}", file=sys.stderr)
     if sys.stdout.isatty():
-        print(f"{summary(result)}; patient {code}, results in {options.output}")
+        print(f"{summary(result)}; patient {patient.code}, results in {options.output}")
     if verdict.level == "unusable":
         return UNUSABLE
     return MISFIT if fit.drawing_missing else 0

@@ -50,7 +50,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         known = named in COMMANDS or (not named.startswith("-") and named in further_commands())
         options = parser(named if known else None).parse_args(words)
         interruption.work_begins()
-        gc.enable()
+        if not gc.isenabled():  # what was loaded is there to the end, and need not be looked through again
+            gc.freeze()
+            gc.enable()
         return int(_module(options.command).run(options))
     except BreastRigError as error:
         said = error.on_command_line() if isinstance(error, NeedsAnswer | NeedsYes) else error

@@ -52,6 +52,7 @@ class Comparison:
     def __init__(self, target: ScanTarget, vertices: Array, faces: Integers) -> None:
         """vertices: (V, 3) m, in the target's frame; faces: (F, 3)"""
         self.target, self.vertices, self.faces = target, vertices, faces
+        self._seen: dict[int, tuple[Array, Booleans, Booleans]] = {}  # from the scan, by stride
 
     @cached_property
     def normals(self) -> Array:
@@ -72,19 +73,16 @@ class Comparison:
     def _stride(self) -> int:
         return max(1, -(-len(self.target.vertices) // MAX_SCAN_POINTS))  # never more points than that
 
-    @cached_property
-    def _from_scan(self) -> tuple[Array, Booleans, Booleans]:
-        return self._looked_at(self._stride)
-
     def from_scan(self, stride: int) -> tuple[Array, Booleans, Booleans]:
         """Distances (M,) m from every `stride`-th vertex of the scan to the model, and two masks.
 
         (M,) not beyond one of the model's openings, (M,) facing as the model does.
         """
-        distances, inside, facing = self._from_scan
-        if stride % self._stride:
-            return self._looked_at(stride)
-        step = stride // self._stride
+        known = stride if stride % self._stride else self._stride
+        if known not in self._seen:
+            self._seen[known] = self._looked_at(known)
+        distances, inside, facing = self._seen[known]
+        step = stride // known
         return distances[::step], inside[::step], facing[::step]
 
     def _looked_at(self, stride: int) -> tuple[Array, Booleans, Booleans]:
@@ -105,7 +103,7 @@ class Comparison:
         """Distances in both directions."""
         model = np.full(len(self.vertices), np.nan)
         model[self.accepted.vertices] = self.accepted.distances
-        distances, inside, facing = self._from_scan
+        distances, inside, facing = self.from_scan(self._stride)
         scan = distances[inside & facing & (distances <= REACH)]
         return SurfaceDistances(model, scan, _signed(self.accepted, self.vertices))
 

@@ -20,7 +20,7 @@ from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput
 from breastrig.core.identity import CODE_CHARACTERS, one_line, random_code
 from breastrig.core.output_files import OutputSet
-from breastrig.core.private_files import read_ordinary, write_private
+from breastrig.core.private_files import read_ordinary
 from breastrig.core.stances import Stance
 
 RESULT = "result.json"
@@ -380,15 +380,7 @@ def folder_name(folder: Path) -> str:
     return folder.resolve().name[:100]
 
 
-def write_patient(folder: Path, code: str, scanned: date | None) -> str:
-    """Writes the code, or a random one, into the folder's result.json and drawing; returns the code."""
+def patient_of(code: str, scanned: date | None) -> ResultPatient:
+    """Of this code, or a random one where it is empty; BadInput for characters that nobody sees."""
     given = one_line(code)[:CODE_CHARACTERS]
-    chosen = given or random_code()
-    patient = ResultPatient(code=chosen, given=bool(given), scanned=scanned)
-    result = read_result(folder).model_copy(update={"patient": patient})
-    if result.files:  # the drawing says whose it is, too
-        drawing = json_bytes(json.loads((folder / DRAWING).read_bytes()) | {"patient": chosen})
-        write_private(folder / DRAWING, drawing)
-        result = result.model_copy(update={"files": {**result.files, DRAWING: _sha256(drawing)}})
-    write_private(folder / RESULT, result.content())
-    return chosen
+    return ResultPatient(code=given or random_code(), given=bool(given), scanned=scanned)

@@ -17,11 +17,23 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from breastrig.core.arrays import Array, Integers, frozen
+from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadDrawing, BadInput
 from breastrig.core.output_files import Output as FolderOutput
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.private_files import write_files
-from breastrig.files.result import FIT_FILES, RESULT, UNCERTAINTY, DoubtedPick, damaged, fit_set, folder_name
+from breastrig.files.result import (
+    DRAWING,
+    FIT_FILES,
+    RESULT,
+    UNCERTAINTY,
+    DoubtedPick,
+    ResultFile,
+    ResultPatient,
+    damaged,
+    fit_set,
+    folder_name,
+)
 from breastrig.fitting.verdicts.verdict import Verdict
 from breastrig.interface.drawing import Drawing, Lesion, drawing_of
 from breastrig.interface.frame import Frame, frame_of
@@ -43,22 +55,33 @@ if TYPE_CHECKING:
 class FitFiles:
     """The contents of a fit's files by name: read from a folder, or made of an outcome when first asked for."""
 
-    def __init__(self, made: dict[str, bytes], outcome: FitOutcome | None = None) -> None:
-        self._made, self._outcome = made, outcome
+    def __init__(
+        self, made: dict[str, bytes], outcome: FitOutcome | None = None, result: ResultFile | None = None
+    ) -> None:
+        """`result` is what the outcome says of itself."""
+        self._made, self._outcome, self._result = made, outcome, result
 
     def __getitem__(self, name: str) -> bytes:
         if name not in self._made:
-            if self._outcome is None:
+            if self._outcome is None or self._result is None:
                 raise BadInput(f"{name} was not in the folder that this fit was read from; fit the scan again.")
             with one_thread():
-                self._made[name] = fit_file(self._outcome, name)
+                made = self._result.content() if name == RESULT else fit_file(self._outcome, name)
+            self._made[name] = made
         return self._made[name]
 
-    def several(self, names: Sequence[str]) -> dict[str, bytes]:
-        """Those of these names, in that order; BadInput names the one that is missing."""
-        files = {name: self[name] for name in names}
-        if self._outcome is not None and files.keys() >= set(FIT_FILES):
-            files[RESULT] = result_of(self._outcome).beside(files).content()
+    def several(self, names: Sequence[str], patient: ResultPatient | None = None) -> dict[str, bytes]:
+        """Those of these names, in that order; BadInput names the one that is missing.
+
+        Of a fit that was just made `patient` says whose all its files are.
+        """
+        is_whole = self._result is not None and set(names) >= set(FIT_FILES)
+        files = {name: b"" if is_whole and name == RESULT else self[name] for name in names}
+        if is_whole and self._result is not None:
+            result = self._result.model_copy(update={"patient": patient})
+            if patient is not None:  # the drawing says whose it is, too
+                files[DRAWING] = json_bytes(json.loads(files[DRAWING]) | {"patient": patient.code})
+            files[RESULT] = result.beside(files).content()
         return files
 
     def __reduce__(self) -> tuple[type["FitFiles"], tuple[dict[str, bytes]]]:
@@ -227,9 +250,9 @@ class Fit:
         with all_or_nothing(output) as staging:
             self.write(staging)
 
-    def write(self, folder: Path) -> None:
+    def write(self, folder: Path, patient: ResultPatient | None = None) -> None:
         """Writes the files into a folder that is the caller's to protect.  Raises BadInput."""
-        write_files(self.files.several(FIT_FILES), folder)
+        write_files(self.files.several(FIT_FILES, patient), folder)
 
     @staticmethod
     def load(folder: str | Path, model: Model = None) -> "Fit":
@@ -275,7 +298,7 @@ def fit_of_outcome(outcome: FitOutcome, inputs: tuple[Path, ...]) -> Fit:
             outcome.parameters,
             None if radii is None else radii.vertices,
         )
-        files = FitFiles({RESULT: result.content()}, outcome)
+        files = FitFiles({}, outcome, result)
         posterior = posterior_of(rig, outcome.parameters, outcome.covariance)
         return Fit(files=files, in_metres=found, inputs=inputs, known_posterior=posterior)
 

@@ -71,11 +71,12 @@ def compact(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
     return vertices[used], index[faces].astype(np.int64)
 
 
-def _check_skin(vertices: Array, faces: Integers) -> None:
-    """Raises BadScan for a surface of almost no area, or one that consists of a few long triangles."""
-    corners = vertices[faces]
-    is_short = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1) < LONG
-    area = 0.5 * float(np.linalg.norm(face_crosses(vertices, faces[is_short]), axis=1).sum())
+def _check_skin(vertices: Array, faces: Integers, crosses: Array) -> None:
+    """Raises BadScan for a surface of almost no area, or of a few long triangles; `crosses` are its face_crosses."""
+    corners = [vertices.take(corner, axis=0) for corner in faces.T]
+    ends = (corners[k] - corners[k - 1] for k in range(3))
+    is_short = np.max([np.einsum("fi,fi->f", end, end) for end in ends], axis=0) < LONG**2
+    area = 0.5 * float(np.linalg.norm(crosses[is_short], axis=1).sum())
     if area < THIN:
         raise BadScan(
             f"Only {1e4 * area:.0f} cm² of the scan's surface are in triangles shorter than {100 * LONG:.0f} cm, "
@@ -104,9 +105,10 @@ def clean(scan: Scan) -> Surface:
         )
     turned, count = outwards(vertices, faces, crosses)
     if count > INWARD_SHARE * len(faces):
-        faces = turned
-    lids = caps(vertices, faces, face_crosses(vertices, faces))
-    _check_skin(vertices, faces[~lids] if lids.any() and not lids.all() else faces)
+        faces, crosses = turned, face_crosses(vertices, turned)
+    lids = caps(vertices, faces, crosses)
+    skin = ~lids if lids.any() and not lids.all() else np.ones_like(lids)
+    _check_skin(vertices, faces[skin], crosses[skin])
     if lids.any() and np.count_nonzero(~lids) >= MIN_TRIANGLES:
         area = 0.5e4 * np.linalg.norm(face_crosses(vertices, faces[lids]), axis=1).sum()
         return Surface(

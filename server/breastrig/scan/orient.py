@@ -81,6 +81,11 @@ class _Members:
         groups = np.repeat(np.arange(count), np.diff(starts, append=len(pairs)))
         return _Members(groups, pairs - size * groups, starts)
 
+    def only(self, kept: Booleans) -> "_Members":
+        """Of the (G,) groups that are kept."""
+        chosen, sizes = kept[self.groups], np.diff(self.starts, append=len(self.groups))[kept]
+        return _Members((np.cumsum(kept) - 1)[self.groups[chosen]], self.triangles[chosen], np.cumsum(sizes) - sizes)
+
     def heights(self, points: Array, normals: Array) -> Array:
         """(N,) of (M, 3) points along (G, 3) normals of their groups."""
         return np.asarray(np.einsum("ni,ni->n", points.take(self.triangles, axis=0), normals.take(self.groups, axis=0)))
@@ -106,21 +111,19 @@ def table_plane(centres: Array, normals: Array, areas: Array) -> tuple[Array, fl
     facing = guesses @ normals.T > FACING  # (G, M)
     members = _Members.of(facing)
     enough = np.bincount(members.groups, areas[members.triangles], len(guesses)) >= TABLE_SHARE * total
-    planes, facing = guesses[enough], facing[enough]
+    planes, members = guesses[enough], members.only(enough)
     for _ in range(3):  # the body's front tilts the first guess; the plane itself corrects it
         if not len(planes):
             return None
-        members = _Members.of(facing)
         heights = members.heights(centres, planes)
         level, _ = members.peaks(heights, areas[members.triangles])
         near = np.abs(heights - level[members.groups]) < 2 * PLANE_BIN
         planes = _laid_through(planes, centres, areas, members.groups[near], members.triangles[near])
         facing = planes @ normals.T > FACING
         some = facing.any(axis=1)  # no plane after all: curved parts turned the guess away from themselves
-        planes, facing = planes[some], facing[some]
+        planes, members = planes[some], _Members.of(facing[some])
     if not len(planes):
         return None
-    members = _Members.of(facing)
     level, share = members.peaks(members.heights(centres, planes), areas[members.triangles])
     large = share >= TABLE_SHARE * total
     planes, level, share = planes[large], level[large], share[large]

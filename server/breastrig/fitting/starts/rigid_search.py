@@ -79,20 +79,13 @@ class Place:
 class _Comparison:
     """A rest pose and a scan, thinned: pairs, steps and scores of many tries at once."""
 
-    def __init__(self, body: Array, faces: Integers, target: ScanTarget, level: Level) -> None:
-        model, scan = level.model, level.scan
-        normals = vertex_normals(body, faces)
-        rim = body[boundary_vertices(faces, len(body))]
-        self.asking, self.asking_normals = (each[_thinned(len(each), model[0])] for each in (body, normals))
-        asked = _thinned(len(normals), model[1])
-        self.model, self.at_rim = body[asked], _near(rim, body[asked])
-        self._model_points = _tree(self.model, normals[asked])
-        seen = _thinned(len(target.vertices), scan[0])
-        self.seen, self.seen_normals = target.vertices[seen], target.normals[seen]
-        asked = _thinned(len(target.vertices), scan[1])
-        self.scan = target.vertices[asked]
-        self.at_border = _near(target.vertices[target.on_border], self.scan)
-        self._scan_points = _tree(self.scan, target.normals[asked])
+    def __init__(self, model: "_Points", scan: "_Points", level: Level) -> None:
+        asking, seen = model.thinned(level.model[0]), scan.thinned(level.scan[0])
+        self.asking, self.asking_normals, self.seen, self.seen_normals = *asking[:2], *seen[:2]
+        self.model, normals, self.at_rim = model.thinned(level.model[1])
+        self._model_points = _tree(self.model, normals)
+        self.scan, normals, self.at_border = scan.thinned(level.scan[1])
+        self._scan_points = _tree(self.scan, normals)
 
     def _to_model(self, tries: Similarities, reach: float) -> tuple[Array, Integers]:
         """(T, K) m and indices: the model's nearest to each of the scan's points, which come to the model."""
@@ -133,16 +126,20 @@ class _Comparison:
         return back + COVER_WEIGHT * there, there
 
 
-def _thinned(size: int, wanted: int) -> slice:
-    return slice(None, None, max(1, size // wanted))
+class _Points:
+    """Places (N, 3) m with their (N, 3) normals, and which of them lie within EDGE of the (N,) ones on an edge."""
 
+    def __init__(self, places: Array, normals: Array, on_edge: Booleans) -> None:
+        self._places, self._normals = places, normals
+        self._edge = cKDTree(places[on_edge]) if on_edge.any() else None
 
-def _near(edge: Array, points: Array) -> Booleans:
-    """(M,) of the (M, 3) points, which lie within EDGE of a point of the edge."""
-    if not len(edge):
-        return np.zeros(len(points), dtype=np.bool_)
-    gaps, _ = cKDTree(edge).query(points, distance_upper_bound=EDGE)
-    return np.isfinite(gaps)
+    def thinned(self, wanted: int) -> tuple[Array, Array, Booleans]:
+        """About so many of them."""
+        some = slice(None, None, max(1, len(self._places) // wanted))
+        places = self._places[some]
+        if self._edge is None:
+            return places, self._normals[some], np.zeros(len(places), dtype=np.bool_)
+        return places, self._normals[some], np.isfinite(self._edge.query(places, distance_upper_bound=EDGE)[0])
 
 
 def _tree(points: Array, normals: Array) -> cKDTree:
@@ -166,8 +163,10 @@ def rest_place(
     tries = Similarities.of(_starts(body, thinned, turns, scale))
     share = max(len(turns) / (TURNS * len(YAWS)), 1.0)  # of those of a single front
     scales = SCALE[0] * scale, SCALE[1] * scale
+    model = _Points(body, vertex_normals(body, faces), boundary_vertices(faces, len(body)))
+    scan = _Points(target.vertices, target.normals, target.on_border)
     for level in LEVELS:
-        comparison = _Comparison(body, faces, target, level)
+        comparison = _Comparison(model, scan, level)
         for _ in range(level.steps):
             moved = comparison.moved(tries, level.reach, scales)
             tries = moved if known is None else tries.where(turned_from(moved.rotations, known, OBLIQUE), moved)

@@ -129,7 +129,8 @@ def _facing_back(vertices: Array, target: ScanTarget) -> dict[str, float]:
     Nothing where a program has closed the surface.
     """
     faces = target.faces
-    crosses, middles = face_crosses(vertices, faces), vertices[faces].mean(axis=1)
+    crosses = face_crosses(vertices, faces)
+    middles = sum(vertices.take(corner, axis=0) for corner in faces.T) / 3.0
     (low, high), aside = TRUNK
     trunk = (middles[:, 1] > low) & (middles[:, 1] < high) & (np.abs(middles[:, 0]) < aside)
     areas = np.linalg.norm(crosses, axis=1)

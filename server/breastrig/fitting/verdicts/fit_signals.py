@@ -6,11 +6,12 @@ folds, normals are not compared.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from breastrig.core.arrays import Booleans
+from breastrig.core.arrays import Booleans, Integers
 from breastrig.core.stances import SIDES
 from breastrig.correspondence.distances import Comparison
 from breastrig.rig.body_statistics import body_statistics
@@ -65,8 +66,7 @@ def fit_signals(
     known = body_statistics(rig)
     mean = 1.0 if known is None else known.mean_scales.reshape(x.scales.shape)
     bones = rig.skin_weights[part].sum(axis=0) > BONES * rig.skin_weights.sum(axis=0)
-    largest = np.linalg.norm(rig.blendshapes, axis=2).argmax(axis=1)
-    at_limit = ((x.weights <= low + 1e-6) | (x.weights >= high - 1e-6))[part[largest]]
+    at_limit = ((x.weights <= low + 1e-6) | (x.weights >= high - 1e-6))[part[_most_moved(rig)]]
     some, any_asked = bool(here.any()), bool(asked.any())
     return FitSignals(
         clearness=np.nan if clearness is None else clearness,
@@ -80,6 +80,12 @@ def fit_signals(
         limits=float(at_limit.mean()) if len(at_limit) else 0.0,
         hanging=max(hang.values(), default=0.0),
     )
+
+
+@lru_cache(maxsize=4)
+def _most_moved(rig: Rig) -> Integers:
+    """(S,) the vertex that each shape moves the farthest."""
+    return np.asarray(np.linalg.norm(rig.blendshapes, axis=2).argmax(axis=1))
 
 
 def _hanging(rig: Rig, x: RigParameters) -> dict[str, float]:
