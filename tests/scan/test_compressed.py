@@ -69,7 +69,7 @@ def test_damaged_draco_data_is_one_sentence() -> None:
 @pytest.fixture
 def in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
     """USD is read here: a process for each file takes half a second, and what these files do is known."""
-    monkeypatch.setattr("breastrig.scan.read.usd_pieces", usd.usd_pieces)
+    monkeypatch.setattr("breastrig.scan.formats.usd_process.usd_pieces", usd.usd_pieces)
 
 
 MOVED = RIG.template + np.array([0.25, 0.0, 0.0])

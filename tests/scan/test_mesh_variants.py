@@ -395,7 +395,7 @@ def test_tiles_of_a_ply_and_of_a_usd(monkeypatch: pytest.MonkeyPatch) -> None:
     scan = read_scan(zipped({"a.ply": mesh, **tile_pictures(*UDIM)}))
     assert_same_body(scan)
     assert scan.notes == ()
-    monkeypatch.setattr("breastrig.scan.read.usd_pieces", usd.usd_pieces)
+    monkeypatch.setattr("breastrig.scan.formats.usd_process.usd_pieces", usd.usd_pieces)
     rows = ", ".join(f"({u:.6f}, {v:.6f})" for u, v in places.reshape(-1, 2))
     layer = re.sub(r"(primvars:st = ).*", rf'\1[{rows}] (interpolation = "faceVarying")', usda("s.<UDIM>.png").decode())
     scan = read_scan(usdz({"scan.usda": layer.encode(), **tile_pictures(*UDIM)}))
@@ -692,7 +692,7 @@ def test_the_unit_of_a_usd_is_its_own_unless_no_body_has_this_size_in_it(
 ) -> None:
     from breastrig.scan.formats import usd
 
-    monkeypatch.setattr("breastrig.scan.read.usd_pieces", usd.usd_pieces)
+    monkeypatch.setattr("breastrig.scan.formats.usd_process.usd_pieces", usd.usd_pieces)
     scan = read_scan(usda(head=head), units=units)
     assert scan.unit == unit
     assert np.ptp(scan.vertices[:, 1]) == pytest.approx(np.ptp(VERTICES[:, 1]), abs=1e-5)
@@ -702,7 +702,7 @@ def test_the_unit_of_a_usd_is_its_own_unless_no_body_has_this_size_in_it(
 def test_a_usd_of_several_layers_is_read_from_its_package_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     from breastrig.scan.formats import usd
 
-    monkeypatch.setattr("breastrig.scan.read.usd_pieces", usd.usd_pieces)
+    monkeypatch.setattr("breastrig.scan.formats.usd_process.usd_pieces", usd.usd_pieces)
     root = b'#usda 1.0\n(metersPerUnit = 1)\ndef "Root" (prepend references = @./parts/body.usda@</Root>) {}\n'
     scan = read_scan(usdz({"scan.usda": root, "parts/body.usda": usda("../skin.jpg"), "skin.jpg": JPEG}))
     assert len(scan.faces) == len(FACES)
@@ -755,7 +755,7 @@ USD_COLOURS = {
 def test_colours_of_a_usd_wherever_they_stand(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     from breastrig.scan.formats import usd
 
-    monkeypatch.setattr("breastrig.scan.read.usd_pieces", usd.usd_pieces)
+    monkeypatch.setattr("breastrig.scan.formats.usd_process.usd_pieces", usd.usd_pieces)
     where, colours = USD_COLOURS[name]
     data = usda(colours=linear(colours.astype(float))).replace(
         b'] (interpolation = "vertex")', f'] (interpolation = "{where}")'.encode()
