@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 import trimesh
 from helpers.example_fits import write_example_fits
-from helpers.results import without_hashes
+from helpers.results import without_hashes, write_patient
 
 import breastrig
 from breastrig.cli.main import main
-from breastrig.files.result import HASHED, write_patient
+from breastrig.files.result import HASHED
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ import trimesh
 from helpers.blank_pictures import blank_pictures, coarse_pictures
 from helpers.example_fits import STANCES, write_example_fits
 from helpers.remembered_measures import measured_once
-from helpers.results import NOTHING, without_hashes
+from helpers.results import NOTHING, without_hashes, write_patient
 
 from breastrig.cli.main import main
 from breastrig.core import wall_clock
@@ -23,7 +23,6 @@ from breastrig.core.assets import asset_folder
 from breastrig.core.glb import split_glb
 from breastrig.core.identity import LETTERS
 from breastrig.core.notice import LIMITS_OF_USE
-from breastrig.files.result import write_patient
 from breastrig.geometry.self_intersections import crossing_faces
 from breastrig.report.table import Value, with_margin
 from breastrig.workflow import report as report_module

@@ -8,12 +8,12 @@ from typing import Any
 import pytest
 from helpers.example_fits import write_example_fits
 from helpers.other_body import with_other_body
+from helpers.results import write_patient
 
 import breastrig
 from breastrig.cli.main import main
 from breastrig.core.errors import NeedsYes
 from breastrig.drawings.drawing_schema import GivenDrawing
-from breastrig.files.result import write_patient
 from breastrig.workflow.folder.fit_folder import read_fit_folder
 from breastrig.workflow.report import laid_plan
 

@@ -1,10 +1,12 @@
 """result.json of a fit that found nothing, for tests that need one without a fit."""
 
 import json
+from datetime import date
 from pathlib import Path
 from typing import Any
 
-from breastrig.files.result import ResultFile
+from breastrig.core.documents import json_bytes
+from breastrig.files.result import DRAWING, HASHED, RESULT, ResultFile, patient_of, read_result
 
 NOTHING = {"mean": None, "std": None, "max": None, "p95": None}
 TO_LANDMARKS = {"mean": None, "std": None, "max": None, "min": None, "each": {}}
@@ -49,3 +51,14 @@ def without_hashes(folder: Path) -> Path:
     assert document.pop("fields")
     (folder / "result.json").write_text(json.dumps(document), "utf-8")
     return folder
+
+
+def write_patient(folder: Path, code: str, scanned: date | None) -> str:
+    """Gives a fit's folder a patient, as one that `breastrig fit` wrote has; the code."""
+    patient = patient_of(code, scanned)
+    result = read_result(folder).model_copy(update={"patient": patient})
+    drawing = json.loads((folder / DRAWING).read_bytes()) | {"patient": patient.code}
+    (folder / DRAWING).write_bytes(json_bytes(drawing))
+    files = {name: (folder / name).read_bytes() for name in HASHED if result.files}
+    (folder / RESULT).write_bytes((result.beside(files) if files else result).content())
+    return patient.code
