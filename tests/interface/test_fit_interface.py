@@ -18,9 +18,9 @@ from threadpoolctl import threadpool_info, threadpool_limits
 import breastrig
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
+from breastrig.core.one_thread import one_thread
 from breastrig.files.result import FIT_FILES
 from breastrig.gltf.read_rig import default_rig_path
-from breastrig.interface.one_thread import one_thread
 from breastrig.rig.skinning import pose
 from breastrig.scan.landmarks.landmark_files import landmark_file, read_landmarks
 

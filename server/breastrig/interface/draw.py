@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from breastrig.core.errors import BadDrawing
+from breastrig.core.one_thread import one_thread
 from breastrig.core.units import distance_text
 from breastrig.drawings.drawing_file import shape_document
 from breastrig.drawings.line_error import with_errors
@@ -17,7 +18,6 @@ from breastrig.drawings.prepare_polyline import prepared
 from breastrig.geometry.polyline import Polyline
 from breastrig.interface.drawing import BLACK, Drawing, Lesion, Line, document_of, drawing_of
 from breastrig.interface.fit_result import Fit
-from breastrig.interface.one_thread import one_thread
 from breastrig.rig.model import Rig
 from breastrig.workflow.folder.fit_folder import FitFolder
 from breastrig.workflow.folder.whose import check_whose

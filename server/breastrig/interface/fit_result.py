@@ -19,6 +19,7 @@ import numpy as np
 from breastrig.core.arrays import Array, Integers, frozen
 from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadDrawing, BadInput
+from breastrig.core.one_thread import one_thread
 from breastrig.core.output_files import Output as FolderOutput
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.private_files import write_files
@@ -27,7 +28,6 @@ from breastrig.files.result import (
     FIT_FILES,
     RESULT,
     UNCERTAINTY,
-    DoubtedPick,
     ResultFile,
     ResultPatient,
     damaged,
@@ -38,7 +38,6 @@ from breastrig.fitting.verdicts.verdict import Verdict
 from breastrig.interface.drawing import Drawing, Lesion, drawing_of
 from breastrig.interface.frame import Frame, frame_of
 from breastrig.interface.model import Model, Rig, loaded, public
-from breastrig.interface.one_thread import one_thread
 from breastrig.interface.posterior import Posterior, posterior_of
 from breastrig.report.bands import lines_text
 from breastrig.rig.named_parameters import Parameters, parameters_by_name
@@ -77,11 +76,10 @@ class FitFiles:
         """
         is_whole = self._result is not None and set(names) >= set(FIT_FILES)
         files = {name: b"" if is_whole and name == RESULT else self[name] for name in names}
-        if is_whole and self._result is not None:
-            result = self._result.model_copy(update={"patient": patient})
+        if self._result is not None and is_whole:
             if patient is not None:  # the drawing says whose it is, too
                 files[DRAWING] = json_bytes(json.loads(files[DRAWING]) | {"patient": patient.code})
-            files[RESULT] = result.beside(files).content()
+            files[RESULT] = self._result.model_copy(update={"patient": patient}).beside(files).content()
         return files
 
     def __reduce__(self) -> tuple[type["FitFiles"], tuple[dict[str, bytes]]]:
@@ -303,10 +301,6 @@ def fit_of_outcome(outcome: FitOutcome, inputs: tuple[Path, ...]) -> Fit:
         return Fit(files=files, in_metres=found, inputs=inputs, known_posterior=posterior)
 
 
-def _by_name(doubted: Sequence[DoubtedPick]) -> dict[str, str]:
-    return {name: each.reason for each in doubted for name in each.names}
-
-
 def _public_values(found: FitFolder) -> dict[str, Any]:
     """All that a Fit has of a fit, by the names of its fields, in the scan's unit."""
     result, per_unit = found.result, found.metres_per_unit
@@ -323,8 +317,8 @@ def _public_values(found: FitFolder) -> dict[str, Any]:
         "landmarks": {name: frozen(place) for name, place in result.landmarks.items()},
         "seen": dict(result.landmarks_seen),
         "picked": {name: frozen(place) for name, place in result.landmarks_picked.items()},
-        "not_followed": _by_name(result.landmarks_not_followed),
-        "unusual": _by_name(result.landmarks_unusual),
+        "not_followed": {name: each.reason for each in result.landmarks_not_followed for name in each.names},
+        "unusual": {name: each.reason for each in result.landmarks_unusual for name in each.names},
         "parameters": parameters_by_name(
             found.rig, found.parameters, per_unit, found.vertices if result.refined else None
         ),

@@ -6,8 +6,8 @@ from typing import Any
 
 from breastrig.core.arrays import frozen
 from breastrig.core.errors import BadScan, NeedsAnswer
+from breastrig.core.one_thread import one_thread
 from breastrig.interface.drawing import Drawing, Line
-from breastrig.interface.one_thread import one_thread
 from breastrig.interface.scan import Scan, existing
 
 

@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 
 from breastrig.core.arrays import Array, frozen
 from breastrig.core.errors import BadLandmarks
+from breastrig.core.one_thread import one_thread
 from breastrig.core.picks import Picks
 from breastrig.core.proposed import why_not_proposed
 from breastrig.interface.model import Model, loaded
-from breastrig.interface.one_thread import one_thread
 from breastrig.interface.scan import Scan, ScanSource
 from breastrig.scan.landmarks.landmark_files import landmarks_of_file
 from breastrig.workflow.propose_on_scan import propose_on_scan

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
+from breastrig.core.one_thread import one_thread
 from breastrig.interface.fit_result import Fit
 from breastrig.interface.model import Model
-from breastrig.interface.one_thread import one_thread
 from breastrig.report.measures import measures
 from breastrig.workflow.report import stance_of
 

@@ -8,9 +8,9 @@ from numpy.typing import ArrayLike
 from PIL import Image
 
 from breastrig.core.arrays import Array
+from breastrig.core.one_thread import one_thread
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.interface.drawing import Line
-from breastrig.interface.one_thread import one_thread
 from breastrig.rendering.picture import NEUTRAL, Layer, Scene, camera, diverging_colours
 from breastrig.rendering.picture import Line as DrawnLine
 from breastrig.report.body_frame import body_frame

@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
+from breastrig.core.one_thread import one_thread
 from breastrig.core.private_files import write_files
 from breastrig.core.scratch import scratch_folder
 from breastrig.core.stances import Stance
 from breastrig.interface.fit_result import Fit
 from breastrig.interface.model import Model, loaded
-from breastrig.interface.one_thread import one_thread
 from breastrig.interface.transfer import READ, folder_of
 from breastrig.workflow.predictions.predict import prediction
 

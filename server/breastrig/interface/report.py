@@ -7,12 +7,12 @@ from typing import Any
 
 from breastrig.core import wall_clock
 from breastrig.core.identity import SAYS_NOTHING, Identity, file_name, random_code
+from breastrig.core.one_thread import one_thread
 from breastrig.core.output_files import Output, OutputSet, all_or_nothing
 from breastrig.files.result import FIT_FILES, ResultFile, ResultPatient, read_result
 from breastrig.interface.drawing import Drawing
 from breastrig.interface.fit_result import Fit
 from breastrig.interface.model import Model, files_of, loaded
-from breastrig.interface.one_thread import one_thread
 from breastrig.interface.transfer import folder_of
 from breastrig.report.document import SCHEMA
 from breastrig.report.pages.printable import checked_code

@@ -12,13 +12,13 @@ from typing import Any, Generic, TypeAlias, TypeVar
 
 from breastrig.core.arrays import Array, frozen
 from breastrig.core.errors import BadSettings, FitFailed
+from breastrig.core.one_thread import one_thread
 from breastrig.core.stances import AUTO
 from breastrig.drawings.patterns import tumour_text
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.interface.fit_result import Fit, fit_of_outcome
 from breastrig.interface.landmarks import Landmarks, landmarks_in_mm
 from breastrig.interface.model import Model, Rig, files_of, public, with_cohort
-from breastrig.interface.one_thread import one_thread
 from breastrig.interface.scan import ScanLike, ScanSource
 from breastrig.rig.named_parameters import Parameters, in_metres, parameters_by_name
 from breastrig.rig.parameters import RigParameters

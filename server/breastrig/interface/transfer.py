@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.core.errors import BadInput
+from breastrig.core.one_thread import one_thread
 from breastrig.core.private_files import write_files
 from breastrig.core.scratch import scratch_folder
 from breastrig.drawings.plan_schema import PLAN_SCHEMA
@@ -14,7 +15,6 @@ from breastrig.interface.draw import Drawn, items_of
 from breastrig.interface.drawing import Drawing, Lesion, Line, document_of, drawing_of
 from breastrig.interface.fit_result import Fit
 from breastrig.interface.model import Model, loaded
-from breastrig.interface.one_thread import one_thread
 from breastrig.rig.model import Rig
 from breastrig.workflow.jobs import TransferJob
 from breastrig.workflow.lines.transfer import drawing_document, transfer_with

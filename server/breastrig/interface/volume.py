@@ -4,11 +4,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from breastrig.core.arrays import Array, Integers, frozen
+from breastrig.core.one_thread import one_thread
 from breastrig.core.output_files import all_or_nothing, single_file
 from breastrig.core.private_files import write_private
 from breastrig.interface.fit_result import Fit
 from breastrig.interface.model import Model
-from breastrig.interface.one_thread import one_thread
 from breastrig.volume.volume_mesh import REGIONS, VolumeMesh
 from breastrig.workflow.folder.fit_folder import FitFolder
 from breastrig.workflow.volume import volume_file, volume_of

@@ -16,6 +16,7 @@ from breastrig.cases.plans import get_plan, plan_versions, put_plan
 from breastrig.cases.removal import Left, delete_case, delete_scan, move_scan
 from breastrig.core.arrays import Array, frozen
 from breastrig.core.errors import BadInput, Conflict, FitFailed, NotRemoved, unknown_name
+from breastrig.core.one_thread import one_thread
 from breastrig.core.picks import Picks
 from breastrig.core.stances import AUTO, STANCES
 from breastrig.core.units import METRES_PER_UNIT
@@ -24,7 +25,6 @@ from breastrig.drawings.plan_schema import PlanLesion, PlanLine, PlanNote, asked
 from breastrig.interface.fit_result import Fit
 from breastrig.interface.landmarks import Landmarks, landmarks_in_mm
 from breastrig.interface.model import loaded
-from breastrig.interface.one_thread import one_thread
 from breastrig.interface.run import FitRun
 from breastrig.interface.scan import Scan, ScanSource, existing, read_coloured, scan_of_stored
 from breastrig.report.pages.printable import check_printable, checked_code
