@@ -76,7 +76,7 @@ def test_what_a_fit_has_left_is_read_however_much_it_is(toy_rig: Rig) -> None:
         ({"shapes": [{"name": "cut", "points": LINE}] * 2}, 'Two shapes of this drawing are called "cut"'),
         ({"shapes": [{"name": "cut", "points": LINE * 30_000}]}, "60000 points; at most 50000"),
         ({"shapes": [{"name": str(k), "points": LINE * 13_000} for k in range(2)]}, "52000 points; at most 50000"),
-        ({"shapes": [{"name": "cut", "points": LINE, "error_mm": [1.0]}]}, "2 points but says of 1 how far off"),
+        ({"shapes": [{"name": "cut", "points": LINE, "error_mm": [1.0]}]}, "2 points but 1 of error_mm"),
         ({"shapes": [{"name": "a", "surface_points": [{"face": 10**30, "barycentric": [1, 0, 0]}]}]}, "face"),
         ({"unit": "mile", "shapes": [{"name": "cut", "points": LINE}]}, "unit"),
         ({"shapes": [{"name": "a", "surface_points": [{"face": 99_999, "barycentric": [1, 0, 0]}]}]}, "another model"),

@@ -22,7 +22,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     _action(actions, "fit", "fit a scan of a case, and keep the fit in it", actions_of.fit, _fit_options)
     _action(actions, "predict", "the patient of a scan in another stance", actions_of.predict, _predict_options)
     _action(actions, "plan", "write the plan into a file, replace it, or undo a change", actions_of.plan, _plan_options)
-    _action(actions, "show", "what is in a case", actions_of.show, _no_options)
+    _action(actions, "show", "show the contents of a case", actions_of.show, _no_options)
     _action(actions, "list", "the cases of a folder or data folder", actions_of.list_cases, None)
     _action(actions, "rename", "give the patient another code", actions_of.rename, _create_options)
     _action(actions, "move", "move a scan to another case", actions_of.move, _move_options)

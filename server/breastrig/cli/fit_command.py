@@ -36,13 +36,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--landmarks", type=Path, metavar="FILE", help="picked points: JSON, CSV, .pp or .mrk.json")
     add_scan_options(parser)
     parser.add_argument(
-        "--cuts", type=Path, metavar="FILE", help="what was cut away in the page: the answer of GET /api/scans/ID/cuts"
+        "--cuts", type=Path, metavar="FILE", help="parts cut away in the page: the answer of GET /api/scans/ID/cuts"
     )
     parser.add_argument("--stance", default="auto", choices=STANCES, help="stance of the scan")
     parser.add_argument("--preset", default="default", metavar="NAME", help="default, paper, or a TOML file")
     parser.add_argument("--model", type=model_path, metavar="MODEL", help="another rig of the same form")
     parser.add_argument(
-        "--prior", type=Path, metavar="FILE", help="what a cohort's fits say of bodies: `breastrig cohort`"
+        "--prior", type=Path, metavar="FILE", help="a prior from a cohort's fits, by `breastrig cohort`"
     )
     parser.add_argument(
         "--drawing",

@@ -37,7 +37,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         action = actions.add_parser(name, help=what)
         action.add_argument("given", type=model_path, nargs="?", metavar="MODEL", help="as --model")
         action.add_argument("--model", type=model_path, metavar="MODEL", help="another rig than the package's torso")
-    learning = actions.add_parser("learn", help="what is known of a rig, from bodies whose whole skin is")
+    learning = actions.add_parser("learn", help="estimates the known data of a rig, from bodies with known skin")
     learning.add_argument("model", type=model_path, metavar="MODEL", help="the rig, as for `breastrig fit --model`")
     learning.add_argument("bodies", type=Path, metavar="BODIES", help="as for `breastrig evaluate`")
     actions.add_parser("build", help="build the torso from its sources (source checkout only)")

@@ -38,7 +38,7 @@ WHOSE = "the patient's code; another's drawing is asked about"
 MADE_ON = "sha256 of the scan that it was made on"
 IS_BRIDGED = "for each point whether it is not on the skin, because the scan has a hole there"
 ERROR = "for each point the radius in millimetres that holds its true place with 90 %; null where it is not known"
-LINE_ERROR = "how far off nine of ten of its places are, mm, measured across it, as a fit's line_error_mm"
+LINE_ERROR = "line error (90 %), mm, measured across the line, as a fit's line_error_mm"
 
 
 def _is_none(value: object) -> bool:
@@ -163,10 +163,10 @@ class ReadDrawing(Part):
 
 def _check_lengths(name: str, points: int, bridged: list[bool] | None, error_mm: list[float | None] | None) -> None:
     """Raises BadDrawing (which Pydantic passes on) where a list per point has another length than the points."""
-    for said, what in ((bridged, "whether they are bridged"), (error_mm, "how far off they may be")):
-        if said and len(said) != points:
+    for given, field in ((bridged, "bridged"), (error_mm, "error_mm")):
+        if given and len(given) != points:
             raise BadDrawing(
-                f'The shape "{name}" has {points} points but says of {len(said)} {what}; say it of each or of none.'
+                f'The shape "{name}" has {points} points but {len(given)} of {field}; give one for each point or none.'
             )
 
 

@@ -68,7 +68,7 @@ class PlanPattern(_Item):
     kind: Literal["pattern"] = "pattern"
     name: Word = Field(description="of the drawing or pattern, for instance lumpectomy or reduction")
     parameters: dict[Word, FiniteFloat | Annotated[str, Field(pattern=r"^[A-Za-z]{1,20}$")]] = Field(
-        default={}, max_length=20, description="what differs from the pattern's defaults"
+        default={}, max_length=20, description="values that differ from the pattern's defaults"
     )
 
 

@@ -114,9 +114,7 @@ class ResultParameters(Document):
 
 class Verdict(Document):
     level: VerdictLevel
-    reasons: tuple[str, ...] = Field(
-        description="one sentence each, the strongest first; of a good fit what is to be known of it all the same"
-    )
+    reasons: tuple[str, ...] = Field(description="one sentence each, the strongest first; of a good fit notes")
 
 
 class DoubtedPick(BaseModel):
@@ -147,7 +145,7 @@ class ResultAreola(Document):
     """An areola in the scan's colours."""
 
     diameter_mm: FiniteFloat = Field(gt=0.0, lt=300.0, description="of the circle of its area, along the skin")
-    within_mm: FiniteFloat = Field(ge=0.0, lt=300.0, description="half the band that holds the true one with 90 %")
+    within_mm: FiniteFloat = Field(ge=0.0, lt=300.0, description="half of the 90 % band")
     rim: list[Three] = Field(min_length=3, max_length=1000, description="its border, closed")
 
 
@@ -232,14 +230,13 @@ class ResultFile(Document):
     )
     line_error_mm: FiniteFloat | None = Field(
         None,
-        description="how far off nine of ten places of lines on the breasts are, measured across the line; "
-        "null where it is not known",
+        description="line error (90 %) of lines on the breasts, measured across the line; null where it is not known",
     )
     drawn_line_error_mm: FiniteFloat | None = Field(
         None,
         exclude_if=not_,
-        description="the same of the lines of the fit's own drawing, of which least is known, which is "
-        "then said first; absent where nothing is drawn",
+        description="the largest line error (90 %) of the fit's own drawing, which is then stated first; absent where "
+        "nothing is drawn",
     )
     landmarks_agreed: list[str] = Field([], description="names of those that were proposed and only agreed to")
     landmarks: dict[str, Three] = Field(
@@ -249,7 +246,8 @@ class ResultFile(Document):
     landmarks_seen: dict[str, str] = Field(
         {},
         exclude_if=not_,
-        description="what shows each landmark that the scan's colours place, by name; none where any was picked",
+        description="the feature that shows each landmark seen in the scan's colours, by name; none where any was "
+        "picked",
     )
     landmarks_picked: dict[str, Three] = Field(description="as given, in the scan's frame and unit")
     areolae: dict[str, ResultAreola | None] = Field(

@@ -23,7 +23,9 @@ class MastectomyEllipse(OnBreasts):
     length_mm: float = Field(
         140.0, title="Length", ge=30.0, le=260.0, description="of the long axis along the skin, through the nipple"
     )
-    width_mm: float = Field(70.0, title="Width", ge=20.0, le=160.0, description="across it; what can be closed again")
+    width_mm: float = Field(
+        70.0, title="Width", ge=20.0, le=160.0, description="across it; as much as can be closed again"
+    )
     axis_deg: float = Field(
         20.0,
         title="Axis",

@@ -35,7 +35,7 @@ class Vertical(AroundAreola):
     """The pattern's dimensions."""
 
     width_mm: float = Field(
-        60.0, title="Width", ge=20.0, le=120.0, description="between the limbs at half their way; what is pinched"
+        60.0, title="Width", ge=20.0, le=120.0, description="between the limbs at half their way; the pinched skin"
     )
     above_fold_mm: float = Field(
         25.0, title="End above the fold", ge=10.0, le=60.0, description="where the limbs meet; 20 to 40 is usual"
