@@ -49,7 +49,7 @@ export type CarriedShape = {
   bridged: boolean[];
   /** for each point the radius in millimetres that holds its true place with 90 %; null where it is not known */
   error_mm?: (number | null)[] | null;
-  /** how far off nine of ten of its places are, mm, measured across it, as a fit's line_error_mm */
+  /** line error (90 %), mm, measured across the line, as a fit's line_error_mm */
   line_error_mm?: number | null;
   /** how far the first fit was from its scan there; null without skin */
   distance_from_mm: (number | null)[];
@@ -145,7 +145,7 @@ export type DrawnShape = {
   bridged?: boolean[] | null;
   /** for each point the radius in millimetres that holds its true place with 90 %; null where it is not known */
   error_mm?: (number | null)[] | null;
-  /** how far off nine of ten of its places are, mm, measured across it, as a fit's line_error_mm */
+  /** line error (90 %), mm, measured across the line, as a fit's line_error_mm */
   line_error_mm?: number | null;
 };
 
@@ -405,7 +405,7 @@ export type InkShape = {
   bridged?: boolean[] | null;
   /** for each point the radius in millimetres that holds its true place with 90 %; null where it is not known */
   error_mm?: (number | null)[] | null;
-  /** how far off nine of ten of its places are, mm, measured across it, as a fit's line_error_mm */
+  /** line error (90 %), mm, measured across the line, as a fit's line_error_mm */
   line_error_mm?: number | null;
   /** the first three are lines of a plan, the others marks beside it */
   kind: "line" | "closed" | "dashed" | "cross" | "arrow" | "writing";
@@ -860,7 +860,7 @@ export type PatternShape = {
   bridged: boolean[];
   /** for each point the radius in millimetres that holds its true place with 90 %; null where it is not known */
   error_mm?: (number | null)[] | null;
-  /** how far off nine of ten of its places are, mm, measured across it, as a fit's line_error_mm */
+  /** line error (90 %), mm, measured across the line, as a fit's line_error_mm */
   line_error_mm?: number | null;
 };
 
@@ -905,7 +905,7 @@ export type PlanLine = {
   bridged?: boolean[] | null;
   /** for each point the radius in millimetres that holds its true place with 90 %; null where it is not known */
   error_mm?: (number | null)[] | null;
-  /** how far off nine of ten of its places are, mm, measured across it, as a fit's line_error_mm */
+  /** line error (90 %), mm, measured across the line, as a fit's line_error_mm */
   line_error_mm?: number | null;
   kind?: "line";
   /** names of the shapes of the scan's ink that it was made from, also when it was changed since */
@@ -966,7 +966,7 @@ export type PlanPattern = {
   kind?: "pattern";
   /** of the drawing or pattern, for instance lumpectomy or reduction */
   name: string;
-  /** what differs from the pattern's defaults */
+  /** values that differ from the pattern's defaults */
   parameters?: Record<string, unknown>;
 };
 
@@ -1031,7 +1031,7 @@ export type PlannedShape = {
   bridged: boolean[];
   /** for each point the radius in millimetres that holds its true place with 90 %; null where it is not known */
   error_mm?: (number | null)[] | null;
-  /** how far off nine of ten of its places are, mm, measured across it, as a fit's line_error_mm */
+  /** line error (90 %), mm, measured across the line, as a fit's line_error_mm */
   line_error_mm?: number | null;
   /** id of the plan's item */
   item: string;
@@ -1099,7 +1099,7 @@ export type Readiness = {
 export type ResultAreola = {
   /** of the circle of its area, along the skin */
   diameter_mm: number;
-  /** half the band that holds the true one with 90 % */
+  /** half of the 90 % band */
   within_mm: number;
   /** its border, closed */
   rim: [number, number, number][];
@@ -1152,15 +1152,15 @@ export type ResultFile = {
   landmark_uncertainty_mm?: Record<string, number>;
   /** of the errors of the landmarks of landmark_uncertainty_mm together, in their order and the scan's axes (x, y, z of the first, then of the next): the upper triangle, row by row */
   landmark_covariance_mm2?: number[];
-  /** how far off nine of ten places of lines on the breasts are, measured across the line; null where it is not known */
+  /** line error (90 %) of lines on the breasts, measured across the line; null where it is not known */
   line_error_mm?: number | null;
-  /** the same of the lines of the fit's own drawing, of which least is known, which is then said first; absent where nothing is drawn */
+  /** the largest line error (90 %) of the fit's own drawing, which is then stated first; absent where nothing is drawn */
   drawn_line_error_mm?: number | null;
   /** names of those that were proposed and only agreed to */
   landmarks_agreed?: string[];
   /** of the fitted model, or where the scan's colours show them (landmarks_seen), in the scan's frame and unit */
   landmarks: Record<string, [number, number, number]>;
-  /** what shows each landmark that the scan's colours place, by name; none where any was picked */
+  /** the feature that shows each landmark seen in the scan's colours, by name; none where any was picked */
   landmarks_seen?: Record<string, string>;
   /** as given, in the scan's frame and unit */
   landmarks_picked: Record<string, [number, number, number]>;
@@ -1538,6 +1538,6 @@ export type TransferRequest = {
 
 export type Verdict = {
   level: "good" | "uncalibrated" | "check" | "unusable";
-  /** one sentence each, the strongest first; of a good fit what is to be known of it all the same */
+  /** one sentence each, the strongest first; of a good fit notes */
   reasons: string[];
 };
