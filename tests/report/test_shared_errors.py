@@ -8,16 +8,15 @@ import pytest
 from breastrig.core.arrays import Array
 from breastrig.core.stances import SIDES
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.report.bands import KNOWN_MM, without_unknown
+from breastrig.report.bands import KNOWN_MM, OF_90, between_sides, without_unknown
 from breastrig.report.body_frame import body_frame
-from breastrig.report.calibration import measure_calibration
+from breastrig.report.calibration import Spread, measure_calibration
 from breastrig.report.measures import measures
 from breastrig.report.stance import Stance, places
 from breastrig.report.table import Row, Value, changes, csv_bytes, flat_rows
 from breastrig.rig.model import Rig
 
 RADIUS = 1.5  # times the deviation over all three axes
-OF_90 = 1.645
 
 
 @pytest.fixture(scope="module")
@@ -50,13 +49,29 @@ def stance(rig: Rig, joint: Array | None, **changes: object) -> Stance:
     return replace(found, **changes)
 
 
+def between(rig: Rig, joint: Array) -> Array:
+    """(3 L, 3 L) m², of which differences of the two sides are drawn."""
+    known = measure_calibration(rig)
+    assert known is not None
+    shared = between_sides(
+        (tuple(rig.landmark_names), joint), body_frame(rig, rig.template), known.sides.apart["standing"]
+    )
+    return shared[1]
+
+
+def draws(rig: Rig, joint: Array) -> Array:
+    """(20,000, L, 3) m."""
+    found = np.random.default_rng(2).multivariate_normal(np.zeros(len(joint)), joint, 20_000)
+    return np.asarray(found.reshape(-1, len(rig.landmark_names), 3))
+
+
 def straight(found: Stance) -> dict[str, Row]:
     return {row.measure: row for row in measures(found) if row.kind == "straight"}
 
 
 @pytest.mark.parametrize("name", ["notch_nipple", "midclavicle_nipple", "nipple_fold"])
 def test_nine_of_ten_true_lengths_and_differences_are_held(name: str, rig: Rig) -> None:
-    """True places drawn with the model's own covariance; what the ends share cancels."""
+    """True places drawn with the model's own covariance, differences with that of sides; what is shared cancels."""
     joint = covariance(rig, 1)
     row = straight(stance(rig, joint)).get(name)
     asked = next((each for each in rig.lengths if each.name == name), None)
@@ -64,16 +79,16 @@ def test_nine_of_ten_true_lengths_and_differences_are_held(name: str, rig: Rig) 
         pytest.skip("the rig measures no such length")
     at = {place.name: place.point for place in places(stance(rig, joint)).values()}
     names = list(rig.landmark_names)
-    drawn = np.random.default_rng(2).multivariate_normal(np.zeros(len(joint)), joint, 20_000).reshape(-1, len(names), 3)
 
-    def length(side: str) -> Array:
-        a, b = (end if end in at else f"{end}_{side}" for end in (asked.start, asked.end))
-        return np.asarray(np.linalg.norm(at[b] + drawn[:, names.index(b)] - at[a] - drawn[:, names.index(a)], axis=1))
+    def lengths(drawn: Array) -> list[Array]:
+        ends = [[end if end in at else f"{end}_{side}" for end in (asked.start, asked.end)] for side in SIDES]
+        places = [[at[end] + drawn[:, names.index(end)] for end in each] for each in ends]
+        return [np.asarray(np.linalg.norm(b - a, axis=1)) for a, b in places]
 
-    left, right = (length(side) for side in SIDES)
     assert row.left is not None
     assert row.difference is not None
-    for true, value in ((1e3 * left, row.left), (1e3 * (left - right), row.difference)):
+    left, apart = lengths(draws(rig, joint))[0], np.subtract(*lengths(draws(rig, between(rig, joint))))
+    for true, value in ((1e3 * left, row.left), (1e3 * apart, row.difference)):
         assert value.low is not None
         assert value.high is not None
         assert np.mean((true >= value.low) & (true <= value.high)) == pytest.approx(0.9, abs=0.02)
@@ -90,11 +105,13 @@ def test_nine_of_ten_differences_of_the_distances_to_the_midline_are_held(seed: 
     found = stance(rig, joint)
     row, alone = straight(found)["nipple_midline"], straight(stance(rig, None))["nipple_midline"]
     names, across = list(rig.landmark_names), body_frame(rig, rig.template).axes[:, 0]
-    drawn = np.random.default_rng(2).multivariate_normal(np.zeros(len(joint)), joint, 20_000).reshape(-1, len(names), 3)
-    off = drawn @ across
-    plane = off[:, [k for k, name in enumerate(names) if not name.endswith(("_L", "_R"))]].mean(axis=1)
-    left, right = (off[:, names.index(name)] - plane for name in ("nipple_L", "nipple_R"))
-    for true, value in ((left, row.left), (left + right, row.difference)):
+
+    def outwards(covariance: Array) -> list[Array]:
+        off = draws(rig, covariance) @ across
+        plane = off[:, [k for k, name in enumerate(names) if not name.endswith(("_L", "_R"))]].mean(axis=1)
+        return [off[:, names.index(name)] - plane for name in ("nipple_L", "nipple_R")]
+
+    for true, value in ((outwards(joint)[0], row.left), (sum(outwards(between(rig, joint))), row.difference)):
         assert value is not None
         assert value.margin is not None
         assert np.mean(np.abs(1e3 * true) <= value.margin) == pytest.approx(0.9, abs=0.02)
@@ -103,6 +120,49 @@ def test_nine_of_ten_differences_of_the_distances_to_the_midline_are_held(seed: 
     assert alone.left is not None
     assert row.difference.margin is not None
     assert row.difference.margin < 0.3 * (alone.left.margin or 0.0)
+
+
+@pytest.mark.parametrize("apart", [1.0, 0.3])
+def test_sides_are_off_alike_more_and_unlike_less_than_a_fit_says(apart: float, rig: Rig) -> None:
+    """Each landmark alone stays as sure where both parts are as large, and all of it remains a covariance."""
+    names, frame = tuple(rig.landmark_names), body_frame(rig, rig.template)
+    rng = np.random.default_rng(4)
+    left, across = 0.01 * rng.normal(size=3), frame.axes[:, 0]
+    mirrored = left - 2.0 * (left @ across) * across
+    one, other = names.index("nipple_L"), names.index("nipple_R")
+
+    def spread(sign: float) -> Array:
+        """Both nipples' errors, mirrored (1) or the opposite (-1)."""
+        way = np.zeros((len(names), 3))
+        way[one], way[other] = left, sign * mirrored
+        return np.outer(way, way)
+
+    def found(covariance: Array) -> Array:
+        return between_sides((names, covariance), frame, apart)[1]
+
+    assert found(spread(-1.0)) == pytest.approx(apart**2 * spread(-1.0), abs=1e-12)
+    assert found(spread(1.0)) == pytest.approx((2.0 - apart**2) * spread(1.0), abs=1e-12)
+    assert np.diag(found(spread(1.0) + spread(-1.0))) == pytest.approx(np.diag(spread(1.0) + spread(-1.0)))
+    moved = np.zeros((len(names), 3))
+    moved[:] = frame.axes[:, 1]  # all of it up: no length changes
+    assert found(np.outer(moved, moved)) == pytest.approx((2.0 - apart**2) * np.outer(moved, moved))
+    assert np.linalg.eigvalsh(found(covariance(rig, 3))).min() > 0.0
+
+
+def test_what_is_no_landmark_is_off_alike_on_both_sides(rig: Rig) -> None:
+    """M6 has no landmark at all: its ends are off by what was measured, most of it on both sides."""
+    found, known, frame = stance(rig, covariance(rig, 1)), measure_calibration(rig), body_frame(rig, rig.template)
+    assert known is not None
+    assert 0.6 < known.sides.lowest < 0.9
+    assert 0.6 < known.sides.lateral < 0.9
+    (row,) = (row for row in measures(found) if row.measure == "M6")
+    assert row.value is not None
+    lengths = [abs(float(frame.lateral(row.paths[side][0]))) for side in ("left", "right")]
+    half, shared = known.ends.lateral.of(0.004), known.sides.lateral
+    drawn = np.random.default_rng(3).multivariate_normal([0.0, 0.0], [[1.0, shared], [shared, 1.0]], 50_000)
+    true = np.asarray(lengths) + half / OF_90 * drawn
+    ratio = true[:, 0] / true[:, 1] if lengths[0] <= lengths[1] else true[:, 1] / true[:, 0]
+    assert np.mean(np.abs(ratio - row.value.value) <= (row.value.margin or 0.0)) == pytest.approx(0.9, abs=0.01)
 
 
 @pytest.mark.parametrize(("name", "correlation"), [("volume", "volume"), ("base_width", "base_width")])
@@ -146,17 +206,48 @@ def test_of_picked_ends_the_one_that_both_sides_share_counts_by_what_it_changes(
     assert row.difference.margin < np.hypot(5.0 * np.sqrt(2.0), 5.0 * np.sqrt(2.0))
 
 
-def test_two_fits_are_wrong_independently(rig: Rig) -> None:
-    rows = measures(stance(rig, covariance(rig, 1)))
-    other = measures(stance(rig, 4.0 * covariance(rig, 1)))
-    one, two = (next(row for row in each if row.key == ("notch_nipple", "straight")) for each in (rows, other))
-    (change,) = (row for row in changes(rows, other) if row.key == one.key)
-    assert one.difference is not None
-    assert two.difference is not None
-    assert change.difference is not None
-    assert two.difference.margin == pytest.approx(2.0 * (one.difference.margin or 0.0))
-    halves = [each.difference.margin or 0.0 for each in (one, two) if each.difference is not None]
-    assert change.difference.margin == pytest.approx(np.hypot(*halves))
+def changed(rig: Rig, name: str, **more: object) -> tuple[Row, Row, Row]:
+    """A row of two stances, of which the second is half as sure, and its change."""
+    rows = [measures(stance(rig, size * covariance(rig, 1), **more)) for size in (0.01, 0.04)]
+    one, two = (next(row for row in each if row.key == (name, "straight")) for each in rows)
+    (change,) = (row for row in changes(*rows) if row.key == one.key)
+    return one, two, change
+
+
+def halves(*rows: Row, of: str) -> tuple[float, ...]:
+    values = [getattr(row, of) for row in rows]
+    assert all(value is not None and value.margin is not None for value in values)
+    return tuple(value.margin for value in values)
+
+
+def test_two_fits_without_picks_are_off_alike_in_a_length(rig: Rig) -> None:
+    known = measure_calibration(rig)
+    assert known is not None
+    shared = known.stances.lengths
+    assert 0.3 < shared < 0.7
+    one, two, change = changed(rig, "notch_nipple")
+    for side in ("left", "right"):
+        a, b, found = halves(one, two, change, of=side)
+        pair = np.random.default_rng(3).multivariate_normal([0.0, 0.0], [[1.0, shared], [shared, 1.0]], 50_000) / OF_90
+        assert np.mean(np.abs(pair @ [a, -b]) <= found) == pytest.approx(0.9, abs=0.01)
+    a, b, found = halves(one, two, change, of="difference")
+    assert b == pytest.approx(2.0 * a)
+    assert found == pytest.approx(np.hypot(a, b))  # of what the sides differ by they share little
+
+
+def test_two_fits_are_wrong_independently_across_and_where_an_end_was_picked_or_seen(rig: Rig) -> None:
+    at = dict(zip(rig.landmark_names, rig.landmark_points().positions(rig.template, rig.faces), strict=True))
+    known = [{where: {end: at[end]}} for where in ("picked", "seen") for end in ("suprasternal_notch", "nipple_L")]
+    for name, more in [("nipple_midline", {}), *(("notch_nipple", each) for each in known)]:
+        one, two, change = changed(rig, name, **more)
+        for side in ("left", "right"):
+            a, b, found = halves(one, two, change, of=side)
+            assert found == pytest.approx(np.hypot(a, b))
+    rows = [measures(stance(rig, 0.01 * covariance(rig, 1), **more)) for more in ({}, known[0])]
+    one, two = (next(row for row in each if row.key == ("notch_nipple", "straight")) for each in rows)
+    (change,) = (row for row in changes(*rows) if row.key == one.key)
+    a, b, found = halves(one, two, change, of="right")
+    assert found == pytest.approx(np.hypot(a, b))  # picked on one of the two scans
 
 
 def row_of(value: float, half: float, kind: str = "straight", unit: str = "mm") -> Row:
@@ -216,8 +307,10 @@ def test_ratios_are_sure_of_what_moves_both_sides_alike(name: str, rig: Rig) -> 
         sure_skin(rig, joint)[name],
         sure_skin(rig, None, landmark_radii=stance(rig, joint).landmark_radii)[name],
     )
+    exact = sure_skin(rig, np.zeros_like(joint))[name].value
     assert row.value is not None
-    assert row.value.margin == pytest.approx(0.0, abs=2e-3)
+    assert exact is not None
+    assert row.value.margin == pytest.approx(exact.margin, abs=2e-3)  # of the ends that are no landmarks, if it has any
     assert name == "M5" or alone.value is None or (alone.value.margin or 0.0) > 0.05
 
 
@@ -227,20 +320,27 @@ def test_nine_of_ten_true_ratios_are_held(name: str, rig: Rig) -> None:
     value = sure_skin(rig, joint)[name].value
     assert value is not None
     names, axes = list(rig.landmark_names), body_frame(rig, rig.template).axes
-    drawn = np.random.default_rng(2).multivariate_normal(np.zeros(len(joint)), joint, 20_000).reshape(-1, len(names), 3)
+    drawn, known = draws(rig, between(rig, joint)), measure_calibration(rig)
+    assert known is not None
+    error, shared = {
+        "M2": (known.ends.lowest, known.sides.lowest),
+        "M4": (known.ends.lateral, known.sides.lateral),
+    }.get(name, (Spread(least=0.0, share=0.0), 0.0))
+    ends = (
+        error.least / OF_90 * np.random.default_rng(3).multivariate_normal([0, 0], [[1, shared], [shared, 1]], 20_000)
+    )
     off = dict(zip(names, (drawn @ axes).transpose(1, 2, 0), strict=True))  # to the left, up, forwards
     plane = np.mean([off[each][0] for each in names if not each.endswith(("_L", "_R"))], axis=0)
     lengths = []
-    for side, paths, sign in zip(SIDES, ("left", "right"), (1.0, -1.0), strict=True):
+    for side, paths, sign, end in zip(SIDES, ("left", "right"), (1.0, -1.0), ends.T, strict=True):
         a, b = sure_skin(rig, joint)[name].paths[paths]
         nipple = off[f"nipple_{side}"]
         left, up, _ = axes.T @ (a - b)
         lengths.append(
             {
-                "M2": up + nipple[1],
+                "M2": up + nipple[1] - end,
                 "M3": sign * (left + nipple[0] - plane),
-                "M4": sign * (-left - nipple[0]),
-                "M5": off["suprasternal_notch"][1] - up,
+                "M4": sign * (-left - nipple[0]) + end,
             }[name]
         )
     true = np.min(lengths, axis=0) / np.max(lengths, axis=0)

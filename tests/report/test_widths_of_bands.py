@@ -8,7 +8,7 @@ import pytest
 
 from breastrig.geometry.polyline import resampled
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.report.bands import OF_RATIO, half_width, ratio_half_width
+from breastrig.report.bands import OF_RATIO, Points, half_width, ratio_half_width
 from breastrig.report.body_frame import body_frame
 from breastrig.report.calibration import Spread, measure_calibration
 from breastrig.report.measures import measures
@@ -51,20 +51,23 @@ def test_an_end_that_is_not_known_makes_no_band() -> None:
     assert half_width([]) is None
 
 
-def test_nine_of_ten_ratios_are_held() -> None:
-    """Of two lengths whose ends are wrong by Gaussians."""
-    rng, (one, other) = np.random.default_rng(1), (80.0, 100.0)
-    halves = (4.0, 6.0)
-    a, b = (size + half / 1.645 * rng.normal(size=100_000) for size, half in zip((one, other), halves, strict=True))
-    found = ratio_half_width((one, other), ((), ()), halves, None, 1.0)
+@pytest.mark.parametrize("correlation", [0.0, 0.6, 1.0])
+def test_nine_of_ten_ratios_are_held(correlation: float) -> None:
+    """Of two lengths whose ends are wrong by Gaussians, more or less alike."""
+    rng, (one, other), halves = np.random.default_rng(1), (80.0, 100.0), (4.0, 6.0)
+    spread = np.outer(halves, halves) * np.array([[1.0, correlation], [correlation, 1.0]]) / 1.645**2
+    a, b = rng.multivariate_normal([one, other], spread, 100_000).T
+    found = ratio_half_width((one, other), ((), ()), Points(halves, correlation), None, 1.0)
     assert found is not None
     assert np.mean(np.abs(a / b - one / other) <= found) == pytest.approx(0.9, abs=0.01)
-    assert ratio_half_width((other, one), ((), ()), halves[::-1], None, 1.0) == pytest.approx(found)
-    assert ratio_half_width((one, other), ((), ()), (4.0, None), None) is None
+    turned = ratio_half_width((other, one), ((), ()), Points(halves[::-1], correlation), None, 1.0)
+    assert turned == pytest.approx(found)
+    assert ratio_half_width((one, other), ((), ()), Points((4.0, None)), None) is None
 
 
 def test_each_ratio_is_as_wide_as_its_own_places_say(rig: Rig) -> None:
-    found = stance(rig)
+    found, known = stance(rig), measure_calibration(rig)
+    assert known is not None
     shown, frame = ratios(found), body_frame(rig, found.vertices)
     names = ("nipple_L", "nipple_R")
     nipples = rig.landmark_points(names).positions(found.vertices, rig.faces)
@@ -72,12 +75,20 @@ def test_each_ratio_is_as_wide_as_its_own_places_say(rig: Rig) -> None:
     skin = [found.vertices[vertices_within(rig, side)] for side in "LR"]
     low = [part[frame.height(part).argmin()] for part in skin]
     far = [part[np.abs(frame.lateral(part)).argmax()] for part in skin]
-    at_low, at_far = ([found.radius_at(point[None]) or 0.0 for point in ends] for ends in (low, far))
+    at_low, at_far = (
+        [error.of(found.radius_at(point[None]) or 0.0) for point in ends]
+        for error, ends in ((known.ends.lowest, low), (known.ends.lateral, far))
+    )
     apart = float(np.abs(np.diff(frame.lateral(nipples)))[0])
 
-    def ratio(lengths: list[float], halves: list[float]) -> float:
+    def ratio(lengths: list[float], halves: list[float], shared: float = 0.0) -> float:
         small, large = sorted(lengths)
-        return small / large * float(np.hypot(halves[0] / lengths[0], halves[1] / lengths[1]))
+        a, b = halves[0] / lengths[0], halves[1] / lengths[1]
+        return small / large * float(np.sqrt(a * a + b * b - 2.0 * shared * a * b))
+
+    def both(lengths: list[float], halves: list[float], shared: float) -> float:
+        """A nipple's radius at the other end, which is shared with nothing."""
+        return float(np.hypot(ratio(lengths, [0.006, 0.006]), ratio(lengths, halves, shared)))
 
     up, across = frame.height, lambda point: float(abs(frame.lateral(point)))
     pairs = list(zip(nipples, low, far, strict=True))
@@ -85,11 +96,11 @@ def test_each_ratio_is_as_wide_as_its_own_places_say(rig: Rig) -> None:
     of_notch = min(drops) / max(drops) * (1.0 / min(drops) - 1.0 / max(drops))  # both sides have the same one
     wanted = {
         "M1": OF_RATIO * np.hypot(0.006, 0.006) / apart,
-        "M2": ratio([float(up(n) - up(v)) for n, v, _ in pairs], [float(np.hypot(0.006, r)) for r in at_low]),
+        "M2": both([float(up(n) - up(v)) for n, v, _ in pairs], at_low, known.sides.lowest),
         "M3": ratio([across(n) for n, _, _ in pairs], [OF_RATIO * 0.006] * 2),
-        "M4": ratio([across(e) - across(n) for n, _, e in pairs], [float(np.hypot(0.006, r)) for r in at_far]),
-        "M5": float(np.hypot(ratio(drops, [OF_RATIO * r for r in at_low]), OF_RATIO * 0.006 * of_notch)),
-        "M6": ratio([across(e) for _, _, e in pairs], [OF_RATIO * r for r in at_far]),
+        "M4": both([across(e) - across(n) for n, _, e in pairs], at_far, known.sides.lateral),
+        "M5": float(np.hypot(ratio(drops, at_low, known.sides.lowest), OF_RATIO * 0.006 * of_notch)),
+        "M6": ratio([across(e) for _, _, e in pairs], at_far, known.sides.lateral),
     }
     for name, half in wanted.items():
         row = shown.get(name)
@@ -109,7 +120,10 @@ def test_nipples_that_rise_together_keep_their_difference_in_height(rig: Rig) ->
     assert margin(shared) < 0.05 * margin(own)  # her axes are not quite the scan's
     nipples = rig.landmark_points(("nipple_L", "nipple_R")).positions(stance(rig).vertices, rig.faces)
     apart = float(np.abs(np.diff(frame.lateral(nipples)))[0])
-    assert margin(own) == pytest.approx(1.645 * 0.01 * np.sqrt(2.0) * frame.axes[1, 1] / apart, rel=1e-6)
+    known = measure_calibration(rig)
+    assert known is not None
+    share = known.sides.apart["standing"]
+    assert margin(own) == pytest.approx(share * 1.645 * 0.01 * np.sqrt(2.0) * frame.axes[1, 1] / apart, rel=1e-3)
 
 
 def test_the_least_sure_of_several_places_counts(rig: Rig) -> None:

@@ -237,6 +237,8 @@ def test_measures_are_compared_with_those_of_the_true_surface(cohort: Path, rig:
     assert unit == "mm"
     assert found == pytest.approx(true, abs=1e-6)  # between true picks
     assert low < true < high
+    (apart,) = (row for row in answer["none"] if row[:2] == ["notch_nipple", "straight, left - right"])
+    assert apart[5] < apart[3] < apart[6]
     grades = {row[0] for row in answer["exact"]} - {row[0] for row in answer["none"]}
     assert grades == {"nipple_above_fold", "lowest_point_above_fold", "ptosis"}  # of a nipple that somebody knows
     table = measures_table([record("measures", answer)])

@@ -4,13 +4,13 @@ An end's radius holds its true place with 90 % in all directions; along one of t
 the place is the model's.  A picked landmark is measured from where it was picked, which the radius does not know of: a
 whole one then.  Picks are wrong independently; places of the
 model share most of what they are wrong by, so that their covariance says what a length, or a difference of two, leaves
-open.  Of ratios the points that are no landmarks count as independent: nobody knows what they share.
+open.  What points that are no landmarks are off by, and share, was measured (calibration.py).
 
 Tried on whole scans of warped bodies (evaluate --warped: studies/measures.py), exact picks, picks 5 mm off and none.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from breastrig.report.table import Row, Value, says_nothing
 
 Joint = tuple[tuple[str, ...], Array]  # landmarks and the (3 L, 3 L) m² of the model's errors there
 
+OTHER = {"L": "R", "R": "L"}
 OF_90 = 1.645  # standard deviations to either side that hold nine of ten numbers
 OF_LENGTH = 1.0  # of the radii; 0.72 held 65 to 85 % of lengths between picks 5 mm off
 OF_RATIO = 0.72  # held 92 % and more, but for picks 5 mm off (77 to 100 %)
@@ -91,13 +92,46 @@ def shared_half_width(
     return float(np.hypot(np.linalg.norm(alone), OF_90 * np.sqrt(max(variance, 0.0))))
 
 
+@dataclass(frozen=True)
+class Points:
+    """By how much a point of each of two lengths is off (m, 90 %, along the length), and the errors' correlation."""
+
+    halves: tuple[float | None, float | None] = (0.0, 0.0)
+    correlation: float = 0.0
+
+    def together(self, shares: Sequence[float]) -> float | None:
+        """Half of the band of a number that changes by these shares with the two; None where one is unknown."""
+        left, right = (None if half is None else share * half for half, share in zip(self.halves, shares, strict=True))
+        if left is None or right is None:
+            return None
+        return float(np.sqrt(max(left * left + right * right + 2.0 * self.correlation * left * right, 0.0)))
+
+
+def between_sides(joint: Joint, frame: BodyFrame, apart: float) -> Joint:
+    """The joint covariance for differences of left and right: both sides' errors are more alike than a fit knows.
+
+    Errors have a part that mirrors itself in the median plane, and one that does the opposite and makes differences.
+    Of this one a share `apart` counts; the other grows, so that the variance of one landmark alone stays the same where
+    both parts are equal.
+    """
+    names, covariance = joint
+    mirrored = np.eye(3) - 2.0 * np.outer(frame.axes[:, 0], frame.axes[:, 0])
+    alike = float(np.sqrt(2.0 - apart * apart))
+    turned = np.eye(3 * len(names))
+    blocks = turned.reshape(len(names), 3, len(names), 3)
+    for k, name in enumerate(names):
+        stem, side = split_side(name)
+        partner = f"{stem}_{OTHER[side]}" if side else name
+        if partner in names:
+            blocks[k, :, k] *= 0.5 * (alike + apart)
+            blocks[k, :, names.index(partner)] += 0.5 * (alike - apart) * mirrored
+    return names, np.asarray(turned @ covariance @ turned.T)
+
+
 def half_between(left: Value | None, right: Value | None, correlation: float) -> float | None:
     """Half of the band of the difference of two numbers with this correlation of errors; None where one is unknown."""
-    halves = [each.margin for each in (left, right) if each is not None and each.margin is not None]
-    if len(halves) < 2:
-        return None
-    a, b = halves
-    return float(np.sqrt(max(a * a + b * b - 2.0 * correlation * a * b, 0.0)))
+    halves = (None if left is None else left.margin, None if right is None else right.margin)
+    return Points(halves, correlation).together((1.0, -1.0))
 
 
 def banded(value: float, half: float | None, least: float = 0.0, most: float = np.inf) -> Value:
@@ -106,7 +140,7 @@ def banded(value: float, half: float | None, least: float = 0.0, most: float = n
 
 
 def without_unknown(row: Row) -> Row:
-    """The row without numbers whose bands are too wide to mean anything."""
+    """The rows without numbers whose bands are too wide to mean anything."""
     if row.unit == "grade":
         return row
     cells = {name: value for name in ("left", "right", "value") if (value := getattr(row, name)) is not None}
@@ -129,22 +163,21 @@ def _says_nothing(row: Row, value: Value) -> bool:
 def ratio_half_width(
     pair: Sequence[float],
     ends: Sequence[Sequence[tuple[Place, Array]]],
-    radii: Sequence[float | None],
+    points: Points,
     joint: Joint | None,
     part: float = OF_RATIO,
 ) -> float | None:
     """Half of the 90 % band of the smaller over the larger of two lengths, to first order; shared errors cancel.
 
-    `ends` are, for each length, the places with the (3,) direction in which it grows; `radii` (m) those of a point of
-    each length that is no landmark, whose error is shared with nothing, or empty. `part` of radii counts.
+    `ends` are, for each length, the places with the (3,) direction in which it grows, of whose radii `part` counts;
+    `points` say by how much a point of each length that is no landmark is off.
     """
     if min(np.abs(pair)) <= 0.0:
         return None
     ratio = min(np.abs(pair)) / max(np.abs(pair))
     shares = ratio / pair[0], -ratio / pair[1]
     ways = [(place, share * way) for share, side in zip(shares, ends, strict=True) for place, way in side]
-    alone = [None if radius is None else share * part * radius for share, radius in zip(shares, radii, strict=False)]
-    return half_width([shared_half_width(ways, joint, part), *alone])
+    return half_width([shared_half_width(ways, joint, part), points.together(shares)])
 
 
 def ways_to_midline(place: Place, frame: BodyFrame, known: Mapping[str, Place]) -> list[tuple[Place, Array]]:

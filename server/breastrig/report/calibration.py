@@ -1,12 +1,16 @@
 """Errors of measures by the model's outline, measured where the truth is known, kept as data beside the rig."""
 
 from functools import lru_cache
+from typing import Annotated
 
 import numpy as np
+from pydantic import Field
 
 from breastrig.core.settings_file import NotNegative, SettingsPart
 from breastrig.rig.known import known_part
 from breastrig.rig.model import Rig
+
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
 class Spread(SettingsPart):
@@ -36,11 +40,27 @@ class Heights(SettingsPart):
     hidden_fold: NotNegative  # m, 90 %, of that
 
 
+class Ends(SettingsPart):
+    """Errors of the breast's lowest and most lateral skin along the body's axes, by the radii of that skin."""
+
+    lateral: Spread  # across
+    lowest: Spread  # in height
+
+
 class Sides(SettingsPart):
     """Correlations of the errors of the left and of the right breast."""
 
-    volume: NotNegative
-    base_width: NotNegative
+    volume: Share
+    base_width: Share
+    lateral: Share  # of ends
+    lowest: Share
+    apart: dict[str, Share] = Field(default_factory=dict)  # by stance: bands.between_sides; 1 if not measured
+
+
+class Stances(SettingsPart):
+    """Correlations of the errors of two fits of one patient in two stances."""
+
+    lengths: Share  # on one side, between two places of the model
 
 
 class MeasureCalibration(SettingsPart):
@@ -50,7 +70,9 @@ class MeasureCalibration(SettingsPart):
     supine: Outline
     base_width: Spread
     heights: Heights
+    ends: Ends
     sides: Sides
+    stances: Stances
 
     def outline(self, stance: str) -> Outline:
         """The outline's error in a stance; every one but supine counts as standing."""

@@ -47,7 +47,7 @@ class Reported:
 
 
 def stance_said(result: ResultFile) -> str:
-    """The stance's name in the report; "predicted" is added to one that was not scanned."""
+    """The stance's name in the report; one that was not scanned is "predicted"."""
     return f"{result.stance}, predicted" if result.predicted else result.stance
 
 

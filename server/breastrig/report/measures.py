@@ -17,7 +17,16 @@ from breastrig.core.stances import SIDES
 from breastrig.geometry.geodesic import Geodesics
 from breastrig.geometry.polyline import length, resampled
 from breastrig.geometry.surface_points import SurfacePoints, joined
-from breastrig.report.bands import banded, half_between, half_width, shared_half_width, ways_to_midline, without_unknown
+from breastrig.report.bands import (
+    Joint,
+    banded,
+    between_sides,
+    half_between,
+    half_width,
+    shared_half_width,
+    ways_to_midline,
+    without_unknown,
+)
 from breastrig.report.body_frame import BodyFrame, body_frame
 from breastrig.report.calibration import measure_calibration
 from breastrig.report.ptosis import STANDING, ptosis
@@ -49,7 +58,7 @@ def measures(stance: Stance) -> tuple[Row, ...]:
 
 
 def _without_unseen(row: Row, unseen: Mapping[str, float]) -> Row:
-    """The row without values that rest only on the model, on a side that the scan does not show."""
+    """The rows without values that rest only on the model, on a side that the scan does not show."""
     gone = [side for side in unseen if _is_models(row, side) or (row.value is None and _cell(row, side) is None)]
     if not gone:
         return row
@@ -89,6 +98,7 @@ class _Table:
         self.stance = stance
         self.places = places(stance)
         self.frame: BodyFrame = body_frame(stance.rig, stance.vertices)
+        self.between = self._between_sides()
         self._skin = Geodesics(stance.vertices, stance.rig.faces)
         self._asked = [each for each in stance.rig.lengths if stance.rig.has_landmarks((each.start, each.end))]
 
@@ -166,10 +176,20 @@ class _Table:
         between = self._half_between(ends["L"], ends["R"])
         lines = {side: measured(side) for side in SIDES}
         landmarks = _named([place for side in SIDES for place in ends[side]])
+        shared = self._in_all_stances([place for side in SIDES for place in ends[side]])
         for index, kind in enumerate((STRAIGHT, ALONG_SKIN)):
             left, right = (_mm(length(lines[side][index]), halves[side]) for side in SIDES)
             paths = {"left": lines["L"][index], "right": lines["R"][index]}
-            yield Row(name, label, kind, "mm", left, right, None, landmarks, methods[index], paths, between=between)
+            yield Row(
+                name, label, kind, "mm", left, right, None, landmarks, methods[index], paths,
+                between=between, stances=shared,
+            )  # fmt: skip
+
+    def _in_all_stances(self, ends: Sequence[Place]) -> float:
+        """How alike two fits' errors are: of lengths between two places of the model on either side."""
+        known = measure_calibration(self.stance.rig)
+        is_models = len(ends) == 2 * len(SIDES) and all(place.source == MODEL for place in ends)
+        return known.stances.lengths if known is not None and is_models else 0.0
 
     def _half(self, ends: Sequence[Place]) -> float | None:
         """Half of the band (m) of a length between two places, or of the distance of one to the midline."""
@@ -178,13 +198,20 @@ class _Table:
         return half_width([place.radius for place in ends])
 
     def _half_between(self, left: Sequence[Place], right: Sequence[Place]) -> float | None:
-        """Half of the band (mm) of the difference of two lengths or distances to the midline; None without shared
-        errors."""
+        """Half of the band (mm) of the difference of two lengths or distances to the midline; None if they share
+        nothing."""
         if self.stance.joint is None and not len(left) == len(right) == 2:
             return None
         ways = [*self._ways(left), *((place, -way) for place, way in self._ways(right))]
-        half = shared_half_width(ways, self.stance.joint)
+        half = shared_half_width(ways, self.between)
         return None if half is None else 1e3 * half
+
+    def _between_sides(self) -> Joint | None:
+        """The joint covariance that differences of left and right take."""
+        known, joint = measure_calibration(self.stance.rig), self.stance.joint
+        if known is None or joint is None:
+            return joint
+        return between_sides(joint, self.frame, known.sides.apart.get(self.stance.name, 1.0))
 
     def _ways(self, ends: Sequence[Place]) -> list[tuple[Place, Array]]:
         """Gradients (3,) of the length between two places by each, or of the distance of one to the midline."""
@@ -290,11 +317,13 @@ PARTS = (
     Part((), _Table.lengths),
     Part(("nipple",), _Table.between_nipples),
     Part(("nipple",), _Table.base_widths),
-    Part(("nipple", "inframammary_fold"), lambda table: ptosis(table.stance, table.frame, table.places)),
+    Part(("nipple", "inframammary_fold"), lambda table: ptosis(table.stance, table.frame, table.places, table.between)),
     Part(("nipple",), lambda table: _areolae(table.stance)),
     Part(("nipple",), lambda table: _volumes(table.stance)),
     Part(
         ("nipple",),
-        lambda table: sorted(symmetry(table.stance, table.frame, table.places), key=lambda row: row.measure),
+        lambda table: sorted(
+            symmetry(table.stance, table.frame, table.places, table.between), key=lambda row: row.measure
+        ),
     ),
 )

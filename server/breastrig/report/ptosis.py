@@ -18,7 +18,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.stances import SIDES
-from breastrig.report.bands import half_width, shared_half_width
+from breastrig.report.bands import Joint, half_width, shared_half_width
 from breastrig.report.body_frame import BodyFrame
 from breastrig.report.calibration import Heights, measure_calibration
 from breastrig.report.stance import MODEL, Place, Stance
@@ -60,7 +60,7 @@ def grade(nipple: float, lowest: float) -> float:
     return 2.0 if nipple >= -MODERATE and nipple - lowest > AT_CONTOUR else 3.0
 
 
-def ptosis(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> Iterator[Row]:
+def ptosis(stance: Stance, frame: BodyFrame, known: Mapping[str, Place], joint: Joint | None = None) -> Iterator[Row]:
     """Three rows for a standing patient of whom a nipple is known, by a rig with folds and outlines of the breasts."""
     if stance.name != STANDING:
         return
@@ -81,7 +81,7 @@ def ptosis(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> Iter
         [None if each is None else shown(each) for each in (sides.get(side) for side in SIDES)]
         for shown in (_nipple, _lowest, _graded)
     )
-    between = [_half_between(stance, frame, list(sides.values()), which) for which in (0, 1)]
+    between = [_half_between(frame, list(sides.values()), which, joint) for which in (0, 1)]
     yield Row(
         "nipple_above_fold", "Nipple above fold", "in height", "mm", over[0], over[1], None, landmarks, how, nipples,
         between=between[0],
@@ -128,7 +128,7 @@ def _heights(stance: Stance, frame: BodyFrame, known: Mapping[str, Place], side:
     )
 
 
-def _half_between(stance: Stance, frame: BodyFrame, sides: Sequence[_Heights], which: int) -> float | None:
+def _half_between(frame: BodyFrame, sides: Sequence[_Heights], which: int, joint: Joint | None) -> float | None:
     """mm, of the difference of both nipples' (0) or both lowest points' (1) heights; None where it is of one side.
 
     What the model's folds share cancels, as do a xiphoid that stands for both and most of a lean.
@@ -142,7 +142,7 @@ def _half_between(stance: Stance, frame: BodyFrame, sides: Sequence[_Heights], w
         for place, share in each.nipple_ends[which:]
     ]
     lean = LEAN * _across(frame, sides[0].over_fold[which] - sides[1].over_fold[which])
-    half = half_width([shared_half_width(ends, stance.joint), *(each.own[which] for each in sides), lean])
+    half = half_width([shared_half_width(ends, joint), *(each.own[which] for each in sides), lean])
     return None if half is None else 1e3 * half
 
 

@@ -19,6 +19,7 @@ from breastrig.report.bands import (
     OF_LENGTH,
     OF_RATIO,
     Joint,
+    Points,
     banded,
     outwards,
     ratio_half_width,
@@ -26,6 +27,7 @@ from breastrig.report.bands import (
     ways_to_midline,
 )
 from breastrig.report.body_frame import BodyFrame
+from breastrig.report.calibration import Spread, measure_calibration
 from breastrig.report.stance import Place, Stance
 from breastrig.report.table import Row
 from breastrig.report.volume import vertices_within
@@ -33,8 +35,11 @@ from breastrig.report.volume import vertices_within
 MODEL_PART = "model inside its breast base outline"
 
 
-def symmetry(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> Iterator[Row]:
-    """The rows of a rig with nipples; M2, M4, M5, M6 only with outlines of the breasts."""
+def symmetry(stance: Stance, frame: BodyFrame, known: Mapping[str, Place], joint: Joint | None = None) -> Iterator[Row]:
+    """The rows of a rig with nipples; M2, M4, M5, M6 only with outlines of the breasts.
+
+    `joint`: covariance of the landmarks for differences of both sides; none: independent errors.
+    """
     nipples = [known["nipple_L"], known["nipple_R"]]
     across = np.abs([float(frame.lateral(place.point)) for place in nipples])
     heights = np.array([float(frame.height(place.point)) for place in nipples])
@@ -43,18 +48,18 @@ def symmetry(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> It
     how = "of left and right, the smaller over the larger: "
     level = max(0.0, 1.0 - abs(heights[0] - heights[1]) / max(apart, 1e-9))
     up = frame.axes[:, 1]
-    off = shared_half_width([(nipples[0], up), (nipples[1], -up)], stance.joint, OF_RATIO)
+    off = shared_half_width([(nipples[0], up), (nipples[1], -up)], joint, OF_RATIO)
     half = None if off is None else off / max(apart, 1e-9)
     points = np.array([place.point for place in nipples])
     how_level = "1 less their difference in height over their distance across"
     yield _row("M1", "nipple heights", level, half, names, how_level, {"value": points})
     to_midline = _sides(points, frame.on_plane(points))
-    to_plane = ways_to_midline if stance.joint is not None else _alone
+    to_plane = ways_to_midline if joint is not None else _alone
     ways = [to_plane(place, frame, known) for place in nipples]
     yield _row(
         "M3",
         "nipple to midline",
-        *_ratio(across, ways, (), stance.joint),
+        *_ratio(across, ways, Points(), joint),
         names,
         how + "nipple to median plane, across",
         to_midline,
@@ -67,14 +72,14 @@ def symmetry(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> It
     far = [skin[np.abs(frame.lateral(skin)).argmax()] for skin in places]
     lowest, lateral = frame.height(np.array(low)), np.abs(frame.lateral(np.array(far)))
     to_lowest, to_lateral = (_sides(points, np.array(ends)) for ends in (low, far))
-    low_radii, far_radii = ([stance.radius_at(point[None]) for point in ends] for ends in (low, far))
+    at_lowest, at_lateral = _ends(stance, low, far)
     outline = (MODEL_PART,)
     upwards, inwards = (
         [[(place, way)] for place, way in zip(nipples, each, strict=True)]
         for each in ((up, up), [-outwards(place, frame) for place in nipples])
     )
-    heights_ratio = _ratio(heights - lowest, upwards, low_radii, stance.joint, OF_LENGTH)
-    across_ratio = _ratio(lateral - across, inwards, far_radii, stance.joint, OF_LENGTH)
+    heights_ratio = _ratio(heights - lowest, upwards, at_lowest, joint, OF_LENGTH)
+    across_ratio = _ratio(lateral - across, inwards, at_lateral, joint, OF_LENGTH)
     yield _row("M2", "nipple to lowest point", *heights_ratio, names + outline, how + "in height", to_lowest)
     yield _row("M4", "nipple to lateral end", *across_ratio, names + outline, how + "across", to_lateral)
     if "suprasternal_notch" in known:
@@ -85,7 +90,7 @@ def symmetry(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> It
         yield _row(
             "M5",
             "lowest point to notch",
-            *_ratio(drop, [[(notch, up)]] * 2, low_radii, stance.joint),
+            *_ratio(drop, [[(notch, up)]] * 2, at_lowest, joint),
             found,
             how + "in height",
             to_notch,
@@ -95,7 +100,7 @@ def symmetry(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> It
     yield _row(
         "M6",
         "lateral end to midline",
-        *_ratio(lateral, [[], []], far_radii, stance.joint),
+        *_ratio(lateral, [[], []], at_lateral, joint),
         outline,
         how + "across",
         to_middle,
@@ -105,13 +110,32 @@ def symmetry(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> It
 def _ratio(
     pair: Array,
     ends: Sequence[Sequence[tuple[Place, Array]]],
-    radii: Sequence[float | None],
+    points: Points,
     joint: Joint | None,
     part: float = OF_RATIO,
 ) -> tuple[float, float | None]:
     """The smaller over the larger, and half the width of its band."""
     low, high = np.sort(np.abs(pair))
-    return float(low / high) if high > 0.0 else 1.0, ratio_half_width(pair.tolist(), ends, radii, joint, part)
+    return float(low / high) if high > 0.0 else 1.0, ratio_half_width(pair.tolist(), ends, points, joint, part)
+
+
+def _ends(stance: Stance, low: Sequence[Array], far: Sequence[Array]) -> tuple[Points, Points]:
+    """Errors of the (3,) m lowest points of both breasts in height, and of the most lateral ones across.
+
+    For a rig that nobody has measured they are a share of the points' radii, and independent.
+    """
+    known = measure_calibration(stance.rig)
+    found = []
+    for ends, name in ((low, "lowest"), (far, "lateral")):
+        error, shared = (
+            (Spread(least=0.0, share=OF_RATIO), 0.0)
+            if known is None
+            else (getattr(known.ends, name), getattr(known.sides, name))
+        )
+        radii = [stance.radius_at(point[None]) for point in ends]
+        left, right = (None if radius is None else error.of(radius) for radius in radii)
+        found.append(Points((left, right), shared))
+    return found[0], found[1]
 
 
 def _alone(place: Place, frame: BodyFrame, _known: Mapping[str, Place]) -> list[tuple[Place, Array]]:

@@ -70,6 +70,7 @@ class Row:
     not_seen: tuple[str, ...] = ()  # of left, right, value: those that have no number, as the scan does not show them
     not_known: tuple[str, ...] = ()  # of these and the difference: those of which the band would say nothing
     between: float | None = None  # half the band of the difference; None: both sides are wrong independently
+    stances: float = 0.0  # correlation of its errors with those of the same row of another fit of the patient
 
     @property
     def key(self) -> tuple[str, str]:
@@ -130,14 +131,15 @@ def flat_rows(stances: Sequence[tuple[str, Sequence[Row]]]) -> list[dict[str, Ce
     return [_flat(name, row, steps[row.key]) for name, row in known]
 
 
-def less(x: Value | None, y: Value | None) -> Value | None:
-    """y minus x with independent errors: their margins add up as squares."""
+def less(x: Value | None, y: Value | None, correlation: float = 0.0) -> Value | None:
+    """y minus x with this correlation of errors: with independent ones their margins add up as squares."""
     if x is None or y is None:
         return None
     change = y.value - x.value
     if x.margin is None or y.margin is None:
         return Value(change)
-    half = float(np.hypot(x.margin, y.margin))
+    a, b = x.margin, y.margin
+    half = float(np.sqrt(max(a * a + b * b - 2.0 * correlation * a * b, 0.0)))
     return Value(change, change - half, change + half)
 
 
@@ -180,14 +182,14 @@ def changes(before: Sequence[Row], after: Sequence[Row]) -> list[Row]:
 def _change(a: Row, b: Row) -> Row:
     landmarks = tuple(dict.fromkeys((*a.landmarks, *b.landmarks)))
     pairs = {"left": (a.left, b.left), "right": (a.right, b.right), "value": (a.value, b.value)}
-    found_changes = {name: less(*pair) for name, pair in pairs.items()}
+    found_changes = {name: less(*pair, min(a.stances, b.stances)) for name, pair in pairs.items()}
     gone = [name for name, change in found_changes.items() if says_nothing(change, a, pairs[name])]
     gone += ["difference"] if {"left", "right"} & {*gone} else []
     left, right, value = (None if name in gone else change for name, change in found_changes.items())
     not_seen = tuple(dict.fromkeys((*a.not_seen, *b.not_seen)))
     not_known = tuple(dict.fromkeys((*a.not_known, *b.not_known, *gone)))
     halves = [each.margin for each in (a.difference, b.difference) if each is not None and each.margin is not None]
-    between = float(np.linalg.norm(halves)) if len(halves) == 2 else None  # two fits are wrong independently
+    between = float(np.linalg.norm(halves)) if len(halves) == 2 else None  # differences of sides have little in common
     found = replace(a, left=left, right=right, value=value, landmarks=landmarks, paths={}, not_seen=not_seen)
     return replace(found, not_known=not_known, between=between)
 

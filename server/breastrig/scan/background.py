@@ -110,6 +110,6 @@ def only_body(vertices: Array, faces: Integers) -> Booleans:
     body = _body(vertices, faces)
     if body is None:
         return np.ones(len(faces), np.bool_)
-    is_body = np.zeros(len(vertices), np.bool_)
-    is_body[body] = True
-    return np.asarray(is_body[faces[:, 0]])
+    is_hers = np.zeros(len(vertices), np.bool_)
+    is_hers[body] = True
+    return np.asarray(is_hers[faces[:, 0]])

@@ -28,6 +28,7 @@ from breastrig_studies.studies.reference_fit import reference_fit
 
 SHOWN = 0.01  # m; a landmark farther from the scan cannot be picked
 SEED = 5
+DIFFERENCE = ", left - right"  # after a row's kind
 
 
 def measures_study(scene: Scene, rig: Rig, recipe: Recipe) -> dict[str, Any]:
@@ -65,15 +66,21 @@ def _stance(
         scene.case.stance,
         picks,
         landmark_radii={} if known is None else known.landmarks,
+        joint=None if known is None else (tuple(rig.landmark_names), known.joint),
         radii=None if known is None else known.vertices,
     )
 
 
 def _numbers(stance: Stance) -> dict[tuple[str, str, str, str], tuple[float, float | None, float | None]]:
-    """Value, low and high by measure, kind, unit and side."""
+    """Value, low and high by measure, kind, unit and side; differences of both sides are of a kind of their own."""
     return {
-        (row.measure, row.kind, row.unit, side): (value.value, value.low, value.high)
+        (row.measure, row.kind + more, row.unit, side): (value.value, value.low, value.high)
         for row in measures(stance)
-        for side, value in (("left", row.left), ("right", row.right), ("", row.value))
+        for more, side, value in (
+            ("", "left", row.left),
+            ("", "right", row.right),
+            ("", "", row.value),
+            (DIFFERENCE, "", row.difference),
+        )
         if value is not None
     }

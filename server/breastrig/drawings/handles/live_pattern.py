@@ -196,7 +196,7 @@ class LiveSkin:
 
 
 def _handles(pattern: Pattern, skin: FittedSkin) -> list[Handle]:
-    """The handles of a pattern; empty where it has none."""
+    """The handles of a pattern; None where it has none."""
     match pattern:
         case Reduction():
             return wise_handles(pattern, skin)
@@ -255,7 +255,7 @@ def _within(pattern: Pattern, handle: Handle, values: Mapping[str, float]) -> tu
 
 
 def _said(pattern: Pattern, handle: Handle, parameters: Parameters, values: Mapping[str, float]) -> dict[str, float]:
-    """The parameters to state: without those that the handle moves too and that are at their default."""
+    """The parameters without those that the handle moves too and that keep an unspoken default."""
     first = next(iter(handle.values))
     return {
         key: value
