@@ -22,8 +22,7 @@ from breastrig.core.arrays import Array
 from breastrig.core.stances import split_side
 from breastrig.fitting.body.hanging import body_axes, outwards
 from breastrig.fitting.body.landmark_errors import FILE, SCHEMA
-from breastrig.fitting.picks.leave_one_out import LeaveOneOut
-from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.posterior import LeaveOneOut, Posterior
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig

@@ -135,7 +135,7 @@ class Lying(SettingsPart):
 
 
 class Hanging(SettingsPart):
-    """When a fit begins again with breasts that hang; see body/hanging_start.py."""
+    """When a fit begins again with breasts that hang; see body/hanging.py."""
 
     after: str  # the stage that shows whether they were flattened
     least: Annotated[float, Field(gt=0.0, lt=1.0)]  # share of the skin in front that faces down without the model

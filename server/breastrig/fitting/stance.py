@@ -10,7 +10,7 @@ import numpy as np
 
 from breastrig.core.stances import PRONE, STANDING, SUPINE
 from breastrig.fitting.body.hanging import body_axes
-from breastrig.fitting.picks.checked_fit import checked_iterates
+from breastrig.fitting.solve import checked_iterates
 from breastrig.fitting.starts.hypotheses import Opening
 from breastrig.fitting.starts.orientation import Start, prone_start
 from breastrig.fitting.starts.stance_signs import SCANNERS_UP, UPRIGHT, likely_stance, measured_signs

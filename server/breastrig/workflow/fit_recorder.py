@@ -18,10 +18,10 @@ from breastrig.drawings.project_drawing import on_scan
 from breastrig.fitting.body.trunk_depth import skin_behind
 from breastrig.fitting.fit import FitIterate
 from breastrig.fitting.observed.landmarks import followed, observed_areolae
-from breastrig.fitting.picks.checked_fit import ended
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.refine import refined
+from breastrig.fitting.solve import ended
 from breastrig.fitting.stance import UNCLEAR
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS
 from breastrig.fitting.task import PickIssue

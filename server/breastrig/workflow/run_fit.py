@@ -6,7 +6,7 @@ a generator cancels the fit; nothing is written then but what was already there.
 
 from collections.abc import Generator, Iterator
 
-from breastrig.fitting.picks.checked_fit import checked_iterates
+from breastrig.fitting.solve import checked_iterates
 from breastrig.workflow.events import Done, Event
 from breastrig.workflow.fit_recorder import FitOutcome, FitRecorder, RecordedIterate
 from breastrig.workflow.folder.fit_files import write_fit_files

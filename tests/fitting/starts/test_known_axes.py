@@ -13,7 +13,7 @@ from breastrig.fitting.picks.mistakes import sides_exchanged
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import best_start, contradicted
 from breastrig.fitting.starts.rigid_search import OBLIQUE, turned_from
-from breastrig.fitting.verdicts.lesions import of_lesions
+from breastrig.fitting.verdicts.reasons import of_lesions
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.skinning import pose

@@ -12,8 +12,7 @@ from scipy.special import softmax
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.picks.leave_one_out import LeaveOneOut, log_student, meant_evidence
-from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.posterior import LeaveOneOut, Posterior, log_student, meant_evidence
 from breastrig.fitting.recipe import Outliers
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS, trusted_similarity
 from breastrig.fitting.task import FitTask, PickIssue
