@@ -1,11 +1,11 @@
 """Where a fit starts and in which stance: found from landmarks and scan, or taken over from an earlier fit.
 
 What is found from the scan alone, once, at the upload, is then known to proposals and fits: in the scan's own frame
-and as plain numbers, so that it is kept with the scan.  The place of the model's rest pose belongs to one model; another
-one has to look anew.  Going on from an earlier fit of the same scan is for a person who moves one pick and looks at the
-result: finding start and stance costs more than the iterations that are then needed.  The result is that of a fresh fit
-with the same picks, up to what the last iterations leave open (0.1 to 0.6 mm on average, measured with picks moved by
-10 mm).
+and as plain numbers, so that it is kept with the scan.  The place of the model's rest pose belongs to one model;
+another one has to look anew.  Going on from an earlier fit of the same scan is for a person who moves one pick and
+looks at the result: finding start and stance costs more than the iterations that are then needed.  The result is that
+of a fresh fit with the same picks, up to what the last iterations leave open (0.1 to 0.6 mm on average, measured with
+picks moved by 10 mm).
 """
 
 import json

@@ -1,4 +1,4 @@
-"""A fit to its end: begun twice where breasts may hang, and without the picks that are explained by a mistake.
+"""A fit to its end: started twice where breasts may hang, and without the picks that are explained by a mistake.
 
 Where a fit's first stages have flattened breasts that hang, they are gone through once more from a start whose breasts
 hang already, and the fit goes on from the better of the two (body/hanging.py).  Picks that are mistakes with a name

@@ -31,6 +31,7 @@ from breastrig.fitting.hypotheses import (
 )
 from breastrig.fitting.observed.landmarks import colour_observations, with_observations
 from breastrig.fitting.picks.mistakes import sides_exchanged
+from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.solve import iterates_with_second_start
@@ -123,6 +124,7 @@ class ReadyScan:
 
     settings: FitSettings
     scan: Scan
+    prepared: PreparedScan
     notes: tuple[str, ...]
     table_triangles: int  # cut away as table
     cut_away: float  # m², floors and walls
@@ -268,6 +270,7 @@ def prepare_fit(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
     return ReadyScan(
         settings=settings,
         scan=scan,
+        prepared=ready,
         notes=(
             *scan.notes,
             *ready.notes,
