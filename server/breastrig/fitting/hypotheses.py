@@ -15,7 +15,7 @@ from typing import Any, cast
 import numpy as np
 
 from breastrig.core.stances import AUTO, PRONE
-from breastrig.fitting.body.hanging import body_axes, hanging_shapes
+from breastrig.fitting.body.hanging import hanging_shapes
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.stance import FoundStance, found_stance
@@ -33,7 +33,7 @@ from breastrig.fitting.starts.rigid_search import OBLIQUE, turned_from
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
-from breastrig.rig.similarity import Similarity, similar_parameters
+from breastrig.rig.similarity import Similarity, body_axes, similar_parameters
 from breastrig.rig.skinning import pose
 from breastrig.scan.orient import Frame
 

@@ -2,8 +2,8 @@
 
 Where a fit's first stages have flattened breasts that hang, they are gone through once more from a start whose breasts
 hang already, and the fit goes on from the better of the two (body/hanging.py).  Picks that are mistakes with a name
-(picks/mistakes.py) are rejected after the stages that doubt picks; others that contradict the rest of the fit are only
-named (picks/unusual.py).  Both decide in standard deviations, never in millimetres.
+(picks/issues.py) are rejected after the stages that doubt picks; others that contradict the rest of the fit are only
+named.  Both decide in standard deviations, never in millimetres.
 """
 
 from collections.abc import Generator, Iterable, Iterator, Sequence
@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from breastrig.fitting.body.hanging import hanging_shapes, hanging_start, opening_of, unexplained_overhang
 from breastrig.fitting.fit import InitialPoint, iterates
-from breastrig.fitting.picks.mistakes import mistaken
+from breastrig.fitting.picks.issues import mistaken
 from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.recipe import Recipe, Stage
 from breastrig.fitting.starts.hypotheses import Opening

@@ -16,10 +16,10 @@ from breastrig.core.errors import BreastRigError, FitFailed
 from breastrig.correspondence.distances import Comparison, SurfaceDistances
 from breastrig.drawings.line_error import with_errors
 from breastrig.drawings.project_drawing import on_scan
-from breastrig.fitting.body.trunk_depth import skin_behind
+from breastrig.fitting.body.hidden_skin import skin_behind
 from breastrig.fitting.fit import FitIterate
 from breastrig.fitting.observed.landmarks import followed, observed_areolae
-from breastrig.fitting.picks.unusual import unusual
+from breastrig.fitting.picks.issues import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.propose import propose_landmarks
 from breastrig.fitting.recipe import load_recipe

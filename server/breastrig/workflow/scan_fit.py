@@ -30,7 +30,7 @@ from breastrig.fitting.hypotheses import (
     with_start,
 )
 from breastrig.fitting.observed.landmarks import colour_observations, with_observations
-from breastrig.fitting.picks.mistakes import sides_exchanged
+from breastrig.fitting.picks.issues import sides_exchanged
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import Recipe, load_recipe

@@ -11,7 +11,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.body.trunk_depth import skin_behind
+from breastrig.fitting.body.hidden_skin import skin_behind
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.refine import refined

@@ -15,7 +15,7 @@ from breastrig.fitting.body.expected_body import body_terms
 from breastrig.fitting.body.hanging import hanging_shapes, hanging_start, opening_of, unexplained_overhang
 from breastrig.fitting.fit import FitIterate
 from breastrig.fitting.hypotheses import orientation_from, scan_orientation
-from breastrig.fitting.picks.unusual import unusual
+from breastrig.fitting.picks.issues import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import Recipe, load_recipe

@@ -6,7 +6,7 @@ from helpers.rig_patient import patient
 
 from breastrig.core.arrays import Array
 from breastrig.fitting.fit import FitTask, fit_iterates
-from breastrig.fitting.picks.unusual import unusual
+from breastrig.fitting.picks.issues import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.solve import checked_iterates, without

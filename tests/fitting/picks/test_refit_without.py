@@ -8,7 +8,7 @@ import pytest
 from breastrig.core.arrays import Array
 from breastrig.core.assets import asset_folder
 from breastrig.fitting.fit import FitTask
-from breastrig.fitting.picks.unusual import from_observation, on_smooth_skin, refit_without, unusual
+from breastrig.fitting.picks.issues import from_observation, on_smooth_skin, refit_without, unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import load_recipe

@@ -45,12 +45,6 @@ def hangs_by(state: BodyState, recipe: Recipe, landmark: str) -> float:
     return weight if recipe.hanging is not None and weight > recipe.hanging.weight - recipe.hanging.sigma else 0.0
 
 
-def body_axes(rig: Rig, vertices: Array) -> Array:
-    """(3, 3) columns: the body's left, up and front in the frame of its (V, 3) m vertices."""
-    points = rig.landmark_points()
-    return umeyama(points.positions(rig.template, rig.faces), points.positions(vertices, rig.faces)).rotation
-
-
 TOP, BOTTOM, DEPTH = "mid_sternum", "umbilicus", "xiphoid"  # landmarks around the front of the trunk
 BESIDE, BEHIND, OVER_NAVEL = 0.05, 0.04, 0.01  # m beyond the nipples to the sides, behind the xiphoid, above the navel
 POINTS = 4000  # of the scan

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.fitting.picks.unusual import unusual
+from breastrig.fitting.picks.issues import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.solve import checked_iterates, ended

@@ -12,7 +12,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.distances import surface_summary_mm
-from breastrig.fitting.picks.unusual import unusual
+from breastrig.fitting.picks.issues import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.solve import checked_iterates, ended
