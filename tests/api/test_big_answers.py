@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import pytest
 from flask.testing import FlaskClient
@@ -105,9 +106,12 @@ def test_a_file_that_is_deleted_before_it_is_opened_is_not_there(
     visitor: tuple[FlaskClient, str, BigAnswers], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     browser, link, _ = visitor
+    opened = Path.open
 
-    def gone(_path: Path, *_mode: str) -> None:
-        raise FileNotFoundError
+    def gone(path: Path, *mode: Any, **more: Any) -> object:
+        if path.name == "fitted.ply":
+            raise FileNotFoundError
+        return opened(path, *mode, **more)
 
     with monkeypatch.context() as deleted:
         deleted.setattr(Path, "open", gone)

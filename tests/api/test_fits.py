@@ -204,7 +204,7 @@ def test_a_request_that_is_sent_again_with_its_key_starts_no_second_fit(
     assert "another request" in problem(ask("a-key", stance="supine"), 422)
     others = [ask("another-key"), ask(None), ask(None)]
     assert len({answer.json["id"] for answer in (first, *others)}) == 4
-    assert len(list((service.storage.root / "fits").iterdir())) == len(fit_ids(service.storage))
+    assert len(list(service.storage.root.rglob("fit.json"))) == len(fit_ids(service.storage))
     for answer in others:
         ended(service, answer.json["id"])
     assert b"a-key" not in bytes_below(service.storage.root)

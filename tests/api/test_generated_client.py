@@ -105,7 +105,7 @@ def test_a_generated_client_uploads_fits_lists_and_gets_every_file(generated: st
 
     with (
         package.Client(base_url=address, timeout=httpx.Timeout(60.0)) as client,
-        httpx.Client(base_url=address) as http,
+        httpx.Client(base_url=address, timeout=60.0) as http,
     ):
         sent = types.File(payload=io.BytesIO((EXAMPLE / "scan.ply").read_bytes()), file_name="scan.ply")
         scan = call("/api/scans", "post", 201, body=models.ScanUpload(file=sent, units=models.ScanUploadUnits.AUTO))

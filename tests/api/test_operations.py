@@ -4,7 +4,6 @@ import io
 import os
 import signal
 import sqlite3
-from contextlib import ExitStack, suppress
 from pathlib import Path
 
 import pytest
@@ -13,8 +12,6 @@ from helpers import fake_fit
 from helpers.problems import problem
 from helpers.waiting import ended, until
 from prometheus_client.parser import text_string_to_metric_families
-from sqlalchemy.exc import TimeoutError as NoConnectionLeft
-from sqlalchemy.pool import QueuePool
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
@@ -24,6 +21,10 @@ from breastrig.service import readiness
 from breastrig.service.readiness import Readiness
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
+
+
+def locked() -> None:
+    raise sqlite3.OperationalError("database is locked")
 
 
 def numbers(client: FlaskClient) -> dict[tuple[str, ...], float]:
@@ -54,10 +55,12 @@ def test_what_keeps_a_service_from_working_is_named(
         monkeypatch.setattr(readiness, "WAIT_S", 20.0)
         assert client.get("/readyz").status_code == 200
         monkeypatch.setattr(readiness, "WAIT_S", 0.2)
-        other = sqlite3.connect(tmp_path / "data" / "breastrig.sqlite3", isolation_level=None)
-        other.execute("BEGIN IMMEDIATE")
-        assert "The database cannot be written." in problem(client.get("/readyz"), 503)
-        other.close()
+        monkeypatch.setattr(service.storage.index, "writing", locked)
+        assert "The index cannot be written." in problem(client.get("/readyz"), 503)
+        monkeypatch.delattr(service.storage.index, "writing")
+        monkeypatch.setattr(service.storage, "has_room", lambda: False)
+        assert "The data folder cannot be written." in problem(client.get("/readyz"), 503)
+        monkeypatch.delattr(service.storage, "has_room")
         (tmp_path / "toy.glb").unlink()
         monkeypatch.setattr(readiness, "WAIT_S", 20.0)
         answer = client.get("/readyz")
@@ -113,19 +116,3 @@ def test_a_killed_idle_process_does_not_make_the_service_unready(service: Servic
     os.kill(service.pool.lane(1, 2**32).result(os.getpid, (), 30.0, "idle"), signal.SIGKILL)
     readiness = Readiness(service.storage, {"fit": service.pool.lane(1, 2**32)})
     assert readiness.troubles() == ()
-
-
-def test_a_database_whose_connections_are_all_in_use_is_said_to_be_busy(
-    client: FlaskClient, service: Service, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    engine = service.storage.database.engine
-    assert isinstance(engine.pool, QueuePool)
-    monkeypatch.setattr(engine.pool, "_timeout", 0.01)
-    with ExitStack() as held:
-        with suppress(NoConnectionLeft):
-            while True:
-                held.enter_context(engine.connect())
-        answer = client.get("/api/scans/nobody")
-        assert "Try again later" in problem(answer, 503)
-        assert answer.headers["Retry-After"] == "10"
-    problem(client.get("/api/scans/nobody"), 404)

@@ -68,10 +68,10 @@ def test_each_scan_is_of_a_patient_and_a_second_one_can_be_of_the_same(client: F
 def test_a_scan_of_an_unknown_patient_is_refused_and_nothing_kept(
     client: FlaskClient, service: Service, torso: bytes
 ) -> None:
-    before = sorted(path.name for path in (service.storage.root / "scans").iterdir())
+    before = sorted(service.storage.root.rglob("scan.json"))
     answer = client.post("/api/scans", data={"file": (io.BytesIO(torso), "t.ply"), "patient": "nobody"})
     assert "no such patient" in problem(answer, 404)
-    assert sorted(path.name for path in (service.storage.root / "scans").iterdir()) == before
+    assert sorted(service.storage.root.rglob("scan.json")) == before
 
 
 def test_a_plan_is_kept_whole_with_its_ids_and_versions(client: FlaskClient, add: Any) -> None:
@@ -85,13 +85,14 @@ def test_a_plan_is_kept_whole_with_its_ids_and_versions(client: FlaskClient, add
     answer = put(client, scan, items, empty.headers["ETag"])
     assert answer.status_code == 200, answer.json
     found = client.get(plan_of(scan))
-    assert found.headers["ETag"] == answer.headers["ETag"] == '"1"'
+    assert found.headers["ETag"] == answer.headers["ETag"] != empty.headers["ETag"]
     assert found.headers["Cache-Control"] == "no-store"
     assert [{key: each[key] for key in sent} for each, sent in zip(found.json["items"], items, strict=True)] == items
     assert found.json["scans"] == [
         {"id": scan["id"], "stance": scan["stance"]["proposed"], "sha256": found.json["scans"][0]["sha256"]}
     ]
-    assert put(client, scan, items[:1], '"1"').headers["ETag"] == '"2"'
+    again = put(client, scan, items[:1], f"W/{answer.headers['ETag']}")  # as a proxy that compresses makes of it
+    assert (answer.json["version"], again.json["version"]) == (1, 2)
     earlier = client.get(f"{plan_of(scan)}/versions/1").json
     assert [each["id"] for each in earlier["items"]] == ["a", "t", "p", "n"]
     problem(client.get(f"{plan_of(scan)}/versions/7"), 404)
@@ -119,14 +120,27 @@ def test_the_longest_plan_that_the_schema_allows_is_kept(client: FlaskClient, ad
 
 def test_who_has_not_seen_the_plan_does_not_replace_it(client: FlaskClient, add: Any) -> None:
     scan = add()
-    assert put(client, scan, [item(scan, LINE, "a")], '"0"').status_code == 200
+    first = put(client, scan, [item(scan, LINE, "a")], '"0"')
+    assert first.status_code == 200
     late = put(client, scan, [item(scan, LINE, "b")], '"0"')
     assert "changed this plan" in problem(late, 412)
-    assert late.headers["ETag"] == '"1"'
-    for seen in ("*", "1-1", '"99999999999999999999"', ""):
+    assert late.headers["ETag"] == first.headers["ETag"]
+    for seen in ("*", '"1"', '"99999999999999999999"', ""):
         problem(put(client, scan, [], seen), 412)
     assert "If-Match" in problem(client.put(plan_of(scan), json={"items": []}), 428)
     assert [each["id"] for each in client.get(plan_of(scan)).json["items"]] == ["a"]
+
+
+def test_a_plan_that_another_program_has_written_is_another_one_though_its_number_is_the_same(
+    client: FlaskClient, service: Service, add: Any
+) -> None:
+    scan = add()
+    seen = put(client, scan, [item(scan, LINE, "a")], '"0"').headers["ETag"]
+    file = service.storage.case(scan["patient"]).path / "plan.json"
+    file.write_text(file.read_text().replace("incision", "by hand"))
+    assert client.get(plan_of(scan)).json["version"] == 1
+    problem(put(client, scan, [], seen), 412)
+    assert client.get(plan_of(scan)).json["items"][0]["name"] == "by hand"
 
 
 @pytest.mark.parametrize(
@@ -184,12 +198,13 @@ def test_what_is_new_lies_on_the_skin_and_what_was_kept_elsewhere_can_still_be_s
     assert answer.startswith(said)
     assert answer.endswith("draw on the skin, and check that drawing and scan have the same unit and frame.")
     assert client.get(plan_of(scan)).json["version"] == 0
-    assert put_plan(service.storage, scan["patient"], [new], 0) is not None
+    kept = f'"{put_plan(service.storage, scan["patient"], [new], "0").etag}"'
     named = {"name": "renamed"} if "name" in new else {"text": "there"}
-    assert put(client, scan, [new | named, good], '"1"').status_code == 200
+    renamed = put(client, scan, [new | named, good], kept)
+    assert renamed.status_code == 200
     nearer = [0.0, 350.0, 121.0]
     moved = {"points": [*LINE["points"], nearer]} if "points" in new else {"point": nearer}
-    problem(put(client, scan, [new | named | moved], '"2"'), 422)
+    problem(put(client, scan, [new | named | moved], renamed.headers["ETag"]), 422)
 
 
 def test_two_items_of_one_id_or_two_lines_of_one_name_are_refused(client: FlaskClient, add: Any) -> None:
@@ -238,15 +253,16 @@ def test_deleting_a_scan_deletes_what_was_planned_on_it_in_every_version(
     first = add()
     second = add(first["patient"])
     secret = "over_the_third_rib"
-    put(client, first, [item(first, LINE | {"name": secret}, "a"), item(second, LINE, "b")], '"0"')
-    put(client, first, [item(first, LINE | {"name": secret}, "a"), item(second, TUMOUR, "t")], '"1"')
+    kept = put(client, first, [item(first, LINE | {"name": secret}, "a"), item(second, LINE, "b")], '"0"')
+    items = [item(first, LINE | {"name": secret}, "a"), item(second, TUMOUR, "t")]
+    seen = put(client, first, items, kept.headers["ETag"]).headers["ETag"]
     assert secret.encode() in bytes_below(service.storage.root)
     client.delete(f"/api/scans/{first['id']}")
     assert secret.encode() not in bytes_below(service.storage.root)
     plan = client.get(plan_of(second))
     assert [each["id"] for each in plan.json["items"]] == ["t"]
-    assert plan.headers["ETag"] == '"3"'  # who has seen the one with both cannot bring it back
-    problem(put(client, second, [item(second, LINE, "b")], '"2"'), 412)
+    assert plan.json["version"] == 3
+    assert problem(put(client, second, [item(second, LINE, "b")], seen), 412), "who has seen both cannot bring it back"
 
 
 def test_deleting_a_patient_deletes_all(client: FlaskClient, service: Service, add: Any) -> None:
@@ -348,12 +364,12 @@ def test_another_patients_plan_and_drawing_are_asked_about(client: FlaskClient, 
 
 def test_the_same_file_twice_is_asked_about(client: FlaskClient, service: Service, torso: bytes, add: Any) -> None:
     first, other = add(), add()
-    kept = sorted(path.name for path in (service.storage.root / "scans").iterdir())
+    kept = sorted(service.storage.root.rglob("scan.json"))
     form = {"file": (io.BytesIO(torso), "torso.ply"), "patient": first["patient"]}
     said = problem(client.post("/api/scans", data=form), 409)
     assert said.startswith("This scan is already here: the same file is one of this patient's scans;")
     assert said.endswith("say again.")
-    assert sorted(path.name for path in (service.storage.root / "scans").iterdir()) == kept
+    assert sorted(service.storage.root.rglob("scan.json")) == kept
     place, moved = f"/api/scans/{other['id']}/patient", {"patient": first["patient"]}
     problem(client.put(place, json=moved), 409)
     assert client.get(f"/api/patients/{other['patient']}").status_code == 200

@@ -1,6 +1,7 @@
 """A stance that was not scanned, over HTTP: predicted from the example patient's standing scan, by the real work."""
 
 import io
+import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,17 +13,16 @@ from flask.testing import FlaskClient
 from helpers.problems import problem
 from helpers.remembered_fits import run_fit_once
 from helpers.waiting import ended
-from sqlalchemy import update
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
+from breastrig.cases.fits import cancel_fit
+from breastrig.cases.layout import new_id
 from breastrig.execution.limits import FitLimits
 from breastrig.files.result import RESULT, Verdict, read_result
 from breastrig.service import kept_models
 from breastrig.service.service import Service
-from breastrig.storage import schema
 from breastrig.storage.files import fit_place
-from breastrig.storage.rows.events import append
 from breastrig.storage.rows.fits import NewFit, add_fit
 from breastrig.storage.rows.scans import ScanRow, add_scan
 from breastrig.storage.storage import Storage, utc_now
@@ -130,8 +130,10 @@ def test_a_simulation_of_an_earlier_version_opens_says_what_it_is_and_is_not_giv
     said = "Simulated by finite elements from the standing scan: no scan shows the patient prone."
     changed = {"simulated": True, "stance_reason": said, "verdict": Verdict(level="check", reasons=(said,))}
     (folder / RESULT).write_bytes(read_result(folder).model_copy(update=changed).content())
-    with real.service.storage.database.writing() as connection:
-        connection.execute(update(schema.fits).where(schema.fits.c.id == asked["id"]).values(simulate=True))
+    document = json.loads((folder / "fit.json").read_text())
+    with real.service.storage.case(real.scan["patient"]).writing():
+        (folder / "fit.json").write_text(json.dumps(document | {"simulated": True}))
+    real.service.storage.index.refresh(real.scan["patient"])
     with real.client.get(asked["links"]["result"]) as answer:
         assert (answer.json["simulated"], answer.json["verdict"]["reasons"]) == (True, [said])
     share = real.client.post(asked["links"]["shares"], json={"scan": "plain"})
@@ -182,10 +184,13 @@ def test_a_prediction_shows_nothing_that_was_cut_away_since_and_goes_with_its_sc
 def test_one_that_was_cancelled_is_made_again(tmp_path: Path) -> None:
     storage = Storage(tmp_path / "data")
     storage.prepare()
-    add_scan(storage, ScanRow("scan", utc_now(), "ply", "ab" * 32, {}))
-    supine = NewFit(scan="scan", stance="supine", landmarks_mm={}, predicted_from="fit")
-    assert add_fit(storage, utc_now(), "a", supine) == "a"
-    assert add_fit(storage, utc_now(), "b", supine) == "a"
-    append(storage, "a", {"kind": "cancelled", "reason": "A test said so."})
-    assert add_fit(storage, utc_now(), "d", supine) == "d"
+    scan, a, b, d = (new_id() for _ in range(4))
+    add_scan(storage, ScanRow(scan, utc_now(), "ply", "ab" * 32, {}))
+    supine = NewFit(scan=scan, stance="supine", landmarks_mm={}, predicted_from=new_id())
+    assert add_fit(storage, utc_now(), a, supine) == a
+    assert add_fit(storage, utc_now(), b, supine) == a
+    case, _ = storage.case_of_fit(a)
+    cancel_fit(case, scan, a)
+    storage.index.refresh(case.id)
+    assert add_fit(storage, utc_now(), d, supine) == d
     storage.close()

@@ -65,7 +65,7 @@ def test_a_fit_without_results_has_no_zip(client: FlaskClient, scan_id: str) -> 
 def test_a_zip_of_a_fit_that_is_deleted_meanwhile_is_not_there(
     client: FlaskClient, fit_id: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def gone(_path: Path, *_mode: str) -> None:
+    def gone(_path: Path, *_mode: str, **_more: object) -> None:
         raise FileNotFoundError
 
     with monkeypatch.context() as deleted:

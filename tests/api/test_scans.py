@@ -69,7 +69,7 @@ def test_no_word_of_an_upload_is_kept_anywhere(client: FlaskClient, service: Ser
     answer = upload(client, data, f"scan.{kind.rsplit('.', 1)[-1]}")
     assert answer.status_code == 201, answer.json
     place = service.storage.files.scan(answer.json["id"])
-    assert {path.name for path in place.iterdir()} == {"scan.stored", "mesh.glb", "thumbnail.png"}
+    assert {path.name for path in place.iterdir()} == {"scan.json", "scan.stored", "mesh.glb", "thumbnail.png"}
     assert NAME.encode() not in bytes_below(service.storage.root)
     assert get_scan(service.storage, answer.json["id"]).sha256 == hashlib.sha256(data).hexdigest()
     assert client.delete(answer.json["links"]["self"]).status_code == 204
@@ -117,10 +117,10 @@ BAD_FILES = {
 
 @pytest.mark.parametrize("case", BAD_FILES)
 def test_a_bad_file_gives_one_sentence_and_leaves_nothing(client: FlaskClient, service: Service, case: str) -> None:
-    before = set((service.storage.root / "scans").iterdir())
+    before = set(service.storage.root.rglob("scan.json"))
     content, name = BAD_FILES[case]
     assert len(problem(upload(client, content, name), 422)) > 20
-    assert set((service.storage.root / "scans").iterdir()) == before
+    assert set(service.storage.root.rglob("scan.json")) == before
 
 
 def test_a_scan_in_the_wrong_unit_is_refused(client: FlaskClient) -> None:

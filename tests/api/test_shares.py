@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from flask.testing import FlaskClient
 from helpers import fake_fit
-from helpers.on_disk import bytes_below
+from helpers.on_disk import bytes_below, lose_index
 from helpers.problems import problem
 from helpers.shares import expire, shown_files
 from helpers.toy_rig import toy_rig
@@ -31,8 +31,6 @@ from breastrig.core.gltf_arrays import GltfArrays
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.scan.read import read_scan
 from breastrig.service.service import Service
-from breastrig.storage import schema
-from breastrig.storage.file_journal import pending_removals
 from breastrig.storage.rows.shares import note_wrong_passcode
 
 pytestmark = pytest.mark.long
@@ -245,9 +243,8 @@ def test_a_visitors_day(client: FlaskClient, visitor: FlaskClient, service: Serv
     assert {one: seen_by_visitor(links[one]) for one in (telling["id"], alone["id"])} == {
         one: first[one] for one in (telling["id"], alone["id"])
     }
-    kept = service.storage.root / "shares"
     folders = {made["id"]: shown_files(service, made["id"]) for made in (silent, telling, alone)}
-    assert set(folders.values()) <= set(kept.iterdir())
+    assert all(folder.is_dir() for folder in folders.values())
 
     assert client.delete(silent["links"]["self"]).status_code == 204
     problem(visitor.get(links[silent["id"]]["plan"]), 410)
@@ -270,7 +267,7 @@ def test_a_link_that_cannot_be_made_leaves_nothing(
 ) -> None:
     everything = {"to_picture": np.eye(4).ravel().tolist(), "lasso": [[-9, -9], [9, -9], [9, 9], [-9, 9]]}
     client.put(f"/api/scans/{scan_id}/cuts", json={"cuts": [everything]})
-    kept = set((service.storage.root / "shares").iterdir())
+    kept = set(service.storage.root.rglob("shown-*"))
     assert "nothing to look at" in problem(client.post(f"/api/fits/{fit_id}/shares", json={"scan": "plain"}), 422)
     client.put(f"/api/scans/{scan_id}/cuts", json={"cuts": []})
     result = service.shares._processes.result
@@ -282,8 +279,8 @@ def test_a_link_that_cannot_be_made_leaves_nothing(
 
     monkeypatch.setattr(service.shares._processes, "result", late)
     problem(client.post(f"/api/fits/{fit_id}/shares", json={"scan": "plain"}), 404)
-    assert set((service.storage.root / "shares").iterdir()) == kept
-    assert pending_removals(service.storage) == {}
+    assert set(service.storage.root.rglob("shown-*")) == kept
+    assert list((service.storage.root / "incoming").iterdir()) == []
 
 
 @pytest.mark.slow
@@ -484,6 +481,22 @@ def test_an_ended_link_opens_nothing_and_says_why(
 
 
 @pytest.mark.slow
+def test_a_link_whose_secret_was_lost_with_the_index_is_over_and_its_owner_sees_that(
+    client: FlaskClient, visitor: FlaskClient, service: Service, fit_id: str, share
+) -> None:
+    made = share()
+    assert opened(visitor, made).status_code == 200
+    lose_index(service.storage.root)
+    problem(visitor.get(f"/api/shared/{made['id']}/result.json"), 401)
+    problem(opened(visitor, made), 404)
+    [listed] = client.get(f"/api/fits/{fit_id}/shares").json["shares"]
+    assert (listed["id"], listed["is_open"]) == (made["id"], False)
+    problem(client.post(made["links"]["refresh"]), 409)
+    assert client.delete(made["links"]["self"]).status_code == 204
+    again = share()
+    assert opened(visitor, again).status_code == 200
+
+
 def test_a_passcode_is_asked_for_and_cannot_be_got_round(client: FlaskClient, visitor: FlaskClient, share) -> None:
     made = share(passcode="4711 please")
     assert made["has_passcode"]
@@ -498,10 +511,9 @@ def test_a_passcode_is_asked_for_and_cannot_be_got_round(client: FlaskClient, vi
 
 def set_passcode(service: Service, made: dict, passcode: str) -> None:
     """One that is checked quickly, or that new links do not take."""
-    table = schema.shares
-    quick = {"passcode_hash": generate_password_hash(passcode, "pbkdf2:sha256:1")}
-    with service.storage.database.writing() as connection:
-        connection.execute(table.update().where(table.c.id == made["id"]).values(quick))
+    quick = generate_password_hash(passcode, "pbkdf2:sha256:1")
+    with service.storage.index.writing() as rows:
+        rows.execute("UPDATE link_secrets SET passcode_hash = ? WHERE link = ?", (quick, made["id"]))
 
 
 def guess(visitor: FlaskClient, made: dict, passcode: str, address: str = "127.0.0.1"):

@@ -8,7 +8,7 @@ from datetime import UTC, datetime, timedelta
 import itsdangerous.timed
 import pytest
 from flask.testing import FlaskClient
-from helpers.on_disk import bytes_below
+from helpers.on_disk import bytes_below, lose_index
 from helpers.problems import problem
 from limits import RateLimitItemPerMinute
 
@@ -199,6 +199,27 @@ def test_a_copied_cookie_is_worth_nothing_after_signing_out(
     answer = restarted.test_client().get("/api/meta", headers={"Cookie": f"{session.COOKIE}={cookie.value}"})
     assert answer.status_code == 401
     assert cookie.value.encode() not in bytes_below(service.storage.root)
+
+
+def test_cookies_of_before_a_lost_index_open_nothing(
+    browser: FlaskClient, client_for, config: Config, service: Service, scan_id: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Which of them had been left is not known any more.  A data folder without patients had no index to lose."""
+    colleague = client_for(replace(config, host="0.0.0.0", token=TOKEN))
+    with monkeypatch.context() as clock:
+        clock.setattr(itsdangerous.timed.time, "time", lambda: now - 2.0)
+        now = datetime.now(UTC).timestamp()
+        sign_in(browser)
+        sign_in(colleague)
+    cookie = browser.get_cookie(session.COOKIE)
+    assert cookie is not None
+    browser.post("/sign-out")
+    browser.set_cookie(session.COOKIE, cookie.value)
+    lose_index(service.storage.root)
+    for one in (browser, colleague):
+        problem(one.get("/api/meta"), 401)
+        sign_in(one)
+        assert one.get("/api/meta").status_code == 200
 
 
 def test_signing_out_without_a_session_is_no_error(browser: FlaskClient, client: FlaskClient) -> None:

@@ -99,6 +99,8 @@ def test_landmarks_cuts_and_answers_are_replaced_by_who_has_seen_them(case: Case
     with pytest.raises(Changed) as refused:
         put_landmarks(case, scan, Picks({}), "0")
     assert refused.value.etag == first == etag_of_scan(case, scan, layout.LANDMARKS)
+    assert put_landmarks(case, scan, Picks({}), first) == etag_of_scan(case, scan, layout.LANDMARKS) == "0"
+    assert get_landmarks(case, scan) == Picks({})
     cuts = ({"to_picture": [1.0] * 16, "lasso": [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]},)
     assert get_cuts(case, scan) == ()
     put_cuts(case, scan, cuts, "0")

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -119,6 +120,25 @@ def test_a_cancelled_fit_is_not_started_and_a_running_one_stops_at_the_next_even
         claim.append(DONE)
     with pytest.raises(Conflict, match="it is done"):
         cancel_fit(case, scan, done)
+
+
+def test_a_fit_ends_once_however_many_end_it(case: CaseFolder, scan: str, fit: str) -> None:
+    def end(kind: str) -> bool:
+        return end_abandoned(case, scan, fit, {"kind": kind, "reason": "enough"})
+
+    with ThreadPoolExecutor(8) as threads:
+        ended = list(threads.map(end, ["failed", "cancelled"] * 8))
+    assert ended.count(True) == 1
+    assert len(kinds(case, scan, fit)) == 1
+
+
+def test_a_fit_that_is_not_there_is_nobodys(case: CaseFolder, scan: str, fit: str) -> None:
+    for of_scan, of_fit in ((scan, new_id()), (new_id(), fit), (scan, "..")):
+        with pytest.raises(NotFound), claimed(case, of_scan, of_fit):
+            pass
+        with pytest.raises(NotFound):
+            end_abandoned(case, of_scan, of_fit, DONE)
+    assert kinds(case, scan, fit) == []
 
 
 def test_a_cancellation_whose_writer_was_killed_is_written_by_the_next(case: CaseFolder, scan: str, fit: str) -> None:

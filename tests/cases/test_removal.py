@@ -13,6 +13,7 @@ from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder
 from breastrig.cases.fits import claimed
 from breastrig.cases.layout import new_id
+from breastrig.cases.of_scans import get_answers, put_answers, said_same
 from breastrig.cases.plans import get_plan, plan_versions, put_plan
 from breastrig.cases.removal import delete_case, delete_scan, finish, move_scan, sweep
 from breastrig.core.errors import Conflict, NeedsYes, NotFound
@@ -36,14 +37,46 @@ def test_deleting_a_scan_leaves_nothing_of_it(case: CaseFolder, tmp_path: Path) 
     assert texts(case) == {"stays"}
     assert get_plan(case).document.version == seen.document.version + 1
     assert len(plan_versions(case)) == 4
-    assert delete_scan(case, scan) == []
+    with pytest.raises(NotFound):
+        delete_scan(case, scan)
+
+
+def test_scans_that_a_person_has_said_to_be_one_patients_stay_so_until_whose_they_are_is_said_anew(
+    cases: Path,
+) -> None:
+    case, other = new_case(cases), new_case(cases)
+    one, two, three = new_scan(case), new_scan(case), new_scan(other)
+    with pytest.raises(NotFound, match="none of this patient's"):
+        move_scan(other, three, case, again=True, same_as=[one, three])
+    assert other.scan_ids() == {three}
+    move_scan(other, three, case, again=True, same_as=[one])
+    assert [said_same(case, each) for each in (one, two, three)] == [{three}, set(), {one}]
+    move_scan(case, two, case, same_as=[one, one])
+    put_answers(case, one, get_answers(case, one).model_copy(update={"visit": "before"}))
+    assert said_same(case, one) == {two, three}
+    other = new_case(cases)
+    move_scan(case, one, other)
+    assert said_same(other, one) == set()
+    assert get_answers(other, one).visit == "before"
+    move_scan(other, one, case, again=True)
+    assert [said_same(case, each) for each in (one, two, three)] == [set(), set(), set()]
+
+
+def test_what_was_said_of_a_deleted_scan_leaves_no_trace_of_its_name(case: CaseFolder, tmp_path: Path) -> None:
+    one, two = new_scan(case), new_scan(case, b"another")
+    move_scan(case, one, case, same_as=[two])
+    move_scan(case, two, case, same_as=[one])
+    delete_scan(case, two)
+    assert two.encode() not in b"".join(path.read_bytes() for path in tmp_path.rglob("*") if path.is_file())
 
 
 def test_a_case_goes_with_its_last_scan(case: CaseFolder, scan: str, cases: Path) -> None:
     put_plan(case, [note(scan)])
     assert delete_scan(case, scan) == []
     assert not case.path.exists()
-    assert delete_scan(case, scan) == delete_case(case) == []
+    assert delete_case(case) == []
+    with pytest.raises(NotFound):
+        delete_scan(case, scan)
     assert cases.is_dir()
 
 
@@ -51,7 +84,8 @@ def test_deleting_what_is_not_there_writes_nothing(case: CaseFolder, scan: str) 
     put_plan(case, [note(scan)])
     before = sorted(case.path.parent.parent.rglob("*"))
     for unknown in (new_id(), "..", ""):
-        assert delete_scan(case, unknown) == []
+        with pytest.raises(NotFound):
+            delete_scan(case, unknown)
     assert sorted(case.path.parent.parent.rglob("*")) == before
 
 
@@ -109,6 +143,27 @@ def test_where_the_folder_cannot_be_renamed_an_empty_one_says_that_it_is_deleted
         case.scan(scan)
     assert finish(case) == []
     assert not case.scan_folder(scan).exists()
+
+
+def test_where_the_plan_cannot_be_written_the_scan_is_deleted_and_the_next_sweep_does_the_rest(
+    cases: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case = new_case(cases)
+    scan, other = new_scan(case, b"her skin"), new_scan(case)
+    put_plan(case, [note(scan, "hers"), note(other, "stays")])
+
+    def full(*_given: object, **_more: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("breastrig.cases.writing.tempfile.mkstemp", full)
+        assert delete_scan(case, scan) == []
+        assert (case.scan_ids(), texts(case)) == ({other}, {"stays"})
+        assert b"her skin" not in b"".join(path.read_bytes() for path in cases.parent.rglob("*") if path.is_file())
+        assert case.around.marks() == {scan: True}
+    assert sweep(cases.parent) == []
+    assert case.around.marks() == {}
+    assert scan.encode() not in b"".join(path.read_bytes() for path in cases.parent.rglob("*") if path.is_file())
 
 
 def test_a_scan_moves_with_all_that_was_planned_on_it(cases: Path) -> None:
@@ -184,7 +239,7 @@ def test_an_empty_case_survives_a_move_to_it_that_was_interrupted(cases: Path, m
     assert target.document().code
 
 
-@pytest.mark.parametrize("action", ["delete", "move"])
+@pytest.mark.parametrize("action", ["delete", "move", "part", "arrive"])
 def test_an_action_that_is_killed_at_each_step_is_undone_or_finished(action: str, tmp_path: Path) -> None:
     program = [sys.executable, "-m", "helpers.stopped_writers", action, str(tmp_path)]
     done = subprocess.run(

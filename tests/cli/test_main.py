@@ -12,7 +12,7 @@ from helpers.example_fit import EXAMPLE
 
 from breastrig.cli.main import COMMANDS, main, parser
 
-HEAVY = {"numpy", "scipy", "pydantic", "trimesh", "igl", "PIL", "tqdm", "flask", "sqlalchemy"}
+HEAVY = {"numpy", "scipy", "pydantic", "trimesh", "igl", "PIL", "tqdm", "flask", "sqlite3"}
 
 
 def imported_by(*words: str) -> set[str]:
@@ -35,7 +35,7 @@ def test_help_and_mistakes_are_said_without_anything_heavy(words: tuple[str, ...
 def test_a_fit_loads_none_of_the_libraries_that_it_can_do_without(tmp_path: Path) -> None:
     loaded = imported_by("fit", str(EXAMPLE / "scan.ply"), "-o", str(tmp_path / "out"))
     assert (tmp_path / "out" / "result.json").is_file()
-    assert not {"flask", "sqlalchemy", "scipy.stats", "scipy.interpolate"} & loaded
+    assert not {"flask", "scipy.stats", "scipy.interpolate"} & loaded
 
 
 def test_the_program_does_not_search_what_is_installed_for_plugins_of_pydantic() -> None:

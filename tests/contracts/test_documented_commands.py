@@ -7,27 +7,31 @@ import json
 import re
 import shlex
 import shutil
-import sqlite3
 import subprocess
+import threading
 import tomllib
 from collections.abc import Iterator
-from contextlib import closing
 from importlib.metadata import entry_points
 from pathlib import Path
 
 import pytest
+from helpers.cases import new_case, new_fit, new_link, new_scan, note
 from helpers.example_fits import write_example_fits
+from helpers.on_disk import kept_below
 
+from breastrig.cases.plans import put_plan
 from breastrig.cli.commands import COMMANDS, GROUP
 from breastrig.cli.main import main
-from breastrig.storage.data_folder import SQLITE_FILE
+from breastrig.index.questions import LinkSecret, put_secret, secret_of_link
+from breastrig.storage.rows.fits import fits_page
+from breastrig.storage.rows.patients import get_plan, patients_page
 from breastrig.storage.storage import Storage
 
 pytestmark = pytest.mark.long
 
 FENCED = re.compile(r"^```([^`\n]*)\n(.*?)^```\n", re.DOTALL | re.MULTILINE)
 SPAN = re.compile(r"`([^`\n]+(?:\n[^`\n]+)?)`")
-PROGRAMS = re.compile(r"(?:[A-Z_]+=\S+ )*(?:breastrig|sqlite3|python|pip|make|npm|pytest|\.venv/bin/\S+) \S")
+PROGRAMS = re.compile(r"(?:[A-Z_]+=\S+ )*(?:breastrig|python|pip|make|npm|pytest|\.venv/bin/\S+) \S")
 
 SHARED = {  # the folder that each writes: which of the example's fits stands for it
     "breastrig fit standing.ply --landmarks landmarks.json -o standing/": "standing",
@@ -66,9 +70,6 @@ LISTED = {  # why they are not run here, or the test that runs them
         "breastrig case plan patient/ --put plan.json --same-patient",
         "breastrig case plan patient/ --undo 1",
         "breastrig case show patient/",
-    ],
-    "tests/service/test_bring_over.py": [
-        "breastrig backup DATA -o FOLDER",
     ],
     "tests/cli/test_index_command.py": [
         "breastrig case create DATA",
@@ -157,7 +158,7 @@ LISTED = {  # why they are not run here, or the test that runs them
     ],
 }
 NOT_RUN = {line: reason for reason, lines in LISTED.items() for line in lines}
-BACKUP = f'sqlite3 {SQLITE_FILE} ".backup copy.sqlite3"'
+BACKUP = "cp -a DATA BACKUP; rm -f BACKUP/index-*"
 
 
 @pytest.fixture(scope="module")
@@ -188,7 +189,7 @@ def is_of(line: str, *programs: str) -> bool:
 
 def test_every_line_is_run_checked_or_has_a_reason(shown: dict[str, str]) -> None:
     """A new one belongs into RUN, or with a reason into NOT_RUN; one that is shown no more goes."""
-    known = {*SHARED, *RUN, *NOT_RUN, BACKUP}
+    known = {*SHARED, *RUN, *NOT_RUN}
     checked = {line for line in shown if is_of(line, "pip", "make", "npm") or line.startswith(".venv/bin/pip ")}
     exports = {line for line in shown if line.startswith("export PATH=")}
     new = {line: file for line, file in shown.items() if line not in known | checked | exports}
@@ -259,24 +260,40 @@ def test_they_run_as_they_are_shown(repository: Path, tmp_path: Path, monkeypatc
             assert code == 0, line
 
 
-def test_the_documented_backup_keeps_what_the_service_has(tmp_path: Path, shown: dict[str, str]) -> None:
-    assert BACKUP in shown
-    if not shutil.which("sqlite3"):
-        pytest.skip("this machine has no sqlite3")
-    storage = Storage(tmp_path / "data")
+def test_the_documented_backup_holds_all_patients_and_nothing_that_opens_a_link(
+    repository: Path, tmp_path: Path
+) -> None:
+    """Made while a server holds the folder and another program writes into it."""
+    assert f"`{BACKUP}`" in (repository / "docs" / "operations.md").read_text()
+    storage, backup = Storage(tmp_path / "DATA"), Storage(tmp_path / "BACKUP")
     storage.prepare()
-    with storage.database.writing() as connection:
-        connection.exec_driver_sql("CREATE TABLE kept (word TEXT)")
-        connection.exec_driver_sql("INSERT INTO kept VALUES ('here')")
-    subprocess.run(
-        BACKUP, shell=True, cwd=tmp_path / "data", check=True
-    )  # while the database is open, as beside a service
+    case = new_case(storage.root / "cases")
+    scan = new_scan(case)
+    new_fit(case, scan)
+    link = new_link(case)
+    put_plan(case, [note(scan, "kept")])
+    storage.index.look()
+    with storage.index.writing() as rows:
+        put_secret(rows, LinkSecret(link, "ab" * 32, "scrypt$of$a$passcode"))
+    stop = threading.Event()
+
+    def write() -> None:
+        while not stop.is_set():
+            put_plan(case, [note(scan, "kept")])
+
+    writer = threading.Thread(target=write)
+    writer.start()
+    try:
+        subprocess.run(BACKUP, shell=True, cwd=tmp_path, check=True, stderr=subprocess.DEVNULL)
+    finally:
+        stop.set()
+        writer.join()
+    backup.prepare()
+    [patient] = patients_page(backup, 9, None)[0]
+    assert get_plan(backup, patient.id).items[0]["text"] == "kept"
+    assert [fit.state for fit in fits_page(backup, 9)[0]] == ["done"]
+    assert backup.index.asked(lambda rows: secret_of_link(rows, link)) is None
     storage.close()
-    backup = tmp_path / "backup"
-    shutil.copytree(tmp_path / "data", backup, ignore=shutil.ignore_patterns(f"{SQLITE_FILE}*"))
-    (backup / "copy.sqlite3").rename(backup / SQLITE_FILE)
-    again = Storage(backup)
-    again.prepare()
-    again.close()
-    with closing(sqlite3.connect(backup / SQLITE_FILE)) as rows:
-        assert rows.execute("SELECT word FROM kept").fetchall() == [("here",)]
+    backup.close()
+    assert b"scrypt" in kept_below(storage.root)
+    assert b"scrypt" not in kept_below(backup.root)

@@ -59,7 +59,7 @@ def test_the_python_client_does_a_whole_fit(repository: Path, tmp_path: Path) ->
             run = subprocess.run(
                 [sys.executable, "-W", "error", "-c", client], cwd=tmp_path, capture_output=True, text=True, timeout=120
             )
-            scans = list((tmp_path / "data" / "scans").iterdir())
+            cases = list((tmp_path / "data" / "cases").iterdir())
         finally:
             server.terminate()
     assert run.returncode == 0, run.stderr
@@ -67,7 +67,7 @@ def test_the_python_client_does_a_whole_fit(repository: Path, tmp_path: Path) ->
     assert (tmp_path / "report.pdf").stat().st_size > 1000
     with zipfile.ZipFile(tmp_path / "result.zip") as packed:
         assert packed.namelist() == [*FIT_FILES, "plan.json"]
-    assert scans == []  # it deletes what it has uploaded
+    assert cases == []  # it deletes what it has uploaded
     assert "'mean'" in run.stdout.splitlines()[-1]
 
 

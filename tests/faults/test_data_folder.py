@@ -1,9 +1,8 @@
-"""Other programs' folders, full disks, damaged databases, wrong clocks, files that cannot be removed.
+"""Other programs' folders, full disks, damaged indexes, wrong clocks, files that cannot be removed.
 
 No scan is lost that should be kept, none is left that should be gone, and nothing of anybody else's is touched.
 """
 
-import sqlite3
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -19,8 +18,11 @@ from helpers.real_server import server, starting
 from helpers.small_disk import fill, small_disk, stuck
 from helpers.waiting import PATIENCE_S, until
 
+from breastrig.index.file import current
+
 pytestmark = pytest.mark.soak
 
+THEIRS = ("cases/p1", "incoming/p1", "rubbish/p1")
 Note = Callable[[str, Outcome], None]
 
 
@@ -50,7 +52,10 @@ class Folder:
         return scan, made
 
     def purged(self, *options: str) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-m", "breastrig.cli.main", "purge", *options, "--data", str(self.data)]
+        return self.called("purge", *options, "--data", str(self.data))
+
+    def called(self, *words: str) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-m", "breastrig.cli.main", *words]
         return subprocess.run(command, capture_output=True, text=True, check=False)
 
     def refused(self) -> str:
@@ -70,7 +75,7 @@ def contents(root: Path) -> dict[str, bytes | None]:
 
 
 def test_a_folder_of_another_program_is_left_as_it_is(folder: Folder, note: Note) -> None:
-    for place in ("scans/p1", "fits/p1", "rubbish/p1"):
+    for place in THEIRS:
         (folder.data / place).mkdir(parents=True)
         (folder.data / place / "a").write_text("x")
     before = contents(folder.data)
@@ -84,18 +89,18 @@ def test_a_folder_of_another_program_is_left_as_it_is(folder: Folder, note: Note
 def test_what_another_program_puts_into_the_data_folder_stays(folder: Folder, torso: bytes, note: Note) -> None:
     with folder.served() as client:
         scan, fits = folder.filled(client, torso)
-    for place in ("scans/p1", "fits/p1", "rubbish/p1"):
+    for place in THEIRS:
         (folder.data / place).mkdir(parents=True)
         (folder.data / place / "a").write_text("x")
     with folder.served() as client:
         found = outcome(client, folder.data, fits)
-        assert found.left_over == 3
+        assert found.left_over == len(THEIRS)
         assert client.delete(f"/api/scans/{scan}").status_code == 204
     assert folder.purged("--all").returncode == 0
     assert sorted(str(path.relative_to(folder.data)) for path in folder.data.glob("*/*/*")) == [
-        "fits/p1/a",
+        "cases/p1/a",
+        "incoming/p1/a",
         "rubbish/p1/a",
-        "scans/p1/a",
     ]
 
 
@@ -104,13 +109,19 @@ def test_a_full_disk_hinders_no_deletion(tmp_path: Path, model: Path, torso: byt
     with small_disk(tmp_path / "disk", 24) as disk:
         folder = Folder(disk / "data", model, tmp_path / "log")
         with folder.served() as client:
-            scans = [folder.filled(client, torso)[0] for _ in range(3)]
+            scans = [folder.filled(client, torso)[0] for _ in range(4)]
             _, kept = folder.filled(client, torso)
             for scan in scans[:1]:
                 fill(disk)
                 assert client.post("/api/scans", files={"file": ("torso.ply", torso)}).status_code in (503, 507)
                 assert client.delete(f"/api/scans/{scan}").status_code == 204
                 assert client.get(f"/api/scans/{scan}").status_code == 404
+            fill(disk)
+        [case] = folder.data.glob(f"cases/*/scans/{scans.pop()}")
+        done = folder.called("case", "delete", str(case.parents[1]), "--all")
+        assert (done.returncode, done.stderr, case.exists()) == (0, "", False)
+        fill(disk)
+        with folder.served():
             fill(disk)
         for scan in scans[1:]:
             fill(disk)
@@ -127,54 +138,31 @@ def test_a_full_disk_hinders_no_deletion(tmp_path: Path, model: Path, torso: byt
     assert "Traceback" not in folder.log.read_text()
 
 
-def test_a_full_disk_hinders_no_deletion_of_more_rows_than_the_reserve_has_room_for(
-    tmp_path: Path, model: Path, torso: bytes, note: Note
+@pytest.mark.parametrize("when", ["before the start", "gone while it runs", "in place while it runs"])
+def test_a_damaged_index_is_named_and_made_again_and_nothing_is_deleted_for_it(
+    when: str, folder: Folder, torso: bytes, note: Note
 ) -> None:
-    with small_disk(tmp_path / "disk", 32) as disk:
-        folder = Folder(disk / "data", model, tmp_path / "log")
-        with folder.served() as client:
-            scan, fits = folder.filled(client, torso, fits=3)
-            _, kept = folder.filled(client, torso)
-        add_events(folder.data, fits, megabytes=4)
-        assert (folder.data / "breastrig.sqlite3").stat().st_size > 2 * (folder.data / "reserve").stat().st_size
-        with folder.served() as client:
-            fill(disk)
-            assert client.delete(f"/api/scans/{scan}").status_code == 204
-            note("scan with many rows deleted on a full disk", outcome(client, folder.data, kept))
-
-
-def add_events(data: Path, fits: list[str], megabytes: int) -> None:
-    """As long lists of events leave them."""
-    rows = sqlite3.connect(data / "breastrig.sqlite3")
-    with rows:
-        for fit in fits:
-            for number in range(1000, 1000 + megabytes * 1024 // 4):
-                rows.execute(
-                    "INSERT INTO events (fit, number, kind, json) VALUES (?, ?, 'iterated', ?)",
-                    (fit, number, "x" * 4000),
-                )
-    rows.close()
-
-
-@pytest.mark.parametrize("when", ["before the start", "while it runs"])
-def test_a_damaged_database_is_named_and_nothing_is_deleted_for_it(when: str, folder: Folder, torso: bytes) -> None:
-    file = folder.data / "breastrig.sqlite3"
-    with folder.served() as client:
-        folder.filled(client, torso)
-        if when == "while it runs":
-            assert client.get("/readyz").status_code == 200
-            overwrite(file, 0, file.stat().st_size)
-            until(lambda: client.get("/readyz").status_code == 503, "a service that knows")
+    made = "the index is damaged; it is made again from the folders"
+    with folder.served(FAKE_LOOK_EVERY_S="0.2") as client:
+        scan, fits = folder.filled(client, torso)
+        file = current(folder.data)
+        assert file is not None
+        if when == "gone while it runs":
+            file.unlink()
+            assert client.get(f"/api/scans/{scan}").status_code == 200
+        if when == "in place while it runs":  # the server remembers pages that it has read
+            overwrite(file, 4096, file.stat().st_size)
+            until(lambda: made in folder.log.read_text(), "the look for damage")
+            assert client.get(f"/api/scans/{scan}").status_code == 200
+    before = {path: path.read_bytes() for path in folder.data.glob("cases/**/*") if path.is_file()}
+    assert len(before) > 10
     if when == "before the start":
         overwrite(file, 4096, file.stat().st_size)
-    before = {path: path.read_bytes() for path in folder.data.glob("*/*/*")}
-    assert len(before) > 10
-    assert folder.refused().endswith(
-        f"The database {file} is damaged; put a copy of the data folder in its place, or choose another with --data."
-    )
-    done = folder.purged("--all")
-    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
-    assert {path: path.read_bytes() for path in folder.data.glob("*/*/*")} == before
+    with folder.served() as client:
+        assert (made in folder.log.read_text()) is (when != "gone while it runs")
+        assert client.get(f"/api/scans/{scan}").status_code == 200
+        note(f"index damaged {when}", outcome(client, folder.data, fits))
+    assert {path: path.read_bytes() for path in folder.data.glob("cases/**/*") if path.is_file()} == before
 
 
 def test_starts_with_a_clock_that_is_40_days_ahead_lose_no_scan(folder: Folder, torso: bytes, note: Note) -> None:
@@ -196,12 +184,19 @@ def test_starts_with_a_clock_that_is_40_days_ahead_lose_no_scan(folder: Folder, 
     assert not of_patients(folder.data)
 
 
-def test_files_that_cannot_be_removed_are_named_until_they_are_gone(folder: Folder, torso: bytes, note: Note) -> None:
+@pytest.mark.parametrize("alone", [False, True])
+def test_files_that_cannot_be_removed_are_named_until_they_are_gone(
+    alone: bool, folder: Folder, torso: bytes, note: Note
+) -> None:
     with folder.served() as client:
-        _, kept = folder.filled(client, torso)
+        other, kept = folder.filled(client, torso)
         scan, _ = folder.filled(client, torso)
-    place = folder.data / "scans" / scan
-    files = {file.name: file.read_bytes() for file in place.iterdir()}
+        patient = client.get(f"/api/scans/{other}").json()["patient"]
+        if not alone:
+            moved = client.put(f"/api/scans/{scan}/patient", json={"patient": patient, "again": True})
+            assert moved.status_code == 200, moved.text
+    (place,) = folder.data.glob(f"cases/*/scans/{scan}")
+    files = within(place)
     assert files
     with stuck(place):
         with folder.served() as client:
@@ -213,8 +208,13 @@ def test_files_that_cannot_be_removed_are_named_until_they_are_gone(folder: Fold
             assert outcome(client, folder.data, kept).left_over == 1
         done = folder.purged("--older-than", "1000")
         assert done.returncode == 1
-        assert done.stderr.startswith(f"breastrig: {place} cannot be removed (")
-        assert {file.name: file.read_bytes() for file in place.iterdir()} == files
+        left = folder.data / "rubbish" / place.parents[1].name if alone else place
+        assert done.stderr.startswith(f"breastrig: {left} cannot be removed (")
+        assert within(left / "scans" / scan if alone else left) == files
     with folder.served() as client:
         note("file that could not be removed before", outcome(client, folder.data, kept))
-    assert not place.exists()
+    assert not left.exists()
+
+
+def within(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}

@@ -3,7 +3,6 @@
 import json
 import os
 import random
-import sqlite3
 import subprocess
 import threading
 from collections.abc import Iterator
@@ -12,11 +11,11 @@ from pathlib import Path
 
 import httpx
 import pytest
-from helpers.fault_table import FILES, outcome, wait_for_ends
+from helpers.fault_table import FILES, all_fits, outcome, wait_for_ends
 from helpers.real_server import server, starting
 from helpers.waiting import PATIENCE_S
 
-from breastrig.service.fits.fit_worker import ATTEMPTS, TOO_OFTEN
+from breastrig.cases.fits import ATTEMPTS, TOO_OFTEN
 
 pytestmark = pytest.mark.soak
 
@@ -104,12 +103,7 @@ def test_no_fit_is_lost_or_left_open_whenever_the_server_is_killed(
             since += [fit_id for fit_id in fits if fit_id not in known]
             what.append(f"{moment_s:.2f} s")
     assert len(fits) >= KILLS
-    rows = sqlite3.connect(data / "breastrig.sqlite3")
-    try:
-        assert rows.execute("PRAGMA integrity_check").fetchone() == ("ok",)
-        assert {row[0] for row in rows.execute("SELECT id FROM fits")} >= set(fits)
-    finally:
-        rows.close()
+    assert all_fits(data) >= set(fits)
     assert "Traceback" not in log.read_text()
 
 

@@ -5,9 +5,10 @@ from pathlib import Path
 
 from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder
-from breastrig.cases.documents import FitDocument, ScanDocument
-from breastrig.cases.fits import add_fit
+from breastrig.cases.documents import FitDocument, LinkDocument, ScanDocument
+from breastrig.cases.fits import add_fit, end_abandoned, fits_of_scan
 from breastrig.cases.layout import new_id
+from breastrig.cases.links import add_link
 from breastrig.drawings.plan_schema import PlanNote
 
 FACTS = {"unit": "mm", "stance": {"proposed": "standing"}}
@@ -35,6 +36,17 @@ def new_scan(case: CaseFolder, skin: bytes = b"skin") -> str:
 
 def new_fit(case: CaseFolder, scan: str) -> str:
     return add_fit(case, scan, FitDocument(asked_at="2026-01-02T00:00:00.000Z"))
+
+
+def new_link(case: CaseFolder) -> str:
+    """A link to a fit of the case's first scan, which is done by then."""
+    scan = case.scans()[0].id
+    [fit] = [one for one in fits_of_scan(case, scan) if one.state in ("queued", "done")][:1]
+    end_abandoned(case, scan, fit.id, {"kind": "done", "result": {}})
+    document = LinkDocument(created_at="2026-01-03T00:00:00.000Z", expires_at="2999-01-01T00:00:00.000Z", scan="none")
+    with case.incoming() as made:
+        (made / "plan.json").write_text("seen through a link")
+        return add_link(case, scan, fit.id, document, made)
 
 
 def note(scan: str, text: str = "a note", item: str = "") -> PlanNote:

@@ -24,8 +24,6 @@ NOT_NEEDED = (  # by a fit of a mesh without pictures
         "trimesh",
         "flask",
         "apiflask",
-        "sqlalchemy",
-        "alembic",
         "dask",
         "distributed",
     ),

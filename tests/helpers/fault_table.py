@@ -1,13 +1,14 @@
-"""What became of every fit after a fault, looked at from outside: over HTTP, in the database, in the data folder."""
+"""What became of every fit after a fault, looked at from outside: over HTTP, and in the data folder."""
 
 import json
-import sqlite3
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
 import httpx
 
+from breastrig.cases import layout
+from breastrig.cases.writing import PART
 from helpers.waiting import PATIENCE_S, until
 
 FILES = ("result", "fitted_glb", "fitted_ply", "drawing", "distances")
@@ -54,7 +55,6 @@ def wait_for_ends(client: httpx.Client, fits: Iterable[str], log: Path) -> None:
 def outcome(client: httpx.Client, data: Path, fits: Iterable[str]) -> Outcome:
     """What is to be seen now of the fits with these ids; all should have ended."""
     counts = dict.fromkeys(("asked", "done", "resumed", "failed", "lost", "doubled"), 0)
-    attempts, left = _database_and_folder(data)
     for fit_id in fits:
         counts["asked"] += 1
         answer = client.get(f"/api/fits/{fit_id}")
@@ -63,7 +63,7 @@ def outcome(client: httpx.Client, data: Path, fits: Iterable[str]) -> Outcome:
             continue
         fit = answer.json()
         told = [one["event"] for one in client.get(fit["links"]["events"] + ".json?limit=1000").json()["events"]]
-        counts["resumed"] += attempts[fit_id] > 1
+        counts["resumed"] += _attempts(data, fit_id) > 1
         counts["doubled"] += _is_doubled(told)
         if fit["state"] == "done" and _is_whole(client, fit["links"], told):
             counts["done"] += 1
@@ -71,7 +71,7 @@ def outcome(client: httpx.Client, data: Path, fits: Iterable[str]) -> Outcome:
             counts["failed"] += 1
         else:
             counts["lost"] += 1
-    return Outcome(**counts, left_over=len(left))
+    return Outcome(**counts, left_over=len(left_over(data)))
 
 
 def _is_doubled(told: list[dict]) -> bool:
@@ -88,20 +88,30 @@ def _is_whole(client: httpx.Client, links: dict[str, str], told: list[dict]) -> 
     return bool(json.loads(files["result"].content) == told[-1]["result"])
 
 
-def _database_and_folder(data: Path) -> tuple[dict[str, int], list[Path]]:
-    """(how often each fit was begun, the files and folders that belong to no row)."""
-    rows = sqlite3.connect(data / "breastrig.sqlite3", timeout=PATIENCE_S)
-    try:
-        attempts = dict(rows.execute("SELECT id, attempt FROM fits"))
-        scans = {row[0] for row in rows.execute("SELECT id FROM scans")}
-        shares = {row[0] for row in rows.execute("SELECT snapshot FROM shares")}
-    finally:
-        rows.close()
-    known = {"scans": scans, "fits": set(attempts), "shares": shares}
-    left = []
-    for folder in (one for one in data.iterdir() if one.is_dir() and one.name != "models"):  # they are no patient's
-        left += [entry for entry in folder.iterdir() if entry.name not in known.get(folder.name, set())]
-    return attempts, left
+def fit_folder(data: Path, fit_id: str) -> Path:
+    """Wherever the fit lies."""
+    (found,) = data.glob(f"cases/*/scans/*/fits/{fit_id}")
+    return found
+
+
+def all_fits(data: Path) -> set[str]:
+    return {folder.name for folder in data.glob("cases/*/scans/*/fits/*")}
+
+
+def _attempts(data: Path, fit_id: str) -> int:
+    """How often the fit was begun."""
+    file = fit_folder(data, fit_id) / layout.ATTEMPTS
+    return file.stat().st_size if file.exists() else 0
+
+
+def left_over(data: Path) -> list[Path]:
+    """Files and folders that belong to no case, and what is on its way in or out."""
+    left = [*(data / layout.INCOMING).iterdir(), *(data / layout.RUBBISH).iterdir()]
+    cases = data / layout.CASES
+    left += [each for each in cases.iterdir() if not (each / layout.CASE).is_file()]
+    left += [each for each in cases.glob(f"*/{layout.SCANS}/*") if not (each / layout.SCAN).is_file()]
+    left += [each for each in cases.glob(f"*/{layout.SCANS}/*/{layout.FITS}/*") if not (each / layout.FIT).is_file()]
+    return [*left, *cases.glob(f"*/{PART}*")]
 
 
 def lines(rows: list[tuple[str, Outcome]]) -> list[str]:

@@ -10,7 +10,14 @@ from pathlib import Path
 
 from breastrig.storage.files import MODELS
 
-READ = "import pathlib, sys; [sys.stdout.buffer.write(pathlib.Path(name).read_bytes()) for name in sys.argv[1:]]"
+READ = """
+import pathlib, sys
+for name in sys.argv[1:]:
+    try:
+        sys.stdout.buffer.write(pathlib.Path(name).read_bytes())
+    except FileNotFoundError:
+        pass  # a server that runs has put another in its place, or removed it
+"""
 
 
 def bytes_below(root: Path, pattern: str = "**/*") -> bytes:
@@ -28,6 +35,12 @@ def overwrite(file: Path, first: int, last: int) -> None:
     """Damages a file of a database that is open, from a byte to before another."""
     write = f"file = open({str(file)!r}, 'r+b'); file.seek({first}); file.write(b'\\xa5' * {last - first})"
     subprocess.run([sys.executable, "-c", write], check=True)
+
+
+def lose_index(root: Path) -> None:
+    """As when somebody removes the files of the index of a service that runs."""
+    for file in root.glob("index-*"):
+        file.unlink(missing_ok=True)
 
 
 def kept_below(root: Path) -> bytes:

@@ -1,10 +1,33 @@
-"""Rows for tests of storage and service."""
+"""Fits for tests of storage and service."""
 
+from typing import Any
+
+from breastrig.cases.fits import claimed
 from breastrig.storage.rows.fits import NewFit, add_fit
 from breastrig.storage.storage import Storage
 
 
+def named(name: str) -> str:
+    """An id that can be read."""
+    return name.ljust(22, "-")
+
+
 def add_waiting_fit(storage: Storage, scan_id: str, fit_id: str) -> None:
     """Puts a fit with one landmark into the queue."""
-    new_fit = NewFit(scan=scan_id, landmarks_mm={"nipple_L": [1.0, 2.0, 3.0]})
-    add_fit(storage, "2026-01-01T00:00:01.000Z", fit_id, new_fit)
+    add_fit(
+        storage,
+        "2026-01-01T00:00:01.000Z",
+        fit_id,
+        NewFit(scan=scan_id, landmarks_mm={"nipple_L": [1.0, 2.0, 3.0]}),
+    )
+
+
+def append(storage: Storage, fit_id: str, *events: dict[str, Any]) -> None:
+    """One attempt at the fit, which tells these events, the first ones again if they are stored already."""
+    case, scan_id = storage.case_of_fit(fit_id)
+    with claimed(case, scan_id, fit_id) as claim:
+        assert claim is not None
+        claim.go_on()
+        for event in events:
+            claim.append(event)
+    storage.index.refresh(case.id)

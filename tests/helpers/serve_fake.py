@@ -20,12 +20,14 @@ def set_clock_ahead(days: float) -> None:
 if __name__ == "__main__":
     from breastrig.cli import serve_command
     from breastrig.cli.main import main
-    from breastrig.service import service
+    from breastrig.service import service, sweep
     from helpers.light_tasks import LIGHT_TASK_MODULES
     from helpers.remembered_uploads import remember_uploads
 
     service.TASK_MODULES = LIGHT_TASK_MODULES
     set_clock_ahead(float(os.environ.get("FAKE_DAYS_AHEAD", "0")))
+    sweep.LOOK_EVERY_S = float(os.environ.get("FAKE_LOOK_EVERY_S", sweep.LOOK_EVERY_S))
+    sweep.RETRY_EVERY_S = min(sweep.RETRY_EVERY_S, sweep.LOOK_EVERY_S)
     remember_uploads()
     serve_command.run_fit = getattr(fake_fit, os.environ.get("FAKE_FIT", "mostly_patient"))
     with_token = {"BREASTRIG_TOKEN", "FAKE_TOKEN"} & os.environ.keys() or "--token-file" in sys.argv

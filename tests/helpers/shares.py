@@ -3,23 +3,31 @@
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from sqlalchemy import select
-
+from breastrig.cases import layout
+from breastrig.cases.documents import content_of
+from breastrig.cases.links import get_link
+from breastrig.cases.writing import put
+from breastrig.index.questions import fit_of_link
 from breastrig.service.service import Service
-from breastrig.storage import schema
 from breastrig.storage.storage import iso_utc
 
 
 def shown_files(service: Service, share_id: str) -> Path:
     """The folder of what the link shows."""
-    with service.storage.database.reading() as connection:
-        chosen = select(schema.shares.c.snapshot).where(schema.shares.c.id == share_id)
-        snapshot = connection.execute(chosen).scalar_one()
-    return service.storage.root / "shares" / snapshot
+    where = service.storage.index.asked(lambda rows: fit_of_link(rows, share_id))
+    assert where is not None
+    case, scan_id, fit_id = service.storage.case(where[0]), where[1], where[2]
+    shown = get_link(case, scan_id, fit_id, share_id).shown
+    return case.path / layout.link_part(scan_id, fit_id, share_id) / f"{layout.SHOWN}{shown}"
 
 
 def expire(service: Service, share_id: str) -> None:
     """Sets the share's end to a second ago."""
     past = iso_utc(datetime.now(UTC) - timedelta(seconds=1))
-    with service.storage.database.writing() as connection:
-        connection.execute(schema.shares.update().where(schema.shares.c.id == share_id).values(expires_at=past))
+    where = service.storage.index.asked(lambda rows: fit_of_link(rows, share_id))
+    assert where is not None
+    case, scan_id, fit_id = service.storage.case(where[0]), where[1], where[2]
+    with case.writing():
+        link = get_link(case, scan_id, fit_id, share_id).model_copy(update={"expires_at": past})
+        put(case.path, f"{layout.link_part(scan_id, fit_id, share_id)}/{layout.LINK}", content_of(link))
+    service.storage.index.refresh(case.id)

@@ -35,7 +35,7 @@ def fill(disk: Path) -> Path:
 
 @contextmanager
 def stuck(folder: Path) -> Iterator[None]:
-    """Until the end of the block nothing in the folder can be removed, nor the folder itself."""
+    """Until the end of the block nothing in the folder can be removed, nor the folder itself, wherever it is moved."""
     if os.geteuid():
         folder.chmod(0o500)
         try:
@@ -44,11 +44,13 @@ def stuck(folder: Path) -> Iterator[None]:
             folder.chmod(0o700)
         return
     _mount("--bind", str(folder), str(folder))
+    held = os.open(folder, os.O_RDONLY)
     try:
         _mount("-o", "remount,ro,bind", str(folder))
         yield
     finally:
-        subprocess.run(["umount", "-l", str(folder)], check=True)
+        subprocess.run(["umount", "-l", os.readlink(f"/proc/self/fd/{held}")], check=True)
+        os.close(held)
 
 
 def _mount(*options: str) -> None:

@@ -10,13 +10,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from breastrig.cases.case_folder import CaseFolder
-from breastrig.cases.layout import CASES, RUBBISH
+from breastrig.cases.case_folder import CaseFolder, MadeScan
+from breastrig.cases.documents import ScanDocument
+from breastrig.cases.layout import CASES, RUBBISH, STORED, new_id
 from breastrig.cases.plans import get_plan, plan_versions, put_plan, stored_plan
-from breastrig.cases.removal import delete_scan, move_scan, sweep
+from breastrig.cases.removal import delete_scan, move_scan, move_to_new, sweep
 from breastrig.core.errors import NotFound
-from helpers.cases import data_folder, new_case, new_scan, note
+from helpers.cases import FACTS, data_folder, new_case, new_scan, note
 
+CHECKS = {"delete": "check_deleted", "move": "check_moved", "part": "check_parted", "arrive": "check_arrived"}
 CHANGES = ("rename", "replace", "unlink", "rmdir", "link", "mkdir", "fsync", "utime", "remove")
 
 
@@ -58,6 +60,16 @@ class Ward:
     def move(self) -> None:
         move_scan(self.source, self.scan, self.target)
 
+    def part(self) -> None:
+        move_to_new(self.source, self.scan, self.root / CASES / new_id(), "new")
+
+    def arrive(self) -> None:
+        made = self.root / "made"
+        made.mkdir()
+        (made / STORED).write_bytes(b"SKIN")
+        document = ScanDocument(created_at="2026-01-01T00:00:00.000Z", sha256="ab", facts=FACTS)
+        CaseFolder.of_scan(self.root / CASES / new_id(), "new", MadeScan(new_id(), document, made))
+
     def check_deleted(self, before: bool) -> None:
         assert before or self.of_scan() == 0
         if self.others or before:
@@ -76,6 +88,20 @@ class Ward:
                 versions = [get_plan(case, number).document for number in plan_versions(case)]
                 assert all(item.scan != self.scan for plan in (*versions, stored_plan(case)) for item in plan.items)
         assert self.source.path.exists() == bool(before or self.others)
+
+    def check_parted(self, before: bool) -> None:
+        """The scan is in one case, with its item, and no case is empty."""
+        [owner] = [case for case in self.cases() if self.scan in case.scan_ids()]
+        assert (owner.path == self.source.path) == before
+        assert any(item.scan == self.scan for item in get_plan(owner).document.items)
+        assert len(self.cases()) == 2 + bool(not before and self.others)
+        assert not list((self.root / CASES).glob("*/.new"))
+
+    def check_arrived(self, _before: bool) -> None:
+        assert all(case.scan_ids() for case in self.cases())
+
+    def cases(self) -> list[CaseFolder]:
+        return [CaseFolder(folder) for folder in (self.root / CASES).iterdir()]
 
     def source_scans(self) -> set[str]:
         try:
@@ -105,9 +131,9 @@ def main(action: str, root: Path) -> None:
             assert code in (0, 9), (alone, step, code)
             assert sweep(ward.root) == []
             before = ward.scan in ward.source_scans()
-            getattr(ward, "check_deleted" if action == "delete" else "check_moved")(before)
+            getattr(ward, CHECKS[action])(before)
             assert list((ward.root / RUBBISH).glob("*")) == [], (alone, step)
-            assert not before or code == 9
+            assert not before or code == 9 or action == "arrive"
             assert all((folder / "case.json").is_file() for folder in (ward.root / CASES).iterdir())
             if code == 0:
                 break

@@ -17,7 +17,7 @@ from types import ModuleType
 from typing import Any
 
 UNIX = {"fcntl", "pwd", "grp", "resource", "termios", "posix_ipc", "pty", "tty", "crypt", "syslog"}
-SERVER = {"flask", "apiflask", "werkzeug", "sqlalchemy", "alembic", "uvicorn", "h11", "limits", "prometheus_client"}
+SERVER = {"flask", "apiflask", "werkzeug", "uvicorn", "h11", "limits", "prometheus_client"}
 SERVER |= {"webargs", "apispec", "fastapi", "starlette", "a2wsgi"}
 FUNCTIONS = (
     "fork",

@@ -2,21 +2,26 @@
 
 import os
 import sqlite3
+import subprocess
+import sys
 import threading
 from contextlib import closing
 from pathlib import Path
 
 import pytest
-from helpers.cases import new_case, new_fit, new_scan, note
+from helpers.cases import new_case, new_fit, new_link, new_scan, note
+from helpers.on_disk import overwrite
 
 from breastrig.cases.case_folder import CaseFolder
 from breastrig.cases.fits import claimed
 from breastrig.cases.plans import put_plan
 from breastrig.cases.removal import delete_case, delete_scan, move_scan
+from breastrig.index import ballast
 from breastrig.index import file as files
 from breastrig.index.index import Index
 from breastrig.index.questions import (
     LinkSecret,
+    aged_scans,
     case_of_fit,
     case_of_scan,
     cases_page,
@@ -29,7 +34,7 @@ from breastrig.index.questions import (
     openings_of,
     put_secret,
     queue_positions,
-    scans_before,
+    secret_of_link,
     secret_of_token,
 )
 
@@ -38,8 +43,13 @@ SECRET = LinkSecret("link-1", "aa" * 32, "scrypt$of$a$passcode", 2, "2026-01-01T
 
 
 def content(index: Index) -> list[object]:
-    """All rows that repeat the folders, without the fits' places."""
-    tables = ("SELECT * FROM cases", "SELECT * FROM scans", "SELECT id, patient, scan, asked_at, state FROM fits")
+    """All rows that repeat the folders, without the places in which they arrived."""
+    of_case = "id, code, code_key, code_search, created_at, first_scan, plan, stamp"
+    tables = (
+        f"SELECT {of_case} FROM cases",
+        "SELECT * FROM scans",
+        "SELECT id, patient, scan, asked_at, state FROM fits",
+    )
     return [index.asked(lambda rows, table=table: sorted(rows.execute(table).fetchall())) for table in tables]
 
 
@@ -66,8 +76,8 @@ def test_it_says_whose_a_scan_and_a_fit_are(index: Index, cases: Cases) -> None:
     assert index.asked(lambda rows: case_of_scan(rows, "nobody")) is None
     assert index.asked(lambda rows: case_of_fit(rows, "nobody")) is None
     assert index.asked(count_by_state) == {"queued": 3}
-    assert len(index.asked(lambda rows: scans_before(rows, "2026-01-02"))) == 3
-    assert index.asked(lambda rows: scans_before(rows, "2025")) == []
+    assert len(index.asked(lambda rows: aged_scans(rows, "2026-01-02"))) == 3
+    assert index.asked(lambda rows: aged_scans(rows, "2025")) == []
 
 
 def test_the_worklist_is_sorted_searched_and_paged(index: Index) -> None:
@@ -87,13 +97,11 @@ def test_the_worklist_is_sorted_searched_and_paged(index: Index) -> None:
 
 @pytest.mark.parametrize("sort", ["newest", "code", "deletion"])
 def test_a_page_is_read_from_an_index_and_not_sorted(index: Index, sort: str) -> None:
-    key = {"newest": "created_at", "code": "code_key", "deletion": "first_scan"}[sort]
+    order = {"newest": "place DESC", "code": "code_key, place DESC", "deletion": "first_scan, place DESC"}[sort]
     plan = index.asked(
-        lambda rows: rows.execute(
-            f"EXPLAIN QUERY PLAN SELECT * FROM cases WHERE ({key}, id) > ('', '') ORDER BY {key}, id LIMIT 50"
-        ).fetchall()
+        lambda rows: rows.execute(f"EXPLAIN QUERY PLAN SELECT * FROM cases ORDER BY {order} LIMIT 50").fetchall()
     )
-    assert all("USING INDEX" in row[3] for row in plan)
+    assert not any("TEMP B-TREE" in row[3] for row in plan)
 
 
 def test_a_look_sees_what_other_programs_have_written(index: Index, cases: Cases, root: Path) -> None:
@@ -251,6 +259,69 @@ def test_a_file_that_goes_while_it_is_used_is_made_again_and_nothing_is_missed(i
         assert index.asked(lambda rows: secret_of_token(rows, SECRET.token_sha256)) == SECRET
 
 
+def test_damage_in_its_place_is_noticed_while_it_is_used(index: Index, root: Path) -> None:
+    """Whoever has it open still answers out of the pages that it remembers, so a fresh connection looks."""
+    before = content(index)
+    assert index.check()
+    index.forget_deleted()
+    file = files.current(root)
+    assert file is not None
+    overwrite(file, 4096, file.stat().st_size)
+    assert not index.check()
+    assert files.current(root) != file
+    assert content(index) == before == made_anew(root)
+    assert index.check()
+
+
+def test_damage_that_a_writer_meets_is_mended_and_nothing_is_missed(index: Index, cases: Cases, root: Path) -> None:
+    case = cases["P 2"]
+    case.rename("after")
+    index.forget_deleted()
+    index.close()
+    file = files.current(root)
+    assert file is not None
+    overwrite(file, 4096, file.stat().st_size)
+    index.refresh(case.id)
+    assert "after" in codes(index)
+    assert content(index) == made_anew(root)
+    index.forget_deleted()
+    index.close()
+    file = files.current(root)
+    assert file is not None
+    overwrite(file, 4096, file.stat().st_size)
+    with pytest.raises(sqlite3.DatabaseError), index.writing() as rows:
+        put_secret(rows, SECRET)
+    with index.writing() as rows:
+        put_secret(rows, SECRET)
+    assert content(index) == made_anew(root)
+
+
+def test_on_a_full_disk_room_that_was_kept_is_given_up_for_it(index: Index, root: Path, monkeypatch) -> None:
+    def kept() -> int:
+        return len(list(root.glob("index-ballast-*")))
+
+    assert kept() == ballast.PIECES
+    full = [2]
+
+    def looked() -> int:
+        if full[0]:
+            full[0] -= 1
+            raise OSError(28, "No space left on device")
+        return 0
+
+    monkeypatch.setattr(index, "look", looked)
+    monkeypatch.setattr("breastrig.index.index.ballast.keep", lambda _folder: None)
+    index.prepare()
+    assert kept() == ballast.PIECES - 2
+    full[0] = 3
+    with pytest.raises(OSError, match="No space"):
+        index.prepare()
+    assert kept() == 0
+    monkeypatch.undo()
+    index.keep_room()
+    assert kept() == ballast.PIECES
+
+
 def test_a_rebuild_while_others_write_and_read_loses_no_secret(index: Index) -> None:
     stop, written, failed = threading.Event(), list[str](), list[BaseException]()
 
@@ -324,6 +395,80 @@ def test_no_case_holds_what_opens_a_link(index: Index, root: Path) -> None:
     assert index.forget_deleted()
     index.close()
     assert b"scrypt" not in b"".join(file.read_bytes() for file in root.glob("index-*"))
+
+
+def test_links_that_another_program_deleted_are_forgotten_and_no_others(index: Index, cases: Cases) -> None:
+    links = {code: new_link(case) for code, case in cases.items()}
+    index.look()
+    with index.writing() as rows:
+        for code, link in links.items():
+            put_secret(rows, LinkSecret(link, code, "scrypt"))
+            note_opening(rows, link, "2026-01-01T00:00:00.000Z", "bb" * 32)
+    damaged = (cases["P 2"].path / "case.json").read_bytes()
+    with cases["P 2"].writing():
+        (cases["P 2"].path / "case.json").write_text("{")
+    [scan] = cases["Ärztin"].scan_ids()
+    moved_to = new_case(index.root / "cases")
+    move_scan(cases["Ärztin"], scan, moved_to)
+    delete_case(cases["P 10"])
+    for _ in range(3):
+        index.look()
+    with cases["P 2"].writing():
+        (cases["P 2"].path / "case.json").write_bytes(damaged)
+    assert [index.look() for _ in range(3)] == [1, 1, 0]
+    known = {code: index.asked(lambda rows, code=code: secret_of_token(rows, code)) for code in links}
+    assert {code for code, secret in known.items() if secret is not None} == {"P 2", "Ärztin"}
+    assert index.asked(lambda rows: openings_of(rows, links["P 10"])) == []
+
+
+def test_an_error_undoes_all_that_was_written(index: Index) -> None:
+    def write_and_fail() -> None:
+        with index.writing() as rows:
+            put_secret(rows, SECRET)
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        write_and_fail()
+    assert index.asked(lambda rows: secret_of_link(rows, SECRET.link)) is None
+
+
+def test_a_reader_does_not_wait_for_a_writer_and_sees_what_was_before(index: Index) -> None:
+    with index.writing() as rows:
+        put_secret(rows, SECRET)
+        assert index.asked(lambda rows: secret_of_link(rows, SECRET.link)) is None
+    assert index.asked(lambda rows: secret_of_link(rows, SECRET.link)) == SECRET
+
+
+def test_writers_wait_for_each_other(index: Index, root: Path) -> None:
+    steps: list[str] = []
+    other, inside = Index(root), threading.Event()
+
+    def second() -> None:
+        inside.wait()
+        with other.writing():
+            steps.append("second")
+
+    thread = threading.Thread(target=second)
+    thread.start()
+    with index.writing():
+        inside.set()
+        thread.join(timeout=0.1)
+        steps.append("first")
+    thread.join()
+    other.close()
+    assert steps == ["first", "second"]
+
+
+def test_a_look_for_damage_takes_no_lock_away(index: Index, root: Path) -> None:
+    """Else another process that closes the file would remove the log, and with it what was written last."""
+    with index.writing() as rows:
+        put_secret(rows, SECRET)
+    look = "import sqlite3, sys; rows = sqlite3.connect(sys.argv[1]); rows.execute('SELECT * FROM scans'); rows.close()"
+    file = files.current(root)
+    assert index.check()
+    subprocess.run([sys.executable, "-c", look, str(file)], check=True)
+    assert Path(f"{file}-wal").stat().st_size > 0
+    assert index.asked(lambda rows: secret_of_link(rows, SECRET.link)) == SECRET
 
 
 def test_sessions_of_before_a_lost_index_are_over(index: Index, root: Path) -> None:

@@ -53,7 +53,7 @@ def run(
         try:
             found = re.search(r"http://[^:]+:(\d+)/", server.stdout.readline())
             assert found, log.read_text()
-            stored = StoredEvents(data / "breastrig.sqlite3")
+            stored = StoredEvents(data)
             stored.start()
             try:
                 measured, took, memory, kept = asyncio.run(

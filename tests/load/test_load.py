@@ -1,6 +1,5 @@
 """A short run of what `make load` does for a minute."""
 
-import sqlite3
 from pathlib import Path
 
 import pytest
@@ -46,17 +45,18 @@ def test_the_table_of_slow_clients_counts_each_kind() -> None:
     assert [line.split()[-4:] for line in lines[1:]] == [["2000", "1999", "1", "0"], ["5", "0", "2", "3"]]
 
 
-def test_the_moment_of_a_stored_event_is_noted(tmp_path: Path) -> None:
-    connection = sqlite3.connect(tmp_path / "rows", isolation_level=None)
-    connection.execute("CREATE TABLE events (position INTEGER PRIMARY KEY, fit TEXT, number INTEGER)")
-    connection.execute("INSERT INTO events VALUES (1, 'fit', 1)")
-    stored = StoredEvents(tmp_path / "rows")
-    stored.start()
-    while len(stored.moments) < 1:
-        stored.join(0.001)
-    connection.execute("INSERT INTO events VALUES (2, 'fit', 2)")
-    while len(stored.moments) < 2:
-        stored.join(0.001)
+def test_the_moment_of_a_stored_event_is_noted_once_its_line_is_whole(tmp_path: Path) -> None:
+    log = tmp_path / "cases" / "a" / "scans" / "b" / "fits" / "fit" / "fit.log.jsonl"
+    log.parent.mkdir(parents=True)
+    with log.open("ab", buffering=0) as file:
+        file.write(b"one\nhalf of")
+        stored = StoredEvents(tmp_path)
+        stored.start()
+        while len(stored.moments) < 1:
+            stored.join(0.001)
+        file.write(b" two\n")
+        while len(stored.moments) < 2:
+            stored.join(0.001)
     stored.stop()
-    connection.close()
+    assert list(stored.moments) == [("fit", 1), ("fit", 2)]
     assert stored.moments["fit", 2] > stored.moments["fit", 1]

@@ -1,12 +1,14 @@
 """The server from outside: memory and threads of its processes, and the moment at which each event is stored."""
 
-import sqlite3
 import threading
 import time
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 from helpers.real_server import children
+
+from breastrig.cases.layout import CASES, FITS, LOG, SCANS
 
 LOOK_EVERY_S = 0.002  # so exact are the moments
 
@@ -37,26 +39,28 @@ def _share_kb(pid: int) -> int:
 
 
 class StoredEvents(threading.Thread):
-    """Notes when each event becomes visible in the database to other processes."""
+    """Notes when each event becomes visible in the data folder to other processes."""
 
-    def __init__(self, database: Path) -> None:
+    def __init__(self, data: Path) -> None:
         super().__init__(daemon=True)
         self.moments: dict[tuple[str, int], float] = {}  # (fit, number of the event) -> time.perf_counter()
-        self._database = database
+        self._data = data
         self._over = threading.Event()
 
     def run(self) -> None:
-        connection = sqlite3.connect(f"file:{self._database}?mode=ro", uri=True, timeout=30)
-        position = 0
+        read: dict[str, tuple[int, int]] = {}  # fit -> (bytes of whole lines, how many lines) of its log
         while not self._over.is_set():
-            rows = connection.execute("SELECT position, fit, number FROM events WHERE position > ?", (position,))
-            found = rows.fetchall()
-            now = time.perf_counter()
-            for last, fit, number in found:
-                self.moments[fit, number] = now
-                position = last
+            for log in self._data.glob(f"{CASES}/*/{SCANS}/*/{FITS}/*/{LOG}"):
+                fit = log.parent.name
+                size, lines = read.get(fit, (0, 0))
+                with suppress(FileNotFoundError), log.open("rb") as file:  # deleted meanwhile
+                    file.seek(size)
+                    whole, newline, _ = file.read().rpartition(b"\n")
+                    now = time.perf_counter()
+                    come = whole.count(b"\n") + len(newline)
+                    self.moments |= {(fit, number): now for number in range(lines + 1, lines + come + 1)}
+                    read[fit] = size + len(whole) + len(newline), lines + come
             self._over.wait(LOOK_EVERY_S)
-        connection.close()
 
     def stop(self) -> None:
         self._over.set()

@@ -18,11 +18,10 @@ from helpers.installed_service import Running, serving
 from helpers.on_disk import kept_below
 from helpers.problems import problem
 from helpers.waiting import ended, stored_events, until
-from sqlalchemy import select
 
 from breastrig.core.errors import BadSettings
 from breastrig.gltf.read_rig import default_rig_path
-from breastrig.storage import schema
+from breastrig.storage.rows.events import events_after
 from breastrig.storage.rows.fits import get_fit
 from breastrig.storage.storage import Storage
 from breastrig.workflow.run_fit import run_fit
@@ -204,9 +203,9 @@ def test_deleting_leaves_nothing_of_a_finished_and_a_running_fit(running: Runnin
         assert name.encode() not in kept
     for links in (scan["links"]["mesh"], done["links"]["result"], busy[0]["links"]["self"]):
         assert running.client.get(links).status_code == 404
-    for folder in (Path(tempfile.gettempdir()) / f"breastrig-{os.getuid()}").iterdir():
+    for file in (Path(tempfile.gettempdir()) / f"breastrig-{os.getuid()}").glob("*.lock"):
         with suppress(FileNotFoundError):  # others may be at work
-            lock = os.open(folder, os.O_RDONLY)
+            lock = os.open(file, os.O_RDONLY)
             with pytest.raises(BlockingIOError):  # nobody's would be one that a killed process has left
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             os.close(lock)
@@ -262,13 +261,9 @@ def test_when_a_worker_of_the_cluster_is_killed_every_fit_is_executed_once(
         )
         os.kill(killed.pid, signal.SIGKILL)
         assert {ended(running.service, fit["id"]).state for fit in fits} == {"done"}
-        with storage.database.reading() as connection:
-            table = schema.events
-            rows = connection.execute(
-                select(table.c.fit, table.c.number, table.c.kind).order_by(table.c.position)
-            ).all()
         for fit in fits:
-            assert [(row.number, row.kind) for row in rows if row.fit == fit["id"]] == list(enumerate(KINDS, start=1))
+            events = events_after(storage, fit["id"], 0)
+            assert [(event.number, event.kind) for event in events] == list(enumerate(KINDS, start=1))
             assert running.client.get(fit["links"]["result"]).json["iterations"] == 3
         attempts = sorted(get_fit(storage, fit["id"]).attempt for fit in fits)
         assert attempts == [1, 1, 1, 1, 1, 2]  # only the one that the killed worker was at was begun again

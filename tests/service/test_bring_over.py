@@ -1,199 +1,208 @@
-"""Patients of the rows become cases with all that is theirs, whole or not at all, however often it is interrupted."""
+"""A data folder of version 0.2.0 is brought over, each patient whole or not at all, however often it is interrupted."""
 
 import json
 import os
-from collections.abc import Iterator
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import pytest
+from helpers import fake_fit
 
 from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder
-from breastrig.cases.fits import claimed, events_after, get_fit
-from breastrig.cases.links import get_link, shown_folder
-from breastrig.cases.of_scans import get_cuts, get_ink, get_landmarks, get_proposals
+from breastrig.cases.fits import events_after, fits_of_scan
+from breastrig.cases.of_scans import get_landmarks
 from breastrig.cases.plans import get_plan, plan_versions
 from breastrig.cli.main import main
-from breastrig.core.picks import Picks
-from breastrig.service.bring_over import bring_over
-from breastrig.storage.files import share_place
-from breastrig.storage.folders import new_id
-from breastrig.storage.rows.events import append
-from breastrig.storage.rows.expiring_scans import announce
-from breastrig.storage.rows.fits import NewFit, Once, add_fit, claim_fit
-from breastrig.storage.rows.patients import get_patient, patient_of_scan, put_plan, rename_patient
-from breastrig.storage.rows.scans import ScanRow, add_scan, put_cuts, put_landmarks
-from breastrig.storage.rows.searches import drop_ink, put_ink, put_proposals
-from breastrig.storage.rows.shares import ShareRow, add_share
+from breastrig.core.errors import BadSettings
+from breastrig.execution.limits import FitLimits
+from breastrig.index.questions import secret_of_token
+from breastrig.service.bring_over import OLD, take_over
+from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
 
-FACTS = {"unit": "mm", "stance": {"proposed": "standing"}, "triangles": 2}
-PICKS = Picks({"nipple_L": [1.0, 2.0, 3.0]}, ("nipple_L",), {})
-CUTS = ({"to_picture": [1.0] * 16, "lasso": [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]},)
-EVENTS = ({"kind": "started", "stance": "standing"}, {"kind": "iterated", "nodes": []}, {"kind": "done", "result": {}})
-SECRETS = ("scrypt$a$passcode", "ab" * 32)
+TABLES = Path(__file__).parents[1] / "storage" / "tables_0001.sql"
 PATIENTS = 3
+FACTS = {"unit": "mm", "stance": {"proposed": "standing"}, "bounds_m": {"min": [0, 0, 0], "max": [1, 1, 1]}}
 
 
-def one_patient(storage: Storage, code: str) -> None:
-    """With a scan, its documents, two fits (done, waiting), a link and two versions of a plan."""
-    scan, done, waiting, snapshot = (new_id() for _ in range(4))
-    storage.files.make(f"scans/{scan}")
-    for name in ("scan.stored", "mesh.glb", "thumbnail.png"):
-        (storage.files.scan(scan) / name).write_bytes(f"skin of {code}".encode())
-    add_scan(storage, ScanRow(scan, "2026-01-01T00:00:00.000Z", "stored", code * 9, FACTS))
-    patient = patient_of_scan(storage, scan)
-    rename_patient(storage, patient, code)
-    put_landmarks(storage, scan, PICKS)
-    put_cuts(storage, scan, CUTS)
-    drawing = {"schema": "breastrig/drawing@1", "unit": "mm", "shapes": [{"name": "violet-1"}, {"name": "violet-2"}]}
-    put_ink(storage, scan, drawing)
-    drop_ink(storage, scan, {"violet-2": True})
-    put_proposals(storage, scan, "model", {"nipple_L": {"point": [1, 2, 3]}})
-    announce(storage, [scan], "2026-02-01T00:00:00.000Z")
-    for version, text in enumerate((f"first of {code}", f"second of {code}")):
-        put_plan(storage, patient, [{"kind": "note", "id": "n", "scan": scan, "text": text}], version)
-    asked = NewFit(scan=scan, stance="auto", landmarks_mm=PICKS.points_mm, certain=PICKS.certain, refine=True)
-    for fit in (done, waiting):
-        storage.make_fit(fit)
-        add_fit(storage, "2026-01-02T00:00:00.000Z", fit, asked, Once.of(fit, "request"))
-    claim_fit(storage, done)
-    for event in EVENTS:
-        append(storage, done, event)
-    (storage.files.fit(done) / "result.json").write_text("{}")
-    (storage.files.fit(done) / "fit.log.jsonl").write_text("another log")
-    storage.files.make(share_place(snapshot))
-    (storage.files.folder(share_place(snapshot)) / "shown.glb").write_bytes(b"shown")
-    share = ShareRow(
-        new_id(), done, "2026-01-03", "2999-01-01", "plain", SECRETS[0], snapshot, "2026-01-03", notes=True
-    )
-    add_share(storage, share, SECRETS[1][: -len(code)] + code)
+def name_of(kind: str, number: int) -> str:
+    return f"{kind}-{number}".ljust(22, "-")
 
 
 @pytest.fixture
-def storage(tmp_path: Path) -> Iterator[Storage]:
-    storage = Storage(tmp_path / "data")
-    storage.prepare()
-    for number in range(PATIENTS):
-        one_patient(storage, f"P{number}")
-    yield storage
-    storage.close()
+def root(tmp_path: Path) -> Path:
+    """As 0.2.0 has left it: a patient has a scan, two versions of a plan, a fit that is done and one that waits."""
+    root = tmp_path / "data"
+    for kind in ("scans", "fits", "shares"):
+        (root / kind).mkdir(parents=True)
+    (root / "installation").write_text(name_of("installation", 1))
+    with closing(sqlite3.connect(root / OLD)) as rows, rows:
+        rows.executescript(TABLES.read_text())
+
+        def add(table: str, **values: object) -> None:
+            marks = ", ".join("?" for _ in values)
+            rows.execute(f"INSERT INTO {table} ({', '.join(values)}) VALUES ({marks})", tuple(values.values()))
+
+        for k in range(PATIENTS):
+            scan, patient = name_of("scan", k), name_of("patient", k)
+            (root / "scans" / scan).mkdir()
+            (root / "scans" / scan / "scan.stored").write_bytes(f"skin {k}".encode())
+            facts = json.dumps(FACTS)
+            add("scans", id=scan, created_at=f"2026-01-0{k + 1}", file_type="stored", sha256=f"{k}", facts=facts)
+            add("patients", position=k + 1, id=patient, code=f"P{k}", created_at="2026-01-01", version=2)
+            add("scans_of_patients", scan=scan, patient=patient)
+            add("landmarks", scan=scan, points_mm='{"umbilicus": [1, 2, 3]}')
+            for version in (1, 2):
+                item = {"kind": "note", "id": "n", "scan": scan, "text": f"text {version}"}
+                plan = {"schema": "breastrig/plan@1", "unit": "mm", "items": [item], "whole": True}
+                add("plans", patient=patient, version=version, json=json.dumps(plan))
+            for state in ("done", "queued"):
+                fit = name_of(state, k)
+                (root / "fits" / fit).mkdir()
+                known = {"created_at": f"2026-02-0{k + 1}", "preset": "default", "landmarks_mm": "{}", "iterations": 0}
+                add("fits", id=fit, place=2 * k + (state == "done"), scan=scan, state=state, stance="auto",
+                    last_event=2 if state == "done" else 0, **known)  # fmt: skip
+            done = name_of("done", k)
+            (root / "fits" / done / "result.json").write_text("{}")
+            for number, event in enumerate(({"kind": "started"}, {"kind": "done", "result": {}}), start=1):
+                text = json.dumps(event, separators=(",", ":"))
+                add("events", fit=done, number=number, kind=event["kind"], json=text)
+            columns = {row[1] for row in rows.execute("PRAGMA table_info(shares)")}
+            share = {
+                "id": name_of("share", k), "fit": done, "token_sha256": f"{k}" * 64, "created_at": "2026",
+                "expires_at": "2999", "scan": "plain", "passcode_hash": "scrypt$secret",
+                "snapshot": name_of("shown", k),
+            }  # fmt: skip
+            (root / "shares" / name_of("shown", k)).mkdir()
+            (root / "shares" / name_of("shown", k) / "shown.glb").write_bytes(b"shown")
+            add("shares", **{key: value for key, value in share.items() if key in columns})
+    return root
 
 
-@pytest.fixture
-def cases(tmp_path: Path) -> Path:
-    (tmp_path / "cases").mkdir()
-    return tmp_path / "cases"
-
-
-def check(storage: Storage, folder: Path) -> None:
-    """All that the rows say of a patient is in the case."""
-    case = CaseFolder(folder)
-    row = get_patient(storage, case.id)
-    assert (case.document().code, case.document().created_at) == (row.code, row.created_at)
-    [scan] = case.scan_ids()
-    assert case.scan(scan).facts == FACTS
-    assert (case.scan_folder(scan) / layout.STORED).read_bytes() == f"skin of {row.code}".encode()
-    assert get_landmarks(case, scan) == PICKS
-    assert get_cuts(case, scan) == CUTS
-    ink = get_ink(case, scan)
-    assert ink is not None
-    assert (len(ink.shapes), ink.dropped) == (2, ["violet-2"])
-    assert get_proposals(case, scan, "model") is not None
-    assert (case.scan_folder(scan) / layout.EXPIRES).is_file()
-    assert plan_versions(case) == [1, 2]
-    texts = [get_plan(case, version).document.items[0].text for version in (1, 2)]  # type: ignore[union-attr]
-    assert texts == [f"first of {row.code}", f"second of {row.code}"]
-    assert get_plan(case).document.whole
-    fits = {get_fit(case, scan, name).state: name for name in os.listdir(case.scan_folder(scan) / layout.FITS)}
-    assert set(fits) == {"done", "queued"}
-    done = case.path / layout.fit_part(scan, fits["done"])
-    assert [json.loads(line) for _, line in events_after(done)] == list(EVENTS)
-    asked = get_fit(case, scan, fits["done"]).document
-    assert (asked.stance, asked.refine, asked.landmarks_mm) == ("auto", True, PICKS.points_mm)
-    assert asked.key_sha256 == Once.of(fits["done"], "request").key_sha256
-    [link] = os.listdir(done / layout.LINKS)
-    assert get_link(case, scan, fits["done"], link).notes
-    assert (shown_folder(case, scan, fits["done"], link) / "shown.glb").read_bytes() == b"shown"
-    with claimed(case, scan, fits["queued"]) as claim:
-        assert claim is not None
-
-
-def test_each_patient_becomes_a_case(storage: Storage, cases: Path, tmp_path: Path) -> None:
-    found = bring_over(storage, cases, tmp_path / "incoming")
-    assert (len(found.cases), found.scans, found.fits, found.plans, found.links) == (3, 3, 6, 6, 3)
-    assert sorted(found.cases) == sorted(os.listdir(cases))
-    for folder in cases.iterdir():
-        check(storage, folder)
-    assert {secret.passcode_hash for secret in found.secrets} == {SECRETS[0]}
-    content = b"".join(file.read_bytes() for file in cases.rglob("*") if file.is_file())
-    for word in (SECRETS[0], SECRETS[1][:32], *(secret.token_sha256 for secret in found.secrets)):
-        assert word.encode() not in content
-    again = bring_over(storage, cases, tmp_path / "incoming")
-    assert (again.cases, sorted(again.there)) == ([], sorted(found.cases))
+def check(storage: Storage) -> None:
+    """All that was in the rows is in the cases, and the early version's files are gone."""
+    assert sorted(os.listdir(storage.root / layout.CASES)) == [name_of("patient", k) for k in range(PATIENTS)]
+    for k in range(PATIENTS):
+        case = CaseFolder(storage.root / layout.CASES / name_of("patient", k))
+        scan = name_of("scan", k)
+        assert (case.document().code, case.scan_ids()) == (f"P{k}", {scan})
+        assert (case.scan_folder(scan) / layout.STORED).read_bytes() == f"skin {k}".encode()
+        assert get_landmarks(case, scan).points_mm == {"umbilicus": [1.0, 2.0, 3.0]}
+        assert plan_versions(case) == [1, 2]
+        texts = [get_plan(case, version).document.items[0].text for version in (1, 2)]  # type: ignore[union-attr]
+        assert texts == ["text 1", "text 2"]
+        assert {fit.id: fit.state for fit in fits_of_scan(case, scan)} == {
+            name_of("done", k): "done",
+            name_of("queued", k): "queued",
+        }
+        done = case.path / layout.fit_part(scan, name_of("done", k))
+        assert [json.loads(line)["kind"] for _, line in events_after(done)] == ["started", "done"]
+        secret = storage.index.asked(lambda rows, k=k: secret_of_token(rows, f"{k}" * 64))
+        assert secret is not None
+        assert (secret.link, secret.passcode_hash) == (name_of("share", k), "scrypt$secret")
+    kept = b"".join(file.read_bytes() for file in (storage.root / layout.CASES).rglob("*") if file.is_file())
+    assert b"scrypt" not in kept
+    for name in (OLD, "scans", "fits", "shares"):
+        assert not (storage.root / name).exists()
 
 
 @pytest.mark.parametrize("patients", range(PATIENTS + 1))
-def test_what_was_interrupted_at_a_patient_is_finished_by_the_next_call(
-    storage: Storage, cases: Path, tmp_path: Path, patients: int
-) -> None:
-    left = [patients]
+def test_it_may_be_interrupted_at_each_patient(root: Path, patients: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    left, real = [patients], os.rename
 
-    def stopped() -> None:
+    def interrupted(source: Path, target: Path) -> None:
         if left[0] == 0:
             raise KeyboardInterrupt
         left[0] -= 1
+        real(source, target)
 
-    try:
-        bring_over(storage, cases, tmp_path / "incoming", stopped=stopped)
-    except KeyboardInterrupt:
-        assert len(os.listdir(cases)) == patients
-    bring_over(storage, cases, tmp_path / "incoming")
-    assert len(os.listdir(cases)) == PATIENTS
-    for folder in cases.iterdir():
-        check(storage, folder)
+    storage = Storage(root)
+    storage.prepare()
+    if patients < PATIENTS:
+        with monkeypatch.context() as patch:
+            patch.setattr("breastrig.service.bring_over.os.rename", interrupted)
+            with pytest.raises(KeyboardInterrupt):
+                take_over(storage)
+        assert len(os.listdir(root / layout.CASES)) == patients
+        assert (root / OLD).is_file()
+    take_over(storage)
+    check(storage)
+    take_over(storage)
+    check(storage)
+    storage.close()
 
 
-def test_an_error_in_the_middle_of_a_patient_leaves_nothing_of_it(
-    storage: Storage, cases: Path, tmp_path: Path, monkeypatch
+def test_a_server_does_it_at_its_start_and_runs_what_waited(root: Path) -> None:
+    service = Service(Storage(root), runner=fake_fit.quick, fits=FitLimits(workers=1, grace_s=0.1), keep_days=None)
+    with service.started():
+        assert not (root / OLD).exists()
+        assert len(os.listdir(root / layout.CASES)) == PATIENTS
+
+
+def test_where_one_cannot_come_over_the_early_files_stay(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    storage = Storage(root)
+    storage.prepare()
+    monkeypatch.setattr("breastrig.service.bring_over._bring_over", lambda *_given: None)
+    with pytest.raises(BadSettings, match="3 patients of an earlier version could not be brought over"):
+        take_over(storage)
+    assert (root / OLD).is_file()
+    storage.close()
+
+
+def test_what_was_on_its_way_out_goes_and_what_others_have_put_there_stays(root: Path) -> None:
+    for place in ("scans/of others", f"rubbish/scans.{name_of('deleted', 1)}", "rubbish/of others"):
+        (root / place).mkdir(parents=True)
+        (root / place / "file").write_text("x")
+    (root / "reserve").write_bytes(bytes(10))
+    storage = Storage(root)
+    storage.prepare()
+    take_over(storage)
+    storage.close()
+    assert os.listdir(root / "scans") == os.listdir(root / "rubbish") == ["of others"]
+    assert not {"reserve", OLD, "fits", "shares"} & set(os.listdir(root))
+
+
+def test_purge_deletes_the_patients_of_an_early_version_too(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["purge", "--all", "--data", str(root)]) == 0
+    assert capsys.readouterr().out.startswith(f"{PATIENTS} scans deleted from ")
+    assert os.listdir(root / layout.CASES) == []
+
+
+def test_the_index_of_an_early_version_is_made_of_its_patients(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for _ in range(2):
+        assert main(["index", str(root)]) == 0
+        assert capsys.readouterr().out == f"{PATIENTS} cases, {PATIENTS} scans, {2 * PATIENTS} fits\n"
+    storage = Storage(root)
+    check(storage)
+    storage.close()
+    (root / OLD).write_bytes(b"no database at all")
+    assert main(["index", str(root)]) == 2
+    assert "of an earlier version is damaged" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("content", [b"no database at all", b"\xa5" * 20_000])
+def test_a_damaged_database_of_an_early_version_is_one_sentence_and_stays(
+    root: Path, content: bytes, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def full(*_given: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    with monkeypatch.context() as patch:
-        patch.setattr("breastrig.service.bring_over.sync_file", full)
-        with pytest.raises(OSError, match="No space"):
-            bring_over(storage, cases, tmp_path / "incoming")
-    assert os.listdir(cases) == os.listdir(tmp_path / "incoming") == []
-    assert len(bring_over(storage, cases, tmp_path / "incoming").cases) == PATIENTS
+    (root / OLD).write_bytes(content)
+    for command in (["serve", "--port", "0"], ["purge", "--all"]):
+        assert main([*command, "--data", str(root)]) == 2
+        said = capsys.readouterr().err
+        assert f"breastrig: The database {root / OLD} of an earlier version is damaged; " in said
+    assert (root / OLD).read_bytes() == content
+    assert (root / "scans" / name_of("scan", 1)).is_dir()
 
 
-def test_where_there_are_no_hard_links_files_are_copied(
-    storage: Storage, cases: Path, tmp_path: Path, monkeypatch
-) -> None:
-    def refused(*_given: object) -> None:
-        raise OSError(18, "Invalid cross-device link")
-
-    monkeypatch.setattr("breastrig.service.bring_over.os.link", refused)
-    bring_over(storage, cases, tmp_path / "incoming")
-    for folder in cases.iterdir():
-        check(storage, folder)
-
-
-def test_the_command_line_writes_them_beside_a_service_that_is_stopped(
-    storage: Storage, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    data, folder = str(storage.root), tmp_path / "backup"
-    with storage.exclusive():
-        assert main(["backup", data, "-o", str(folder)]) == 2
-    assert "Another BreastRig server uses" in capsys.readouterr().err
-    assert main(["backup", data, "-o", f"{data}/inside"]) == 2
-    assert main(["backup", str(tmp_path), "-o", str(folder)]) == 2
-    assert main(["backup", data, "-o", str(folder), "--code", "nobody"]) == 2
-    assert main(["backup", data, "-o", str(folder), "--code", "P1"]) == 0
-    assert capsys.readouterr().out == f"1 cases with 1 scans and 2 fits in {folder}\n"
-    assert main(["backup", data, "-o", str(folder)]) == 0
-    assert "1 were there already" in capsys.readouterr().out
-    assert main(["case", "list", str(folder)]) == 0
-    assert sorted(line.split()[0] for line in capsys.readouterr().out.splitlines()) == ["P0", "P1", "P2"]
-    assert all(layout.ID.fullmatch(each.name) for each in folder.iterdir())
+def test_deletions_that_were_under_way_are_not_brought_over(root: Path) -> None:
+    with closing(sqlite3.connect(root / OLD)) as rows, rows:
+        rows.execute(
+            "INSERT INTO file_journal (place, scan, removing) VALUES (?, ?, 1)",
+            (f"scans/{name_of('scan', 1)}", name_of("scan", 1)),
+        )
+    storage = Storage(root)
+    storage.prepare()
+    take_over(storage)
+    assert sorted(os.listdir(root / layout.CASES)) == [name_of("patient", k) for k in (0, 2)]
+    storage.close()

@@ -2,7 +2,7 @@
 
 import pytest
 from helpers import in_worker
-from helpers.rows import add_waiting_fit
+from helpers.rows import add_waiting_fit, named
 
 from breastrig.core.errors import NotFound
 from breastrig.execution.pool import Pool
@@ -12,17 +12,18 @@ from breastrig.storage.storage import Storage
 
 
 def test_the_process_of_a_deleted_fit_is_ended_and_that_of_another_stays(storage: Storage, scan_id: str) -> None:
-    add_waiting_fit(storage, scan_id, "there")
+    there, gone = named("there"), named("gone")
+    add_waiting_fit(storage, scan_id, there)
     pool = Pool(kept=4)
     lane = pool.lane(1, 4 * 2**30)
     moving = Moving(storage, lane, KeptModels(storage, None))
     try:
-        for fit in ("there", "gone"):
+        for fit in (there, gone):
             lane.result(in_worker.rest, (0.0,), 60.0, fit)
-        with moving.dropped_if_deleted("there"):
+        with moving.dropped_if_deleted(there):
             pass
-        with pytest.raises(NotFound, match="no such fit"), moving.dropped_if_deleted("gone"):
+        with pytest.raises(NotFound, match="no such fit"), moving.dropped_if_deleted(gone):
             raise OSError("cannot be read")
-        assert pool.kept_keys == ["there"]
+        assert pool.kept_keys == [there]
     finally:
         pool.stop()

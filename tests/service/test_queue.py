@@ -5,16 +5,15 @@ from pathlib import Path
 import pytest
 from helpers import fake_fit
 from helpers.on_disk import bytes_below
-from helpers.rows import add_waiting_fit
+from helpers.rows import add_waiting_fit, append, named
 from helpers.waiting import ask_for_fit, ended, stored_events, until
-from sqlalchemy.exc import OperationalError
 
+from breastrig.cases.fits import OTHER_MODEL, TOO_OFTEN, claimed
 from breastrig.core.errors import Conflict, NotFound
-from breastrig.service.events.event_writer import OTHER_MODEL
 from breastrig.service.fits import queue
-from breastrig.service.fits.fit_worker import TOO_OFTEN, UNSEEN, fit_job
-from breastrig.storage.rows.events import append, events_after
-from breastrig.storage.rows.fits import claim_fit, get_fit
+from breastrig.service.fits.fit_worker import UNSEEN, fit_job
+from breastrig.storage.rows.events import events_after
+from breastrig.storage.rows.fits import get_fit
 from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.events import event_json
@@ -105,14 +104,15 @@ KINDS = ["started", *["iterated"] * 4, "done"]
 
 def begun(storage: Storage, scan_id: str, fit_id: str, events: int, attempts: int = 1) -> None:
     """A fit of fake_fit.quick that was left after so many events of its own."""
-    storage.files.make(f"fits/{fit_id}")
     add_waiting_fit(storage, scan_id, fit_id)
-    for _ in range(attempts):
-        claimed = claim_fit(storage, fit_id)
-        assert claimed is not None
     stored = [fake_fit.started(FitJob(Path(), Path(), {})), *(fake_fit.iterated(k) for k in range(4))]
-    for event in stored[:events]:
-        append(storage, fit_id, event_json(event), attempts)
+    case, _ = storage.case_of_fit(fit_id)
+    for attempt in range(attempts):
+        with claimed(case, scan_id, fit_id) as claim:
+            assert claim is not None
+            for event in stored[:events] if attempt == 0 else ():
+                claim.append(event_json(event))
+    storage.index.refresh(case.id)
 
 
 @pytest.mark.slow
@@ -120,49 +120,48 @@ def begun(storage: Storage, scan_id: str, fit_id: str, events: int, attempts: in
 def test_after_a_restart_a_fit_goes_on_with_its_events_where_it_stopped(
     serving, storage: Storage, scan_id: str, stored: int
 ) -> None:
-    begun(storage, scan_id, "interrupted", stored)
-    before = events_after(storage, "interrupted", 0)
+    begun(storage, scan_id, named("interrupted"), stored)
+    before = events_after(storage, named("interrupted"), 0)
     with serving(fake_fit.quick) as service:
-        events = stored_events(service, "interrupted")
+        events = stored_events(service, named("interrupted"))
         assert events[:stored] == before
         assert [event.kind for event in events] == KINDS
         assert [event.number for event in events] == [1, 2, 3, 4, 5, 6]
         assert [json.loads(event.json)["iteration"] for event in events[1:-1]] == [0, 1, 2, 3]
-        fit = get_fit(service.storage, "interrupted")
+        fit = get_fit(service.storage, named("interrupted"))
         assert (fit.state, fit.attempt, fit.iterations) == ("done", 2, 4)
-        assert (service.storage.files.fit("interrupted") / "result.json").is_file()
+        assert (service.storage.files.fit(named("interrupted")) / "result.json").is_file()
 
 
 def test_after_a_restart_what_ran_comes_before_what_waited(serving, storage: Storage, scan_id: str) -> None:
-    begun(storage, scan_id, "interrupted", 2)
-    storage.files.make("fits/waiting")
-    add_waiting_fit(storage, scan_id, "waiting")
+    begun(storage, scan_id, named("interrupted"), 2)
+    add_waiting_fit(storage, scan_id, named("waiting"))
     with serving(fake_fit.quick, workers=1) as service:
-        assert ended(service, "waiting").state == "done"
-        assert get_fit(service.storage, "interrupted").state == "done"
+        assert ended(service, named("waiting")).state == "done"
+        assert get_fit(service.storage, named("interrupted")).state == "done"
 
 
 def test_a_fit_is_started_three_times_and_then_fails(serving, storage: Storage, scan_id: str) -> None:
-    begun(storage, scan_id, "twice", 2, attempts=2)
-    begun(storage, scan_id, "thrice", 2, attempts=3)
+    begun(storage, scan_id, named("twice"), 2, attempts=2)
+    begun(storage, scan_id, named("thrice"), 2, attempts=3)
     with serving(fake_fit.quick) as service:
-        assert ended(service, "twice").state == "done"
-        fit = ended(service, "thrice")
+        assert ended(service, named("twice")).state == "done"
+        fit = ended(service, named("thrice"))
         assert fit.reason == TOO_OFTEN.format(3)
-        assert [event.kind for event in stored_events(service, "thrice")] == ["started", "iterated", "failed"]
+        assert [event.kind for event in stored_events(service, named("thrice"))] == ["started", "iterated", "failed"]
 
 
 def test_a_fit_does_not_go_on_with_another_model(serving, storage: Storage, scan_id: str) -> None:
-    begun(storage, scan_id, "interrupted", 0)
-    append(storage, "interrupted", {"kind": "started", "stance": "standing", "model_sha256": "1" * 64})
+    begun(storage, scan_id, named("interrupted"), 0)
+    append(storage, named("interrupted"), {"kind": "started", "stance": "standing", "model_sha256": "1" * 64})
     with serving(fake_fit.quick) as service:
-        assert ended(service, "interrupted").reason == OTHER_MODEL
+        assert ended(service, named("interrupted")).reason == OTHER_MODEL
 
 
 def test_a_fit_that_is_started_again_has_the_stance_that_was_asked_for(serving, storage: Storage, scan_id: str) -> None:
-    begun(storage, scan_id, "interrupted", 0)
-    append(storage, "interrupted", {"kind": "started", "stance": "supine", "model_sha256": "0" * 64})
-    fit = get_fit(storage, "interrupted")
+    begun(storage, scan_id, named("interrupted"), 0)
+    append(storage, named("interrupted"), {"kind": "started", "stance": "supine", "model_sha256": "0" * 64})
+    fit = get_fit(storage, named("interrupted"))
     assert (fit.stance, fit.asked_stance) == ("supine", "auto")
     assert fit_job(get_scan(storage, scan_id), fit, Path(), Path(), None).stance == "auto"
 
@@ -171,7 +170,7 @@ def test_a_worker_that_does_not_see_the_data_says_so_and_makes_none_up(
     serving, scan_id: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with serving(fake_fit.quick) as service:
-        monkeypatch.setattr(service.storage, "root", tmp_path / "elsewhere")
+        monkeypatch.setattr(service._queue, "_root", tmp_path / "elsewhere")
         fit = ended(service, ask_for_fit(service, scan_id))
         assert (fit.state, fit.reason) == ("failed", UNSEEN)
     assert not (tmp_path / "elsewhere").exists()
@@ -183,7 +182,7 @@ def test_stopping_the_server_keeps_what_runs_and_what_waits_for_the_next(
     with serving(fake_fit.patient, workers=1) as service:
         running, waiting = ask_for_fit(service, scan_id), ask_for_fit(service, scan_id)
         until(lambda: get_fit(service.storage, running).iterations > 0, "the first iteration")
-    assert [get_fit(storage, fit).state for fit in (running, waiting)] == ["queued", "queued"]
+    assert [get_fit(storage, fit).state for fit in (running, waiting)] == ["running", "queued"]
     last = get_fit(storage, running).last_event
     with serving(fake_fit.quick, workers=1) as service:
         for fit in (running, waiting):
@@ -206,10 +205,10 @@ def test_deleting_a_scan_stops_its_fits_and_leaves_nothing(serving, storage: Sto
         service.delete_scan(scan_id)
         with pytest.raises(NotFound):
             get_scan(service.storage, scan_id)
-        rows = {"breastrig.sqlite3", "breastrig.sqlite3-wal", "breastrig.sqlite3-shm"}
         left = _files(storage.root)
-        assert {name for name in left if not name.startswith("models/")} == {"lock", "installation", "reserve", *rows}
-        left = bytes_below(storage.root, "breastrig.sqlite3*")
+        ours = ("models/", "index")
+        assert {name for name in left if not name.startswith(ours)} == {"lock", "installation"}
+        left = bytes_below(storage.root, "index-*")
         assert not any(one.encode() in left for one in (scan_id, *fit_ids))
 
 
@@ -224,16 +223,16 @@ def _files(root: Path) -> set[str]:
 
 
 def test_an_end_that_cannot_be_stored_at_once_is_stored_later(serving, scan_id: str, monkeypatch) -> None:
-    real, refusals = queue.append, [1, 2, 3]
+    real, refusals = queue.end_abandoned, [1, 2, 3]
 
     def full_at_first(*args):
         if refusals:
             refusals.pop()
-            raise OperationalError("INSERT", {}, Exception("database or disk is full"))
+            raise OSError(28, "No space left on device")
         return real(*args)
 
     monkeypatch.setattr(queue, "SETTLE_AGAIN_S", 0.02)
-    monkeypatch.setattr(queue, "append", full_at_first)
+    monkeypatch.setattr(queue, "end_abandoned", full_at_first)
     with serving(fake_fit.dying) as service:
         fit = ended(service, ask_for_fit(service, scan_id))
         assert (fit.state, refusals) == ("failed", [])

@@ -5,20 +5,26 @@ from pathlib import Path
 import pytest
 from helpers import fake_fit
 from helpers.on_disk import bytes_below
-from helpers.rows import add_waiting_fit
+from helpers.rows import add_waiting_fit, named
 from helpers.waiting import until
 
+from breastrig.cases.case_folder import CaseFolder
+from breastrig.cases.layout import CASES
 from breastrig.cli.main import main
 from breastrig.core import wall_clock
 from breastrig.execution.limits import FitLimits
+from breastrig.index.index import Index
+from breastrig.service import sweep
 from breastrig.service.service import Service
 from breastrig.service.sweep import Retention, Sweep
 from breastrig.storage.rows.expiring_scans import aged_scans, announce
+from breastrig.storage.rows.patients import patients_page
 from breastrig.storage.rows.scans import ScanRow, add_scan, scan_ids
 from breastrig.storage.storage import Storage, iso_utc
 
 FACTS = {"unit": "mm", "bounds_m": {"min": [0, 0, 0], "max": [1, 1, 1]}}
-AGES_DAYS = {"new": 0.0, "nearly": 29.9, "old": 30.1, "very_old": 400.0}
+NEW, NEARLY, OLD, VERY_OLD = (named(name) for name in ("new", "nearly", "old", "very_old"))
+AGES_DAYS = {NEW: 0.0, NEARLY: 29.9, OLD: 30.1, VERY_OLD: 400.0}
 
 
 @pytest.fixture
@@ -28,9 +34,10 @@ def aged(storage: Storage) -> Storage:
         storage.files.make(f"scans/{scan_id}")
         (storage.files.scan(scan_id) / "scan.ply").write_bytes(f"skin of {scan_id}".encode())
         add_scan(storage, ScanRow(scan_id, iso_utc(datetime.now(UTC) - timedelta(days=age)), "ply", "ab" * 32, FACTS))
-        storage.files.make(f"fits/fit_of_{scan_id}")
-        (storage.files.fit(f"fit_of_{scan_id}") / "result.json").write_text(f"result of {scan_id}")
-        add_waiting_fit(storage, scan_id, f"fit_of_{scan_id}")
+        fit_id = named(f"of_{scan_id[:9]}")
+        storage.files.make(f"fits/{fit_id}")
+        (storage.files.fit(fit_id) / "result.json").write_text(f"result of {scan_id}")
+        add_waiting_fit(storage, scan_id, fit_id)
     return storage
 
 
@@ -67,7 +74,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
 
 @pytest.fixture
 def upload(storage: Storage, clock: Clock) -> Callable[[str], None]:
-    return lambda name: add_scan(storage, ScanRow(name, iso_utc(clock.now), "ply", "ab" * 32, FACTS))
+    return lambda name: add_scan(storage, ScanRow(named(name), iso_utc(clock.now), "ply", "ab" * 32, FACTS))
 
 
 def test_a_scan_is_deleted_when_its_time_is_over_and_not_an_hour_before(
@@ -80,7 +87,7 @@ def test_a_scan_is_deleted_when_its_time_is_over_and_not_an_hour_before(
     for _ in range(24 * 30 + 1):
         due.append(server.due())
         clock.run(hours=1)
-    assert due == [[]] * 24 * 30 + [["scan"]]
+    assert due == [[]] * 24 * 30 + [[named("scan")]]
     assert [record.getMessage() for record in caplog.records] == [
         f"1 scans are older than 30 days or soon will be; if the clock is right, they are deleted from {day} on"
     ]
@@ -128,7 +135,7 @@ def test_what_grew_old_while_no_server_ran_is_deleted_a_day_after_its_start_and_
     for _ in range(24):
         assert server.due() == []
         clock.run(hours=1)
-    assert server.due() == ["scan"]
+    assert server.due() == [named("scan")]
     assert f"they are deleted from {day} on" in caplog.text
 
 
@@ -143,7 +150,7 @@ def test_a_server_that_never_runs_for_a_day_deletes_too(
         clock.run(hours=1)
         due.append(server.due())
         clock.run(days=7)
-    assert due == [[]] * 12 + [["scan"]] * 2  # announced after 35 days, deleted a week later
+    assert due == [[]] * 12 + [[named("scan")]] * 2  # announced after 35 days, deleted a week later
 
 
 def test_a_clock_that_begins_before_the_upload_neither_deletes_nor_withdraws(
@@ -159,7 +166,7 @@ def test_a_clock_that_begins_before_the_upload_neither_deletes_nor_withdraws(
     server = Retention(storage, 30)
     assert server.due() == []
     clock.now = right
-    assert server.due() == ["scan"]
+    assert server.due() == [named("scan")]
 
 
 def test_a_time_shorter_than_a_day_is_kept_too(storage: Storage, clock: Clock, upload: Callable[[str], None]) -> None:
@@ -169,19 +176,29 @@ def test_a_time_shorter_than_a_day_is_kept_too(storage: Storage, clock: Clock, u
     for _ in range(7):
         due.append(server.due())
         clock.run(hours=1)
-    assert due == [[]] * 6 + [["scan"]]
+    assert due == [[]] * 6 + [[named("scan")]]
 
 
 def test_a_running_server_deletes_what_is_older_than_it_keeps(aged: Storage) -> None:
     limits = FitLimits(workers=1, grace_s=0.2)
-    announce(aged, ["nearly", "old", "very_old"], iso_utc(datetime.now(UTC) - timedelta(days=1)))
+    announce(aged, [NEARLY, OLD, VERY_OLD], iso_utc(datetime.now(UTC) - timedelta(days=1)))
     service = Service(Storage(aged.root), runner=fake_fit.quick, fits=limits, keep_days=30)
     with service.started():
-        until(lambda: scan_ids(aged) == {"new", "nearly"}, "the sweep")
+        until(lambda: scan_ids(aged) == {NEW, NEARLY}, "the sweep")
         until(lambda: not list((aged.root / "rubbish").iterdir()), "the end of the sweep")
-    for trace in ("very_old", "fit_of_old", "skin of old", "result of old"):
+    for trace in (VERY_OLD, "of_old", "skin of old", "result of old"):
         assert trace not in names_left(aged.root)
-    assert (aged.files.scan("new") / "scan.ply").is_file()
+    assert (aged.files.scan(NEW) / "scan.ply").is_file()
+
+
+def test_a_running_server_sees_what_other_programs_write(aged: Storage, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sweep, "NEWS_EVERY_S", 0.02)
+    service = Service(aged, runner=fake_fit.quick, fits=FitLimits(workers=1, grace_s=0.2), keep_days=None)
+    with service.started():
+        case = CaseFolder.create(aged.root / CASES / named("another"), "K7M-4QX")
+        until(lambda: "K7M-4QX" in {row.code for row in patients_page(aged, 9, None)[0]}, "another program's case")
+        case.rename("L8N-5RY")
+        until(lambda: "L8N-5RY" in {row.code for row in patients_page(aged, 9, None)[0]}, "its other code")
 
 
 def test_a_server_that_keeps_forever_deletes_nothing(aged: Storage) -> None:
@@ -190,18 +207,18 @@ def test_a_server_that_keeps_forever_deletes_nothing(aged: Storage) -> None:
     with service.started():
         assert scan_ids(aged) == set(AGES_DAYS)
     deleted: list[str] = []
-    sweep = Sweep(aged, deleted.append, None)
-    sweep.start()
-    sweep.stop()  # it has looked once by then
+    sweeping = Sweep(aged, deleted.append, None)
+    sweeping.start()
+    sweeping.stop()  # it has looked once by then
     assert deleted == []
 
 
 def test_purge_deletes_the_older_ones_without_a_trace(aged: Storage, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["purge", "--older-than", "30", "--data", str(aged.root)]) == 0
     assert capsys.readouterr().out.startswith("2 scans deleted")
-    assert scan_ids(aged) == {"new", "nearly"}
+    assert scan_ids(aged) == {NEW, NEARLY}
     left = names_left(aged.root)
-    for trace in ("very_old", "fit_of_old", "skin of old", "result of old"):
+    for trace in (VERY_OLD, "of_old", "skin of old", "result of old"):
         assert trace not in left
     assert "skin of new" in left
 
@@ -213,10 +230,34 @@ def test_purge_of_all_leaves_an_empty_data_folder(aged: Storage, capsys: pytest.
     left = names_left(aged.root)
     for scan_id in AGES_DAYS:
         assert f"skin of {scan_id}" not in left
-        assert f"fit_of_{scan_id}" not in left
+        assert f"of_{scan_id[:9]}" not in left
     assert not list(aged.root.glob("*/*"))
     assert main(["purge", "--all", "--data", str(aged.root)]) == 0
     assert capsys.readouterr().out.startswith("0 scans deleted")
+
+
+def test_purge_needs_no_index_and_names_the_cases_that_it_cannot_read(
+    aged: Storage, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    damaged = aged.files.scan(VERY_OLD)
+    (damaged / "scan.json").write_text("{")
+    aged.close()
+
+    def full(_index: Index) -> None:
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Index, "prepare", full)
+        assert main(["purge", "--older-than", "30", "--data", str(aged.root)]) == 1
+    said = capsys.readouterr()
+    assert said.out.startswith("1 scan deleted")
+    assert f"{damaged.parents[1]}: " in said.err
+    assert "(No space left on device); make room" in said.err
+    assert "What is deleted is named in the index until the next start." in said.err
+    assert main(["purge", "--all", "--data", str(aged.root)]) == 0  # the damaged one too
+    assert capsys.readouterr().out.startswith("3 scans deleted")
+    left = names_left(aged.root)
+    assert not [scan for scan in AGES_DAYS if f"skin of {scan}" in left or scan in left]
 
 
 def test_purge_of_a_folder_that_is_none_or_is_held_by_a_server_says_so(

@@ -76,5 +76,5 @@ def test_a_refused_fit_leaves_no_folder_and_takes_no_place(serving, scan_id: str
     with serving(fake_fit.quick, workers=1, waiting_per_client=0) as service:
         with pytest.raises(TooMany):
             ask(service, scan_id, "a")
-        assert not list((service.storage.root / "fits").iterdir())
+        assert not list(service.storage.root.rglob("fit.json"))
         assert ended(service, ask(service, scan_id)).state == "done"

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from helpers.rows import add_waiting_fit
+from helpers.rows import add_waiting_fit, named
 
 from breastrig.storage.rows.scans import ScanRow, add_scan
 from breastrig.storage.storage import Storage
@@ -22,12 +22,13 @@ def storage(tmp_path: Path) -> Iterator[Storage]:
 
 @pytest.fixture
 def scan_id(storage: Storage) -> str:
-    storage.files.make("scans/scan-1")
-    add_scan(storage, ScanRow("scan-1", "2026-01-01T00:00:00.000Z", "ply", "ab" * 32, FACTS))
-    return "scan-1"
+    scan_id = named("scan-1")
+    storage.files.make(f"scans/{scan_id}")
+    add_scan(storage, ScanRow(scan_id, "2026-01-01T00:00:00.000Z", "ply", "ab" * 32, FACTS))
+    return scan_id
 
 
 @pytest.fixture
 def fit_id(storage: Storage, scan_id: str) -> str:
-    add_waiting_fit(storage, scan_id, "fit-1")
-    return "fit-1"
+    add_waiting_fit(storage, scan_id, named("fit-1"))
+    return named("fit-1")

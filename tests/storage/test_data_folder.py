@@ -4,6 +4,7 @@ import os
 import sqlite3
 import threading
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -11,12 +12,15 @@ import pytest
 from breastrig.cli.main import main
 from breastrig.core.errors import BadSettings
 from breastrig.execution.limits import FitLimits
+from breastrig.index.file import current, fault_of, installation_of
 from breastrig.service.service import Service
 from breastrig.storage import data_folder
 from breastrig.storage.data_folder import Ownership, installation_id, ownership_of
 from breastrig.storage.storage import Storage
 
 pytestmark = pytest.mark.long
+
+THEIRS = ("scans/p1", "fits/p1", "cases/p1", "rubbish/p1")
 
 State = dict[str, tuple[int, int, bytes | str | None]]
 
@@ -38,7 +42,7 @@ def start(root: Path) -> None:
 
 
 def scans_of_others(root: Path) -> None:
-    for place in ("scans/p1", "fits/p1", "rubbish/p1"):
+    for place in THEIRS:
         (root / place).mkdir(parents=True)
         (root / place / "a").write_text("x")
 
@@ -122,10 +126,10 @@ def test_what_others_put_into_our_folder_stays(tmp_path: Path, caplog: pytest.Lo
     (root / "letter.txt").write_text("x")
     start(root)
     assert main(["purge", "--all", "--data", str(root)]) == 0
-    for place in ("scans/p1/a", "fits/p1/a", "rubbish/p1/a", "letter.txt"):
-        assert (root / place).read_text() == "x"
+    for place in (*THEIRS, "letter.txt"):
+        assert (root / place / "a" if place in THEIRS else root / place).read_text() == "x"
     said = [record.getMessage() for record in caplog.records if record.levelname == "WARNING"]
-    assert said == ["3 files or folders among those of scans and fits are none of BreastRig's; they stay"] * 2
+    assert said == ["1 files or folders among the cases are none of BreastRig's; they stay"] * 2
 
 
 @pytest.mark.parametrize("place", ["missing", "missing/too", "empty", "new_disk"])
@@ -150,9 +154,10 @@ def test_an_empty_or_missing_folder_becomes_ours_and_the_marker_comes_first(
     before = installation_id(root)
     start(root)
     assert installation_id(root) == before
-    rows = sqlite3.connect(root / "breastrig.sqlite3")
-    assert rows.execute("SELECT id FROM installation").fetchall() == [(before,)]
-    rows.close()
+    file = current(root)
+    assert file is not None
+    with closing(sqlite3.connect(file)) as rows:
+        assert installation_of(rows) == before
 
 
 def test_a_marker_whose_writing_was_interrupted_is_written_again(tmp_path: Path) -> None:
@@ -273,9 +278,12 @@ def test_a_folder_that_cannot_be_written_is_one_sentence(
 
 
 @pytest.mark.parametrize("damage", ["garbage", "hole", "cut", "text"])
-def test_a_damaged_database_is_one_sentence(damage: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_damaged_index_is_made_again_and_the_log_says_so(
+    damage: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
     start(tmp_path)
-    file = tmp_path / "breastrig.sqlite3"
+    file = current(tmp_path)
+    assert file is not None
     content = bytearray(file.read_bytes())
     if damage == "garbage":
         content[:] = b"\xa5" * len(content)
@@ -286,12 +294,11 @@ def test_a_damaged_database_is_one_sentence(damage: str, tmp_path: Path, capsys:
     else:
         content = bytearray(b"no database at all")
     file.write_bytes(content)
-    for command in (["serve", "--port", "0"], ["purge", "--all"]):
-        assert main([*command, "--data", str(tmp_path)]) == 2
-        said = capsys.readouterr().err
-        assert said.startswith(f"breastrig: The database {file} is damaged; ")
-        assert said.count("\n") == 1
-    assert file.read_bytes() == content
+    start(tmp_path)
+    said = [record.getMessage() for record in caplog.records if record.levelname == "ERROR"]
+    assert said == ["the index is damaged; it is made again from the folders"]
+    assert fault_of(current(tmp_path), str(installation_id(tmp_path))) is None
+    assert not file.exists()
 
 
 @pytest.mark.parametrize("blank", ["", " ", "\t"])

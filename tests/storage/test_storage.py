@@ -3,7 +3,10 @@ from pathlib import Path
 
 import pytest
 
+from breastrig.cases.fits import claimed
 from breastrig.core.errors import BadSettings
+from breastrig.storage.data_folder import MARK
+from breastrig.storage.deletion import delete_scan, finish_deletions
 from breastrig.storage.storage import Storage, default_data_folder, utc_now
 
 
@@ -14,6 +17,11 @@ def test_a_second_server_on_the_same_folder_is_refused(storage: Storage) -> None
     with other.exclusive():
         pass
     other.close()
+
+
+def test_only_the_owner_can_look_into_the_data_folder(storage: Storage, fit_id: str) -> None:
+    found = [storage.root, *storage.root.rglob("*")]
+    assert {path for path in found if path.stat().st_mode & 0o077} <= {storage.root / MARK}  # that is no secret
 
 
 def test_a_folder_that_cannot_be_made_gives_a_sentence(tmp_path: Path) -> None:
@@ -44,28 +52,25 @@ def test_the_time_says_that_it_is_utc() -> None:
     assert len(utc_now()) == len("2026-01-01T00:00:00.000Z")
 
 
-def test_removing_a_folder_touches_nothing_else(storage: Storage, tmp_path: Path) -> None:
-    for folder in ("scans/a", "scans/b", "fits/a", "rubbish/a", "rubbish/scans.b"):
+def test_deleting_a_scan_touches_nothing_else(storage: Storage, scan_id: str, tmp_path: Path) -> None:
+    for folder in ("cases/a", "rubbish/a", "rubbish/scans.b", "incoming/a"):
         (storage.root / folder).mkdir()
         (storage.root / folder / "file").write_bytes(b"x")
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "elsewhere" / "file").write_bytes(b"x")
-    (storage.root / "scans" / "a" / "link").symlink_to(tmp_path / "elsewhere")
-    (storage.root / "fits" / "link").symlink_to(tmp_path / "elsewhere")
-    assert storage.remove("scans/a", "fits/link", "fits/nobody") == []
-    assert os.listdir(storage.root / "scans") == ["b"]
-    assert os.listdir(storage.root / "fits") == ["a"]
+    (storage.files.scan(scan_id) / "link").symlink_to(tmp_path / "elsewhere")
+    assert delete_scan(storage, scan_id) == []
+    assert finish_deletions(storage) == []
+    assert os.listdir(storage.root / "cases") == ["a"]
     assert sorted(os.listdir(storage.root / "rubbish")) == ["a", "scans.b"]
+    assert os.listdir(storage.root / "incoming") == ["a"]
     assert (tmp_path / "elsewhere" / "file").read_bytes() == b"x"
 
 
-def test_a_folder_that_a_process_writes_into_is_waited_for(storage: Storage) -> None:
-    folders = storage.files
-    folders.make("fits/busy")
-    with folders.held("busy"):
-        assert not folders.wait_until_free("busy", 0.02)
-    assert folders.wait_until_free("busy", 0.02)
-    folders.remove("fits/busy")
-    assert folders.wait_until_free("busy", 0.02)
-    with pytest.raises(FileNotFoundError), folders.held("busy"):
-        pass
+def test_a_fit_that_a_process_is_at_is_waited_for(storage: Storage, scan_id: str, fit_id: str) -> None:
+    case, _ = storage.case_of_fit(fit_id)
+    with claimed(case, scan_id, fit_id):
+        assert not storage.wait_until_free(fit_id, 0.02)
+    assert storage.wait_until_free(fit_id, 0.02)
+    assert delete_scan(storage, scan_id) == []
+    assert storage.wait_until_free(fit_id, 0.02)

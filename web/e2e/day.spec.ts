@@ -28,10 +28,10 @@ test.beforeAll(async () => {
 });
 test.afterAll(() => service.stop());
 
-/** Files of a patient in the data folder: all but the database's own and the reserve. */
+/** Files of a patient in the data folder: all but its index, marker and models. */
 function patientFiles(folder: string): string[] {
   const all = readdirSync(folder, { recursive: true }).map(String);
-  return all.filter((name) => /^(scans|fits|rubbish|spool)[/]/.test(name) && statSync(join(folder, name)).isFile());
+  return all.filter((name) => /^(cases|incoming|rubbish)[/]/.test(name) && statSync(join(folder, name)).isFile());
 }
 
 async function fitWithExample(page: Page): Promise<void> {

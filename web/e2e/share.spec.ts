@@ -137,7 +137,7 @@ test("a visitor's day: what stood when the link was made, the present state when
     const unit = { m: 1000, mm: 1 }[(await owner.json<{ unit: "m" | "mm" }>(own.scan.self!)).unit];
     const point = landmarks.nipple_L!.map((each) => each * unit);
     const line = { kind: "line", id: "a", scan: id, name, points: [point, point.map((each) => each + 5)] };
-    await owner.ask(own.scan.plan!, "PUT", { items: [line, { kind: "note", id: "n", scan: id, text }] }, { "If-Match": `"${(await owner.json<{ version: number }>(own.scan.plan!)).version}"` });
+    await owner.ask(own.scan.plan!, "PUT", { items: [line, { kind: "note", id: "n", scan: id, text }] }, { "If-Match": (await owner.ask(own.scan.plan!)).headers.get("ETag")! });
   };
   await plan("before lunch", "she wants it smaller");
 

@@ -66,13 +66,14 @@ export class FakeEventSource {
 /** A service that keeps plans, and refuses what was not changed from the newest. */
 export function fakePlans() {
   const versions = new Map<string, StoredPlan[]>();
-  const all = (link: string): StoredPlan[] => versions.get(link) ?? versions.set(link, [{ schema: "breastrig/plan@1", unit: "mm", version: 0, whole: false, scans: [], items: [] }]).get(link)!;
+  const all = (link: string): StoredPlan[] => versions.get(link) ?? versions.set(link, [{ schema: "breastrig/plan@1", unit: "mm", version: 0, seen: "0", whole: false, scans: [], items: [] }]).get(link)!;
   return {
     plan: vi.fn(async (link: string) => all(link).at(-1)!),
     planVersion: async (link: string, version: number) => all(link)[version]!,
-    savePlan: vi.fn(async (link: string, items: readonly PlanItem[], version: number) => {
-      if (version !== all(link).at(-1)!.version) throw new ApiError("Somebody has changed this plan.", 412);
-      all(link).push({ ...all(link)[0]!, version: version + 1, whole: true, items: JSON.parse(JSON.stringify(items)) as PlanItem[] });
+    savePlan: vi.fn(async (link: string, items: readonly PlanItem[], seen: string | null) => {
+      const { version } = all(link).at(-1)!;
+      if (seen !== all(link).at(-1)!.seen) throw new ApiError("Somebody has changed this plan.", 412);
+      all(link).push({ ...all(link)[0]!, version: version + 1, seen: `of ${version + 1}`, whole: true, items: JSON.parse(JSON.stringify(items)) as PlanItem[] });
       return all(link).at(-1)!;
     }),
     planOnFit: vi.fn(async (link: string): Promise<PlanOnScan> => ({ schema: "breastrig/drawing@1", name: "plan", unit: "mm", notice: "", shapes: [], lesions: [], notes: [], missing: [], doubts: [], version: 1, whole: true, fit: link, carried_from: [] })),

@@ -4,6 +4,7 @@ import errno
 import json
 import logging
 import shutil
+import sqlite3
 from collections.abc import Mapping
 from functools import partial
 from http import HTTPStatus
@@ -13,13 +14,10 @@ from typing import Any
 from apiflask import APIFlask, HTTPError
 from flask import Response, request
 from pydantic import ValidationError
-from sqlalchemy.exc import DatabaseError, OperationalError
-from sqlalchemy.exc import TimeoutError as NoConnectionLeft
 from werkzeug.exceptions import HTTPException
 
 from breastrig.api.wire.patients import PLAIN
 from breastrig.core import errors
-from breastrig.storage.database import is_damage
 from breastrig.storage.storage import Storage
 
 log = logging.getLogger(__name__)
@@ -86,14 +84,12 @@ def refuse(status: int, sentence: str, headers: Mapping[str, str] = MappingProxy
 
 
 def register_errors(app: APIFlask, storage: Storage) -> None:
-    in_trouble = partial(_database_trouble, storage)
+    in_trouble = partial(_index_trouble, storage)
     app.register_error_handler(errors.BreastRigError, _breastrig_error)
     app.register_error_handler(HTTPError, _validation_error)
     app.register_error_handler(HTTPException, _http_error)
     app.register_error_handler(RecursionError, _too_deep)
-    app.register_error_handler(OperationalError, in_trouble)
-    app.register_error_handler(DatabaseError, _database_damage)
-    app.register_error_handler(NoConnectionLeft, in_trouble)
+    app.register_error_handler(sqlite3.Error, in_trouble)
     app.register_error_handler(OSError, _disk_trouble)
 
 
@@ -137,28 +133,12 @@ def _validation_error(error: HTTPError) -> Response:
     return problem(error.status_code, f"{where}{first['message'].rstrip('.')}{more}.", fields=fields[:50])
 
 
-def _database_trouble(storage: Storage, error: OperationalError | NoConnectionLeft) -> Response:
-    """Not even read: while writers wait for whoever holds the database, they have taken all connections."""
-    reason = error.orig if isinstance(error, OperationalError) else "all its connections are in use"
-    if _has_no_room(storage, error):
+def _index_trouble(storage: Storage, error: sqlite3.Error) -> Response:
+    if storage.is_disk_full(error) and shutil.disk_usage(storage.root).free < NO_ROOM_BYTES:
         return _disk_is_full()
-    log.error("the database cannot be used: %s", reason)
+    log.error("the index cannot be used: %s", error)
     detail = "The service cannot store anything at the moment; its disk may be full. Try again later."
     return problem(503, detail, headers={"Retry-After": "10"})
-
-
-def _database_damage(error: DatabaseError) -> Response:
-    if not is_damage(error):
-        raise error
-    log.error("the database is damaged: %s", error.orig)
-    return problem(503, "The service's database is damaged; whoever runs it has to put a copy in its place.")
-
-
-def _has_no_room(storage: Storage, error: OperationalError | NoConnectionLeft) -> bool:
-    """SQLite says so, or cannot say why it failed while nothing is free on the disk of the data folder."""
-    if getattr(getattr(error, "orig", None), "sqlite_errorname", "") == "SQLITE_FULL":
-        return True
-    return storage.is_disk_full(error) and shutil.disk_usage(storage.root).free < NO_ROOM_BYTES
 
 
 def _disk_trouble(error: OSError) -> Response:

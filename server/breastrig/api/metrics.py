@@ -17,7 +17,7 @@ from prometheus_client.registry import Collector
 
 from breastrig.api.request_log import BEGAN, route_of_request
 from breastrig.service.service import Service
-from breastrig.storage.file_journal import count_pending_removals
+from breastrig.storage.deletion import count_left
 from breastrig.storage.rows.fits import STATES, count_by_state
 
 BUCKETS_S = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)  # answers take milliseconds, uploads and proposals seconds
@@ -83,7 +83,7 @@ class _Fits(Collector):
         yield GaugeMetricFamily(
             "breastrig_places_not_removed",
             "Folders of deleted scans and fits whose files could not be removed yet",
-            count_pending_removals(self._service.storage),
+            count_left(self._service.storage),
         )
         yield GaugeMetricFamily("breastrig_workers", "Fits that can run at once", self._service.workers)
 

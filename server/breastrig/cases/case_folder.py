@@ -36,6 +36,13 @@ class ScanEntry:
     document: ScanDocument
 
 
+@dataclass(frozen=True)
+class MadeScan(ScanEntry):
+    """One that is to come into a case."""
+
+    folder: Path  # its files, on the disk of the case
+
+
 class CaseFolder:
     """A case that is there.  May be used from any thread and process; nothing is remembered of what it holds."""
 
@@ -52,19 +59,23 @@ class CaseFolder:
         Raises BadInput where something is already, or nothing can be written.
         """
         chosen = checked_code(code) or random_code()
-        document = CaseDocument(code=chosen, created_at=utc_now())
-        root = data_folder_of(path.absolute())
         try:
-            private_folder(path.absolute().parent)
-            with coming(path.absolute().parent if root is None else root / layout.INCOMING) as folder:
-                put(folder, layout.CASE, content_of(document))
-                put(folder, LOCK, b"")
-                os.rename(folder, path)
-            sync_folder(path.absolute().parent)
+            with new_case(path, chosen):
+                pass
         except OSError as error:
             if os.path.lexists(path):
                 raise BadInput(f"{shown(path)} is there already; name a new folder for the case.") from error
             raise BadInput(f"{shown(path)} cannot be written ({error.strerror}); choose another place.") from error
+        return CaseFolder(path)
+
+    @staticmethod
+    def of_scan(path: Path, code: str, first: MadeScan) -> "CaseFolder":
+        """A new case with its first scan, put in place together.  Raises OSError."""
+        _complete(first)
+        with new_case(path, code) as folder:
+            (folder / layout.SCANS).mkdir(mode=0o700)
+            os.rename(first.folder, folder / scan_part(first.id))
+            sync_folder(folder / layout.SCANS)
         return CaseFolder(path)
 
     @property
@@ -167,10 +178,7 @@ class CaseFolder:
         Raises NotFound when the case is gone, NeedsYes where it has a scan of the same file and nobody said `again`.
         """
         scan_id = scan_id or new_id()
-        put(made, layout.SCAN, content_of(document))
-        for file in made.iterdir():
-            file.chmod(0o600)
-            sync_file(file)
+        _complete(MadeScan(scan_id, document, made))
         with self.writing():
             if not again and any(one.document.sha256 == document.sha256 for one in self.scans()):
                 raise NeedsYes("This scan is already here: the same file is one of this patient's scans", "again")
@@ -183,6 +191,28 @@ class CaseFolder:
         private_folder(target.parent)
         os.rename(made, target)
         sync_folder(target.parent)
+
+
+@contextmanager
+def new_case(path: Path, code: str) -> Iterator[Path]:
+    """A folder that is the case of that place at the end of the block, with what was put into it.  Raises OSError."""
+    path = path.absolute()
+    root = data_folder_of(path)
+    private_folder(path.parent)
+    with coming(path.parent if root is None else root / layout.INCOMING) as folder:
+        put(folder, layout.CASE, content_of(CaseDocument(code=code, created_at=utc_now())))
+        put(folder, LOCK, b"")
+        yield folder
+        os.rename(folder, path)
+    sync_folder(path.parent)
+
+
+def _complete(made: MadeScan) -> None:
+    """Its document is among its files, and all are on the disk."""
+    put(made.folder, layout.SCAN, content_of(made.document))
+    for file in made.folder.iterdir():
+        file.chmod(0o600)
+        sync_file(file)
 
 
 @contextmanager

@@ -77,6 +77,9 @@ class AnswersDocument(Document):
     side: Literal["L", "R"] | None = Field(default=None, description="the patient's side that the scan is about")
     scale: float | None = Field(default=None, gt=0.0, description="by which the scan has its true size")
     visit: str | None = Field(default=None, max_length=60, description="such as: before, after six months")
+    same_as: list[str] = Field(
+        default=[], description="scans of the case that are of the same patient, though the bodies do not look like it"
+    )
 
 
 class ProposalsDocument(Document):
@@ -102,6 +105,7 @@ class FitDocument(Document):
     refine: bool = True
     start_from: str | None = Field(default=None, description="an earlier fit of the same scan")
     predicted_from: str | None = Field(default=None, description="of a prediction: the fit that it comes from")
+    simulated: bool = Field(default=False, description="by an early version, by finite elements")
     key_sha256: str | None = Field(default=None, description="of the Idempotency-Key")
     request_sha256: str | None = Field(default=None, description="of the request that came with it")
 

@@ -19,7 +19,7 @@ from breastrig.cases.case_folder import CaseFolder
 from breastrig.cases.documents import FitDocument, content_of
 from breastrig.cases.layout import fit_part, new_id, scan_part
 from breastrig.cases.writing import put, sync_folder
-from breastrig.core.errors import Conflict, NotFound
+from breastrig.core.errors import Conflict, FitFailed, NotFound
 
 STATES = ("queued", "running", "done", "failed", "cancelled")
 ENDED = frozenset(STATES[2:])
@@ -27,6 +27,7 @@ ATTEMPTS = 3  # one that takes its machine down with it must not do so for ever
 TAIL = 2**16  # bytes of the log's end that are read first; an iteration takes 2.5 kB, a result some ten
 NO_FIT = "There is no such fit; it may have been deleted."
 CANCELLED = {"kind": "cancelled", "reason": "The fit was cancelled."}
+OTHER_MODEL = "The model was exchanged after this fit had started; start the fit again."
 TOO_OFTEN = "This fit was started {} times without an end, as its server or worker ended first; start the fit again."
 
 
@@ -76,10 +77,10 @@ def get_fit(case: CaseFolder, scan_id: str, fit_id: str) -> FitEntry:
     if document is None:
         raise NotFound(NO_FIT)
     last = last_event(case.path / part)
-    return FitEntry(fit_id, scan_id, document, _state(case.path / part, last), last)
+    return FitEntry(fit_id, scan_id, document, state_of(case.path / part, last), last)
 
 
-def _state(folder: Path, last: dict[str, Any] | None) -> str:
+def state_of(folder: Path, last: dict[str, Any] | None) -> str:
     """The last line says it, else `cancel`, else nobody has started."""
     if last is not None and last["kind"] in ENDED:
         return str(last["kind"])
@@ -127,8 +128,14 @@ class Claim:
         self._cut_half_line()
         self.stored = len(events_after(self.folder))
         self._counted = 0
+        first = events_after(self.folder)[:1]
+        self._model = json.loads(first[0][1]).get("model_sha256") if first else None
         last = last_event(self.folder)
         self._ended = last is not None and last["kind"] in ENDED
+
+    def go_on(self) -> None:
+        """What is appended from here on is new, whatever an earlier attempt has stored."""
+        self._counted = self.stored
 
     @property
     def has_ended(self) -> bool:
@@ -143,6 +150,8 @@ class Claim:
         self._counted += 1
         is_end = event["kind"] in ENDED
         if not is_end and self._counted <= self.stored:
+            if event["kind"] == "started" and event.get("model_sha256") != self._model:
+                raise FitFailed(OTHER_MODEL)
             return True
         if self._ended:
             return False
@@ -270,6 +279,14 @@ def _held(case: CaseFolder, scan_id: str, fit_id: str) -> Iterator[bool]:
         yield lock_descriptor(descriptor, blocking=False)
     finally:
         os.close(descriptor)
+
+
+def starts_of(folder: Path) -> int:
+    """How often somebody has started the fit."""
+    try:
+        return (folder / layout.ATTEMPTS).stat().st_size
+    except FileNotFoundError:
+        return 0
 
 
 def _count_start(folder: Path) -> int:

@@ -3,6 +3,7 @@
     CASE/case.json               the patient's code
     CASE/plan.json               what is planned; plans/000007.json: earlier versions
     CASE/.lock                   held by whoever writes
+    CASE/.new                    its first scan is on the way from another case
     CASE/scans/S/                scan.json, scan.stored, mesh.glb, thumbnail.png, landmarks.json, cuts.json, ink.json,
                                  proposals.json, answers.json, expires.json
     CASE/scans/S/fits/F/         fit.json, fit.log.jsonl (line N is event N), .claim, .attempts, cancel, and what
@@ -23,7 +24,7 @@ from breastrig.core.errors import NotFound
 
 CASES, RUBBISH, INCOMING = "cases", "rubbish", "incoming"
 MARK = "installation"  # says that a folder is a data folder of BreastRig
-CASE, PLAN, PLANS = "case.json", "plan.json", "plans"
+CASE, PLAN, PLANS, NEW = "case.json", "plan.json", "plans", ".new"
 SCANS, SCAN, STORED, MESH, THUMBNAIL = "scans", "scan.json", "scan.stored", "mesh.glb", "thumbnail.png"
 LANDMARKS, CUTS, INK, PROPOSALS = "landmarks.json", "cuts.json", "ink.json", "proposals.json"
 ANSWERS, EXPIRES = "answers.json", "expires.json"

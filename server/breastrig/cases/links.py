@@ -16,12 +16,12 @@ from breastrig.core.errors import Conflict, NotFound
 OVER = "This link is over; make a new one."
 
 
-def add_link(case: CaseFolder, scan_id: str, fit_id: str, link: LinkDocument, shown: Path) -> str:
+def add_link(case: CaseFolder, scan_id: str, fit_id: str, link: LinkDocument, shown: Path, link_id: str = "") -> str:
     """Keeps a link with the folder of what it shows, made in `incoming`; its id.
 
     Raises NotFound, Conflict when the fit is not done.
     """
-    link_id = new_id()
+    link_id = link_id or new_id()
     with case.writing():
         fit = get_fit(case, scan_id, fit_id)
         if fit.state != "done":
@@ -79,14 +79,6 @@ def end_link(case: CaseFolder, scan_id: str, fit_id: str, link_id: str) -> None:
             content_of(link.model_copy(update={"shown": 0, "revoked_at": revoked})),
         )
         _remove_others(case.path / part, 0)
-
-
-def shown_folder(case: CaseFolder, scan_id: str, fit_id: str, link_id: str) -> Path:
-    """The folder of what a link shows now.  Raises NotFound, Conflict when it is over."""
-    link = get_link(case, scan_id, fit_id, link_id)
-    if not is_valid(link, utc_now()):
-        raise Conflict(OVER)
-    return case.path / link_part(scan_id, fit_id, link_id) / f"{layout.SHOWN}{link.shown}"
 
 
 def is_valid(link: LinkDocument, now: str) -> bool:

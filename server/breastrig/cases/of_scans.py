@@ -3,7 +3,7 @@
 Each is replaced as a whole; where the ETag of the one that was seen is given, only that one.
 """
 
-from pathlib import Path
+from collections.abc import Callable, Collection
 from typing import Any, TypeVar
 
 import numpy as np
@@ -21,7 +21,7 @@ from breastrig.cases.documents import (
     etag_of,
 )
 from breastrig.cases.layout import scan_part
-from breastrig.cases.writing import Changed, put
+from breastrig.cases.writing import Changed, put, sync_folder
 from breastrig.core.errors import BadDrawing, Conflict
 from breastrig.core.picks import Picks
 from breastrig.core.units import METRES_PER_UNIT
@@ -52,9 +52,14 @@ def get_landmarks(case: CaseFolder, scan_id: str) -> Picks:
     )
 
 
-def put_landmarks(case: CaseFolder, scan_id: str, picks: Picks, seen: str | None = None) -> str:
-    """Replaces them; the new ETag.  Raises NotFound, Changed."""
-    return _put(case, scan_id, layout.LANDMARKS, landmark_document(picks), seen)
+def put_landmarks(
+    case: CaseFolder, scan_id: str, picks: Picks, seen: str | None = None, digest: Callable[[], str] | None = None
+) -> str:
+    """Replaces them; the new ETag.  `seen` is the ETag of those that are there, or what `digest` gives.
+
+    Without any there is no file.  Raises NotFound, Changed.
+    """
+    return _put(case, scan_id, layout.LANDMARKS, landmark_document(picks) if picks.points_mm else None, seen, digest)
 
 
 def landmark_document(picks: Picks) -> bytes:
@@ -69,9 +74,15 @@ def get_cuts(case: CaseFolder, scan_id: str) -> tuple[dict[str, Any], ...]:
     return () if found is None else tuple(found.cuts)
 
 
-def put_cuts(case: CaseFolder, scan_id: str, cuts: tuple[dict[str, Any], ...], seen: str | None = None) -> str:
-    """Replaces them; the new ETag.  Raises NotFound, Changed."""
-    return _put(case, scan_id, layout.CUTS, content_of(CutsDocument(cuts=list(cuts))), seen)
+def put_cuts(
+    case: CaseFolder,
+    scan_id: str,
+    cuts: tuple[dict[str, Any], ...],
+    seen: str | None = None,
+    digest: Callable[[], str] | None = None,
+) -> str:
+    """The same of cuts."""
+    return _put(case, scan_id, layout.CUTS, content_of(CutsDocument(cuts=list(cuts))), seen, digest)
 
 
 def get_ink(case: CaseFolder, scan_id: str) -> InkDocument | None:
@@ -116,6 +127,34 @@ def put_answers(case: CaseFolder, scan_id: str, answers: AnswersDocument, seen: 
     return _put(case, scan_id, layout.ANSWERS, content_of(answers), seen)
 
 
+def said_same(case: CaseFolder, scan_id: str) -> set[str]:
+    """Scans of which a person has said that they are of the same patient as this one.  Raises NotFound."""
+    named = set(get_answers(case, scan_id).same_as)
+    others = case.scan_ids() - {scan_id}
+    return {other for other in others if other in named or scan_id in get_answers(case, other).same_as}
+
+
+def say_same(case: CaseFolder, scan_id: str, others: Collection[str]) -> None:
+    """Keeps that these scans are of the same patient too; under `writing`."""
+    missing = set(others) - said_same(case, scan_id) - {scan_id}
+    if missing:
+        _name_same(case, scan_id, {*get_answers(case, scan_id).same_as, *missing})
+
+
+def forget_same(case: CaseFolder, scan_id: str) -> None:
+    """Nothing is said any more of this scan, which may be gone, and others being one patient's; under `writing`."""
+    for other in case.scan_ids():
+        named = set(get_answers(case, other).same_as)
+        kept = set() if other == scan_id else named - {scan_id}
+        if kept != named:
+            _name_same(case, other, kept)
+
+
+def _name_same(case: CaseFolder, scan_id: str, scans: Collection[str]) -> None:
+    answers = get_answers(case, scan_id).model_copy(update={"same_as": sorted(scans)})
+    put(case.path, f"{scan_part(scan_id)}/{layout.ANSWERS}", content_of(answers))
+
+
 def get_proposals(case: CaseFolder, scan_id: str, key: str) -> dict[str, Any] | None:
     """The landmarks that were proposed under that key; None when none were.  Raises NotFound."""
     found = _get(case, scan_id, layout.PROPOSALS, ProposalsDocument)
@@ -139,10 +178,22 @@ def _get(case: CaseFolder, scan_id: str, name: str, kind: type[Read]) -> Read | 
     return case.read(f"{scan_part(scan_id)}/{name}", kind)
 
 
-def _put(case: CaseFolder, scan_id: str, name: str, content: bytes, seen: str | None) -> str:
+def _put(
+    case: CaseFolder,
+    scan_id: str,
+    name: str,
+    content: bytes | None,
+    seen: str | None,
+    digest: Callable[[], str] | None = None,
+) -> str:
     with case.writing():
         etag = etag_of_scan(case, scan_id, name)
+        etag = digest() if digest is not None else etag
         if seen is not None and seen != etag:
             raise Changed(etag)
-        put(case.path, str(Path(scan_part(scan_id)) / name), content)
-    return etag_of(content)
+        if content is not None:
+            put(case.path, f"{scan_part(scan_id)}/{name}", content)
+            return etag_of(content)
+        (case.scan_folder(scan_id) / name).unlink(missing_ok=True)
+        sync_folder(case.scan_folder(scan_id))
+    return NOTHING

@@ -8,12 +8,11 @@ An item whose scan is not here is not shown: so one rename decides about a scan 
 import os
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 from breastrig.cases.case_folder import CaseFolder, utc_now
 from breastrig.cases.documents import NOTHING, PlanDocument, content_of, etag_of, read_document
 from breastrig.cases.layout import PLAN, PLANS
-from breastrig.cases.writing import PART, Changed, put, replace, sync_folder
+from breastrig.cases.writing import PART, Changed, put, replace
 from breastrig.core.errors import Conflict, NotFound
 from breastrig.drawings.plan_schema import PlanItem
 
@@ -154,8 +153,7 @@ def _keep_version(case: CaseFolder, content: bytes) -> int:
         except OSError:  # a file system without hard links
             put(case.path, _version_name(number), content)
         else:
-            replace(link, target)
-            sync_folder(target.parent)
+            replace(link, target)  # it reaches the disk with the plan that follows; nobody waits for it alone
     return number
 
 
@@ -164,7 +162,7 @@ def _kept_numbers(case: CaseFolder) -> list[int]:
         names = os.listdir(case.path / PLANS)
     except FileNotFoundError:
         return []
-    return [int(Path(name).stem) for name in names if name.endswith(".json") and Path(name).stem.isdecimal()]
+    return [int(name[:-5]) for name in names if name.endswith(".json") and name[:-5].isdecimal()]
 
 
 def _version_name(number: int) -> str:

@@ -3,20 +3,22 @@
 rubbish/CASE.SCAN/   the scan is deleted; its files, items and versions are being removed
 rubbish/CASE.SCAN    a file: the scan is being moved; its items are to be where the scan is
 rubbish/CASE/        the case is deleted
+cases/CASE/.new      the case is made for a scan that is being moved; without that scan there is no such patient
 """
 
 import os
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Collection, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 from breastrig.cases import layout
-from breastrig.cases.case_folder import COMING, CaseFolder, remove_tree, sync_file
+from breastrig.cases.case_folder import COMING, CaseFolder, new_case, remove_tree, sync_file
 from breastrig.cases.fits import is_at_work
 from breastrig.cases.layout import scan_part
+from breastrig.cases.of_scans import forget_same, say_same
 from breastrig.cases.plans import forget_items, renamed, stored_plan, write_plan
-from breastrig.cases.writing import LOCK, sync_folder, writing
+from breastrig.cases.writing import FULL, LOCK, locked, put, sync_folder, writing
 from breastrig.core.errors import Conflict, NeedsYes, NotFound
 from breastrig.core.scratch import remove_abandoned
 
@@ -35,62 +37,90 @@ class Left:
 def delete_scan(case: CaseFolder, scan_id: str) -> list[Left]:
     """Deletes the scan with everything made of it, and the case when it was the last; what could not be removed.
 
-    It is deleted for all who look from the rename on.  No such scan is no error.  Nobody may be at work on its fits.
+    It is deleted for all who look from the rename on.  Nobody may be at work on its fits.  Raises NotFound where it is
+    not here, nor what is left of it: it may be of another case by now.
     """
-    if not layout.ID.fullmatch(scan_id):
-        return []
-    try:
-        with case.writing():
-            if scan_id not in case.scan_ids():
-                return _finish_scan(case, scan_id)
-            if case.scan_ids() == {scan_id}:
-                return _delete_case(case)
-            _put_away(case, scan_id)
+    with case.writing():
+        if case.around.marks().get(scan_id):
             return _finish_scan(case, scan_id)
-    except NotFound:
-        return []
+        case.check_scan(scan_id)
+        if case.scan_ids() == {scan_id}:
+            return _delete_case(case)
+        _put_away(case, scan_id)
+        return _finish_scan(case, scan_id)
 
 
-def delete_case(case: CaseFolder) -> list[Left]:
-    """Deletes the case; what could not be removed.  No such case is no error."""
+def delete_case(case: CaseFolder, empty: bool = False) -> list[Left]:
+    """Deletes the case, or only one that is `empty`; what could not be removed.  No such case is no error."""
     try:
         with case.writing():
-            return _delete_case(case)
+            return [] if empty and case.scan_ids() else _delete_case(case)
     except NotFound:
         return []
 
 
-def move_scan(source: CaseFolder, scan_id: str, target: CaseFolder, again: bool = False) -> None:
+def move_scan(
+    source: CaseFolder, scan_id: str, target: CaseFolder, again: bool = False, same_as: Collection[str] = ()
+) -> None:
     """The scan is of the other case from then on, and with it what was planned on it; a case goes with its last scan.
 
-    Raises NotFound, Conflict while a fit of it runs, NeedsYes where the other case has a scan of the same file and
-    nobody said `again`.
+    `same_as`: of these scans of the target a person has said that they are of the same patient, whatever the bodies
+    say; what was said of it before goes.  Raises NotFound, Conflict while a fit of it runs, NeedsYes where the other
+    case has a scan of the same file and nobody said `again`.
     """
-    if source.path == target.path:
-        source.check_scan(scan_id)
-        return
     with _both(source, target):
-        document = source.scan(scan_id)
-        if is_at_work(source, scan_id):
-            raise Conflict(AT_WORK)
-        if not again and any(one.document.sha256 == document.sha256 for one in target.scans()):
-            raise NeedsYes("This scan is already here: the same file is one of this patient's scans", "again")
-        _mark(source, scan_id, FROM)
-        _mark(target, scan_id, TO)
-        moved = [item for item in stored_plan(source).items if item.scan == scan_id]
-        if moved:
-            there = stored_plan(target)
-            write_plan(target, [*there.items, *renamed(moved, there.items)], there.whole)
-        place = target.path / scan_part(scan_id)
-        place.parent.mkdir(mode=0o700, exist_ok=True)
-        os.rename(source.scan_folder(scan_id), place)
-        sync_folder(place.parent)
-        sync_folder(source.path / layout.SCANS)
-        if not source.scan_ids():
-            _delete_case(source)
-        else:
-            _finish_scan(source, scan_id)
-        _finish_scan(target, scan_id)
+        _move(source, scan_id, target, again, same_as)
+
+
+def move_to_new(source: CaseFolder, scan_id: str, path: Path, code: str) -> CaseFolder:
+    """The scan is of a new case of that code from then on, as `move_scan`.  Raises likewise, and OSError."""
+    with ExitStack() as stack:
+        with new_case(path, code) as folder:
+            put(folder, layout.NEW, b"")
+            stack.enter_context(locked(folder))  # nobody else writes there until the scan has come
+        target = CaseFolder(path)
+        try:
+            with source.writing():
+                _move(source, scan_id, target, False, ())
+        except BaseException:
+            if not target.scan_ids():
+                _delete_case(target)
+            raise
+        (target.path / layout.NEW).unlink()
+    return target
+
+
+def _move(source: CaseFolder, scan_id: str, target: CaseFolder, again: bool, same_as: Collection[str]) -> None:
+    """Under `writing` of both."""
+    document = source.scan(scan_id)
+    for other in same_as:
+        if other not in target.scan_ids():
+            raise NotFound("One of these scans is none of this patient's.")
+    if source.path == target.path:
+        say_same(target, scan_id, same_as)
+        return
+    if is_at_work(source, scan_id):
+        raise Conflict(AT_WORK)
+    if not again and any(one.document.sha256 == document.sha256 for one in target.scans()):
+        raise NeedsYes("This scan is already here: the same file is one of this patient's scans", "again")
+    _mark(source, scan_id, FROM)
+    _mark(target, scan_id, TO)
+    moved = [item for item in stored_plan(source).items if item.scan == scan_id]
+    if moved:
+        there = stored_plan(target)
+        write_plan(target, [*there.items, *renamed(moved, there.items)], there.whole)
+    place = target.path / scan_part(scan_id)
+    place.parent.mkdir(mode=0o700, exist_ok=True)
+    os.rename(source.scan_folder(scan_id), place)
+    sync_folder(place.parent)
+    sync_folder(source.path / layout.SCANS)
+    forget_same(target, scan_id)
+    say_same(target, scan_id, same_as)
+    if not source.scan_ids():
+        _delete_case(source)
+    else:
+        _finish_scan(source, scan_id)
+    _finish_scan(target, scan_id)
 
 
 def finish(case: CaseFolder) -> list[Left]:
@@ -127,9 +157,23 @@ def sweep(root: Path) -> list[Left]:
             continue
         left += finish(case) if scan_id else delete_case(case)
     for folder in sorted(cases.iterdir()) if cases.is_dir() else ():
-        if layout.ID.fullmatch(folder.name) and (folder / LOCK).is_file() and not (folder / layout.CASE).exists():
+        if not layout.ID.fullmatch(folder.name) or not (folder / LOCK).is_file():
+            continue
+        if not (folder / layout.CASE).exists():
             left += _removed(folder)  # the rest of a deleted case
+        elif (folder / layout.NEW).exists():
+            left += _finish_new(folder)
     return left
+
+
+def _finish_new(folder: Path) -> list[Left]:
+    """A case that was made for a scan goes where the scan has not come."""
+    with suppress(NotFound, Conflict), writing(folder, 0.0):  # who makes it holds it
+        case = CaseFolder(folder)
+        if not case.scan_ids():
+            return _delete_case(case)
+        (folder / layout.NEW).unlink(missing_ok=True)
+    return []
 
 
 def _put_away(case: CaseFolder, scan_id: str) -> None:
@@ -155,7 +199,13 @@ def _finish_scan(case: CaseFolder, scan_id: str) -> list[Left]:
     left = []
     if mark.is_dir():
         left = [*_removed(case.scan_folder(scan_id)), *_emptied(mark)]
-    forget_items(case, scan_id)
+    try:
+        forget_items(case, scan_id)
+        forget_same(case, scan_id)
+    except OSError as error:
+        if error.errno not in FULL:
+            raise
+        return left  # nobody sees what is left of it, and the next sweep finds the mark
     if left:
         return left
     if mark.is_dir():
@@ -202,8 +252,8 @@ def _mark(case: CaseFolder, scan_id: str, role: bytes) -> None:
 def _both(one: CaseFolder, other: CaseFolder) -> Iterator[None]:
     """Holds both for changes, always in the same order."""
     with ExitStack() as stack:
-        for case in sorted((one, other), key=lambda case: str(case.path)):
-            stack.enter_context(writing(case.path))
+        for path in sorted({one.path, other.path}):
+            stack.enter_context(writing(path))
         yield
 
 

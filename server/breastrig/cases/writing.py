@@ -5,6 +5,7 @@ The lock is the kernel's, of an opened descriptor: `filelock.FileLock` would mak
 and falls back to locks that a killed process keeps.  Locks follow `fork`: processes come from a fork server.
 """
 
+import errno
 import os
 import tempfile
 import time
@@ -19,10 +20,9 @@ from breastrig.core.errors import Conflict, NotFound
 LOCK, PART = ".lock", ".part-"
 BUSY_S = 30.0  # far above the longest writing (a deletion with fifty versions takes one second)
 LOOK_S = 0.002  # between two tries: a plan is written in some milliseconds
-NONE_HERE = "There is no such case; it goes with its last scan."
+NONE_HERE = "There is no such patient; a case goes with its last scan."
 BUSY = "Another program is writing into this case; try again in a moment."
-
-
+FULL = (errno.ENOSPC, errno.EDQUOT)  # a disk has no room, or its user may have no more
 CHANGED = "Somebody has changed this since you read it; read it again, take the change over, and send it again."
 
 

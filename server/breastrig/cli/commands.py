@@ -29,12 +29,11 @@ COMMANDS = {
     "serve": "serve the page and the HTTP API",
     "worker": "run fits for a Dask scheduler",
     "config": "show the settings of the service",
-    "backup": "the patients of the service as cases, a folder each",
     "index": "make the index of a data folder's cases again",
     "purge": "delete stored scans and all that was made of them",
 }
 
-OF_THE_SERVER = ("serve", "config", "purge", "backup")  # they need the extra `server`
+OF_THE_SERVER = ("serve", "config", "purge")  # they need the extra `server`
 OF_UNIX = (*OF_THE_SERVER, "batch", "index", "worker")  # processes with limits, and locks of folders
 
 

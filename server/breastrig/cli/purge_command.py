@@ -2,17 +2,20 @@
 
 import argparse
 import sys
-from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
+from datetime import timedelta
 
 from breastrig.api.settings import read_days
+from breastrig.cases import layout, removal
+from breastrig.cases.case_folder import CaseFolder
 from breastrig.cli.service_options import add_setting_options, chosen_data_folder
-from breastrig.core.errors import BadSettings
-from breastrig.service.sweep import overdue
+from breastrig.core import wall_clock
+from breastrig.core.errors import BadInput, BadSettings, NotFound
+from breastrig.service.bring_over import is_early, take_over
 from breastrig.storage.data_folder import Ownership, ownership_of
-from breastrig.storage.deletion import delete_rows, finish_deletions, remove_files
-from breastrig.storage.rows.scans import scan_ids
-from breastrig.storage.storage import Storage, Unremoved
+from breastrig.storage.deletion import finish_deletions, look, swept
+from breastrig.storage.storage import Storage, Unremoved, iso_utc
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -31,7 +34,7 @@ def days(text: str) -> float:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Deletes for good and says how many; returns 0, or 1 when files could not be removed."""
+    """Deletes for good and says how many; returns 0, or 1 when something is left."""
     storage = Storage(chosen_data_folder(options))
     try:
         purged = purge(storage, None if options.all else options.older_than)
@@ -46,7 +49,9 @@ def run(options: argparse.Namespace) -> int:
             "the way and call purge again.",
             file=sys.stderr,
         )
-    return 1 if purged.left else 0
+    for said in purged.trouble:
+        print(f"breastrig: {said}", file=sys.stderr)
+    return 1 if purged.left or purged.trouble else 0
 
 
 def _count(number: int, what: str) -> str:
@@ -57,24 +62,48 @@ def _count(number: int, what: str) -> str:
 class Purged:
     scans: int  # that were deleted
     left: tuple[Unremoved, ...]  # files of these, or of scans that were deleted before, that cannot be removed
+    trouble: tuple[str, ...] = ()  # sentences
 
 
 def purge(storage: Storage, older_than_days: float | None) -> Purged:
     """Deletes the scans that are older (None: all) with everything made of them.
 
-    Raises BadSettings when there is no such data folder or a server holds it.
+    They are found without the index, which needs room on a full disk.  Raises BadSettings when there is no such data
+    folder or a server holds it.
     """
     if ownership_of(storage.root) is not Ownership.OURS:
         raise BadSettings(f"There is no BreastRig data folder at {storage.root}; name it with --data.")
     with storage.exclusive():
-        storage.prepare()
         finish_deletions(storage)
-        every = older_than_days is None
-        chosen: Iterable[str] = scan_ids(storage) if every else overdue(storage, older_than_days or 0.0)
-        scans = list(chosen)
-        for scan_id in scans:
-            delete_rows(storage, scan_id)
-            remove_files(storage, scan_id)
-        left = remove_files(storage)
-        storage.refill_reserve()
-    return Purged(len(scans), tuple(left))
+        if is_early(storage.root):
+            storage.prepare()
+            take_over(storage)
+        before = None if older_than_days is None else iso_utc(wall_clock.now() - timedelta(days=older_than_days))
+        deleted, trouble = 0, []
+        for folder in sorted((storage.root / layout.CASES).iterdir()):
+            if layout.ID.fullmatch(folder.name) and (folder / layout.CASE).is_file():
+                try:
+                    deleted += _purge_case(CaseFolder(folder), before)
+                except BadInput as damaged:
+                    trouble.append(f"{folder}: {damaged}")
+        left = swept(storage)
+        try:
+            storage.prepare()
+            look(storage)
+            storage.forget_deleted()
+        except BadSettings as error:
+            trouble.append(f"{error} What is deleted is named in the index until the next start.")
+    return Purged(deleted, tuple(left), tuple(trouble))
+
+
+def _purge_case(case: CaseFolder, before: str | None) -> int:
+    """Deletes the scans that came before a time (None: the case); how many they were.  Raises BadInput."""
+    scans = case.scan_ids()
+    if before is None:
+        removal.delete_case(case)
+        return len(scans)
+    old = [scan_id for scan_id in scans if case.scan(scan_id).created_at < before]
+    for scan_id in old:
+        with suppress(NotFound):  # another program was quicker
+            removal.delete_scan(case, scan_id)
+    return len(old)

@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 VARIABLE = "BREASTRIG_LOG"  # for the worker processes, which inherit the environment
 TEXT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
 FIELDS = "fields"  # name in a record's `extra` of what a JSON line says in members of their own
-NOISY = ("uvicorn", "asyncio", "trimesh", "PIL", "alembic")  # they log files' contents, or nothing of use
+NOISY = ("uvicorn", "asyncio", "trimesh", "PIL")  # they log files' contents, or nothing of use
 
 
 class JsonLines(logging.Formatter):

@@ -154,7 +154,7 @@ class DaskPool:
             task.remote.release()
 
     def _count(self) -> None:
-        workers = self._client.scheduler_info(n_workers=-1)["workers"]
+        workers = self._client.scheduler_info(n_workers=-1).get("workers", {})  # of a scheduler that goes, nothing
         offers = {name: int(each["resources"].get(RESOURCE, 0)) for name, each in workers.items()}
         self._offers = {name: offer for name, offer in offers.items() if offer}
         self._counted_at = time.monotonic()

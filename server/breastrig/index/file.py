@@ -14,7 +14,7 @@ from pathlib import Path
 
 from filelock import lock_descriptor
 
-from breastrig.cases.writing import sync_folder
+from breastrig.cases.writing import FULL, sync_folder
 from breastrig.index.schema import VERSION
 
 NAME = re.compile(r"index-[0-9]{20}\.sqlite3")
@@ -24,6 +24,7 @@ BUSY_S = 30.0  # far above the longest transaction, so that only a hung disk sho
 CHECK_S = 5.0  # a gigabyte of rows that the system has in memory
 CHECK_EVERY = 10_000  # of SQLite's instructions, about a millisecond
 DAMAGED = ("SQLITE_CORRUPT", "SQLITE_NOTADB")  # how the names of these errors begin
+NOT_ITS_FAULT = ("SQLITE_INTERRUPT", "SQLITE_BUSY", "SQLITE_FULL", "SQLITE_IOERR", "SQLITE_CANTOPEN", "SQLITE_READONLY")
 PRAGMAS = ("journal_mode = WAL", "synchronous = NORMAL", "secure_delete = ON")
 
 Identity = tuple[str, int, int]  # name, device, inode
@@ -122,8 +123,7 @@ def fault_of(file: Path | None, installation: str) -> str | None:
             sound: bool = rows.execute("PRAGMA quick_check(1)").fetchone() == ("ok",)
             return None if sound else "is damaged"
     except sqlite3.DatabaseError as error:
-        name = error_name(error)
-        return None if name == "SQLITE_INTERRUPT" or name.startswith("SQLITE_BUSY") else "is damaged"
+        return None if error_name(error).startswith(NOT_ITS_FAULT) else "is damaged"
 
 
 def installation_of(rows: sqlite3.Connection) -> str | None:
@@ -135,6 +135,12 @@ def installation_of(rows: sqlite3.Connection) -> str | None:
 def is_damage(error: Exception) -> bool:
     """Whether it was met because a file is damaged."""
     return error_name(error).startswith(DAMAGED)
+
+
+def is_full(error: Exception) -> bool:
+    """Whether it was met because there is no room for a file, as far as SQLite says why."""
+    full = isinstance(error, OSError) and error.errno in FULL
+    return full or error_name(error).startswith(("SQLITE_FULL", "SQLITE_IOERR", "SQLITE_CANTOPEN"))
 
 
 def error_name(error: Exception) -> str:

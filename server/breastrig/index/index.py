@@ -19,6 +19,7 @@ from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder, utc_now
 from breastrig.cases.writing import locked, stamp_of
 from breastrig.core.errors import BadInput, Conflict, NotFound
+from breastrig.index import ballast, questions
 from breastrig.index import file as files
 from breastrig.index.read_case import CaseRows, Row, read_case
 from breastrig.index.schema import ONLY_HERE, TABLES
@@ -52,16 +53,37 @@ class Index:
         self._lock = threading.Lock()  # of these two
         self._writer = threading.RLock()  # what is written is not lost in a file that is being exchanged
         self._unreadable: dict[str, int] = {}  # {case: stamp} that the log has named
+        self.changes = 0  # grows when this process has changed it
 
     def prepare(self) -> Rebuilt | None:
         """Makes the index again where that is needed, and takes up what other programs have written since.
 
         What was found in the folders; None where the index was sound.
         """
+        found = self.making_room(self._prepare)
+        ballast.keep(self.folder)
+        return found
+
+    def making_room(self, action: Callable[[], Answer]) -> Answer:
+        """What it gives; where the disk is full, something is given up for it.  Raises as the action does."""
+        while True:
+            try:
+                return action()
+            except (sqlite3.Error, OSError) as error:
+                if not files.is_full(error) or not ballast.give_up(self.folder):
+                    raise
+                log.error("the disk is full; room that was kept for the index is given up")
+
+    def keep_room(self) -> None:
+        """For times when the disk is full, as far as it is not."""
+        ballast.keep(self.folder)
+
+    def _prepare(self) -> Rebuilt | None:
         there = files.current(self.folder)
         fault = files.fault_of(there, self._installation())
         if fault is None:
-            self.look()
+            if self.look():
+                self.forget_deleted()
             return None
         if there is not None:
             log.error("the index %s; it is made again from the folders", fault)
@@ -87,9 +109,10 @@ class Index:
     def look(self) -> int:
         """Reads the cases again whose stamps have changed, forgets those that are gone; how many they were.
 
-        One into which somebody is writing waits for the next time.
+        One into which somebody is writing waits for the next time.  Where nothing has changed, links are forgotten that
+        are in no case any more.
         """
-        found = dict(self._stamps())
+        before, found = self.changes, dict(self._stamps())
         known = self.asked(lambda rows: dict(rows.execute("SELECT id, stamp FROM cases").fetchall()))
         changed = 0
         for case_id in known.keys() - found.keys():
@@ -100,11 +123,16 @@ class Index:
                 with suppress(Conflict):
                     self._take(case_id, 0.0)
                     changed += 1
-        return changed
+        return changed or (self._forget_links(before) if found == known else 0)
 
     def refresh(self, case_id: str) -> None:
         """Reads a case again, after it was written or deleted.  Raises Conflict when somebody goes on writing there."""
-        self._take(case_id, WRITER_S)
+        try:
+            self._take(case_id, WRITER_S)
+        except sqlite3.DatabaseError as error:
+            if not files.is_damage(error):
+                raise
+            self._take(case_id, WRITER_S)  # into the new file
 
     def asked(self, question: Callable[[sqlite3.Connection], Answer]) -> Answer:
         """The answer to a question that reads one state; a damaged file is made again, and asked once more."""
@@ -114,16 +142,28 @@ class Index:
         except sqlite3.DatabaseError as error:
             if not files.is_damage(error):
                 raise
-        log.error("the index is damaged; it is made again from the folders")
-        self.rebuild()
+        self._rebuild_damaged()
         with self._connection() as rows:
             return _answer(rows, question)
 
     @contextmanager
     def writing(self) -> Iterator[sqlite3.Connection]:
-        """A transaction that holds the write lock from its start, and undoes all on an error."""
-        with self._writer, self._connection() as rows, files.transaction(rows):
-            yield rows
+        """A transaction that holds the write lock from its start, and undoes all on an error.
+
+        A damaged file is made again, and the error raised: what was to be written may be sent again.
+        """
+        try:
+            with self._writer, self._connection() as rows, files.transaction(rows):
+                yield rows
+        except sqlite3.DatabaseError as error:
+            if files.is_damage(error):
+                self._rebuild_damaged()
+            raise
+        self.changes += 1
+
+    def _rebuild_damaged(self) -> None:
+        log.error("the index is damaged; it is made again from the folders")
+        self.rebuild()
 
     def forget_deleted(self) -> bool:
         """Empties SQLite's log, so that no deleted row is left in any file; False: to be done later."""
@@ -187,14 +227,20 @@ class Index:
         """From the file that was in force; False where it cannot be read: links are closed, sessions are over."""
         try:
             if before is None:
+                if not any(self._stamps()):
+                    return True  # a new data folder, where nothing was ended yet
                 raise sqlite3.DatabaseError("there is none")
             with closing(files.connected(before)) as old:
                 if files.installation_of(old) != self._installation():
                     raise sqlite3.DatabaseError("it is of another data folder")
                 copied = {table: _content(old, table) for table in ONLY_HERE}
                 since = old.execute("SELECT value FROM meta WHERE key = 'sessions_from'").fetchone()
-        except sqlite3.Error:
-            rows.execute("INSERT INTO meta VALUES ('sessions_from', ?)", (utc_now(),))
+        except sqlite3.Error as error:
+            if files.is_full(error):
+                raise
+            rows.execute(
+                "INSERT INTO meta VALUES ('sessions_from', ?)", (f"{utc_now()[:19]}.000Z",)
+            )  # cookies know seconds
             return False
         for table, (columns, content) in copied.items():
             marks = ", ".join("?" for _ in columns)
@@ -206,7 +252,7 @@ class Index:
     def _fill(self, rows: sqlite3.Connection) -> Rebuilt:
         found, fits = Rebuilt(), list[Row]()
         with files.transaction(rows):
-            for case_id, stamp in self._stamps():
+            for case_id, stamp in sorted(self._stamps(), key=self._arrival):
                 try:
                     case = CaseFolder(self._folder(case_id))
                     with locked(case.path, 0.0):
@@ -220,7 +266,7 @@ class Index:
                     found.unreadable.append(case_id)
                     self._unreadable[case_id] = stamp
                     continue
-                _put(rows, CaseRows(read.case, read.scans, ()))
+                _put(rows, CaseRows(read.case, read.scans, (), read.links))
                 fits += read.fits
                 found.cases, found.scans = found.cases + 1, found.scans + len(read.scans)
             fits.sort(key=lambda fit: (str(fit[3]), str(fit[0])))  # as they were asked for
@@ -228,6 +274,12 @@ class Index:
                 _put_fit(rows, fit)
         found.fits = len(fits)
         return found
+
+    def _arrival(self, one: tuple[str, int]) -> tuple[str, str]:
+        """When a case came, as its document says; a damaged one first."""
+        with suppress(BadInput):
+            return CaseFolder(self._folder(one[0])).document().created_at, one[0]
+        return "", one[0]
 
     def _stamps(self) -> Iterator[tuple[str, int]]:
         """(case, its stamp) of all that are in the data folder."""
@@ -263,8 +315,21 @@ class Index:
 
     def _forget(self, case_id: str) -> None:
         with self.writing() as rows:
-            for table, column in (("cases", "id"), ("scans", "patient"), ("fits", "patient")):
+            for table, column in (("cases", "id"), ("scans", "patient"), ("fits", "patient"), ("links", "patient")):
                 rows.execute(f"DELETE FROM {table} WHERE {column} = ?", (case_id,))
+
+    def _forget_links(self, changes: int) -> int:
+        """Links that other programs have deleted, or this one before it was killed; how many they were.
+
+        None where something has changed since: a scan that moves may be in neither case as they were read.
+        """
+        if not self.asked(questions.links_gone):
+            return 0
+        with self.writing() as rows:
+            gone = questions.links_gone(rows) if self.changes == changes else []
+            for link in gone:
+                questions.forget_link(rows, link)
+        return len(gone)
 
 
 def _answer(rows: sqlite3.Connection, question: Callable[[sqlite3.Connection], Answer]) -> Answer:
@@ -278,9 +343,17 @@ def _answer(rows: sqlite3.Connection, question: Callable[[sqlite3.Connection], A
 def _put(rows: sqlite3.Connection, read: CaseRows) -> None:
     """The rows of one case in place of those that are there; fits that are there keep their places."""
     case_id = read.case[0]
-    rows.execute("INSERT OR REPLACE INTO cases VALUES (?, ?, ?, ?, ?, ?, ?, ?)", read.case)
-    rows.execute("DELETE FROM scans WHERE patient = ?", (case_id,))
-    rows.executemany("INSERT OR REPLACE INTO scans VALUES (?, ?, ?, ?, ?)", read.scans)
+    rows.execute(
+        "INSERT INTO cases (id, code, code_key, code_search, created_at, first_scan, plan, stamp) "
+        "VALUES (?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (id) DO UPDATE SET code = excluded.code, "
+        "code_key = excluded.code_key, code_search = excluded.code_search, created_at = excluded.created_at, "
+        "first_scan = excluded.first_scan, plan = excluded.plan, stamp = excluded.stamp",
+        read.case,
+    )
+    for table in ("scans", "links"):
+        rows.execute(f"DELETE FROM {table} WHERE patient = ?", (case_id,))
+    rows.executemany("INSERT OR REPLACE INTO scans VALUES (?, ?, ?, ?, ?, ?)", read.scans)
+    rows.executemany("INSERT OR REPLACE INTO links VALUES (?, ?, ?, ?, ?, ?)", read.links)
     here = {fit[0] for fit in read.fits}
     before = {row[0] for row in rows.execute("SELECT id FROM fits WHERE patient = ?", (case_id,))}
     rows.executemany("DELETE FROM fits WHERE id = ?", [(gone,) for gone in before - here])
@@ -290,9 +363,13 @@ def _put(rows: sqlite3.Connection, read: CaseRows) -> None:
 
 def _put_fit(rows: sqlite3.Connection, fit: tuple[object, ...]) -> None:
     rows.execute(
-        "INSERT INTO fits (id, patient, scan, asked_at, state, verdict, predicted_from) VALUES (?, ?, ?, ?, ?, ?, ?) "
-        "ON CONFLICT (id) DO UPDATE SET patient = excluded.patient, scan = excluded.scan, state = excluded.state, "
-        "verdict = excluded.verdict",
+        "INSERT INTO fits (id, patient, scan, asked_at, state, verdict, predicted_from, asked_stance, key_sha256, "
+        "request_sha256) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) "
+        "ON CONFLICT (id) DO UPDATE SET patient = excluded.patient, scan = excluded.scan, verdict = excluded.verdict, "
+        "asked_at = excluded.asked_at, predicted_from = excluded.predicted_from, asked_stance = excluded.asked_stance, "
+        "key_sha256 = excluded.key_sha256, request_sha256 = excluded.request_sha256, "
+        # one that was taken up has no line yet, and does not wait any more
+        "state = CASE WHEN fits.state = 'running' AND excluded.state = 'queued' THEN 'running' ELSE excluded.state END",
         fit,
     )
 

@@ -8,8 +8,10 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Literal
 
+from breastrig.core.identity import random_code
+
 Sort = Literal["newest", "code", "deletion"]  # deletion: the first of its scans came first
-KEYS: dict[str, str] = {"newest": "created_at", "code": "code_key", "deletion": "first_scan"}
+KEYS: dict[str, str] = {"newest": "''", "code": "code_key", "deletion": "first_scan"}
 
 
 @dataclass(frozen=True)
@@ -43,25 +45,130 @@ def case_of_fit(rows: sqlite3.Connection, fit_id: str) -> tuple[str, str] | None
 
 
 def cases_page(
-    rows: sqlite3.Connection, limit: int, last: tuple[str, str] | None = None, search: str = "", sort: Sort = "newest"
-) -> tuple[list[CaseRow], tuple[str, str] | None]:
-    """Cases in that order, and the key and id behind which the next page goes on (None: nowhere)."""
-    key, back = KEYS[sort], sort == "newest"
-    order = "DESC" if back else "ASC"
+    rows: sqlite3.Connection, limit: int, last: tuple[str, int] | None = None, search: str = "", sort: Sort = "newest"
+) -> tuple[list[CaseRow], tuple[str, int] | None]:
+    """Cases in that order, and the key and place behind which the next page goes on (None: nowhere).
+
+    Of those with equal keys the newest first.
+    """
+    key = KEYS[sort]
     wanted, given = ["1"], list[object]()
     if search:
         wanted.append("instr(code_search, ?)")
         given.append(search.casefold())
-    if last is not None:
-        wanted.append(f"({key}, id) {'<' if back else '>'} (?, ?)")
-        given += last
+    if last is not None and sort == "newest":
+        wanted.append("place < ?")
+        given.append(last[1])
+    elif last is not None:
+        wanted.append(f"({key} > ? OR ({key} = ? AND place < ?))")
+        given += [last[0], last[0], last[1]]
+    order = "place DESC" if sort == "newest" else f"{key}, place DESC"
     found = rows.execute(
-        f"SELECT id, code, created_at, plan, {key} FROM cases WHERE {' AND '.join(wanted)} "
-        f"ORDER BY {key} {order}, id {order} LIMIT ?",
+        f"SELECT id, code, created_at, plan, {key}, place FROM cases WHERE {' AND '.join(wanted)} "
+        f"ORDER BY {order} LIMIT ?",
         (*given, limit + 1),
     ).fetchall()
-    more = (found[limit - 1][4], found[limit - 1][0]) if len(found) > limit else None
+    more = (found[limit - 1][4], found[limit - 1][5]) if len(found) > limit else None
     return [CaseRow(*row[:4]) for row in found[:limit]], more
+
+
+def scans_of_cases(rows: sqlite3.Connection, cases: Collection[str]) -> dict[str, list[str]]:
+    """{case: its scans, the first that came first}"""
+    found: dict[str, list[str]] = {case: [] for case in cases}
+    chosen = f"SELECT patient, id FROM scans WHERE patient IN ({_marks(cases)}) ORDER BY created_at, id"
+    for case, scan in rows.execute(chosen, tuple(cases)):
+        found[case].append(scan)
+    return found
+
+
+def scans_page(
+    rows: sqlite3.Connection, limit: int, last: tuple[str, str] | None = None
+) -> tuple[list[str], tuple[str, str] | None]:
+    """Scans after the `last` one's time and id, the newest first, and where the next page goes on (None: nowhere)."""
+    behind = "" if last is None else "WHERE (created_at, id) < (?, ?) "
+    found = rows.execute(
+        f"SELECT id, created_at FROM scans {behind}ORDER BY created_at DESC, id DESC LIMIT ?",
+        (*(last or ()), limit + 1),
+    ).fetchall()
+    more = (found[limit - 1][1], found[limit - 1][0]) if len(found) > limit else None
+    return [row[0] for row in found[:limit]], more
+
+
+def all_scans(rows: sqlite3.Connection) -> set[str]:
+    return {row[0] for row in rows.execute("SELECT id FROM scans")}
+
+
+def aged_scans(rows: sqlite3.Connection, created_until: str) -> list[tuple[str, str, str | None]]:
+    """(scan, when it came, when its deletion was announced) of old ones and announced ones, the oldest first."""
+    chosen = "SELECT id, created_at, announced_at FROM scans WHERE created_at <= ? OR announced_at IS NOT NULL"
+    return [(row[0], row[1], row[2]) for row in rows.execute(f"{chosen} ORDER BY created_at", (created_until,))]
+
+
+def new_code(rows: sqlite3.Connection) -> str:
+    """A random one that no patient here has."""
+    code = random_code()
+    while _one(rows, "SELECT id FROM cases WHERE code = ?", code) is not None:
+        code = random_code()
+    return code
+
+
+def fit_of_key(rows: sqlite3.Connection, key_sha256: str) -> tuple[str, str] | None:
+    """(fit, hash of the request) that came with an Idempotency-Key."""
+    found: tuple[str, str] | None = rows.execute(
+        "SELECT id, request_sha256 FROM fits WHERE key_sha256 = ?", (key_sha256,)
+    ).fetchone()
+    return found
+
+
+def predictions_of(rows: sqlite3.Connection, fit: str, stance: str) -> list[str]:
+    """Predictions of that stance from a fit that have neither failed nor been cancelled, as far as is known here."""
+    chosen = "SELECT id FROM fits WHERE predicted_from = ? AND asked_stance = ?"
+    found = rows.execute(f"{chosen} AND state NOT IN ('failed', 'cancelled') ORDER BY place", (fit, stance))
+    return [row[0] for row in found]
+
+
+def note_state(rows: sqlite3.Connection, fit: str, state: str) -> None:
+    rows.execute("UPDATE fits SET state = ? WHERE id = ?", (state, fit))
+
+
+def put_back(rows: sqlite3.Connection) -> int:
+    """Fits that run wait again; how many they were."""
+    return rows.execute("UPDATE fits SET state = 'queued' WHERE state = 'running'").rowcount
+
+
+def all_fits(rows: sqlite3.Connection) -> set[str]:
+    return {row[0] for row in rows.execute("SELECT id FROM fits")}
+
+
+def fits_in_state(rows: sqlite3.Connection, state: str) -> list[str]:
+    return [row[0] for row in rows.execute("SELECT id FROM fits WHERE state = ?", (state,))]
+
+
+def fits_page(
+    rows: sqlite3.Connection, limit: int, before: int | None = None, scan: str | None = None
+) -> tuple[list[str], int | None]:
+    """Fits, or those of a scan, the newest first, and the place where the next page goes on (None: nowhere)."""
+    wanted, given = ["1"], list[object]()
+    for condition, value in (("place < ?", before), ("scan = ?", scan)):
+        if value is not None:
+            wanted.append(condition)
+            given.append(value)
+    found = rows.execute(
+        f"SELECT id, place FROM fits WHERE {' AND '.join(wanted)} ORDER BY place DESC LIMIT ?", (*given, limit + 1)
+    ).fetchall()
+    return [row[0] for row in found[:limit]], found[limit - 1][1] if len(found) > limit else None
+
+
+def newest_fits(rows: sqlite3.Connection, scans: Collection[str]) -> dict[str, str]:
+    """{scan: its fit that was asked for last, no prediction}"""
+    chosen = f"SELECT scan, id FROM fits WHERE scan IN ({_marks(scans)}) AND predicted_from IS NULL ORDER BY place"
+    return dict(rows.execute(chosen, tuple(scans)).fetchall())
+
+
+def perhaps_done(rows: sqlite3.Connection, scan: str) -> list[str]:
+    """Fits of the scan, no predictions, that are done or may be by now, the one that was asked for last first."""
+    chosen = "SELECT id FROM fits WHERE scan = ? AND predicted_from IS NULL AND state NOT IN ('failed', 'cancelled')"
+    return [row[0] for row in rows.execute(f"{chosen} ORDER BY place DESC", (scan,))]
 
 
 def next_waiting(rows: sqlite3.Connection, besides: Collection[str] = ()) -> tuple[str, str, str] | None:
@@ -81,12 +188,6 @@ def count_by_state(rows: sqlite3.Connection) -> dict[str, int]:
     return dict(rows.execute("SELECT state, count(*) FROM fits GROUP BY state").fetchall())
 
 
-def scans_before(rows: sqlite3.Connection, moment: str) -> list[tuple[str, str]]:
-    """(case, scan) of the scans that came before a time, the oldest first."""
-    chosen = "SELECT patient, id FROM scans WHERE created_at < ? ORDER BY created_at, id"
-    return [(row[0], row[1]) for row in rows.execute(chosen, (moment,))]
-
-
 def put_secret(rows: sqlite3.Connection, secret: LinkSecret) -> None:
     """Keeps what opens a link, in place of what was known of it."""
     given = (secret.link, secret.token_sha256, secret.passcode_hash, secret.wrong, secret.wrong_at, secret.forgiven)
@@ -96,6 +197,60 @@ def put_secret(rows: sqlite3.Connection, secret: LinkSecret) -> None:
 def secret_of_token(rows: sqlite3.Connection, token_sha256: str) -> LinkSecret | None:
     found = rows.execute("SELECT * FROM link_secrets WHERE token_sha256 = ?", (token_sha256,)).fetchone()
     return None if found is None else LinkSecret(*found)
+
+
+def fit_of_link(rows: sqlite3.Connection, link: str) -> tuple[str, str, str] | None:
+    """(case, scan, fit) of a link."""
+    found: tuple[str, str, str] | None = rows.execute(
+        "SELECT patient, scan, fit FROM links WHERE id = ?", (link,)
+    ).fetchone()
+    return found
+
+
+def links_of_scan(rows: sqlite3.Connection, scan: str) -> list[str]:
+    return [row[0] for row in rows.execute("SELECT id FROM links WHERE scan = ?", (scan,))]
+
+
+def links_over(rows: sqlite3.Connection, now: str) -> list[tuple[str, str]]:
+    """(fit, link) of links that are over and still show something."""
+    return rows.execute("SELECT fit, id FROM links WHERE shown > 0 AND ends_at <= ?", (now,)).fetchall()
+
+
+def secret_of_link(rows: sqlite3.Connection, link: str) -> LinkSecret | None:
+    found = rows.execute("SELECT * FROM link_secrets WHERE link = ?", (link,)).fetchone()
+    return None if found is None else LinkSecret(*found)
+
+
+def wrong_passcodes(rows: sqlite3.Connection, link: str) -> int | None:
+    """That are not forgiven; None where there is no such link."""
+    found = rows.execute("SELECT wrong - forgiven FROM link_secrets WHERE link = ?", (link,)).fetchone()
+    return None if found is None else int(found[0])
+
+
+def count_wrong(rows: sqlite3.Connection, link: str, at: str) -> None:
+    rows.execute("UPDATE link_secrets SET wrong = wrong + 1, wrong_at = ? WHERE link = ?", (at, link))
+
+
+def forgive(rows: sqlite3.Connection, link: str) -> None:
+    rows.execute("UPDATE link_secrets SET forgiven = wrong WHERE link = ?", (link,))
+
+
+def has_visit(rows: sqlite3.Connection, link: str, visit_hmac: str, opened_after: str) -> bool:
+    chosen = "SELECT 1 FROM openings WHERE link = ? AND visit_hmac = ? AND opened_at > ?"
+    return rows.execute(chosen, (link, visit_hmac, opened_after)).fetchone() is not None
+
+
+def end_visit(rows: sqlite3.Connection, link: str, visit_hmac: str) -> bool:
+    """Makes the visit's credential worth nothing; whether there was such a visit."""
+    ended = rows.execute(
+        "UPDATE openings SET visit_hmac = NULL WHERE link = ? AND visit_hmac = ?", (link, visit_hmac)
+    ).rowcount
+    return ended > 0
+
+
+def links_gone(rows: sqlite3.Connection) -> list[str]:
+    """Links that something is known of, and that are in no case."""
+    return [row[0] for row in rows.execute("SELECT link FROM link_secrets WHERE link NOT IN (SELECT id FROM links)")]
 
 
 def forget_link(rows: sqlite3.Connection, link: str) -> None:
@@ -110,11 +265,13 @@ def note_opening(rows: sqlite3.Connection, link: str, at: str, visit_hmac: str) 
 
 def openings_of(rows: sqlite3.Connection, link: str) -> list[str]:
     """When the link was opened, ISO 8601, the first time first."""
-    chosen = "SELECT opened_at FROM openings WHERE link = ? ORDER BY opened_at"
+    chosen = "SELECT opened_at FROM openings WHERE link = ? ORDER BY id"
     return [row[0] for row in rows.execute(chosen, (link,))]
 
 
-def end_session(rows: sqlite3.Connection, id_sha256: str, at: str) -> None:
+def end_session(rows: sqlite3.Connection, id_sha256: str, at: str, forget_before: str = "") -> None:
+    """Notes the end; forgets those that ended before a time."""
+    rows.execute("DELETE FROM ended_sessions WHERE ended_at < ?", (forget_before,))
     rows.execute("INSERT OR IGNORE INTO ended_sessions VALUES (?, ?)", (id_sha256, at))
 
 
@@ -129,3 +286,7 @@ def is_session_over(rows: sqlite3.Connection, id_sha256: str, began_at: str) -> 
 def _one(rows: sqlite3.Connection, question: str, given: str) -> str | None:
     found = rows.execute(question, (given,)).fetchone()
     return None if found is None else str(found[0])
+
+
+def _marks(values: Collection[object]) -> str:
+    return ", ".join("?" for _ in values)

@@ -5,14 +5,15 @@ offline), when links were opened, sessions that were ended, and the order of fit
 Another VERSION means another form: the three tables are copied if they can be read, the rest is made again.
 """
 
-VERSION = 1
-OF_FOLDERS = ("cases", "scans", "fits")
+VERSION = 2
+OF_FOLDERS = ("cases", "scans", "fits", "links")
 ONLY_HERE = ("link_secrets", "openings", "ended_sessions")
 
 TABLES = """
 CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 CREATE TABLE cases (
-    id TEXT PRIMARY KEY,
+    place INTEGER PRIMARY KEY AUTOINCREMENT,  -- order of arrival here, by which pages go on
+    id TEXT NOT NULL UNIQUE,
     code TEXT NOT NULL,
     code_key TEXT NOT NULL,       -- what codes are sorted by
     code_search TEXT NOT NULL,    -- what they are searched by
@@ -20,16 +21,16 @@ CREATE TABLE cases (
     first_scan TEXT NOT NULL,     -- when the first of its scans came; empty without any
     plan INTEGER NOT NULL,        -- version
     stamp INTEGER NOT NULL        -- of the folder that was read, ns
-) WITHOUT ROWID;
-CREATE INDEX cases_newest ON cases (created_at, id);
-CREATE INDEX cases_by_code ON cases (code_key, id);
-CREATE INDEX cases_by_deletion ON cases (first_scan, id);
+);
+CREATE INDEX cases_by_code ON cases (code_key, place DESC);
+CREATE INDEX cases_by_deletion ON cases (first_scan, place DESC);
 CREATE TABLE scans (
     id TEXT PRIMARY KEY,
     patient TEXT NOT NULL,
     created_at TEXT NOT NULL,
     stance TEXT NOT NULL,         -- as proposed
-    sha256 TEXT NOT NULL
+    sha256 TEXT NOT NULL,
+    announced_at TEXT             -- its deletion by age
 ) WITHOUT ROWID;
 CREATE INDEX scans_of_case ON scans (patient, created_at, id);
 CREATE INDEX scans_newest ON scans (created_at, id);
@@ -41,11 +42,25 @@ CREATE TABLE fits (
     asked_at TEXT NOT NULL,
     state TEXT NOT NULL,
     verdict TEXT,
-    predicted_from TEXT
+    predicted_from TEXT,
+    asked_stance TEXT NOT NULL,
+    key_sha256 TEXT,
+    request_sha256 TEXT
 );
 CREATE INDEX fits_of_case ON fits (patient);
 CREATE INDEX fits_of_scan ON fits (scan, asked_at, place);
 CREATE INDEX fits_waiting ON fits (asked_at, place) WHERE state = 'queued';
+CREATE INDEX fits_of_key ON fits (key_sha256) WHERE key_sha256 IS NOT NULL;
+CREATE INDEX predictions ON fits (predicted_from) WHERE predicted_from IS NOT NULL;
+CREATE TABLE links (
+    id TEXT PRIMARY KEY,
+    patient TEXT NOT NULL,
+    scan TEXT NOT NULL,
+    fit TEXT NOT NULL,
+    ends_at TEXT NOT NULL,        -- empty: it was revoked
+    shown INTEGER NOT NULL        -- 0: nothing any more
+) WITHOUT ROWID;
+CREATE INDEX links_of_case ON links (patient);
 CREATE TABLE link_secrets (
     link TEXT PRIMARY KEY,
     token_sha256 TEXT NOT NULL UNIQUE,

@@ -1,22 +1,26 @@
 """The patients of a data folder's rows as cases: one folder each, put in place whole, so that it can be repeated.
 
 Documents are made of the rows, the log of the events; files are hard links, or copies where there are none.  What opens
-links is nowhere in a case: it is handed back.
+links is nowhere in a case: it goes into the index.
 """
 
+import json
+import logging
 import os
 import shutil
-from collections.abc import Callable, Collection
-from dataclasses import dataclass, field
+import sqlite3
+from collections.abc import Collection
+from contextlib import closing, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
-from sqlalchemy import Row, select
 
 from breastrig.cases import layout
 from breastrig.cases.case_folder import coming, sync_file
 from breastrig.cases.documents import (
+    AnswersDocument,
     CaseDocument,
     CutsDocument,
     ExpiresDocument,
@@ -30,144 +34,213 @@ from breastrig.cases.documents import (
 )
 from breastrig.cases.of_scans import landmark_document
 from breastrig.cases.writing import LOCK, sync_folder
-from breastrig.index.questions import LinkSecret
-from breastrig.storage import schema
+from breastrig.core.errors import BadSettings
+from breastrig.core.picks import Picks
+from breastrig.index.file import is_damage
+from breastrig.index.questions import LinkSecret, end_session, put_secret
 from breastrig.storage.files import fit_place, scan_place, share_place, upload_name
-from breastrig.storage.rows.patients import scans_of_patient
-from breastrig.storage.rows.scans import get_cuts, get_landmarks, get_scan
 from breastrig.storage.storage import Storage
 
+OLD, RESERVE = "breastrig.sqlite3", "reserve"
+KINDS = ("scans", "fits", "shares")
 
-@dataclass
-class BroughtOver:
-    """What has been made; those that were there already are not counted."""
-
-    cases: list[str] = field(default_factory=list)
-    there: list[str] = field(default_factory=list)
-    scans: int = 0
-    fits: int = 0
-    plans: int = 0  # versions
-    links: int = 0
-    secrets: list[LinkSecret] = field(default_factory=list)
+log = logging.getLogger(__name__)
 
 
-def bring_over(
-    storage: Storage,
-    cases: Path,
-    incoming: Path,
-    wanted: Collection[str] | None = None,
-    stopped: Callable[[], None] = lambda: None,
-) -> BroughtOver:
-    """Makes a case in the folder `cases` of each patient that has none there; `wanted` are codes, None: all.
+class Row(dict[str, Any]):
+    """One row by the names of its columns."""
 
-    `incoming` is a folder on the same disk.  `stopped` is asked between patients.  Raises OSError; then the patients
-    that were put in place are whole, and the others are made by the next call.
+    def json(self, name: str, otherwise: Any) -> Any:
+        """The value of a column of JSON, which early versions do not have."""
+        return json.loads(self[name]) if self.get(name) else otherwise
+
+
+class Rows:
+    """The database of an early version, whichever tables it has."""
+
+    def __init__(self, file: Path) -> None:
+        self._rows = sqlite3.connect(f"{file.absolute().as_uri()}?mode=rw", uri=True)
+        self._rows.row_factory = sqlite3.Row
+        self._tables = {row[0] for row in self._rows.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
+
+    def of(self, table: str, order: str = "rowid", **where: str) -> list[Row]:
+        """The rows of a table, none where there is no such table."""
+        if table not in self._tables:
+            return []
+        wanted = " AND ".join(f"{name} = ?" for name in where) or "1"
+        chosen = self._rows.execute(f"SELECT * FROM {table} WHERE {wanted} ORDER BY {order}", tuple(where.values()))
+        return [Row(row) for row in chosen]
+
+    def close(self) -> None:
+        self._rows.close()
+
+
+def is_early(root: Path) -> bool:
+    """Whether the data folder has patients of an early version, who have not been brought over."""
+    return (root / OLD).is_file()
+
+
+def take_over(storage: Storage) -> None:
+    """Brings the patients of an early version's data folder over, once; may be interrupted and repeated.
+
+    Raises BadSettings when its database is damaged, or not all of them came over; then the early version's files stay
+    as they are.
     """
-    table, found = schema.patients, BroughtOver()
-    with storage.database.reading() as rows:
-        patients = rows.execute(select(table).order_by(table.c.position)).all()
-    for patient in patients:
-        stopped()
-        if wanted is not None and patient.code not in wanted:
-            continue
-        if (cases / patient.id).exists():
-            found.there.append(patient.id)
-            continue
-        with coming(incoming) as made:
-            one = _Case(storage, patient, made, BroughtOver())
-            one.write()
-            for file in made.rglob("*"):
-                if file.is_file() and file.stat().st_nlink == 1:  # what is linked is on the disk
-                    sync_file(file)
-            os.rename(made, cases / patient.id)
-        sync_folder(cases)
-        found.cases.append(patient.id)
-        found.scans, found.fits = found.scans + one.found.scans, found.fits + one.found.fits
-        found.plans, found.links = found.plans + one.found.plans, found.links + one.found.links
-        found.secrets += one.found.secrets
-    return found
+    root, old = storage.root, storage.root / OLD
+    if not is_early(root):
+        return
+    (root / RESERVE).unlink(missing_ok=True)  # room for the documents
+    try:
+        patients = _take_over(storage)
+    except sqlite3.Error as error:
+        if not is_damage(error):
+            raise
+        raise BadSettings(
+            f"The database {old} of an earlier version is damaged; put a copy of the data folder in its place, or "
+            "choose another with --data."
+        ) from error
+    for name in (*KINDS, layout.RUBBISH):  # what others have put there stays
+        for entry in (root / name).iterdir() if (root / name).is_dir() else ():
+            of_kind, _, name_there = entry.name.rpartition(".")
+            if layout.ID.fullmatch(name_there) and of_kind in (KINDS if name == layout.RUBBISH else ("",)):
+                shutil.rmtree(entry, ignore_errors=True)
+    for name in KINDS:
+        with suppress(OSError):
+            (root / name).rmdir()
+    for name in (f"{OLD}-wal", f"{OLD}-shm", OLD):
+        (root / name).unlink(missing_ok=True)
+    log.warning("%d patients of an earlier version were brought over", patients)
+
+
+def _take_over(storage: Storage) -> int:
+    """How many patients were brought over by this call or by one that was interrupted."""
+    root = storage.root
+    with closing(Rows(root / OLD)) as rows_before:
+        for patient in rows_before.of("patients", order="position"):
+            _bring_over(rows_before, root, patient)
+        storage.index.look()
+        patients = {row["id"] for row in rows_before.of("patients") if _scans(rows_before, row)}
+        with storage.index.writing() as rows:
+            for link in rows_before.of("shares"):  # also of patients whom an interrupted call has brought over
+                put_secret(rows, _secret_of(link))
+            for row in rows_before.of("ended_sessions"):
+                end_session(rows, row["id_sha256"], row["ended_at"])
+    missing = [each for each in patients if not (root / layout.CASES / each / layout.CASE).is_file()]
+    if missing:
+        raise BadSettings(f"{len(missing)} patients of an earlier version could not be brought over; see the log.")
+    return len(patients)
+
+
+def _scans(rows: "Rows", patient: "Row") -> set[str]:
+    """The patient's scans without those that are being deleted; a patient goes with the last."""
+    removing = {row["scan"] for row in rows.of("file_journal") if row["removing"]}
+    return {row["scan"] for row in rows.of("scans_of_patients", patient=patient["id"])} - removing
+
+
+def _secret_of(row: Row) -> LinkSecret:
+    counts = row.get("wrong_passcodes", 0), row.get("last_wrong_at"), row.get("forgiven_passcodes", 0)
+    return LinkSecret(row["id"], row["token_sha256"], row.get("passcode_hash"), *counts)
+
+
+def _bring_over(rows: "Rows", root: Path, patient: Row) -> None:
+    """Makes the patient's case, unless it is there, or has no scan.  Raises OSError, and then leaves nothing."""
+    place, scans = root / layout.CASES / patient["id"], _scans(rows, patient)
+    if place.exists() or not scans:
+        return
+    with coming(root / layout.INCOMING) as made:
+        _Case(rows, root, patient, made).write(scans)
+        for file in made.rglob("*"):
+            if file.is_file() and file.stat().st_nlink == 1:  # what is linked is on the disk
+                sync_file(file)
+        os.rename(made, place)
+    sync_folder(place.parent)
 
 
 @dataclass(frozen=True)
 class _Case:
-    storage: Storage
-    patient: Row[Any]
+    rows: "Rows"
+    root: Path
+    patient: Row
     folder: Path
-    found: BroughtOver
 
-    def write(self) -> None:
-        self._put(layout.CASE, CaseDocument(code=self.patient.code, created_at=self.patient.created_at))
+    def write(self, scans: Collection[str]) -> None:
+        self._put(layout.CASE, CaseDocument(code=self.patient["code"], created_at=self.patient["created_at"]))
         self._put(LOCK, b"")
-        for scan_id in scans_of_patient(self.storage, self.patient.id):
+        for scan_id in sorted(scans):
             self._scan(scan_id)
-        for number, row in enumerate(rows := self._rows(schema.plans, patient=self.patient.id), start=1):
-            plan = PlanDocument.model_validate(row.json | {"version": row.version})
-            name = layout.PLAN if number == len(rows) else f"{layout.PLANS}/{row.version:06}.json"
+        versions = self.rows.of("plans", order="version", patient=self.patient["id"])
+        for number, row in enumerate(versions, start=1):
+            plan = PlanDocument.model_validate(json.loads(row["json"]) | {"version": row["version"]})
+            name = layout.PLAN if number == len(versions) else f"{layout.PLANS}/{row['version']:06}.json"
             self._put(name, plan)
-            self.found.plans += 1
 
     def _scan(self, scan_id: str) -> None:
-        row, part = get_scan(self.storage, scan_id), layout.scan_part(scan_id)
-        file = upload_name(row.file_type)
-        self._put(
-            f"{part}/{layout.SCAN}",
-            ScanDocument(created_at=row.created_at, sha256=row.sha256, facts=row.facts, file=file),
+        [row] = self.rows.of("scans", id=scan_id)
+        part, file = layout.scan_part(scan_id), upload_name(row["file_type"])
+        document = ScanDocument(
+            created_at=row["created_at"], sha256=row["sha256"], facts=json.loads(row["facts"]), file=file
         )
+        self._put(f"{part}/{layout.SCAN}", document)
         for name in (file, layout.MESH, layout.THUMBNAIL):
             self._link(scan_place(scan_id), name, f"{part}/{name}")
-        picks, cuts = get_landmarks(self.storage, scan_id), get_cuts(self.storage, scan_id)
-        if picks.points_mm:
-            self._put(f"{part}/{layout.LANDMARKS}", landmark_document(picks))
-        if cuts:
-            self._put(f"{part}/{layout.CUTS}", CutsDocument(cuts=list(cuts)))
-        for ink in self._rows(schema.ink, scan=scan_id):
-            self._put(f"{part}/{layout.INK}", InkDocument.model_validate(ink.json | {"dropped": sorted(ink.dropped)}))
-        for one in self._rows(schema.proposals, scan=scan_id):
-            self._put(f"{part}/{layout.PROPOSALS}", ProposalsDocument(key=one.model_sha256, landmarks=one.json))
-        for one in self._rows(schema.expiring_scans, scan=scan_id):
-            self._put(f"{part}/{layout.EXPIRES}", ExpiresDocument(announced_at=one.announced_at))
-        for fit in self._rows(schema.fits, scan=scan_id):
+        for one in self.rows.of("landmarks", scan=scan_id):
+            known = Picks(json.loads(one["points_mm"]), tuple(one.json("certain", [])), one.json("confidence", {}))
+            if known.points_mm:
+                self._put(f"{part}/{layout.LANDMARKS}", landmark_document(known))
+        for one in self.rows.of("cuts", scan=scan_id):
+            self._put(f"{part}/{layout.CUTS}", CutsDocument(cuts=json.loads(one["json"])))
+        for one in self.rows.of("ink", scan=scan_id):
+            known_ink = json.loads(one["json"]) | {"dropped": one.json("dropped", [])}
+            self._put(f"{part}/{layout.INK}", InkDocument.model_validate(known_ink))
+        same = {row["other"] for row in self.rows.of("same_patient", scan=scan_id)}
+        if same:
+            self._put(f"{part}/{layout.ANSWERS}", AnswersDocument(same_as=sorted(same)))
+        for one in self.rows.of("proposals", scan=scan_id):
+            proposed = ProposalsDocument(key=one["model_sha256"], landmarks=json.loads(one["json"]))
+            self._put(f"{part}/{layout.PROPOSALS}", proposed)
+        for one in self.rows.of("expiring_scans", scan=scan_id):
+            self._put(f"{part}/{layout.EXPIRES}", ExpiresDocument(announced_at=one["announced_at"]))
+        for fit in self.rows.of("fits", order="place", scan=scan_id):
             self._fit(scan_id, fit)
-        self.found.scans += 1
 
-    def _fit(self, scan_id: str, row: Row[Any]) -> None:
-        part, place = layout.fit_part(scan_id, row.id), fit_place(row.id)
-        known = {name: getattr(row, name) for name in FitDocument.model_fields if hasattr(row, name)}
-        once = next(iter(self._rows(schema.asked_once, fit=row.id)), None)
-        hashes = {} if once is None else {"key_sha256": once.key_sha256, "request_sha256": once.request_sha256}
-        asked = {"asked_at": row.created_at, "stance": row.asked_stance or row.stance}
-        self._put(f"{part}/{layout.FIT}", FitDocument.model_validate(known | asked | hashes))
-        lines = [event.json for event in self._rows(schema.events, fit=row.id)]
+    def _fit(self, scan_id: str, row: Row) -> None:
+        part, place = layout.fit_part(scan_id, row["id"]), fit_place(row["id"])
+        asked = {
+            "asked_at": row["created_at"],
+            "stance": row.get("asked_stance") or row["stance"],
+            "refine": bool(row.get("refine", 0)),
+            "landmarks_mm": json.loads(row["landmarks_mm"]),
+            "certain": row.json("certain", []),
+            "confidence": row.json("confidence", {}),
+            "cuts": row.json("cuts", []),
+            **{name: row.get(name) for name in ("drawing", "start_from", "predicted_from")},
+            "preset": row["preset"],
+            "simulated": bool(row.get("simulate", 0)),
+        }
+        for one in self.rows.of("asked_once", fit=row["id"]):
+            asked |= {"key_sha256": one["key_sha256"], "request_sha256": one["request_sha256"]}
+        self._put(f"{part}/{layout.FIT}", FitDocument.model_validate(asked))
+        lines = [event["json"] for event in self.rows.of("events", order="number", fit=row["id"])]
         if lines:
             self._put(f"{part}/{layout.LOG}", ("\n".join(lines) + "\n").encode())
-        folder = self.storage.files.folder(place)
+        folder = self.root / place
         for file in sorted(folder.iterdir()) if folder.is_dir() else ():
             if file.is_file() and file.name != layout.LOG:
                 self._link(place, file.name, f"{part}/{file.name}")
-        for link in self._rows(schema.shares, fit=row.id):
-            self._link_of_fit(layout.link_part(scan_id, row.id, link.id), link)
-        self.found.fits += 1
+        for link in self.rows.of("shares", order="position", fit=row["id"]):
+            self._link_of_fit(layout.link_part(scan_id, row["id"], link["id"]), link)
 
-    def _link_of_fit(self, part: str, row: Row[Any]) -> None:
-        shown = self.storage.files.folder(share_place(row.snapshot)) if row.snapshot else None
+    def _link_of_fit(self, part: str, row: Row) -> None:
+        snapshot = str(row.get("snapshot") or "")
+        shown = self.root / share_place(snapshot) if snapshot else None
         number = 1 if shown is not None and shown.is_dir() else 0
-        known = {name: getattr(row, name) for name in ("created_at", "expires_at", "revoked_at", "scan", "notes")}
-        document = LinkDocument.model_validate(known | {"shown": number, "shown_at": row.snapshot_at})
-        self._put(f"{part}/{layout.LINK}", document)
+        known = {name: row[name] for name in ("created_at", "expires_at", "revoked_at", "scan")}
+        known |= {"notes": bool(row.get("notes", 0)), "shown": number, "shown_at": row.get("snapshot_at")}
+        self._put(f"{part}/{layout.LINK}", LinkDocument.model_validate(known))
         if number and shown is not None:
             for file in sorted(each for each in shown.rglob("*") if each.is_file()):
                 inside = file.relative_to(shown).as_posix()
-                self._link(share_place(row.snapshot), inside, f"{part}/{layout.SHOWN}1/{inside}")
-        self.found.links += 1
-        counts = (row.wrong_passcodes, row.last_wrong_at, row.forgiven_passcodes)
-        self.found.secrets.append(LinkSecret(row.id, row.token_sha256, row.passcode_hash, *counts))
-
-    def _rows(self, table: Any, **where: str) -> list[Row[Any]]:
-        """In the order in which they were made."""
-        order = next((table.c[name] for name in ("position", "place", "id") if name in table.c), None)
-        chosen = select(table).filter_by(**where)
-        with self.storage.database.reading() as rows:
-            return list(rows.execute(chosen if order is None else chosen.order_by(order)).all())
+                self._link(share_place(snapshot), inside, f"{part}/{layout.SHOWN}1/{inside}")
 
     def _put(self, name: str, document: BaseModel | bytes) -> None:
         target = self.folder / name
@@ -177,7 +250,7 @@ class _Case:
 
     def _link(self, place: str, name: str, target: str) -> None:
         """A file that never changes."""
-        source, goal = self.storage.files.folder(place) / name, self.folder / target
+        source, goal = self.root / place / name, self.folder / target
         goal.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         try:
             os.link(source, goal)

@@ -71,11 +71,6 @@ class KeptModels:
         """The .glb of each by its hash."""
         return {read_rig(glb).sha256: glb for glb in (self._glb, *self._choice.others.values())}
 
-    @property
-    def own_sha256(self) -> str:
-        """Of the model that this service fits with."""
-        return self._own.sha256
-
     def keep(self) -> None:
         """Keeps the service's own models, unless they are kept already; a full disk is only logged."""
         try:

@@ -43,10 +43,10 @@ class PlannedFits:
     unfitted: tuple[str, ...] = ()  # ids of items that were made on scans without a fit that is done
 
     @property
-    def key(self) -> tuple[str, str, str, int, tuple[str, ...], frozenset[str]]:
-        """A scan may become another patient's, whose plan has versions of its own."""
+    def key(self) -> tuple[str, str, str, str, tuple[str, ...], frozenset[str]]:
+        """A scan may become another patient's, and a plan's number may come twice."""
         others = tuple(other.id for other in self.others)
-        return self.patient, self.code, self.fit.id, self.plan.version, others, self.said_same
+        return self.patient, self.code, self.fit.id, self.plan.etag, others, self.said_same
 
     @property
     def document(self) -> dict[str, Any]:

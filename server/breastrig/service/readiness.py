@@ -3,6 +3,7 @@
 The answer is kept for a moment, because anybody may ask, as often as they like.
 """
 
+import sqlite3
 import threading
 import time
 
@@ -10,12 +11,11 @@ from breastrig.execution.executor import Executor
 from breastrig.storage.storage import Storage
 
 KEPT_S = 2.0
-CHECK_S = 0.1  # thirty megabytes of rows that the system has in memory; the hourly sweep looks at all
 WAIT_S = 5.0  # a new process is there within a second, and the longest transaction takes milliseconds
 
 
 class Readiness:
-    """Looks at the database and at the pools of processes."""
+    """Looks at the index, the data folder and at the pools of processes."""
 
     def __init__(self, storage: Storage, pools: dict[str, Executor]) -> None:
         self._storage = storage
@@ -34,12 +34,15 @@ class Readiness:
 
     def _look(self) -> list[str]:
         found = []
-        if self._storage.was_damaged or not self._storage.database.is_sound(CHECK_S):
-            found.append("The database cannot be read; its file may be damaged or gone.")
-        if not self._storage.database.can_write(WAIT_S):
-            found.append("The database cannot be written.")
+        try:
+            with self._storage.index.writing() as rows:
+                rows.execute("DELETE FROM meta WHERE key = 'asked'")
+        except (sqlite3.Error, OSError):
+            found.append("The index cannot be written.")
         if not self._storage.has_files():
             found.append("The files cannot be reached.")
+        elif not self._storage.has_room():
+            found.append("The data folder cannot be written.")
         found += [
             f"The processes that {name} do not answer." for name, pool in self._pools.items() if not pool.answer(WAIT_S)
         ]

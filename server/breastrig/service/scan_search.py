@@ -18,7 +18,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from sqlalchemy.exc import SQLAlchemyError
 
 from breastrig.core.errors import BadScan, BreastRigError, FitFailed, NotFound
 from breastrig.core.model_choice import ModelChoice
@@ -129,7 +128,7 @@ class ScanSearch(ABC):
         try:
             with suppress(NotFound):  # the scan was deleted meanwhile
                 self._store(scan_id, variant, future.result())
-        except SQLAlchemyError as error:  # a full disk: it is found again when somebody asks
+        except OSError as error:  # a full disk: it is found again when somebody asks
             log.warning("what was found on a scan cannot be stored: %s", getattr(error, "orig", error))
         except Exception:
             log.exception("what was found on a scan cannot be stored")

@@ -30,6 +30,7 @@ from breastrig.execution.pool import Pool
 from breastrig.execution.worker import preload
 from breastrig.scan.stored_scan import STORED
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
+from breastrig.service.bring_over import take_over
 from breastrig.service.events.feeds import Notifier, StreamItem, follow
 from breastrig.service.failed_tasks import FULL, explained
 from breastrig.service.fits.fit_worker import Predictor, Runner, Runners
@@ -44,8 +45,7 @@ from breastrig.service.share_snapshots import ShareSnapshots
 from breastrig.service.skin_checks import SkinChecks
 from breastrig.service.sweep import KEEP_DAYS, Sweep
 from breastrig.service.task_modules import TASK_MODULES
-from breastrig.storage.deletion import delete_rows, discard, finish_deletions, remove_files
-from breastrig.storage.file_journal import record_creation
+from breastrig.storage.deletion import delete_empty_case, delete_scan, finish_deletions
 from breastrig.storage.files import MESH, THUMBNAIL, fit_place, scan_place, upload_name
 from breastrig.storage.folders import new_id
 from breastrig.storage.rows import scans as scan_rows
@@ -122,10 +122,11 @@ class Service:
     def started(self) -> Iterator["Service"]:
         """Holds the data folder, starts the processes, takes up what an earlier server left; stops all at the end."""
         with self.storage.exclusive():
+            left = finish_deletions(self.storage)
+            if left:
+                _log_unremoved(left)
             self.storage.prepare()
-            self._clean()
-            self.storage.forget_deleted()  # from here on the database's file holds nearly all, so damage is seen
-            self.storage.refill_reserve()
+            take_over(self.storage)
             self.models.keep()
             try:
                 self._readers.warm_up()
@@ -178,10 +179,9 @@ class Service:
             get_patient(self.storage, patient)
         scan_id = new_id()
         place = scan_place(scan_id)
-        record_creation(self.storage, scan_id, [place])
         try:
             self.storage.files.make(place)
-            folder = self.storage.files.folder(place)
+            folder = self.storage.files.made(place)
             upload, kept = folder / upload_name(file_type), folder / upload_name(STORED)
             sha256 = _keep(source, upload)
             model_file, triangles = self._choice.of(chosen), self._uploads.triangles
@@ -197,12 +197,12 @@ class Service:
                 put_items_of_scan(self.storage, scan_id, "lesion", items)
         except BaseException:
             self.pool.drop(scan_id)
-            discard(self.storage, scan_id, place)
+            self.storage.discard(place)
             raise
         return row, labels
 
     def delete_scan(self, scan_id: str) -> None:
-        """Removes the scan, its landmarks and its fits: rows and files.  No such scan is no error.
+        """Removes the scan, its landmarks and its fits.  No such scan is no error.
 
         Raises NotRemoved when files are left; they are tried again from time to time.
         """
@@ -210,14 +210,12 @@ class Service:
         self.ink.drop(scan_id)
         fits = fits_of_scan(self.storage, scan_id)
         self._queue.drop(fits)
-        gone = delete_rows(self.storage, scan_id)
-        self._queue.drop(gone)  # a fit may have been asked for in between
-        for fit_id in (*fits, *gone):
+        left = delete_scan(self.storage, scan_id)
+        for fit_id in fits:
             self.pool.drop(fit_id)
         self.pool.drop(scan_id)
         self.plans.forget()
         self.reports.forget()
-        left = remove_files(self.storage, scan_id)
         self._notifier.look_again()
         if left:
             _log_unremoved(left)
@@ -244,9 +242,13 @@ class Service:
         left = 0
         for scan_id in scans:
             try:
-                self.delete_scan(scan_id)
+                if scan_id in self.storage.case(patient_id).scan_ids():  # it has not been moved meanwhile
+                    self.delete_scan(scan_id)
             except NotRemoved as error:
                 left += error.places
+            except NotFound:
+                break  # the patient went with the last scan
+        delete_empty_case(self.storage, patient_id)
         if left:
             raise NotRemoved(left)
 
@@ -308,15 +310,14 @@ class Service:
     def _add_fit(self, new_fit: NewFit, once: Once | None) -> str:
         fit_id = new_id()
         place = fit_place(fit_id)
-        record_creation(self.storage, new_fit.scan, [place])
         try:
             self.storage.make_fit(fit_id)
             made = add_fit(self.storage, utc_now(), fit_id, new_fit, once)
         except BaseException:
-            discard(self.storage, new_fit.scan, place)
+            self.storage.discard(place)
             raise
         if made != fit_id:
-            discard(self.storage, new_fit.scan, place)
+            self.storage.discard(place)
         return made
 
     def cancel_fit(self, fit_id: str) -> FitRow:
@@ -376,11 +377,6 @@ class Service:
             log.warning("the process that read an upload died: %r", error)
             raise BadScan("Reading this scan needs more memory or time than it may use; simplify it first.") from error
         return facts
-
-    def _clean(self) -> None:
-        left = finish_deletions(self.storage)
-        if left:
-            _log_unremoved(left)
 
 
 def _log_unremoved(left: list[Unremoved]) -> None:

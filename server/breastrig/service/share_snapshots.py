@@ -1,7 +1,7 @@
 """Share links with the files that they show: made with the link, again when the owner asks, removed when it is over.
 
-They are made in a process of its own from the fit, the plan and the cuts as they stand, and have a place of their own.
-Until a row names that place it is in the journal of files, so nothing of what is interrupted stays.
+They are made in a process of its own from the fit, the plan and the cuts as they stand, in `incoming`, so nothing of
+what is interrupted stays.
 """
 
 import json
@@ -17,8 +17,6 @@ from breastrig.service.failed_tasks import explained
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.plans import Plans
 from breastrig.service.reports import Reports
-from breastrig.storage.deletion import discard, remove_files
-from breastrig.storage.file_journal import record_creation
 from breastrig.storage.files import fit_place, scan_place, share_place, upload_name
 from breastrig.storage.folders import new_id
 from breastrig.storage.rows.fits import FitRow, get_fit, shown_cuts
@@ -57,8 +55,7 @@ class ShareSnapshots:
             )
         with self._taken(fit, share) as snapshot:
             made = replace(share, snapshot=snapshot, snapshot_at=utc_now())
-            add_share(self._storage, made, token_sha256)
-        return made
+            return add_share(self._storage, made, token_sha256)
 
     def refresh(self, fit_id: str, share_id: str) -> ShareRow:
         """The link shows what stands now.  Raises likewise, and Conflict when it is over."""
@@ -66,37 +63,31 @@ class ShareSnapshots:
         if not share.is_valid(utc_now()):
             raise Conflict("This link is over; make a new one.")
         with self._taken(fit, share) as snapshot:
-            replace_snapshot(self._storage, share, fit.scan, snapshot, utc_now())
-        self._remove(fit.scan)
+            replace_snapshot(self._storage, share, snapshot)
         return get_share(self._storage, fit_id, share_id)
 
     def revoke(self, fit_id: str, share_id: str) -> None:
         """Closes the link and removes what it showed; files that cannot be removed are tried again."""
-        for scan_id in revoke_share(self._storage, fit_id, share_id, utc_now()):
-            self._remove(scan_id)
+        try:
+            revoke_share(self._storage, fit_id, share_id)
+        except OSError as left:
+            log.error("what a link showed cannot be removed yet: %s", left.strerror)
 
     def end_expired(self) -> None:
         """Removes what links showed that are over by now."""
-        for scan_id in set(end_snapshots(self._storage, utc_now())):
-            self._remove(scan_id)
-
-    def _remove(self, scan_id: str) -> None:
-        left = remove_files(self._storage, scan_id)
-        if left:
-            log.error("%d folders of a link that is over cannot be removed yet", len(left))
+        end_snapshots(self._storage, utc_now())
 
     @contextmanager
     def _taken(self, fit: FitRow, share: ShareRow) -> Iterator[str]:
-        """A new snapshot; the block writes the row that names it, or nothing is left of it."""
+        """A new snapshot; the block puts it into the case, or nothing is left of it."""
         snapshot = new_id()
         place = share_place(snapshot)
-        record_creation(self._storage, fit.scan, [place])
         try:
             self._storage.files.make(place)
             self._write(place, fit, share)
             yield snapshot
         except BaseException:
-            discard(self._storage, fit.scan, place)
+            self._storage.discard(place)
             raise
 
     def _write(self, place: str, fit: FitRow, share: ShareRow) -> None:
@@ -113,7 +104,7 @@ class ShareSnapshots:
                 plan=plan,
                 items=planned.plan.items,
                 identity=replace(self._reports.identity([fit]), code=""),
-                out=files.folder(place),
+                out=files.made(place),
                 scan=files.folder(scan_place(scan.id)) / stored if share.scan == "full" else None,
                 file_type=scan.file_type,
                 shows_scan=share.scan != "none",

@@ -1,5 +1,7 @@
 """Scans are kept for a stated time only: a thread looks every hour for those that are older, and deletes them.
 
+The same thread looks for what other programs have written into the cases.
+
 The time counts from the upload, not from the last use, so that the day can be stated beforehand.
 
 A clock can be wrong, and then every scan looks too old at once.  So a deletion is announced in the log a day before,
@@ -8,31 +10,26 @@ announced it.  Announcements that turn out to be wrong, because the clock was se
 """
 
 import logging
+import sqlite3
 import threading
 from collections.abc import Callable
 from datetime import datetime, timedelta
 
-from sqlalchemy.exc import SQLAlchemyError
-
 from breastrig.core import wall_clock
 from breastrig.core.errors import NotRemoved
-from breastrig.storage.deletion import remove_files
+from breastrig.storage.deletion import look, remove_left
 from breastrig.storage.rows.expiring_scans import AgedScan, aged_scans, announce, withdraw
-from breastrig.storage.rows.scans import scans_before
 from breastrig.storage.storage import Storage, iso_utc
 
 KEEP_DAYS = 30
 LOOK_EVERY_S = 3600.0  # a scan is deleted at most an hour late
 RETRY_EVERY_S = 60.0  # files that could not be removed
+NEWS_EVERY_S = 2.0  # how soon it is seen what other programs have written
+NEWS_SHARE = 50  # so many times as long it rests as it looked, where that is longer
 GRACE = timedelta(days=1)  # time enough to see that the clock is wrong
 AHEAD = timedelta(seconds=2 * LOOK_EVERY_S)  # so that a deletion which is announced in time is not late
 
 log = logging.getLogger(__name__)
-
-
-def overdue(storage: Storage, days: float) -> list[str]:
-    """The scans that were uploaded more than so many days ago."""
-    return scans_before(storage, iso_utc(wall_clock.now() - timedelta(days=days)))
 
 
 class Retention:
@@ -124,26 +121,29 @@ class Sweep:
             self._thread.join()
 
     def _run(self) -> None:
-        looked_at = -LOOK_EVERY_S
+        looked_at = tried_at = -LOOK_EVERY_S
         while True:
+            began = wall_clock.uptime_s()
+            pause = NEWS_EVERY_S
             try:
-                self._try_again()
-                self._end_expired()
-                if wall_clock.uptime_s() - looked_at >= LOOK_EVERY_S:
-                    looked_at = wall_clock.uptime_s()
+                look(self._storage)
+                pause = max(pause, NEWS_SHARE * (wall_clock.uptime_s() - began))
+                if began - tried_at >= RETRY_EVERY_S:
+                    tried_at = began
+                    remove_left(self._storage)
+                    self._storage.forget_pending()
+                    self._storage.index.keep_room()
+                    self._end_expired()
+                if began - looked_at >= LOOK_EVERY_S:
+                    looked_at = began
                     self._storage.check_integrity()
                     self._delete_old()
-            except SQLAlchemyError as error:  # the database is busy or damaged, which others say
+            except sqlite3.Error as error:  # the index is busy, which others say
                 log.error("old scans cannot be looked for: %s", type(error).__name__)
             except Exception:
                 log.exception("old scans cannot be deleted")
-            if self._over.wait(RETRY_EVERY_S):
+            if self._over.wait(pause):
                 return
-
-    def _try_again(self) -> None:
-        remove_files(self._storage)
-        self._storage.forget_pending()
-        self._storage.refill_reserve()
 
     def _delete_old(self) -> None:
         if self._retention is None:

@@ -1,1 +1,1 @@
-"""What survives a restart: rows in a database, files on disk.  Keeps no mathematics."""
+"""What survives a restart: cases, and the index that finds them.  Keeps no mathematics."""

@@ -1,6 +1,6 @@
 """The data folder belongs to BreastRig only if it carries a marker, which is looked for before anything is written.
 
-    data/installation           the marker: the id of the installation, 22 characters, which its database holds too
+    data/installation           the marker: the id of the installation, 22 characters, which its index names too
 
 A server removes files from its data folder, so it must never take another program's folder for its own.  An empty or
 missing folder becomes ours, and the marker is the first thing in it; any other folder without a marker is refused as
@@ -19,11 +19,7 @@ from breastrig.core.errors import BadSettings
 from breastrig.storage.files import MARK
 
 PART = ".breastrig-installation.part"  # the marker while it is written
-SQLITE_FILE = "breastrig.sqlite3"
 LOCK_FILE = "lock"
-RESERVE_FILE = "reserve"
-PLACES = ("scans", "fits", "shares")
-RUBBISH = "rubbish"
 ID = re.compile(r"[A-Za-z0-9_-]{22}")
 MARKER_BYTES = 22
 OF_A_FILE_SYSTEM = {"lost+found"}  # in the root of a new disk

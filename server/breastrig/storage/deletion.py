@@ -1,171 +1,135 @@
-"""Deleting a scan: its rows, those of its fits and links first, so that nobody can read them, then the files.
+"""Deleting a scan: one rename, from which on nobody can read it; then its files, items and rows.
 
-Whatever is interrupted or fails is in the journal of files, and is finished at the next start or attempt.  A full
-disk is no obstacle: what has to be written goes into the reserve, and rows that are too many for it are deleted in
-steps, once the files have made room.
+Whatever is interrupted or fails is finished at the next start or attempt (see cases/removal.py).
 """
 
 import logging
+import os
+import sqlite3
+from contextlib import suppress
 from functools import partial
 
-from sqlalchemy import Connection, delete, select
-from sqlalchemy.exc import DBAPIError, SQLAlchemyError
-
-from breastrig.storage import schema
-from breastrig.storage.file_journal import cancel_creations, clear_entries, pending_removals, record_removal
-from breastrig.storage.files import fit_place, scan_place
-from breastrig.storage.rows.fits import fit_ids, fits_of_scan
-from breastrig.storage.rows.patients import forget_scan
-from breastrig.storage.rows.queries import is_there
-from breastrig.storage.rows.scans import scan_ids
-from breastrig.storage.rows.shares import snapshot_places
+from breastrig.cases import layout, removal
+from breastrig.cases.case_folder import CaseFolder, remove_tree
+from breastrig.cases.layout import scan_part
+from breastrig.core.errors import NotFound
+from breastrig.index import questions
+from breastrig.storage.files import scan_place
 from breastrig.storage.storage import Storage, Unremoved
-
-EVENTS_AT_ONCE = 100  # of some kB each: half a megabyte of SQLite's log
-STILL_WRITTEN = "a process still writes to it"
 
 log = logging.getLogger(__name__)
 
 
 def delete_scan(storage: Storage, scan_id: str) -> list[Unremoved]:
-    """Deletes the scan with everything made of it, while nobody runs its fits; what could not be removed."""
-    delete_rows(storage, scan_id)
-    return remove_files(storage, scan_id)
+    """Deletes the scan with everything made of it, while nobody runs its fits; what could not be removed.
 
-
-def delete_rows(storage: Storage, scan_id: str) -> list[str]:
-    """Deletes the scan's row and all rows that depend on it; the ids of its fits.  No such scan is no error.
-
-    Their files are in the journal then, for `remove_files`.
+    No such scan is no error.
     """
+    links = storage.index.asked(lambda rows: questions.links_of_scan(rows, scan_id))
     try:
-        with storage.database.writing(durable=True) as connection:
-            fits = _fits_of(connection, scan_id)
-            if is_there(connection, schema.scans, scan_id):
-                record_removal(connection, scan_id, _places(connection, scan_id, fits))
-                cancel_creations(connection, scan_id)
-                _delete_fits(connection, fits)
-                forget_scan(connection, scan_id)
-                connection.execute(delete(schema.scans).where(schema.scans.c.id == scan_id))
-        return fits
-    except DBAPIError as error:
+        case = storage.case_of_scan(scan_id)
+        left = removal.delete_scan(case, scan_id)
+    except NotFound:
+        moved = _case_of(storage, scan_id)
+        if moved is None:
+            return _still_there(storage, scan_id)
+        case = moved
+        left = removal.delete_scan(case, scan_id)
+    try:
+        storage.index.making_room(partial(_forget, storage, case.id, links))
+    except sqlite3.Error as error:
         if not storage.is_disk_full(error):
             raise
-        return _delete_in_steps(storage, scan_id)
+        log.error("the disk is full: what was deleted is still in the index, which nobody is shown")
+    storage.index.keep_room()
+    return [Unremoved(scan_place(scan_id), one.where, one.reason) for one in left]
 
 
-def remove_files(storage: Storage, scan_id: str | None = None) -> list[Unremoved]:
-    """Removes what the journal says is to be removed, of one scan or all; what could not be."""
-    if scan_id is None:
-        _finish_rows(storage)
-    places = pending_removals(storage, scan_id)
-    left = {one.place: one for one in storage.remove(*places)}
-    for place in places:
-        kind, _, name = place.partition("/")
-        if kind == "fits" and place not in left and not storage.wait_until_free(name, 0.0):
-            left[place] = Unremoved(place, storage.files.left_of(place), STILL_WRITTEN)
-    gone = [place for place in places if place not in left]
-
-    def write() -> None:
-        with storage.database.writing() as connection:
-            clear_entries(connection, gone)
-
-    if gone:
-        storage.using_reserve(write)
-    if places:
+def delete_empty_case(storage: Storage, case_id: str) -> None:
+    """A case without scans, as other programs make them; no such case is no error."""
+    with suppress(NotFound):
+        removal.delete_case(storage.case(case_id), empty=True)
+        storage.index.refresh(case_id)
         storage.forget_deleted()
-        storage.refill_reserve()
-    return list(left.values())
 
 
-def discard(storage: Storage, scan_id: str, *places: str) -> None:
-    """Removes files that get no row after all.  What cannot be removed now is tried again later."""
+def _case_of(storage: Storage, scan_id: str) -> CaseFolder | None:
+    """Where a scan is that another program has moved since the index has looked."""
+    if layout.ID.fullmatch(scan_id):
+        for folder in (storage.root / layout.CASES).glob(f"*/{scan_part(scan_id)}"):
+            with suppress(NotFound):
+                case = storage.case(folder.parents[1].name)
+                if scan_id in case.scan_ids():
+                    return case
+    return None
+
+
+def _forget(storage: Storage, case_id: str, links: list[str]) -> None:
+    """The rows of what is deleted."""
+    storage.index.refresh(case_id)
+    with storage.index.writing() as rows:
+        for link in links:
+            questions.forget_link(rows, link)
+    storage.forget_deleted()
+
+
+def _still_there(storage: Storage, scan_id: str) -> list[Unremoved]:
+    """What is left of a scan that is deleted already, after another attempt."""
+    if not layout.ID.fullmatch(scan_id):
+        return []
+    rubbish = storage.root / layout.RUBBISH
+    own = [str(each) for each in rubbish.iterdir() if each.name.endswith(f".{scan_id}")]
+    own += [str(each) for each in rubbish.iterdir() if (each / layout.SCANS / scan_id).exists()]
+    left = removal.sweep(storage.root) if own else []
+    places = (*own, scan_id)  # a folder that cannot be moved is still in its case
+    return [
+        Unremoved(scan_place(scan_id), one.where, one.reason) for one in left if any(p in one.where for p in places)
+    ]
+
+
+def remove_left(storage: Storage) -> list[Unremoved]:
+    """Finishes what was interrupted or could not be removed; what still cannot be."""
+    left = swept(storage)
+    look(storage)
+    return left
+
+
+def swept(storage: Storage) -> list[Unremoved]:
+    """The same without the index."""
+    return [Unremoved(one.where, one.where, one.reason) for one in removal.sweep(storage.root)]
+
+
+def look(storage: Storage) -> None:
+    """Takes up what other programs have written and deleted."""
+    if storage.index.look():
+        storage.index.look()  # forgets links, now that nothing has changed
+        storage.forget_deleted()
+
+
+def count_left(storage: Storage) -> int:
+    """Scans and cases of which something is still to be removed."""
     try:
-        with storage.database.writing() as connection:
-            record_removal(connection, scan_id, places)
-        remove_files(storage, scan_id)
-    except SQLAlchemyError as unwritten:  # the next start does the rest
-        storage.remove(*places)
-        log.error("files that were not kept cannot be struck out: %s", type(unwritten).__name__)
+        return len(os.listdir(storage.root / layout.RUBBISH))
+    except FileNotFoundError:
+        return 0
 
 
 def finish_deletions(storage: Storage) -> list[Unremoved]:
     """At the start of a server: removes what an earlier one has left; what could not be removed.
 
-    Whatever else lies where scans, fits and shares are kept is left alone, and its number said in the log.
+    It comes before the index, which needs room.  Whatever else lies where cases are kept is left alone, and its number
+    said in the log.  Raises BadSettings when the data folder cannot be written.
     """
-
-    def cancel() -> None:
-        with storage.database.writing() as connection:
-            cancel_creations(connection)
-
-    storage.using_reserve(cancel)
-    left = remove_files(storage)
-    with storage.database.reading() as connection:
-        shares = snapshot_places(connection)
-    known = {
-        *map(scan_place, scan_ids(storage)),
-        *map(fit_place, fit_ids(storage)),
-        *shares,
-        *pending_removals(storage),
-    }
-    unknown = storage.count_unknown(known)
+    storage.create()
+    for entry in (storage.root / layout.INCOMING).iterdir():
+        kind, _, name = entry.name.partition(".")
+        if kind in ("scans", "fits", "shares") and layout.ID.match(name):  # was being made by a server that was killed
+            remove_tree(entry)
+    left = swept(storage)
+    unknown = sum(
+        not layout.ID.fullmatch(entry.name) or not (entry / layout.CASE).is_file()
+        for entry in (storage.root / layout.CASES).iterdir()
+    )
     if unknown:
-        log.warning("%d files or folders among those of scans and fits are none of BreastRig's; they stay", unknown)
+        log.warning("%d files or folders among the cases are none of BreastRig's; they stay", unknown)
     return left
-
-
-def _finish_rows(storage: Storage) -> None:
-    """Deletes the rows of scans whose deletion in steps was interrupted."""
-    removing = pending_removals(storage)
-    for scan_id in set(removing.values()) & scan_ids(storage):
-        if scan_place(scan_id) in removing:
-            delete_rows(storage, scan_id)
-
-
-def _delete_in_steps(storage: Storage, scan_id: str) -> list[str]:
-    """The same with less room: each step writes little, and the first says what is to be finished in any case."""
-    fits = fits_of_scan(storage, scan_id)
-    with storage.database.reading() as connection:
-        places = _places(connection, scan_id, fits)
-
-    def note() -> None:
-        with storage.database.writing(durable=True) as connection:
-            record_removal(connection, scan_id, places)
-            cancel_creations(connection, scan_id)
-
-    def delete_events(fit_id: str) -> int:
-        first = select(schema.events.c.position).where(schema.events.c.fit == fit_id).limit(EVENTS_AT_ONCE)
-        with storage.database.writing() as connection:
-            return connection.execute(delete(schema.events).where(schema.events.c.position.in_(first))).rowcount
-
-    def delete_fit(fit_id: str) -> None:
-        with storage.database.writing() as connection:
-            _delete_fits(connection, [fit_id])
-
-    def delete_rest() -> None:
-        with storage.database.writing() as connection:
-            forget_scan(connection, scan_id)
-            connection.execute(delete(schema.scans).where(schema.scans.c.id == scan_id))
-
-    storage.using_reserve(note)
-    storage.remove(*places)
-    for fit_id in fits:
-        while storage.using_reserve(partial(delete_events, fit_id)):
-            storage.forget_deleted()
-        storage.using_reserve(partial(delete_fit, fit_id))
-    storage.using_reserve(delete_rest)
-    return fits
-
-
-def _fits_of(connection: Connection, scan_id: str) -> list[str]:
-    return list(connection.execute(select(schema.fits.c.id).where(schema.fits.c.scan == scan_id)).scalars())
-
-
-def _places(connection: Connection, scan_id: str, fits: list[str]) -> list[str]:
-    """Of the scan, of its fits and of all that links show of them."""
-    return [scan_place(scan_id), *map(fit_place, fits), *snapshot_places(connection, fits)]
-
-
-def _delete_fits(connection: Connection, fits: list[str]) -> None:
-    connection.execute(delete(schema.fits).where(schema.fits.c.id.in_(fits)))

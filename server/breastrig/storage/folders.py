@@ -1,77 +1,90 @@
-"""The files of scans, fits and share links: one folder each, named by an unguessable id, below the data folder.
+"""Where the files of scans, fits and links are: in their case, or, while they are made, in `incoming`.
 
     data/installation           says that the folder is BreastRig's (see `data_folder`)
-    data/breastrig.sqlite3      rows
-    data/scans/ID/              scan.stored (what was read of the upload), mesh.glb (for display), thumbnail.png
-    data/fits/ID/               result.json, scan.ply (cleaned), fitted.ply, fitted.glb, drawing.json,
-                                distances.bin, uncertainty.bin, body.bin, fit.log.jsonl
-    data/shares/ID/             what one share link shows (see workflow/share_snapshot.py)
-    data/models/SHA256.zip      the models that fits were made with
-    data/rubbish/KIND.ID        on its way out: a folder is first moved here, so that no path into it works any more
-    data/reserve                space that a full disk has left for deleting (see `reserve`)
     data/lock                   held by the server
+    data/cases/ID/              one patient each (see cases/layout.py)
+    data/incoming/              what is being made
+    data/rubbish/               what is on its way out, or being moved
+    data/models/SHA256.zip      the models that fits were made with
+    data/index-*.sqlite3        finds all that (see index/)
 
 Original file names are never stored.
 """
 
-import fcntl
+import errno
 import os
-import secrets
-import shutil
-import threading
 import time
-from collections.abc import Collection, Iterator
-from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from breastrig.storage.data_folder import LOCK_FILE, PLACES, RESERVE_FILE, RUBBISH
+from filelock import lock_descriptor
+
+from breastrig.cases import layout
+from breastrig.cases.layout import new_id as new_id
+from breastrig.index import questions
+from breastrig.index.index import Index
+from breastrig.storage.data_folder import LOCK_FILE
 from breastrig.storage.files import MODELS, OpenedFile, fit_place, scan_place
-
-
-def new_id() -> str:
-    """128 random bits as 22 URL-safe characters."""
-    return secrets.token_urlsafe(16)
 
 
 class Folders:
     """The folders of one data folder, which only their owner can read.  May be used from any thread."""
 
-    def __init__(self, root: Path) -> None:
+    def __init__(self, root: Path, index: Index) -> None:
         self.root = root
         self.lock = root / LOCK_FILE
-        self.reserve = root / RESERVE_FILE
-        self._rubbish = root / RUBBISH
-        self._removing = threading.Lock()  # who finds a folder half removed would not know whether it will be gone
+        self._index = index
 
     def scan(self, scan_id: str) -> Path:
-        return self.root / scan_place(scan_id)
+        return self.folder(scan_place(scan_id))
 
     def fit(self, fit_id: str) -> Path:
-        return self.root / fit_place(fit_id)
+        return self.folder(fit_place(fit_id))
 
     def create(self) -> None:
-        for folder in (self.root, *(self.root / name for name in PLACES), self._rubbish, self.root / MODELS):
-            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        for name in (layout.CASES, layout.INCOMING, layout.RUBBISH, MODELS):
+            (self.root / name).mkdir(mode=0o700, parents=True, exist_ok=True)
 
     def make(self, place: str) -> None:
-        """Before anything is put there."""
-        (self.root / place).mkdir(mode=0o700)
+        """Before anything is put there: it is nobody's until it is put into a case."""
+        self.made(place).mkdir(mode=0o700)
+
+    def made(self, place: str) -> Path:
+        """Where it is while it is made."""
+        return self.root / layout.INCOMING / place.replace("/", ".")
 
     def folder(self, place: str) -> Path:
-        return self.root / place
+        """Of a place that is in a case, else of one that is being made, or was deleted."""
+        return self._kept(place) or (self.root / place if place in ("", MODELS) else self.made(place))
+
+    def _kept(self, place: str) -> Path | None:
+        kind, _, name = place.partition("/")
+        cases = self.root / layout.CASES
+        if kind == "scans":
+            case = self._index.asked(lambda rows: questions.case_of_scan(rows, name))
+            return None if case is None else cases / case / layout.scan_part(name)
+        if kind == "fits":
+            found = self._index.asked(lambda rows: questions.case_of_fit(rows, name))
+            return None if found is None else cases / found[0] / layout.fit_part(found[1], name)
+        if kind == "shares":
+            link, _, number = name.partition(".")
+            where = self._index.asked(lambda rows: questions.fit_of_link(rows, link))
+            if where is None:
+                return None
+            return cases / where[0] / layout.link_part(where[1], where[2], link) / f"{layout.SHOWN}{number}"
+        return None
 
     def find(self, place: str, name: str) -> OpenedFile | None:
         """The file, if it is there."""
-        path = self.root / place / name
+        path = self.folder(place) / name
         try:
             facts = path.stat()
-        except FileNotFoundError:
+        except (FileNotFoundError, NotADirectoryError):
             return None
         return OpenedFile(path, facts.st_size, f"{facts.st_mtime_ns:x}-{facts.st_size:x}", lambda: path.open("rb"))
 
     def write(self, place: str, name: str, content: bytes) -> None:
         """Keeps one file, whole or not at all.  Raises OSError."""
-        path = self.root / place / name
+        path = self.folder(place) / name
         partial = path.with_name(f"{name}.part")
         try:
             partial.write_bytes(content)
@@ -80,82 +93,22 @@ class Folders:
             partial.unlink(missing_ok=True)
             raise
 
-    @contextmanager
-    def held(self, fit_id: str) -> Iterator[None]:
-        """Marks the fit as being executed, until the block ends or the process dies; waits for who has it.
-
-        By a lock of its folder.  Raises FileNotFoundError when the fit was deleted.
-        """
-        handle = os.open(self.fit(fit_id), os.O_RDONLY | os.O_DIRECTORY)
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX)
-            yield
-        finally:
-            os.close(handle)
-
     def wait_until_free(self, fit_id: str, timeout_s: float) -> bool:
-        """Whether nobody executes the fit any more, waiting for that a little."""
+        """Whether nobody is at work at the fit any more, waiting for that a little."""
         try:
-            handle = os.open(self.fit(fit_id), os.O_RDONLY | os.O_DIRECTORY)
-        except FileNotFoundError:
+            handle = os.open(self.fit(fit_id) / layout.CLAIM, os.O_RDWR)
+        except (FileNotFoundError, NotADirectoryError):
             return True
+        except OSError as error:
+            if error.errno == errno.EROFS:
+                return True  # where nothing can be written, nobody is at work
+            raise
         deadline = time.monotonic() + timeout_s
         try:
-            while True:
-                try:
-                    fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                    return True
-                except BlockingIOError:
-                    if time.monotonic() > deadline:
-                        return False
-                    time.sleep(0.01)
+            while not lock_descriptor(handle, blocking=False):
+                if time.monotonic() > deadline:
+                    return False
+                time.sleep(0.01)
+            return True
         finally:
             os.close(handle)
-
-    def remove(self, place: str) -> None:
-        """Removes the place with all it holds; one that is not there is no error.
-
-        Raises OSError when something is left of it.
-        """
-        folder = self.root / place
-        moved = self._moved(folder)
-        errors = []
-        with self._removing:
-            with suppress(OSError):  # there is no room for another name, or something is mounted there
-                os.replace(folder, moved)
-            for one in (moved, folder):
-                try:
-                    _remove_tree(one)
-                except OSError as error:
-                    errors.append(error)
-        if errors:
-            raise errors[0]
-
-    def left_of(self, place: str) -> str:
-        """For people: where that is which could not be removed."""
-        moved = self._moved(self.root / place)
-        return str(moved if os.path.lexists(moved) else self.root / place)
-
-    def is_empty(self) -> bool:
-        """Whether no scan, no fit and no share is kept."""
-        return not any(os.listdir(self.root / kind) for kind in PLACES)
-
-    def count_unknown(self, known: Collection[str]) -> int:
-        """Entries that are neither of the places `known` nor such ones on their way out."""
-        ours = {self.root / place for place in known}
-        ours |= {self._moved(folder) for folder in ours}
-        return sum(entry not in ours for kind in (*PLACES, RUBBISH) for entry in (self.root / kind).iterdir())
-
-    def _moved(self, folder: Path) -> Path:
-        """The folder's name on its way out: known from the place alone, so that nothing else is removed for it."""
-        return self._rubbish / f"{folder.parent.name}.{folder.name}"
-
-
-def _remove_tree(path: Path) -> None:
-    """Removes as much as can be removed, never what a link leads to.  Raises OSError when something is left."""
-    if path.is_symlink() or not path.is_dir():
-        path.unlink(missing_ok=True)
-        return
-    shutil.rmtree(path, ignore_errors=True)
-    if os.path.lexists(path):
-        shutil.rmtree(path)  # once more, to hear what is in the way

@@ -1,40 +1,40 @@
-"""Everything that is kept, as one thing: rows and files.
+"""Everything that is kept, as one thing: cases, and the index that finds them.
 
 `Storage(root)` is cheap and holds no lock; every process opens its own.  The server alone calls `prepare`,
 which creates what is missing, and holds `exclusive` as long as it runs, because two servers on one data folder
 would each run the same fits.  Both look first whether the data folder is BreastRig's (see `data_folder`).
 """
 
-import errno
 import fcntl
 import logging
 import os
 import sqlite3
-from collections.abc import Callable, Collection, Iterator
-from contextlib import AbstractContextManager, contextmanager, suppress
+import tempfile
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TypeVar
 
-from sqlalchemy.exc import DBAPIError
-
+from breastrig.cases import layout
+from breastrig.cases.case_folder import NO_SCAN, CaseFolder, MadeScan, remove_tree
+from breastrig.cases.fits import NO_FIT
+from breastrig.cases.writing import NONE_HERE
 from breastrig.core import wall_clock
-from breastrig.core.errors import BadSettings
+from breastrig.core.errors import BadSettings, NotFound
 from breastrig.core.scratch import sweep_scratch
-from breastrig.storage.data_folder import SQLITE_FILE, claim
-from breastrig.storage.database import Database
+from breastrig.index import questions
+from breastrig.index.file import is_full
+from breastrig.index.index import Index
+from breastrig.storage.data_folder import claim
 from breastrig.storage.files import MARK, MODELS, ROOT, fit_place
 from breastrig.storage.folders import Folders, new_id
-from breastrig.storage.installation_id import check_belonging
-from breastrig.storage.reserve import Reserve
 
 log = logging.getLogger(__name__)
 
 PRIORS = "priors.json"  # beside the models
-CHECK_S = 5.0  # a gigabyte of rows that the system has in memory
-FULL = (errno.ENOSPC, errno.EDQUOT)
-Result = TypeVar("Result")
+ROOM_BYTES = 65_536  # of one fit's log, or a plan with its version before
 
 
 @dataclass(frozen=True)
@@ -47,32 +47,40 @@ class Unremoved:
 
 
 class Storage:
-    """Rows (`database`) and files (`files`) of one data folder."""
+    """Cases and their `index`; `files` says where files are."""
 
     def __init__(self, root: Path) -> None:
         self.root = root
-        self.files = Folders(root)
-        self.database = Database(root / SQLITE_FILE)
-        self.reserve = Reserve(self.files.reserve)
+        self.index = Index(root)
+        self.files = Folders(root, self.index)
+        self.asking = threading.Lock()  # of fits
         self._forget_again = False
-        self.was_damaged = False  # when the whole database was looked at last
+
+    def new_code(self) -> str:
+        """A random one that no patient here has."""
+        return self.index.asked(questions.new_code)
 
     def prepare(self) -> None:
-        """Creates folders and tables, or brings older tables up to date.
+        """Creates folders, and the index where there is none, or one that cannot be used.
 
-        Raises BadSettings when the data folder belongs to another program or database, cannot be written, is damaged,
-        or was written by a newer version.
+        Raises BadSettings when the data folder belongs to another program, or cannot be written.
         """
-        self._claim()
+        self.create()
         try:
-            self.using_reserve(self.files.create)
-            self.using_reserve(self.database.bring_up_to_date)
             self._forget_priors()
-            self.using_reserve(lambda: check_belonging(self.database, self.root, self.files))
+            self.index.prepare()
         except OSError as error:
             raise self._unusable(error.strerror) from error
-        except (DBAPIError, sqlite3.Error) as error:
-            raise self._unusable(str(getattr(error, "orig", error))) from error
+        except sqlite3.Error as error:
+            raise self._unusable(str(error)) from error
+
+    def create(self) -> None:
+        """The folders, where there are none.  Raises likewise."""
+        self._claim()
+        try:
+            self.files.create()
+        except OSError as error:
+            raise self._unusable(error.strerror) from error
 
     def _forget_priors(self) -> None:
         """Empties the sums over patients that a service could learn once: deleted patients may be among them."""
@@ -82,13 +90,13 @@ class Storage:
 
     @contextmanager
     def exclusive(self) -> Iterator[None]:
-        """Holds rows and files for this server.
+        """Holds the data folder for this server.
 
-        Raises BadSettings when another server holds them, and when the data folder is another program's.
+        Raises BadSettings when another server holds it, and when it is another program's.
         """
         self._claim()
         try:
-            handle = self.using_reserve(lambda: os.open(self.files.lock, os.O_RDWR | os.O_CREAT, 0o600))
+            handle = os.open(self.files.lock, os.O_RDWR | os.O_CREAT, 0o600)
         except OSError as error:
             raise self._unusable(error.strerror) from error
         try:
@@ -112,39 +120,67 @@ class Storage:
             "permissions, or choose another with --data."
         )
 
-    def using_reserve(self, write: Callable[[], Result]) -> Result:
-        """Writes what must not fail for a full disk, giving up the reserve part by part; it may be called repeatedly.
+    def case(self, case_id: str) -> CaseFolder:
+        """Raises NotFound."""
+        if not layout.ID.fullmatch(case_id):
+            raise NotFound(NONE_HERE)
+        try:
+            return CaseFolder(self.root / layout.CASES / case_id)
+        except NotFound as error:
+            raise NotFound(NONE_HERE) from error
 
-        Raises what `write` raises once there is no reserve left.
-        """
-        while True:
-            try:
-                return write()
-            except (OSError, DBAPIError, sqlite3.Error) as error:
-                if not self.is_disk_full(error) or not self.reserve.release():
-                    raise
+    def new_case(self, first: MadeScan) -> CaseFolder:
+        """A case with its first scan, under a new random code.  Raises OSError."""
+        return CaseFolder.of_scan(self.new_place(), self.new_code(), first)
+
+    def new_place(self) -> Path:
+        """Of a case that is to be made."""
+        return self.root / layout.CASES / new_id()
+
+    def case_of_scan(self, scan_id: str) -> CaseFolder:
+        """Raises NotFound."""
+        found = self.index.asked(lambda rows: questions.case_of_scan(rows, scan_id))
+        try:
+            if found is not None:
+                return self.case(found)
+        except NotFound:
+            pass
+        raise NotFound(NO_SCAN)
+
+    def case_of_fit(self, fit_id: str) -> tuple[CaseFolder, str]:
+        """And the fit's scan.  Raises NotFound."""
+        found = self.index.asked(lambda rows: questions.case_of_fit(rows, fit_id))
+        try:
+            if found is not None:
+                return self.case(found[0]), found[1]
+        except NotFound:
+            pass
+        raise NotFound(NO_FIT)
 
     def is_disk_full(self, error: Exception) -> bool:
         """Whether it was met because the disk of the data folder is full."""
-        return (isinstance(error, OSError) and error.errno in FULL) or self.database.is_disk_full(error)
-
-    def refill_reserve(self) -> None:
-        """Sets space aside for the deletion that comes when the disk is full."""
-        self.reserve.refill()
+        return is_full(error)
 
     def forget_deleted(self) -> None:
         """Gives up what deleted rows still take, now or at the next call of `forget_pending`."""
-        self._forget_again = not self.using_reserve(self.database.forget_deleted)
+        self._forget_again = not self.index.forget_deleted()
 
     def forget_pending(self) -> None:
         if self._forget_again:
             self.forget_deleted()
 
     def check_integrity(self) -> None:
-        """At the whole database, or as much of it as some seconds suffice for."""
-        self.was_damaged = not self.database.is_sound(CHECK_S)
-        if self.was_damaged:
-            log.error("the database is damaged; put a copy of the data folder in its place")
+        """Of the index, or as much of it as some seconds suffice for; a damaged one is made again."""
+        self.index.check()
+
+    def has_room(self) -> bool:
+        """Whether something can be written into the data folder."""
+        try:
+            with tempfile.TemporaryFile(dir=self.root / layout.INCOMING, buffering=0) as file:  # it has no name
+                file.write(bytes(ROOM_BYTES))
+                return True
+        except OSError:
+            return False
 
     def has_files(self) -> bool:
         """Whether the data folder answers and is still the one that was prepared."""
@@ -154,41 +190,23 @@ class Storage:
             return False
 
     def make_fit(self, fit_id: str) -> None:
-        """What a fit needs before its row is there: a folder, to be locked by whoever carries it out."""
+        """A folder for what a fit needs before it is asked for."""
         self.files.make(fit_place(fit_id))
 
-    def held(self, fit_id: str) -> AbstractContextManager[None]:
-        """Marks the fit as being executed, until the block ends or the process dies; waits for who has it.
-
-        Raises FileNotFoundError when it was deleted.
-        """
-        return self.files.held(fit_id)
-
     def wait_until_free(self, fit_id: str, timeout_s: float) -> bool:
-        """Whether nobody carries the fit out any more, waiting for that a little."""
+        """Whether nobody is at work at the fit any more, waiting for that a little."""
         return self.files.wait_until_free(fit_id, timeout_s)
 
-    def remove(self, *places: str) -> list[Unremoved]:
-        """Removes the files of scans and fits (`files.scan_place`, `files.fit_place`); none there is no error.
-
-        What could not be removed.
-        """
-        left = []
+    def discard(self, *places: str) -> None:
+        """Removes what was made and is not kept after all; what cannot be removed now goes at the next start."""
         for place in places:
-            try:
-                self.files.remove(place)
-            except OSError as error:
-                left.append(Unremoved(place, self.files.left_of(place), error.strerror or type(error).__name__))
+            with suppress(OSError):
+                remove_tree(self.files.made(place))
         with suppress(OSError):
             sweep_scratch()
-        return left
-
-    def count_unknown(self, known: Collection[str]) -> int:
-        """How many files and folders lie where scans and fits are kept, and belong to none of these places."""
-        return self.files.count_unknown(known)
 
     def close(self) -> None:
-        self.database.close()
+        self.index.close()
 
 
 def iso_utc(moment: datetime) -> str:

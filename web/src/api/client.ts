@@ -118,10 +118,12 @@ function mesh({ links }: Scan): Promise<ArrayBuffer> {
 const KEPT_ALIVE_BYTES = 60_000; // the standard allows 64 kB for all of a page together
 
 /** Proxies that compress make the tag a weak one. */
-const tagged = async (answer: Response): Promise<StoredLandmarks> => ({
-  ...((await answer.json()) as LandmarkFile),
+const tagged = async <Stored>(answer: Response): Promise<Stored & { readonly seen: string | null }> => ({
+  ...((await answer.json()) as Stored),
   seen: /^(?:W\/)?"(.*)"$/.exec(answer.headers.get("ETag") ?? "")?.[1] ?? null,
 });
+
+const tagging = (seen: string | null): Record<string, string> => ({ "Content-Type": "application/json", ...(seen === null ? {} : { "If-Match": `"${seen}"` }) });
 
 export const client = {
   /** With what the model of that name has; without a name with what the first one has. */
@@ -158,15 +160,13 @@ export const client = {
   landmarks: async (scan: Pick<Scan, "id" | "links">): Promise<StoredLandmarks> => tagged(await ask(scan.links.landmarks)),
   /** 412 when those that are kept are not the ones of this tag any more; without one they are replaced whatever they are.  Arrives although the page is being closed. */
   saveLandmarks: async (scan: Pick<Scan, "id" | "links">, file: LandmarkFile, seen: string | null): Promise<StoredLandmarks> => {
-    const headers = { "Content-Type": "application/json", ...(seen === null ? {} : { "If-Match": `"${seen}"` }) };
-    return tagged(await ask(scan.links.landmarks, { method: "PUT", body: JSON.stringify(file), headers, keepalive: true }));
+    return tagged(await ask(scan.links.landmarks, { method: "PUT", body: JSON.stringify(file), headers: tagging(seen), keepalive: true }));
   },
   cuts: (scan: Pick<Scan, "id" | "links">) => askJson<Cuts>(scan.links.cuts),
   /** 412 when those that are kept are not the ones of this digest any more. */
   saveCuts: async (scan: Pick<Scan, "id" | "links">, cuts: readonly Cut[], seen: string): Promise<Cuts> => {
     const body = JSON.stringify({ cuts });
-    const headers = { "Content-Type": "application/json", "If-Match": `"${seen}"` };
-    return (await (await ask(scan.links.cuts, { method: "PUT", body, headers, keepalive: body.length < KEPT_ALIVE_BYTES })).json()) as Cuts;
+    return (await (await ask(scan.links.cuts, { method: "PUT", body, headers: tagging(seen), keepalive: body.length < KEPT_ALIVE_BYTES })).json()) as Cuts;
   },
   /** 202 means: still looking, ask again in so many seconds. */
   async proposed(scan: Scan): Promise<ProposedLandmarks | { retryAfterS: number }> {
@@ -201,13 +201,13 @@ export const client = {
   },
   result: (link: string) => askJson<Result>(link),
   drawing: (link: string) => askJson<DrawingFile>(link),
-  plan: (link: string) => askJson<StoredPlan>(link),
+  plan: async (link: string): Promise<StoredPlan> => tagged(await ask(link)),
   planVersion: (link: string, version: number) => askJson<StoredPlan>(`${link}/versions/${version}`),
-  /** 412 when the plan is not the one of that version any more.  Browsers keep a request alive beyond its page only when it is small. */
-  async savePlan(link: string, items: readonly PlanItem[], version: number): Promise<StoredPlan> {
+  /** 412 when the plan is not the one that was `seen` any more.  Browsers keep a request alive beyond its page only when it is small. */
+  async savePlan(link: string, items: readonly PlanItem[], seen: string | null): Promise<StoredPlan> {
     const body = JSON.stringify({ items });
-    const headers = { "Content-Type": "application/json", "If-Match": `"${version}"` };
-    return (await (await ask(link, { method: "PUT", body, headers, keepalive: body.length < KEPT_ALIVE_BYTES })).json()) as StoredPlan;
+    const headers = tagging(seen);
+    return tagged(await ask(link, { method: "PUT", body, headers, keepalive: body.length < KEPT_ALIVE_BYTES }));
   },
   /** The whole plan on the scan of a fit, carried there where it was made on another scan. */
   planOnFit: (link: string) => askJson<PlanOnScan>(link),

@@ -1500,7 +1500,7 @@ export type StoredPlan = {
   unit: "mm";
   /** her code */
   patient?: string | null;
-  /** the ETag is this number in quotes */
+  /** grows with each change; 0 before the first, whose ETag is 0 too */
   version: number;
   /** whether somebody has written the plan; false: fits' own drawings still count */
   whole: boolean;

@@ -49,7 +49,6 @@ export type {
   SharedResult,
   ShareRequest,
   Started,
-  StoredPlan,
   SurfacePoint,
   TransferRequest,
 } from "./types.gen";
@@ -60,6 +59,7 @@ export type Unit = wire.Scan["unit"];
 export type UnitChoice = wire.ScanUpload["units"] & string;
 /** With the tag under which the service has them; null where it gives none. */
 export type StoredLandmarks = wire.LandmarkFile & { readonly seen?: string | null };
+export type StoredPlan = wire.StoredPlan & { readonly seen?: string | null };
 export type Stance = wire.ResultFile["stance"];
 export type StanceChoice = wire.Fit["stance"];
 export type Frame = Pick<wire.Frame, "up" | "front">;

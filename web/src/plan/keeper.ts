@@ -28,7 +28,7 @@ export function createPlanKeeper(client: Pick<Client, "plan" | "savePlan" | "pla
     const plan = await client.plan(link);
     const before = known.get(link);
     known.set(link, plan);
-    if (before && before.version !== plan.version) elsewhere(link, before, plan.items, null);
+    if (before && before.seen !== plan.seen) elsewhere(link, before, plan.items, null);
     return plan;
   }
 
@@ -41,7 +41,7 @@ export function createPlanKeeper(client: Pick<Client, "plan" | "savePlan" | "pla
     const stored = await writtenOver(
       async () => {
         const isThere = base.whole && JSON.stringify(items) === JSON.stringify(base.items);
-        return isThere ? base : client.savePlan(link, items, base.version);
+        return isThere ? base : client.savePlan(link, items, base.seen ?? null);
       },
       async () => {
         const theirs = await client.plan(link);
@@ -62,7 +62,7 @@ export function createPlanKeeper(client: Pick<Client, "plan" | "savePlan" | "pla
     isChangedElsewhere: (link: string): Promise<boolean> =>
       queued(link, async () => {
         const seen = known.get(link);
-        return seen !== undefined && (await client.plan(link)).version !== seen.version;
+        return seen !== undefined && (await client.plan(link)).seen !== seen.seen;
       }),
     /** As last seen; null before it was read. */
     seen: (link: string): StoredPlan | null => known.get(link) ?? null,

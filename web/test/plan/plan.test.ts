@@ -125,7 +125,7 @@ test("two tabs: what one writes over the other's change it shows from then on, s
   theirs.actions.drawing.choosePattern("reduction:areola_mm=42");
   theirs.actions.plan.note("smaller");
   await vi.advanceTimersByTimeAsync(1000);
-  await theirs.client.savePlan(KEPT_LINKS.plan, [...(await kept()), line("c", "beside", "s2")], (await theirs.client.plan(KEPT_LINKS.plan)).version);
+  await theirs.client.savePlan(KEPT_LINKS.plan, [...(await kept()), line("c", "beside", "s2")], (await theirs.client.plan(KEPT_LINKS.plan)).seen ?? null);
   mine.actions.plan.depth(12); // of no tumour: nothing changes, and nothing is asked
   mine.actions.drawing.choosePattern("lumpectomy+tumour:side=R,clock=3,distance_mm=30,radius_mm=10");
   mine.actions.plan.depth(25);
@@ -237,7 +237,7 @@ test("undoing goes back beyond the opening of the page: lines, patterns, tumours
   for (const item of [pattern(42), tumour(null), note("n", "smaller"), line("b", "Line 2")]) versions.push([...versions.at(-1)!, item]);
   versions.push(versions.at(-1)!.map((item) => (item.id === "p" ? pattern(40) : item)));
   versions.push([...versions.at(-1)!, line("x", "Line 1", "s2")]); // on the other scan: no step here
-  for (const [number, items] of versions.entries()) await made.client.savePlan(link, items, number);
+  for (const [number, items] of versions.entries()) await made.client.savePlan(link, items, number === 0 ? "0" : `of ${number}`);
   await made.actions.scan.open("s1", null);
   const shown = () => {
     const { drawing, drawn } = made.store.get();
@@ -292,12 +292,12 @@ test("a pattern, a depth and a note that were changed here are one step each, ba
 test("a tab that is looked at again learns that the plan was written elsewhere, and takes it over in one step", async () => {
   const made = page();
   const link = scanInfo("s1").links.plan;
-  await made.client.savePlan(link, [line("a", "Line 1")], 0);
+  await made.client.savePlan(link, [line("a", "Line 1")], "0");
   await made.actions.scan.open("s1", null);
   const drawn = () => made.store.get().drawn;
   await made.actions.plan.look();
   expect(drawn().isChangedElsewhere).toBe(false);
-  await made.client.savePlan(link, [line("a", "Line 1"), line("b", "Line 2"), note("n", "theirs"), ITEMS[1]!], 1);
+  await made.client.savePlan(link, [line("a", "Line 1"), line("b", "Line 2"), note("n", "theirs"), ITEMS[1]!], "of 1");
   await made.actions.plan.look();
   expect(drawn().isChangedElsewhere).toBe(true);
   expect(linesOn((await made.client.plan(link)).items, "s1"), "nothing is written by looking").toHaveLength(2);
@@ -317,7 +317,7 @@ test("the stance that waits takes over what was planned on it elsewhere", async 
   const other = { ...workspaceOf(made.store.get()), scan: { info: { ...scanInfo("s2"), links: { ...scanInfo("s2").links, plan: link } } } } as unknown as Workspace;
   await made.actions.scan.open("s1", null);
   made.store.set((state) => ({ stances: { ...state.stances, other } }));
-  await made.client.savePlan(link, [line("a", "Line 1"), line("b", "Line 2", "s2")], 0);
+  await made.client.savePlan(link, [line("a", "Line 1"), line("b", "Line 2", "s2")], "0");
   await made.actions.plan.takeOver();
   await vi.advanceTimersByTimeAsync(10);
   expect(made.store.get().stances.other!.drawn.lines.present.map(({ name }) => name)).toEqual(["Line 2"]);

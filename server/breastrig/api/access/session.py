@@ -2,8 +2,8 @@
 
 Cookies ignore ports; so that two services on one machine keep theirs apart, its name ends with the port in the address.
 
-It is good until it is too old, the token is another, or its browser has signed out.  The last is noted in the
-database, so that a copy of the cookie is worth nothing after it, nor after a restart.
+It is good until it is too old, the token is another, or its browser has signed out.  The last is noted in the index,
+so that a copy of the cookie is worth nothing after it, nor after a restart.
 
 A clock that is set back makes cookies seem to come from the future.  Those that do so by hours stay good, because
 nobody but the server can sign them; by more they are too old, so that none outlives a day.
@@ -40,14 +40,14 @@ def end_session(response: Response, token: str | None, storage: Storage) -> None
     session = None if token is None else _session(token)
     if session is not None:
         now = wall_clock.now()
-        add_ended_session(storage, session, iso_utc(now), iso_utc(now - timedelta(seconds=FORGET_S)))
+        add_ended_session(storage, session[0], iso_utc(now), iso_utc(now - timedelta(seconds=FORGET_S)))
     response.delete_cookie(cookie_name(), path="/", secure=request.is_secure, httponly=True, samesite="Strict")
 
 
 def in_session(token: str, storage: Storage) -> bool:
     """Whether the request comes from a browser that has signed in with this token and not out again."""
     session = _session(token)
-    return session is not None and not has_ended(storage, session)
+    return session is not None and not has_ended(storage, *session)
 
 
 def cookie_name() -> str:
@@ -56,8 +56,8 @@ def cookie_name() -> str:
     return f"{COOKIE}_{port[1]}" if port else COOKIE
 
 
-def _session(token: str) -> str | None:
-    """What names the request's session in the database; None without a cookie that was signed and is not too old."""
+def _session(token: str) -> tuple[str, str] | None:
+    """What names the request's session, and when it began; None without a signed cookie that is not too old."""
     value = request.cookies.get(cookie_name())
     if value is None:
         return None
@@ -67,7 +67,7 @@ def _session(token: str) -> str | None:
         return None
     if not -AHEAD_S <= (wall_clock.now() - signed_at).total_seconds() <= LASTS_S:
         return None
-    return hashlib.sha256(str(number).encode()).hexdigest()
+    return hashlib.sha256(str(number).encode()).hexdigest(), iso_utc(signed_at)
 
 
 def _signer(token: str) -> URLSafeTimedSerializer:

@@ -37,7 +37,7 @@ def health() -> wire_meta.Health:
 def ready() -> wire_meta.Readiness:
     """Whether work would be done
 
-    The database can be written, the workers answer, the model can be read.
+    The index can be written, the workers answer, the model can be read.
     """
     troubles = app_context().service.readiness.troubles()
     if not app_context().model.is_still_there():

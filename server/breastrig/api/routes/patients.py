@@ -15,6 +15,7 @@ from breastrig.api.place_checks import check_near_scan
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.whose import check_whose
 from breastrig.api.wire import patients as wire
+from breastrig.cases.writing import Changed
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.patterns import drawing_with
 from breastrig.drawings.plan_schema import Plan, PlanLesion, PlanLine, PlanNote, asked_of
@@ -39,7 +40,6 @@ from breastrig.workflow.lines.plan_words import texts_of
 
 TAG = {"name": "patients", "description": "Patients under codes, their scans, and what is planned on their skin."}
 CHANGED = "Somebody has changed this plan since you read it; read it again, take the change over, and send it again."
-MOST = 2**31 - 1  # the databases' integers
 UNSEEN = 'A plan is replaced only by who has seen it; send its ETag as If-Match, "0" for the first.'
 
 patients = APIBlueprint("patients", __name__, url_prefix="/api/patients", tag=TAG)
@@ -126,7 +126,7 @@ def show_plan(patient_id: str) -> Response:
 @patients.doc(operation_id="getPlanVersion")
 def show_version(patient_id: str, version: int) -> Response:
     """The plan as it was; the last fifty versions are kept"""
-    return _plan_answer(patient_id, get_plan(app_context().service.storage, patient_id, min(version, MOST)))
+    return _plan_answer(patient_id, get_plan(app_context().service.storage, patient_id, version))
 
 
 @patients.put("/<patient_id>/plan")
@@ -159,11 +159,10 @@ def replace_plan(
     _check(json_data, patient_id)
     seen = headers_data.if_match.strip().removeprefix("W/").strip('"')
     items = [item.model_dump(mode="json") for item in json_data.items]
-    plan = put_plan(storage, patient_id, items, int(seen)) if seen.isdecimal() and len(seen) < 10 else None
-    if plan is None:
-        now = get_plan(storage, patient_id).version
-        raise refuse(412, CHANGED, {"ETag": f'"{now}"'})
-    return _plan_answer(patient_id, plan)
+    try:
+        return _plan_answer(patient_id, put_plan(storage, patient_id, items, seen))
+    except Changed as changed:
+        raise refuse(412, CHANGED, {"ETag": f'"{changed.etag}"'}) from changed
 
 
 @plans_of_fits.get("/<fit_id>/plan.json")
@@ -219,7 +218,7 @@ def _plan_answer(patient_id: str, plan: PlanRow) -> Response:
         "items": list(plan.items),
     }
     response = Response(json.dumps(document), mimetype=JSON, headers={"Cache-Control": "no-store"})
-    response.set_etag(str(plan.version))
+    response.set_etag(plan.etag)
     return response
 
 

@@ -12,6 +12,7 @@ from breastrig.api.app_context import app_context
 from breastrig.api.errors import refuse
 from breastrig.api.place_checks import check_landmarks, picks_of_file
 from breastrig.api.wire import common as wire
+from breastrig.cases.case_folder import NO_SCAN
 from breastrig.core.errors import NotFound
 from breastrig.core.picks import Picks
 from breastrig.core.proposed import why_not_proposed
@@ -21,7 +22,6 @@ from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES
 from breastrig.scan.volumes.answers import checked_answers, segments_of_json
 from breastrig.storage.files import MESH, THUMBNAIL, scan_place
 from breastrig.storage.rows.patients import PatientRow, patients_of_scans
-from breastrig.storage.rows.queries import no_such_scan
 from breastrig.storage.rows.scans import (
     Cuts,
     ScanRow,
@@ -314,7 +314,7 @@ def scan_answer(row: ScanRow) -> wire.Scan:
     """The stored row as the API shows it.  Raises NotFound when it was deleted meanwhile."""
     answers = _answers([row])
     if not answers:
-        raise no_such_scan()
+        raise NotFound(NO_SCAN)
     return answers[0]
 
 

@@ -95,7 +95,7 @@ class StoredPlan(Wire):
     schema_: Literal["breastrig/plan@1"] = Field(alias="schema")
     unit: Literal["mm"]
     patient: str | None = Field(None, description="her code")
-    version: int = Field(description="the ETag is this number in quotes")
+    version: int = Field(description="grows with each change; 0 before the first, whose ETag is 0 too")
     whole: bool = Field(description="whether somebody has written the plan; false: fits' own drawings still count")
     scans: list[ScanOfPlan]
     items: list[PlanItem] = Field(max_length=ITEMS)

@@ -1,22 +1,22 @@
 """What is known of the fits that somebody follows, read once for all who follow the same.
 
-Workers are other processes: they only write rows.  One thread (the notifier) looks for new rows while anybody listens,
+Workers are other processes: they only write logs.  One thread (the notifier) looks for new lines while anybody listens,
 reads those of a fit once into its feed, and wakes the fit's listeners, who find them in memory.  So fifty viewers cost
-the database no more than one, and an event of one fit does not wake the viewers of the others.  A feed is forgotten
+the disk no more than one, and an event of one fit does not wake the viewers of the others.  A feed is forgotten
 when nobody listens to it any more, or its fit is deleted.
 """
 
 import logging
+import os
+import sqlite3
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from sqlalchemy.exc import SQLAlchemyError
-
 from breastrig.core.errors import NotFound
-from breastrig.storage.rows.events import StoredEvent, events_after, news_after
+from breastrig.storage.rows.events import StoredEvent, events_after, log_of
 from breastrig.storage.rows.fits import get_fit, queue_positions
 from breastrig.storage.storage import Storage
 from breastrig.workflow.events import LAST_KINDS
@@ -49,9 +49,19 @@ class Feed:
         self._storage = storage
         self._fit_id = fit_id
         self._lock = threading.Lock()
+        self._log = log_of(storage, fit_id)
+        self.log_size = 0
+
+    def size(self) -> int:
+        """Of the fit's log, bytes; zero before the first event, and for a fit that is gone."""
+        try:
+            return os.stat(self._log).st_size
+        except OSError:
+            self._log = log_of(self._storage, self._fit_id)  # the scan may have become another patient's
+            return 0
 
     def read(self) -> bool:
-        """Takes in what is new; whether anything is.  Raises SQLAlchemyError, then it has to be read again."""
+        """Takes in what is new; whether anything is.  Raises sqlite3.Error, then it has to be read again."""
         with self._lock:
             return self._read()
 
@@ -63,6 +73,7 @@ class Feed:
 
     def _read(self) -> bool:
         before = (len(self.events), self.queue_position, self.is_deleted)
+        self.log_size = self.size()
         self.asked_again, self.read_at = False, time.monotonic()
         try:
             self.events += events_after(self._storage, self._fit_id, len(self.events))
@@ -70,7 +81,7 @@ class Feed:
             self.queue_position = queue_positions(self._storage, [self._fit_id]).get(self._fit_id)
         except NotFound:
             self.is_deleted = True
-        except SQLAlchemyError:
+        except sqlite3.Error:
             self.asked_again = True
             raise
         self.is_read = True
@@ -84,7 +95,7 @@ class Notifier:
         self._storage = storage
         self._condition = threading.Condition()
         self._feeds: dict[str, Feed] = {}  # by fit
-        self._position = 0
+        self._changes = -1
         self._stopped = False
         self._thread = threading.Thread(target=self._watch, name="breastrig-notifier", daemon=True)
 
@@ -116,7 +127,7 @@ class Notifier:
     def listen(self, fit_id: str) -> Iterator[Listener]:
         """A listener for the fit's news, whose feed has been read."""
         with self._condition:
-            feed = self._feeds.setdefault(fit_id, Feed(self._storage, fit_id))
+            feed = self._feeds.get(fit_id) or self._feeds.setdefault(fit_id, Feed(self._storage, fit_id))
             listener = Listener(feed)
             feed.listeners.add(listener)
             self._condition.notify_all()
@@ -143,26 +154,25 @@ class Notifier:
                     return
             try:
                 self._look()
-            except SQLAlchemyError:
+            except sqlite3.Error:
                 log.exception("the events cannot be read")
             time.sleep(LOOK_EVERY_S)
 
     def _look(self) -> None:
-        news = news_after(self._storage, self._position)
-        fits, queue_moved = {one.fit for one in news}, any(one.moves_queue for one in news)
+        changes = self._storage.index.changes
+        queue_moved, self._changes = changes != self._changes, changes
         long_ago = time.monotonic() - DELETED_EVERY_S
         with self._condition:
             concerned = [
                 feed
-                for fit_id, feed in self._feeds.items()
-                if fit_id in fits
+                for feed in self._feeds.values()
+                if feed.size() != feed.log_size
                 or feed.asked_again
                 or feed.read_at <= long_ago
                 or (queue_moved and feed.queue_position is not None)
             ]
         for feed in concerned:
             feed.asked_again = True  # until it is read: an error leaves it so
-        self._position = max((one.position for one in news), default=self._position)
         for feed in concerned:
             if feed.read():
                 with self._condition:
@@ -202,7 +212,7 @@ def follow(
 
     Ends early when the fit is deleted, the notifier is stopped, or `gone()` says that nobody listens any more.
 
-    Only the first step asks the database.
+    Only the first step reads.
     """
     with notifier.listen(fit_id) as listener:
         feed = listener.feed

@@ -9,24 +9,24 @@ fits are deterministic, so the events that are stored already are only counted.
 
 import json
 import logging
-from collections.abc import Callable, Generator
-from contextlib import closing, suppress
+import shutil
+from collections.abc import Callable, Generator, Iterator
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
-from sqlalchemy.exc import SQLAlchemyError
-
+from breastrig.cases.fits import Claim, claimed
 from breastrig.core.errors import BadSettings, BreastRigError, NotFound
 from breastrig.core.model_choice import ModelChoice
 from breastrig.core.stances import Stance
-from breastrig.service.events.event_writer import EventWriter, Superseded
 from breastrig.storage.files import fit_place, scan_place, upload_name
 from breastrig.storage.rows.events import event_of_kind
-from breastrig.storage.rows.fits import FitRow, claim_fit, get_fit
+from breastrig.storage.rows.fits import FitRow, get_fit
 from breastrig.storage.rows.scans import ScanRow, get_scan
 from breastrig.storage.storage import Storage
-from breastrig.workflow.events import Event, Failed
+from breastrig.workflow.cases.case_work import put_files
+from breastrig.workflow.events import Event, Failed, event_json
 from breastrig.workflow.jobs import EarlierFit, FitJob, PredictionJob
 
 Runner = Callable[[FitJob], Generator[Event, None, None]]
@@ -44,62 +44,66 @@ class Runners:
 UNWRITTEN = "What this fit found could not be stored, perhaps because the server's disk was full; start the fit again."
 
 UNSEEN = "The worker of this fit cannot reach the service's data folder; fits of a service need workers on its machine."
-TOO_OFTEN = "This fit was started {} times without an end, as its server or worker ended first; start the fit again."
-ATTEMPTS = 3  # one that takes its machine down with it must not do so for ever
+MADE = ".made"  # in the fit's folder
 
 log = logging.getLogger(__name__)
 
 
 def execute_fit(root: Path, fit_id: str, runners: Runners, models: ModelChoice) -> None:
-    """Runs the fit to its end; does nothing when it has ended.
-
-    Holds the fit before the claim, so that whoever has ended it can wait until nothing more is written for it.
-    """
+    """Runs the fit to its end; does nothing when it has ended, or somebody else is at it."""
     storage = Storage(root)
     try:
         if not storage.has_files():
             raise BadSettings(UNSEEN)
-        with storage.held(fit_id):
-            fit = claim_fit(storage, fit_id)
-            if fit is not None:
-                _run(storage, EventWriter(storage, fit), runners, models)
+        case, scan_id = storage.case_of_fit(fit_id)
+        with claimed(case, scan_id, fit_id) as claim:
+            if claim is not None:
+                _run(storage, claim, runners, models)
     except (FileNotFoundError, NotFound):
         log.info("fit %s was deleted before it ran", fit_id)
-    except Superseded:
-        pass
     finally:
         storage.close()
 
 
-def _run(storage: Storage, writer: EventWriter, runners: Runners, models: ModelChoice) -> None:
-    fit = writer.fit
-
-    def fail(reason: str) -> None:
-        with suppress(Superseded):
-            writer.write(Failed(reason=reason))
-
-    if fit.attempt > ATTEMPTS:
-        fail(TOO_OFTEN.format(ATTEMPTS))
-        return
+def _run(storage: Storage, claim: Claim, runners: Runners, models: ModelChoice) -> None:
+    fit_id = claim.fit_id
     try:
-        job = _job(storage, fit, storage.files.folder(fit_place(fit.id)), models)
-        with closing(_events(runners, job)) as events:
-            for event in events:
-                writer.write(event)  # its files come before the event that says that they are there
-    except BreastRigError as error:
-        fail(str(error))
-    except MemoryError:
-        fail("The fit needed more memory than it may use; give a smaller scan.")
-    except Superseded:
+        with scratch_in(claim.folder) as made:
+            job = _job(storage, get_fit(storage, fit_id), made, models)
+            with closing(_events(runners, job)) as events:
+                for event in events:
+                    if event.kind == "done":
+                        put_files(made, claim.folder)  # before the event that says that they are there
+                    if not claim.append(event_json(event)):
+                        return  # it was cancelled
+    except NotFound:
         raise
-    except SQLAlchemyError:
-        fail(UNWRITTEN)
+    except BreastRigError as error:
+        claim.end(_failed(str(error)))
+    except MemoryError:
+        claim.end(_failed("The fit needed more memory than it may use; give a smaller scan."))
     except OSError as error:
-        log.error("fit %s met an error of the disk or the system: %s", fit.id, error.strerror)
-        fail(UNWRITTEN)
+        log.error("fit %s met an error of the disk or the system: %s", fit_id, error.strerror)
+        claim.end(_failed(UNWRITTEN))
     except Exception:
-        log.exception("fit %s broke", fit.id)
-        fail("The fit broke for a reason inside BreastRig; the server's log says it.")
+        log.exception("fit %s broke", fit_id)
+        claim.end(_failed("The fit broke for a reason inside BreastRig; the server's log says it."))
+
+
+def _failed(reason: str) -> dict[str, Any]:
+    return event_json(Failed(reason=reason))
+
+
+@contextmanager
+def scratch_in(folder: Path) -> Iterator[Path]:
+    """A folder of the fit for its files while they are made; what an earlier attempt has left there goes."""
+    made = folder / MADE
+    shutil.rmtree(made, ignore_errors=True)
+    made.mkdir(mode=0o700)
+    try:
+        yield made
+    finally:
+        shutil.rmtree(made, ignore_errors=True)
 
 
 def _events(runners: Runners, job: FitJob | PredictionJob) -> Generator[Event, None, None]:

@@ -1,11 +1,12 @@
-"""Which fit runs when.  The queue is the table of fits; this only keeps the workers busy with its oldest rows.
+"""Which fit runs when.  The queue is what was asked for and has not started; this only keeps the workers busy with it.
 
-A fit leaves the table's queue when a worker claims it, so a server that dies loses nothing: at the next start the
-fits that ran go back to their places in the queue, and go on with their events.  A fit whose own process died is
-not started again, because it would most likely die again: it fails with a sentence.
+The oldest comes first.  A server that dies loses nothing: at the next start the fits that ran go back to their places
+in the queue, and go on with their events.  A fit whose own process died is not started again, because it would most
+likely die again: it fails with a sentence.
 """
 
 import logging
+import sqlite3
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -14,16 +15,15 @@ from contextlib import contextmanager, suppress
 from functools import partial
 from typing import Any
 
-from sqlalchemy.exc import SQLAlchemyError
-
+from breastrig.cases.fits import cancel_fit, end_abandoned
 from breastrig.core.errors import BreastRigError, Conflict, NotFound, TooMany
 from breastrig.core.model_choice import ModelChoice
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
+from breastrig.index.questions import note_state
 from breastrig.service.failed_tasks import FULL
 from breastrig.service.fits.fit_worker import UNWRITTEN, Runners, execute_fit
-from breastrig.storage.rows.events import append
-from breastrig.storage.rows.fits import FitRow, fits_in_state, get_fit, next_queued, put_back, still_queued
+from breastrig.storage.rows.fits import FitRow, fits_in_state, get_fit, next_queued, note_start, put_back, still_queued
 from breastrig.storage.storage import Storage
 from breastrig.workflow.events import Cancelled, Event, Failed, event_json
 from breastrig.workflow.tasks import keeping
@@ -51,6 +51,7 @@ class FitQueue:
         models: ModelChoice,
     ) -> None:
         self._storage = storage
+        self._root = storage.root  # as the workers see it
         self._processes = processes
         self._limits = limits
         self._runners = runners
@@ -66,7 +67,7 @@ class FitQueue:
 
     def recover(self) -> tuple[int, int]:
         """After a start: takes up the fits that ran, and those that waited.  (how many ran, how many wait now)."""
-        interrupted = self._storage.using_reserve(lambda: put_back(self._storage))
+        interrupted = put_back(self._storage)
         waiting = len(fits_in_state(self._storage, "queued"))
         self.wake()
         self._look.start()
@@ -89,19 +90,18 @@ class FitQueue:
         asked = get_fit(self._storage, fit_id)
         if asked.ended and asked.state != "cancelled":
             raise Conflict(f"This fit has already ended: it is {asked.state}.")
-        self._end(fit_id, Cancelled())
+        case, scan_id = self._storage.case_of_fit(fit_id)
+        cancel_fit(case, scan_id, fit_id)  # from here on nothing is stored but its end
         self._kill(fit_id)
-        found = get_fit(self._storage, fit_id)
-        if found.state != "cancelled":  # it came to its own end in between
-            raise Conflict(f"This fit has already ended: it is {found.state}.")
-        return found
+        self._storage.wait_until_free(fit_id, KILL_S)
+        self._end(fit_id, Cancelled())
+        self._storage.index.refresh(case.id)
+        return get_fit(self._storage, fit_id)
 
     def drop(self, fit_ids: list[str]) -> None:
         """Ends fits that are about to be deleted, or already are, and waits until their processes are dead."""
         for fit_id in fit_ids:
-            end = partial(self._end, fit_id, Cancelled(reason="The scan was deleted."))
-            self._surely(fit_id, partial(self._storage.using_reserve, end))  # a full disk must not hinder it
-            self._kill(fit_id)
+            self._kill(fit_id)  # the deletion itself is its end
         for fit_id in fit_ids:
             if not self._storage.wait_until_free(fit_id, KILL_S):
                 log.error("the process of fit %s does not end", fit_id)
@@ -116,7 +116,7 @@ class FitQueue:
         self._processes.stop()
         try:
             put_back(self._storage)
-        except SQLAlchemyError as unwritten:  # the next start does it
+        except sqlite3.Error as unwritten:  # the next start does it
             log.error("the fits that ran cannot be put back yet: %s", type(unwritten).__name__)
 
     def _look_on(self) -> None:
@@ -130,7 +130,8 @@ class FitQueue:
     def _start(self, fit_id: str) -> None:
         self._starts[fit_id] = self._starts.get(fit_id, 0) + 1
         self._began[fit_id] = time.monotonic()
-        task = (execute_fit, self._storage.root, fit_id, self._runners, self._models)
+        note_start(self._storage, fit_id)
+        task = (execute_fit, self._root, fit_id, self._runners, self._models)
         future = self._processes.schedule(keeping, task, self._limits.wall_s, self._scan_of(fit_id))
         self._running[fit_id] = future
         future.add_done_callback(lambda ended: self._on_end(fit_id, ended))
@@ -158,10 +159,10 @@ class FitQueue:
                     self.notify_end(fit.state, seconds)
 
     def _surely(self, fit_id: str, store: Callable[[], None]) -> None:
-        """Again and again while the end of the fit cannot be stored: the disk is full, or the database is held."""
+        """Again and again while the end of the fit cannot be stored: the disk is full, or the case is held."""
         try:
             store()
-        except SQLAlchemyError as unwritten:
+        except (sqlite3.Error, OSError, Conflict) as unwritten:
             log.error("the end of fit %s cannot be stored yet: %s", fit_id, type(unwritten).__name__)
             if not self._stopping:  # else the next start says it
                 again = threading.Timer(SETTLE_AGAIN_S, self._surely, (fit_id, store))
@@ -177,11 +178,15 @@ class FitQueue:
                     reason = f"The fit took longer than {self._limits.wall_s:g} s and was stopped."
                     self._end(fit_id, Failed(reason=reason))
                 elif fit.state == "queued" and self._starts[fit_id] < STARTS:
+                    with self._storage.index.writing() as rows:
+                        note_state(rows, fit_id, "queued")
                     return
                 else:
                     log.error("fit %s ended without an end: %s", fit_id, type(error).__name__)
                     self._end(fit_id, Failed(reason=_why(error)))
         self._starts.pop(fit_id, None)
+        with suppress(NotFound):
+            self._storage.index.refresh(self._storage.case_of_fit(fit_id)[0].id)
 
     def _scan_of(self, fit_id: str) -> str | None:
         """The scan that the fit looks at; None for a prediction, and for a fit that was deleted meanwhile."""
@@ -191,8 +196,9 @@ class FitQueue:
         return None
 
     def _end(self, fit_id: str, event: Event) -> None:
-        with suppress(NotFound, Conflict):  # it may have ended otherwise in the meantime
-            append(self._storage, fit_id, event_json(event))
+        with suppress(NotFound):
+            case, scan_id = self._storage.case_of_fit(fit_id)
+            end_abandoned(case, scan_id, fit_id, event_json(event))
 
     def _kill(self, fit_id: str) -> None:
         with self._lock:
@@ -211,7 +217,7 @@ def _why(error: BaseException | None) -> str:
         return str(error)
     if isinstance(error, ConnectionError):
         return LOST
-    is_unwritten = isinstance(error, SQLAlchemyError) or getattr(error, "errno", None) in FULL
+    is_unwritten = isinstance(error, sqlite3.Error) or getattr(error, "errno", None) in FULL
     return UNWRITTEN if is_unwritten else DIED
 
 

@@ -1,15 +1,15 @@
-"""Rows of scans that are nearly too old: since when their deletion has been announced."""
+"""Scans that are nearly too old: since when their deletion has been announced."""
 
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 
-from sqlalchemy import delete, insert, or_, select
-
-from breastrig.storage import schema
-from breastrig.storage.rows.queries import is_there, value_of
+from breastrig.cases import layout
+from breastrig.cases.documents import ExpiresDocument, content_of
+from breastrig.cases.writing import put
+from breastrig.core.errors import NotFound
+from breastrig.index import questions
 from breastrig.storage.storage import Storage
-
-TABLE = schema.expiring_scans
 
 
 @dataclass(frozen=True)
@@ -23,28 +23,27 @@ class AgedScan:
 
 def aged_scans(storage: Storage, created_until: str) -> list[AgedScan]:
     """Scans of up to that time, and all whose deletion has been announced; the oldest first."""
-    scans = schema.scans.c
-    query = (
-        select(scans.id, scans.created_at, TABLE.c.announced_at)
-        .outerjoin(TABLE, TABLE.c.scan == scans.id)
-        .where(or_(scans.created_at <= created_until, TABLE.c.announced_at.is_not(None)))
-        .order_by(scans.created_at)
-    )
-    with storage.database.reading() as connection:
-        return [value_of(AgedScan, row) for row in connection.execute(query)]
+    found = storage.index.asked(lambda rows: questions.aged_scans(rows, created_until))
+    return [AgedScan(*row) for row in found]
 
 
 def announce(storage: Storage, scan_ids: Iterable[str], now: str) -> None:
     """Notes that the scans' deletion is announced now, whatever was noted before.  One that is gone is left out."""
-    with storage.database.writing() as connection:
-        for scan_id in scan_ids:
-            connection.execute(delete(TABLE).where(TABLE.c.scan == scan_id))
-            if is_there(connection, schema.scans, scan_id):
-                connection.execute(insert(TABLE).values(scan=scan_id, announced_at=now))
+    for scan_id in scan_ids:
+        with suppress(NotFound):
+            case = storage.case_of_scan(scan_id)
+            with case.writing():
+                case.check_scan(scan_id)
+                name = f"{layout.scan_part(scan_id)}/{layout.EXPIRES}"
+                put(case.path, name, content_of(ExpiresDocument(announced_at=now)))
+            storage.index.refresh(case.id)
 
 
 def withdraw(storage: Storage, scan_ids: Iterable[str]) -> None:
     """The scans are not as old as it seemed."""
-    with storage.database.writing() as connection:
-        for scan_id in scan_ids:
-            connection.execute(delete(TABLE).where(TABLE.c.scan == scan_id))
+    for scan_id in scan_ids:
+        with suppress(NotFound):
+            case = storage.case_of_scan(scan_id)
+            with case.writing():
+                (case.scan_folder(scan_id) / layout.EXPIRES).unlink(missing_ok=True)
+            storage.index.refresh(case.id)

@@ -1,24 +1,26 @@
-"""Rows of fits.  The table is also the queue: the oldest queued row is the next to run."""
+"""Fits, and their queue: the oldest that waits is the next to run."""
 
 import hashlib
-from collections.abc import Sequence
+import json
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from sqlalchemy import Connection, bindparam, func, insert, select, update
-
+from breastrig.cases import fits, layout
+from breastrig.cases.case_folder import CaseFolder
+from breastrig.cases.documents import FitDocument, content_of
+from breastrig.cases.fits import ENDED as ENDED
+from breastrig.cases.fits import NO_FIT
+from breastrig.cases.fits import STATES as STATES
+from breastrig.cases.layout import fit_part
+from breastrig.cases.writing import put
 from breastrig.core.errors import BadInput, Conflict, NotFound
 from breastrig.core.picks import Points
-from breastrig.storage import schema
-from breastrig.storage.file_journal import clear_entries
+from breastrig.index import questions
 from breastrig.storage.files import fit_place
-from breastrig.storage.rows.queries import check_scan, newest_first, value_of
 from breastrig.storage.rows.scans import Cuts, cuts_digest, get_cuts
 from breastrig.storage.storage import Storage
-
-STATES = ("queued", "running", "done", "failed", "cancelled")
-ENDED = frozenset(STATES[2:])
-ONE = select(schema.fits).where(schema.fits.c.id == bindparam("fit_id"))  # asked for with nearly each call
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,7 +48,7 @@ class FitRow(NewFit):
     asked_stance: str  # auto, standing, supine, prone
     created_at: str
     state: str  # queued, running, done, failed, cancelled
-    attempt: int  # how often a worker has started it; events of an earlier attempt are refused
+    attempt: int  # how often a worker has started it
     last_event: int
     iterations: int
     numbers: dict[str, Any] | None  # the last iterated event without its nodes
@@ -75,62 +77,83 @@ class Once:
 def add_fit(storage: Storage, created_at: str, fit_id: str, new_fit: NewFit, once: Once | None = None) -> str:
     """Puts a fit at the end of the queue.
 
-    Returns its id, or that of the fit which the same request, or the same prediction, has made before.  Raises
+    Gives its id, or that of the fit which the same request, or the same prediction, has made before.  Raises
     NotFound when the scan is gone, BadInput when the key came with another request.
     """
-    with storage.database.writing() as connection:
-        same = _same_prediction(connection, new_fit)
+    asked = asdict(new_fit)
+    del asked["scan"]
+    document = FitDocument.model_validate(asked | {"asked_at": created_at} | ({} if once is None else asdict(once)))
+    made = storage.files.made(fit_place(fit_id))
+    made.mkdir(mode=0o700, exist_ok=True)
+    put(made, layout.FIT, content_of(document))
+    case = storage.case_of_scan(new_fit.scan)
+    with storage.asking:  # of two that ask for the same one makes it
+        same = _same_prediction(storage, new_fit)
+        if same is None and once is not None:
+            same = made_before(storage, once)
         if same is not None:
             return same
-        if once is not None:
-            made = _made_before(connection, once)
-            if made is not None:
-                return made
-        check_scan(connection, new_fit.scan)
-        place = connection.execute(select(func.coalesce(func.max(schema.fits.c.place), 0) + 1)).scalar_one()
-        values = {
-            **asdict(new_fit),
-            "asked_stance": new_fit.stance,
-            "id": fit_id,
-            "place": place,
-            "created_at": created_at,
-            "state": "queued",
-            "last_event": 0,
-            "iterations": 0,
-        }
-        connection.execute(insert(schema.fits).values(values))
-        clear_entries(connection, [fit_place(fit_id)])
-        if once is not None:
-            connection.execute(insert(schema.asked_once).values(fit=fit_id, **asdict(once)))
+        with case.writing():
+            case.check_scan(new_fit.scan)
+            case.put_folder(made, fit_part(new_fit.scan, fit_id))
+        storage.index.refresh(case.id)
     return fit_id
 
 
-def _made_before(connection: Connection, once: Once) -> str | None:
-    table = schema.asked_once
-    row = connection.execute(select(table).where(table.c.key_sha256 == once.key_sha256)).one_or_none()
-    if row is None:
+def made_before(storage: Storage, once: Once) -> str | None:
+    """The fit that the same request has made; BadInput when the key came with another request."""
+    found = storage.index.asked(lambda rows: questions.fit_of_key(rows, once.key_sha256))
+    if found is None:
         return None
-    if row.request_sha256 != once.request_sha256:
+    if found[1] != once.request_sha256:
         raise BadInput("This Idempotency-Key came with another request before; use a new key for a new fit.")
-    return str(row.fit)
+    return found[0]
 
 
-def _same_prediction(connection: Connection, new_fit: NewFit) -> str | None:
+def _same_prediction(storage: Storage, new_fit: NewFit) -> str | None:
     """One that waits, runs or is done; those that failed or were cancelled are made again."""
-    if new_fit.predicted_from is None:
+    source, stance = new_fit.predicted_from, new_fit.stance
+    if source is None:
         return None
-    asked = {"predicted_from": new_fit.predicted_from, "asked_stance": new_fit.stance, "simulate": False}
-    found = select(schema.fits.c.id).filter_by(**asked).where(schema.fits.c.state.in_(STATES[:3]))
-    return connection.execute(found).scalars().first()
+    asked = storage.index.asked(lambda rows: questions.predictions_of(rows, source, stance))
+    return next((fit.id for fit in _rows(storage, asked) if fit.state in STATES[:3]), None)
 
 
 def get_fit(storage: Storage, fit_id: str) -> FitRow:
     """Raises NotFound."""
-    with storage.database.reading() as connection:
-        row = connection.execute(ONE, {"fit_id": fit_id}).one_or_none()
-    if row is None:
-        raise NotFound("There is no such fit; it may have been deleted.")
-    return value_of(FitRow, row)
+    case, scan_id = storage.case_of_fit(fit_id)
+    return _row(case, scan_id, fit_id)
+
+
+def _row(case: CaseFolder, scan_id: str, fit_id: str) -> FitRow:
+    part = fit_part(scan_id, fit_id)
+    document = case.read(f"{part}/{layout.FIT}", FitDocument)
+    if document is None:
+        raise NotFound(NO_FIT)
+    lines = fits.events_after(case.path / part)
+    last = json.loads(lines[-1][1]) if lines else None
+    started = json.loads(lines[0][1]) if lines else {}
+    iterated = [line for _, line in lines if line.startswith(b'{"kind":"iterated"')]
+    numbers = json.loads(iterated[-1]) if iterated else None
+    state = fits.state_of(case.path / part, last)
+    end = last if last is not None and last["kind"] in ENDED else {}
+    asked = document.model_dump(exclude={"schema_", "asked_at", "key_sha256", "request_sha256", "stance", "simulated"})
+    asked |= {"certain": tuple(document.certain), "cuts": tuple(document.cuts)}
+    return FitRow(
+        **asked,
+        id=fit_id,
+        scan=scan_id,
+        stance=started.get("stance", document.stance),
+        asked_stance=document.stance,
+        created_at=document.asked_at,
+        state=state,
+        attempt=fits.starts_of(case.path / part),
+        last_event=len(lines),
+        iterations=len(iterated),
+        numbers=None if numbers is None else {k: v for k, v in numbers.items() if k not in ("kind", "nodes")},
+        reason=end.get("reason"),
+        verdict=(end.get("result", {}).get("verdict") or {}).get("level"),
+    )
 
 
 def shown_cuts(storage: Storage, fit: FitRow) -> Cuts:
@@ -146,117 +169,82 @@ def shown_cuts(storage: Storage, fit: FitRow) -> Cuts:
     return ()
 
 
-def claim_fit(storage: Storage, fit_id: str) -> FitRow | None:
-    """Begins a new attempt at a fit that waits or runs; None when there is nothing to do.
-
-    Whoever was at it before can store nothing more.
-    """
-    table = schema.fits
-    with storage.database.writing() as connection:
-        claimed = connection.execute(
-            update(table)
-            .where(table.c.id == fit_id, table.c.state.in_(("queued", "running")))
-            .values(state="running", attempt=table.c.attempt + 1)
-        )
-        if claimed.rowcount == 0:
-            return None
-        return value_of(FitRow, connection.execute(select(table).where(table.c.id == fit_id)).one())
-
-
 def put_back(storage: Storage) -> int:
-    """Puts the fits that run back into the queue, at their old places, because nobody carries them out any more.
+    """Fits that have no end wait again, at their old places, because nobody is at work at them any more.
 
-    How many they were.  A worker that is still at one can store nothing more, as the fit no longer runs.
+    How many had started.
     """
-    table = schema.fits
-    with storage.database.writing() as connection:
-        return connection.execute(update(table).where(table.c.state == "running").values(state="queued")).rowcount
+    with storage.index.writing() as rows:
+        return questions.put_back(rows)
+
+
+def note_start(storage: Storage, fit_id: str) -> None:
+    """The fit does not wait any more."""
+    with storage.index.writing() as rows:
+        questions.note_state(rows, fit_id, "running")
 
 
 def next_queued(storage: Storage, besides: set[str]) -> str | None:
     """The oldest queued fit that is not among `besides`."""
-    table = schema.fits
-    with storage.database.reading() as connection:
-        query = (
-            select(table.c.id)
-            .where(table.c.state == "queued", table.c.id.not_in(besides))
-            .order_by(table.c.place)
-            .limit(1)
-        )
-        return connection.execute(query).scalar_one_or_none()
+    found = storage.index.asked(lambda rows: questions.next_waiting(rows, besides))
+    return None if found is None else found[2]
 
 
 def queue_positions(storage: Storage, fit_ids: Sequence[str]) -> dict[str, int]:
     """{fit: 1 for the next to run, 2 for the one after it}; those that do not wait are not in it."""
-    table = schema.fits
-    position = func.row_number().over(order_by=table.c.place)
-    waiting = select(table.c.id, position.label("position")).where(table.c.state == "queued").subquery()
-    with storage.database.reading() as connection:
-        rows = connection.execute(select(waiting).where(waiting.c.id.in_(fit_ids)))
-        return {row.id: int(row.position) for row in rows}
+    return storage.index.asked(lambda rows: questions.queue_positions(rows, fit_ids))
 
 
 def still_queued(storage: Storage, fit_ids: set[str]) -> set[str]:
     """Those of the fits that wait."""
-    table = schema.fits
-    with storage.database.reading() as connection:
-        query = select(table.c.id).where(table.c.state == "queued", table.c.id.in_(fit_ids))
-        return set(connection.execute(query).scalars())
+    return set(queue_positions(storage, list(fit_ids)))
 
 
 def count_by_state(storage: Storage) -> dict[str, int]:
     """How many fits are in each state that any fit is in."""
-    table = schema.fits
-    with storage.database.reading() as connection:
-        rows = connection.execute(select(table.c.state, func.count()).group_by(table.c.state))
-        return {row[0]: int(row[1]) for row in rows}
-
-
-def made_before(storage: Storage, once: Once) -> str | None:
-    """The fit that the same request has made; BadInput when the key came with another request."""
-    with storage.database.reading() as connection:
-        return _made_before(connection, once)
+    return storage.index.asked(questions.count_by_state)
 
 
 def fits_in_state(storage: Storage, state: str) -> list[str]:
-    with storage.database.reading() as connection:
-        return list(connection.execute(select(schema.fits.c.id).where(schema.fits.c.state == state)).scalars())
+    return storage.index.asked(lambda rows: questions.fits_in_state(rows, state))
+
+
+def fit_ids(storage: Storage) -> set[str]:
+    return storage.index.asked(questions.all_fits)
 
 
 def fits_of_scan(storage: Storage, scan_id: str) -> list[str]:
-    with storage.database.reading() as connection:
-        return list(connection.execute(select(schema.fits.c.id).where(schema.fits.c.scan == scan_id)).scalars())
+    try:
+        return fits.fit_ids(storage.case_of_scan(scan_id), scan_id)
+    except NotFound:
+        return []
 
 
 def fits_page(
     storage: Storage, limit: int, before: int | None = None, scan_id: str | None = None
 ) -> tuple[list[FitRow], int | None]:
     """Fits, or those of a scan, the newest first, and where the next page goes on (None: there is none)."""
-    table = schema.fits
-    query = select(table) if scan_id is None else select(table).where(table.c.scan == scan_id)
-    rows, more = newest_first(storage, query, table.c.place, limit, before)
-    return [value_of(FitRow, row) for row in rows], more
+    ids, more = storage.index.asked(lambda rows: questions.fits_page(rows, limit, before, scan_id))
+    return list(_rows(storage, ids)), more
 
 
 def newest_done(storage: Storage, scan_id: str) -> FitRow | None:
-    """The fit of the scan that was asked for last among those that are done; no prediction."""
-    table = schema.fits
-    chosen = select(table).where(table.c.scan == scan_id, table.c.state == "done", table.c.predicted_from.is_(None))
-    with storage.database.reading() as connection:
-        row = connection.execute(chosen.order_by(table.c.place.desc()).limit(1)).one_or_none()
-    return None if row is None else value_of(FitRow, row)
+    """The fit of the scan that was asked for last among those that are done; no prediction.
+
+    The folders say so: the index hears of an end a moment later than those who follow the fit.
+    """
+    found = storage.index.asked(lambda rows: questions.perhaps_done(rows, scan_id))
+    return next((fit for fit in _rows(storage, found) if fit.state == "done"), None)
 
 
 def newest_fits(storage: Storage, scan_ids: Sequence[str]) -> dict[str, FitRow]:
     """{scan: its fit that was asked for last, no prediction}; scans without a fit are not in it."""
-    table = schema.fits
-    fitted = select(func.max(table.c.place)).where(table.c.scan.in_(scan_ids), table.c.predicted_from.is_(None))
-    last = fitted.group_by(table.c.scan)
-    with storage.database.reading() as connection:
-        rows = connection.execute(select(table).where(table.c.place.in_(last)))
-        return {row.scan: value_of(FitRow, row) for row in rows}
+    found = storage.index.asked(lambda rows: questions.newest_fits(rows, scan_ids))
+    return {row.scan: row for row in _rows(storage, list(found.values()))}
 
 
-def fit_ids(storage: Storage) -> set[str]:
-    with storage.database.reading() as connection:
-        return set(connection.execute(select(schema.fits.c.id)).scalars())
+def _rows(storage: Storage, ids: Sequence[str]) -> Iterator[FitRow]:
+    """Those that are there."""
+    for fit_id in ids:
+        with suppress(NotFound):
+            yield get_fit(storage, fit_id)

@@ -1,19 +1,20 @@
-"""Rows of scans, of their landmarks, and of what a person has cut out of them."""
+"""Scans, their landmarks, and what a person has cut out of them."""
 
 import hashlib
 import json
 from collections.abc import Collection, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
-from sqlalchemy import Connection, delete, insert, select, tuple_
-
+from breastrig.cases import of_scans
+from breastrig.cases.case_folder import MadeScan, ScanEntry
+from breastrig.cases.documents import ScanDocument
+from breastrig.cases.writing import Changed
+from breastrig.core.errors import NotFound
 from breastrig.core.picks import Picks
-from breastrig.storage import schema
-from breastrig.storage.file_journal import clear_entries
-from breastrig.storage.files import scan_place
-from breastrig.storage.rows.patients import put_scan
-from breastrig.storage.rows.queries import check_scan, no_such_scan, value_of
+from breastrig.index import questions
+from breastrig.storage.files import scan_place, upload_name
 from breastrig.storage.storage import Storage
 
 Cuts = tuple[dict[str, Any], ...]  # {to_picture, lasso}, see scan/hand_cuts.py
@@ -29,75 +30,62 @@ class ScanRow:
 
 
 def add_scan(storage: Storage, row: ScanRow, patient: str | None = None, again: bool = False) -> None:
-    """Its files have been kept; it is of that patient, or of a new one.
+    """Its files have been made; it is of that patient, or of a new one.
 
-    Raises NotFound when she is gone, and NeedsYes where she has that file already and nobody said `again`.
+    Raises NotFound when the patient is gone, and NeedsYes where there is that file already and nobody said `again`.
     """
-    with storage.database.writing() as connection:
-        connection.execute(insert(schema.scans).values(asdict(row)))
-        put_scan(connection, row.id, patient, row.created_at, again)
-        clear_entries(connection, [scan_place(row.id)])
+    made = storage.files.made(scan_place(row.id))
+    made.mkdir(mode=0o700, exist_ok=True)
+    document = ScanDocument(
+        created_at=row.created_at, sha256=row.sha256, facts=row.facts, file=upload_name(row.file_type)
+    )
+    if patient is not None:
+        case = storage.case(patient)
+        case.add_scan(made, document, row.id, again)
+    else:
+        case = storage.new_case(MadeScan(row.id, document, made))
+    storage.index.refresh(case.id)
 
 
 def get_scan(storage: Storage, scan_id: str) -> ScanRow:
     """Raises NotFound."""
-    with storage.database.reading() as connection:
-        row = connection.execute(select(schema.scans).where(schema.scans.c.id == scan_id)).one_or_none()
-    if row is None:
-        raise no_such_scan()
-    return value_of(ScanRow, row)
+    return _row(ScanEntry(scan_id, storage.case_of_scan(scan_id).scan(scan_id)))
 
 
 def are_kept(storage: Storage, ids: Collection[str]) -> bool:
     """Whether none of the scans has been deleted."""
-    with storage.database.reading() as connection:
-        found = connection.execute(select(schema.scans.c.id).where(schema.scans.c.id.in_(ids))).scalars()
-        return set(found) == set(ids)
+    return len(get_scans(storage, list(ids))) == len(set(ids))
 
 
 def get_scans(storage: Storage, ids: Sequence[str]) -> list[ScanRow]:
     """Those of the scans that are there, the first that came first."""
-    table = schema.scans
-    with storage.database.reading() as connection:
-        rows = connection.execute(select(table).where(table.c.id.in_(ids)).order_by(table.c.created_at, table.c.id))
-        return [value_of(ScanRow, row) for row in rows]
+    found = []
+    for scan_id in dict.fromkeys(ids):
+        try:
+            found.append(get_scan(storage, scan_id))
+        except NotFound:
+            continue
+    return sorted(found, key=lambda row: (row.created_at, row.id))
 
 
 def scans_page(
     storage: Storage, limit: int, last: tuple[str, str] | None = None
 ) -> tuple[list[ScanRow], tuple[str, str] | None]:
     """Scans after the `last` one's time and id, the newest first, and where the next page goes on (None: nowhere)."""
-    table = schema.scans
-    query = select(table).order_by(table.c.created_at.desc(), table.c.id.desc()).limit(limit + 1)
-    if last is not None:
-        query = query.where(tuple_(table.c.created_at, table.c.id) < last)
-    with storage.database.reading() as connection:
-        rows = [value_of(ScanRow, row) for row in connection.execute(query)]
-    return rows[:limit], (rows[limit - 1].created_at, rows[limit - 1].id) if len(rows) > limit else None
+    ids, more = storage.index.asked(lambda rows: questions.scans_page(rows, limit, last))
+    return get_scans(storage, ids)[::-1], more
 
 
 def scan_ids(storage: Storage) -> set[str]:
-    with storage.database.reading() as connection:
-        return set(connection.execute(select(schema.scans.c.id)).scalars())
-
-
-def scans_before(storage: Storage, moment: str) -> list[str]:
-    """The scans that were created before a time (as `iso_utc`), the oldest first."""
-    table = schema.scans
-    with storage.database.reading() as connection:
-        query = select(table.c.id).where(table.c.created_at < moment).order_by(table.c.created_at)
-        return list(connection.execute(query).scalars())
+    return storage.index.asked(questions.all_scans)
 
 
 def get_landmarks(storage: Storage, scan_id: str) -> Picks:
     """Empty when none were stored."""
-    with storage.database.reading() as connection:
-        return _picks(connection, scan_id)
-
-
-def _picks(connection: Connection, scan_id: str) -> Picks:
-    row = connection.execute(select(schema.landmarks).where(schema.landmarks.c.scan == scan_id)).one_or_none()
-    return Picks({}) if row is None else value_of(Picks, row)
+    try:
+        return of_scans.get_landmarks(storage.case_of_scan(scan_id), scan_id)
+    except NotFound:
+        return Picks({})
 
 
 def put_landmarks(storage: Storage, scan_id: str, picks: Picks, seen: str | None = None) -> bool:
@@ -105,13 +93,12 @@ def put_landmarks(storage: Storage, scan_id: str, picks: Picks, seen: str | None
 
     Raises NotFound when the scan is gone.
     """
-    table = schema.landmarks
-    with storage.database.writing() as connection:
-        check_scan(connection, scan_id)
-        if seen is not None and seen != picks_digest(_picks(connection, scan_id)):
-            return False
-        connection.execute(delete(table).where(table.c.scan == scan_id))
-        connection.execute(insert(table).values(scan=scan_id, **asdict(picks)))
+    case = storage.case_of_scan(scan_id)
+    try:
+        of_scans.put_landmarks(case, scan_id, picks, seen, digest=lambda: picks_digest(get_landmarks(storage, scan_id)))
+    except Changed:
+        return False
+    storage.index.refresh(case.id)
     return True
 
 
@@ -126,25 +113,20 @@ def picks_digest(picks: Picks) -> str:
 
 def get_cuts(storage: Storage, scan_id: str) -> Cuts:
     """The first that was made first; none where nothing was cut."""
-    with storage.database.reading() as connection:
-        return _cuts(connection, scan_id)
-
-
-def _cuts(connection: Connection, scan_id: str) -> Cuts:
-    query = select(schema.cuts.c.json).where(schema.cuts.c.scan == scan_id)
-    return connection.execute(query).scalar_one_or_none() or ()
+    try:
+        return of_scans.get_cuts(storage.case_of_scan(scan_id), scan_id)
+    except NotFound:
+        return ()
 
 
 def put_cuts(storage: Storage, scan_id: str, cuts: Cuts, seen: str | None = None) -> bool:
     """The same of cuts."""
-    table = schema.cuts
-    with storage.database.writing() as connection:
-        check_scan(connection, scan_id)
-        if seen is not None and seen != cuts_digest(_cuts(connection, scan_id)):
-            return False
-        connection.execute(delete(table).where(table.c.scan == scan_id))
-        if cuts:
-            connection.execute(insert(table).values(scan=scan_id, json=cuts))
+    case = storage.case_of_scan(scan_id)
+    try:
+        of_scans.put_cuts(case, scan_id, cuts, seen, digest=lambda: cuts_digest(get_cuts(storage, scan_id)))
+    except Changed:
+        return False
+    storage.index.refresh(case.id)
     return True
 
 
@@ -152,3 +134,8 @@ def cuts_digest(cuts: Sequence[dict[str, Any]]) -> str:
     """The same for the same cuts; empty where nothing was cut."""
     text = json.dumps(cuts, separators=(",", ":"), sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16] if cuts else ""
+
+
+def _row(entry: ScanEntry) -> ScanRow:
+    known = entry.document
+    return ScanRow(entry.id, known.created_at, Path(known.file).suffix.lstrip("."), known.sha256, known.facts)

@@ -1,20 +1,21 @@
-"""Rows of share links and of their openings.
+"""Share links: what they show is in the case, what opens them in the index alone.
 
 Of the secret in the link only a hash is stored, and of the credential that a browser gets at an opening only an HMAC
 over the share's id: neither can be got back, and what belongs to one share is nothing at another.
 """
 
-from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from contextlib import suppress
+from dataclasses import dataclass
 
-from sqlalchemy import ColumnElement, Connection, Select, and_, func, insert, or_, select, true, update
-
-from breastrig.core.errors import Conflict, NotFound
-from breastrig.storage import schema
-from breastrig.storage.file_journal import clear_entries, record_removal
+from breastrig.cases import links
+from breastrig.cases.documents import LinkDocument
+from breastrig.core.errors import NotFound
+from breastrig.index import questions
+from breastrig.index.questions import LinkSecret
 from breastrig.storage.files import share_place
-from breastrig.storage.rows.queries import is_there, newest_first, value_of
 from breastrig.storage.storage import Storage
+
+NO_SHARE = "This fit has no such share."
 
 
 @dataclass(frozen=True)
@@ -44,100 +45,72 @@ class ShareRow:
         return self.wrong_passcodes - self.forgiven_passcodes >= most_wrong
 
 
-def add_share(storage: Storage, share: ShareRow, token_sha256: str) -> None:
-    """The files of its snapshot are kept from then on.  Raises NotFound when the fit is gone."""
-    with storage.database.writing() as connection:
-        if not is_there(connection, schema.fits, share.fit):
-            raise NotFound("There is no such fit; it may have been deleted.")
-        values = {name: value for name, value in asdict(share).items() if name in schema.shares.c}
-        connection.execute(insert(schema.shares).values(token_sha256=token_sha256, **values))
-        clear_entries(connection, _places([share.snapshot]))
+def add_share(storage: Storage, share: ShareRow, token_sha256: str) -> ShareRow:
+    """Keeps the link with the snapshot that was made under its place.  Raises NotFound when the fit is gone."""
+    case, scan_id = storage.case_of_fit(share.fit)
+    document = LinkDocument(
+        created_at=share.created_at,
+        expires_at=share.expires_at,
+        scan=share.scan,  # type: ignore[arg-type]
+        notes=share.notes,
+    )
+    assert share.snapshot is not None
+    links.add_link(case, scan_id, share.fit, document, storage.files.made(share_place(share.snapshot)), share.id)
+    storage.index.refresh(case.id)
+    with storage.index.writing() as rows:  # a link without it is over
+        questions.put_secret(rows, LinkSecret(share.id, token_sha256, share.passcode_hash))
+    return get_share(storage, share.fit, share.id)
 
 
 def get_share(storage: Storage, fit_id: str, share_id: str) -> ShareRow:
     """Raises NotFound."""
-    found = _one(storage, _query().where(schema.shares.c.fit == fit_id, schema.shares.c.id == share_id))
-    if found is None:
-        raise NotFound("This fit has no such share.")
-    return found
+    try:
+        case, scan_id = storage.case_of_fit(fit_id)
+        document = links.get_link(case, scan_id, fit_id, share_id)
+    except NotFound as error:
+        raise NotFound(NO_SHARE) from error
+    return _row(storage, fit_id, share_id, document)
 
 
 def share_of_token(storage: Storage, token_sha256: str) -> ShareRow | None:
     """The share that a link's secret opens, expired or revoked ones too."""
-    return _one(storage, _query().where(schema.shares.c.token_sha256 == token_sha256))
+    secret = storage.index.asked(lambda rows: questions.secret_of_token(rows, token_sha256))
+    return None if secret is None else _share(storage, secret.link)
 
 
 def shares_page(storage: Storage, fit_id: str, limit: int, before: int | None) -> tuple[list[ShareRow], int | None]:
     """Shares of a fit, the newest first, and where the next page goes on (None: there is none)."""
-    table = schema.shares
-    rows, more = newest_first(storage, _query().where(table.c.fit == fit_id), table.c.position, limit, before)
-    return [value_of(ShareRow, row) for row in rows], more
+    case, scan_id = storage.case_of_fit(fit_id)
+    found = list(enumerate(links.links_of_fit(case, scan_id, fit_id).items(), start=1))[::-1]
+    wanted = [one for one in found if before is None or one[0] < before]
+    rows = [_row(storage, fit_id, share_id, document) for _, (share_id, document) in wanted[:limit]]
+    return rows, wanted[limit - 1][0] if len(wanted) > limit else None
 
 
-def replace_snapshot(storage: Storage, share: ShareRow, scan_id: str, snapshot: str, now: str) -> None:
-    """The link shows that one from now on; the files of the one before are in the journal for removal.
+def replace_snapshot(storage: Storage, share: ShareRow, snapshot: str) -> None:
+    """The link shows that one from now on, made under its place; the one before is gone.
 
     Raises NotFound when the share is gone, Conflict when it is over.
     """
-    table = schema.shares
-    with storage.database.writing() as connection:
-        row = connection.execute(select(table).where(table.c.id == share.id)).one_or_none()
-        if row is None:
-            raise NotFound("This share has been deleted.")
-        if row.revoked_at is not None or row.expires_at <= now:
-            raise Conflict("This link is over; make a new one.")
-        connection.execute(update(table).where(table.c.id == share.id).values(snapshot=snapshot, snapshot_at=now))
-        clear_entries(connection, _places([snapshot]))
-        record_removal(connection, scan_id, _places([row.snapshot]))
+    case, scan_id = storage.case_of_fit(share.fit)
+    links.refresh_link(case, scan_id, share.fit, share.id, storage.files.made(share_place(snapshot)))
 
 
-def revoke_share(storage: Storage, fit_id: str, share_id: str, now: str) -> list[str]:
-    """Closes the link for good; one that is closed or not there is no error.
+def revoke_share(storage: Storage, fit_id: str, share_id: str) -> None:
+    """Closes the link for good and removes what it shows; one that is closed or not there is no error.
 
-    Its files are in the journal for removal; the scan they are of.
+    Raises OSError for what cannot be removed yet.
     """
-    table = schema.shares
-    with storage.database.writing() as connection:
-        chosen = update(table).where(table.c.fit == fit_id, table.c.id == share_id, table.c.revoked_at.is_(None))
-        connection.execute(chosen.values(revoked_at=now))
-        return _end_snapshots(connection, and_(table.c.fit == fit_id, table.c.id == share_id), now)
+    with suppress(NotFound):
+        case, scan_id = storage.case_of_fit(fit_id)
+        links.end_link(case, scan_id, fit_id, share_id)
+        storage.index.refresh(case.id)
 
 
-def end_snapshots(storage: Storage, now: str) -> list[str]:
-    """Of all links that are over: their files are in the journal for removal.  The scans they are of."""
-    with storage.database.reading() as connection:
-        if not connection.execute(_over(now)).all():
-            return []
-    with storage.database.writing() as connection:
-        return _end_snapshots(connection, true(), now)
-
-
-def _end_snapshots(connection: Connection, of: ColumnElement[bool], now: str) -> list[str]:
-    rows = connection.execute(_over(now).where(of)).all()
-    for row in rows:
-        record_removal(connection, row.scan, _places([row.snapshot]))
-        connection.execute(update(schema.shares).where(schema.shares.c.id == row.id).values(snapshot=None))
-    return [row.scan for row in rows]
-
-
-def _over(now: str) -> Select[tuple[str, str, str]]:
-    """Links that are over and still have files."""
-    table, fits = schema.shares, schema.fits
-    is_over = or_(table.c.revoked_at.is_not(None), table.c.expires_at <= now)
-    chosen = select(table.c.id, table.c.snapshot, fits.c.scan).join(fits, fits.c.id == table.c.fit)
-    return chosen.where(is_over, table.c.snapshot.is_not(None))
-
-
-def snapshot_places(connection: Connection, fits: Sequence[str] | None = None) -> list[str]:
-    """Where the files of all links are, or of those of some fits."""
-    chosen = select(schema.shares.c.snapshot)
-    if fits is not None:
-        chosen = chosen.where(schema.shares.c.fit.in_(fits))
-    return _places(connection.execute(chosen).scalars())
-
-
-def _places(snapshots: Iterable[str | None]) -> list[str]:
-    return [share_place(each) for each in snapshots if each is not None]
+def end_snapshots(storage: Storage, now: str) -> None:
+    """Removes what links show that are over."""
+    for fit_id, share_id in storage.index.asked(lambda rows: questions.links_over(rows, now)):
+        revoke_share(storage, fit_id, share_id)
 
 
 def add_opening(storage: Storage, share_id: str, now: str, visit_hmac: str, most_wrong: int) -> bool:
@@ -146,73 +119,78 @@ def add_opening(storage: Storage, share_id: str, now: str, visit_hmac: str, most
     Raises NotFound when the share is gone.  Decided with the write lock held, as in `note_wrong_passcode`, so that of
     any number of guesses that are checked at the same time no more than `most_wrong` are answered.
     """
-    with storage.database.writing() as connection:
-        table = schema.shares
-        counts = select(table.c.wrong_passcodes - table.c.forgiven_passcodes).where(table.c.id == share_id)
-        wrong = connection.execute(counts).scalar_one_or_none()
+    with storage.index.writing() as rows:
+        wrong = questions.wrong_passcodes(rows, share_id)
         if wrong is None:
             raise NotFound("This share has been deleted.")
         if wrong >= most_wrong:
             return False
-        connection.execute(insert(schema.openings).values(share=share_id, opened_at=now, visit_hmac=visit_hmac))
+        questions.note_opening(rows, share_id, now, visit_hmac)
     return True
 
 
 def note_wrong_passcode(storage: Storage, share_id: str, now: str, most_wrong: int) -> bool:
     """Counts it; False, and nothing counted, when others have locked the link meanwhile or it is gone."""
-    table = schema.shares
-    wrong = table.c.wrong_passcodes - table.c.forgiven_passcodes
-    with storage.database.writing() as connection:
-        counted = {"wrong_passcodes": table.c.wrong_passcodes + 1, "last_wrong_at": now}
-        chosen = update(table).where(table.c.id == share_id, wrong < most_wrong)
-        return connection.execute(chosen.values(counted)).rowcount > 0
+    with storage.index.writing() as rows:
+        wrong = questions.wrong_passcodes(rows, share_id)
+        if wrong is None or wrong >= most_wrong:
+            return False
+        questions.count_wrong(rows, share_id, now)
+    return True
 
 
 def unlock_share(storage: Storage, fit_id: str, share_id: str) -> None:
     """Forgives the wrong passcodes so far; one that is not there is no error."""
-    table = schema.shares
-    with storage.database.writing() as connection:
-        chosen = update(table).where(table.c.fit == fit_id, table.c.id == share_id)
-        connection.execute(chosen.values(forgiven_passcodes=table.c.wrong_passcodes))
+    with suppress(NotFound):
+        get_share(storage, fit_id, share_id)
+        with storage.index.writing() as rows:
+            questions.forgive(rows, share_id)
 
 
 def share_of_visit(storage: Storage, share_id: str, visit_hmac: str, opened_after: str) -> ShareRow | None:
     """The share, if a visit of it that was started after a time (as `iso_utc`) has not been ended."""
-    visit = schema.openings.alias().c  # the query itself counts the openings
-    here = select(visit.id).where(
-        visit.share == share_id, visit.visit_hmac == visit_hmac, visit.opened_at > opened_after
-    )
-    return _one(storage, _query().where(schema.shares.c.id == share_id, here.exists()))
+    if not storage.index.asked(lambda rows: questions.has_visit(rows, share_id, visit_hmac, opened_after)):
+        return None
+    return _share(storage, share_id)
 
 
 def end_visit(storage: Storage, share_id: str, visit_hmac: str) -> bool:
     """Makes the visit's credential worth nothing; whether there was such a visit."""
-    table = schema.openings
-    with storage.database.writing() as connection:
-        chosen = update(table).where(table.c.share == share_id, table.c.visit_hmac == visit_hmac)
-        return connection.execute(chosen.values(visit_hmac=None)).rowcount > 0
+    with storage.index.writing() as rows:
+        return questions.end_visit(rows, share_id, visit_hmac)
 
 
 def openings_of(storage: Storage, share_id: str, limit: int) -> list[str]:
     """When the link was opened, the last time first."""
-    table = schema.openings
-    with storage.database.reading() as connection:
-        query = select(table.c.opened_at).where(table.c.share == share_id).order_by(table.c.id.desc()).limit(limit)
-        return list(connection.execute(query).scalars())
+    return storage.index.asked(lambda rows: questions.openings_of(rows, share_id))[::-1][:limit]
 
 
-def _query() -> Select[tuple[object, ...]]:
-    opened = schema.openings.c
-    return (
-        select(
-            schema.shares, func.count(opened.id).label("openings"), func.max(opened.opened_at).label("last_opened_at")
-        )
-        .outerjoin(schema.openings, opened.share == schema.shares.c.id)
-        .group_by(schema.shares.c.position)
+def _share(storage: Storage, share_id: str) -> ShareRow | None:
+    where = storage.index.asked(lambda rows: questions.fit_of_link(rows, share_id))
+    try:
+        return None if where is None else get_share(storage, where[2], share_id)
+    except NotFound:
+        return None
+
+
+def _row(storage: Storage, fit_id: str, share_id: str, document: LinkDocument) -> ShareRow:
+    """A link without its secret, which was lost with the index, shows nothing."""
+    secret = storage.index.asked(lambda rows: questions.secret_of_link(rows, share_id))
+    opened = storage.index.asked(lambda rows: questions.openings_of(rows, share_id))
+    return ShareRow(
+        id=share_id,
+        fit=fit_id,
+        created_at=document.created_at,
+        expires_at=document.expires_at,
+        scan=document.scan,
+        passcode_hash=None if secret is None else secret.passcode_hash,
+        snapshot=f"{share_id}.{document.shown}" if document.shown and secret is not None else None,
+        snapshot_at=document.shown_at,
+        notes=document.notes,
+        revoked_at=document.revoked_at,
+        openings=len(opened),
+        last_opened_at=opened[-1] if opened else None,
+        wrong_passcodes=0 if secret is None else secret.wrong,
+        last_wrong_at=None if secret is None else secret.wrong_at,
+        forgiven_passcodes=0 if secret is None else secret.forgiven,
     )
-
-
-def _one(storage: Storage, query: Select[tuple[object, ...]]) -> ShareRow | None:
-    with storage.database.reading() as connection:
-        row = connection.execute(query).one_or_none()
-    return None if row is None else value_of(ShareRow, row)

@@ -18,7 +18,7 @@ from breastrig.core.model_choice import FACT, model_choice
 from breastrig.core.stances import Stance
 from breastrig.core.units import UNIT_CHOICES
 from breastrig.drawings.plan_schema import PlanLesion
-from breastrig.files.result import FIT_FILES, RESULT
+from breastrig.files.result import RESULT
 from breastrig.scan.limits import TRIANGLES
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 from breastrig.workflow.events import Event, Failed, event_json
@@ -107,7 +107,7 @@ def fit_events(case: CaseFolder, scan_id: str, fit_id: str, model: Path | None =
         with _ending(claim), case.incoming() as made:
             for event in _events(_job(case, scan_id, claim.document, made, model)):
                 if event.kind == "done":
-                    _put_files(made, claim.folder)
+                    put_files(made, claim.folder)
                 if not claim.append(event_json(event)):
                     return  # it was cancelled
                 yield event
@@ -130,9 +130,10 @@ def _ending(claim: Claim) -> Iterator[None]:
         raise
 
 
-def _put_files(made: Path, folder: Path) -> None:
+def put_files(made: Path, folder: Path) -> None:
     """The fit's files in their place, result.json last; the log is there already."""
-    for name in (*(each for each in FIT_FILES if each not in (layout.LOG, RESULT)), RESULT):
+    names = {each.name for each in made.iterdir()} - {layout.LOG, RESULT}
+    for name in (*sorted(names), *([RESULT] if (made / RESULT).exists() else [])):
         sync_file(made / name)
         replace(made / name, folder / name)
 

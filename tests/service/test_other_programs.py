@@ -1,0 +1,88 @@
+"""Another program works at cases beside the service: each sees what the other has written, and neither undoes it."""
+
+import pytest
+from helpers import fake_fit
+from helpers.cases import new_case, new_fit, new_scan, note
+from helpers.waiting import ask_for_fit, ended, stored_events, until
+
+from breastrig.cases.fits import claimed, get_fit
+from breastrig.cases.plans import put_plan
+from breastrig.cases.removal import delete_case, move_scan
+from breastrig.cases.writing import Changed
+from breastrig.core.errors import NotFound
+from breastrig.service import sweep
+from breastrig.service.fits.queue import STARTS
+from breastrig.storage.rows import patients
+from breastrig.storage.rows.fits import fit_ids
+from breastrig.storage.rows.scans import get_scan, scan_ids
+from breastrig.storage.storage import Storage
+
+
+@pytest.fixture(autouse=True)
+def soon(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The service looks for news all the time."""
+    monkeypatch.setattr(sweep, "NEWS_EVERY_S", 0.01)
+    monkeypatch.setattr(sweep, "NEWS_SHARE", 1)
+
+
+def test_a_fit_that_another_program_runs_is_followed_and_neither_started_nor_ended(serving, storage: Storage) -> None:
+    case = new_case(storage.root / "cases")
+    scan = new_scan(case)
+    fit = new_fit(case, scan)
+    with claimed(case, scan, fit) as claim, serving(fake_fit.quick) as service:
+        assert claim is not None
+        until(lambda: fit in fit_ids(service.storage), "the other program's fit")
+        for _ in range(STARTS + 1):  # the service had time enough to take it for one that dies each time
+            assert ended(service, ask_for_fit(service, scan)).state == "done"
+        assert claim.append({"kind": "started", "stance": "standing"})
+        assert claim.append({"kind": "done", "result": {"verdict": {"level": "good"}}})
+        assert [event.kind for event in stored_events(service, fit)] == ["started", "done"]
+        assert ended(service, fit).verdict == "good"
+
+
+def test_of_a_service_and_another_program_each_sees_the_others_plan(serving, storage: Storage) -> None:
+    case = new_case(storage.root / "cases")
+    scan = new_scan(case)
+    with serving(fake_fit.quick) as service:
+        until(lambda: scan in scan_ids(service.storage), "the other program's scan")
+        first = patients.put_plan(service.storage, case.id, [note(scan, "the service's").model_dump()], "0")
+        with pytest.raises(Changed):
+            put_plan(case, [], "0")
+        put_plan(case, [note(scan, "the other's")], first.etag)
+        with pytest.raises(Changed):
+            patients.put_plan(service.storage, case.id, [], first.etag)
+        assert [item["text"] for item in patients.get_plan(service.storage, case.id).items] == ["the other's"]
+
+
+def test_a_patient_is_deleted_without_scans_that_are_another_patients_by_now(serving, storage: Storage) -> None:
+    case, empty, other = (new_case(storage.root / "cases") for _ in range(3))
+    scans = [new_scan(case) for _ in range(2)]
+    with serving(fake_fit.quick) as service:
+        storage.index.look()
+        deleted = service.delete_scan
+
+        def delete_and_move(scan: str) -> None:
+            deleted(scan)
+            move_scan(case, next(each for each in scans if each != scan), other)
+
+        service.delete_scan = delete_and_move
+        service.delete_patient(case.id)
+        service.delete_patient(empty.id)
+        assert not case.path.exists()
+        assert not empty.path.exists()
+        assert len(other.scan_ids()) == 1
+
+
+def test_what_another_program_deletes_is_gone_at_once(serving, storage: Storage) -> None:
+    case = new_case(storage.root / "cases")
+    scan = new_scan(case)
+    with serving(fake_fit.quick) as service:
+        until(lambda: scan in scan_ids(service.storage), "the other program's scan")
+        fit = ask_for_fit(service, scan)
+        ended(service, fit)
+        assert get_fit(case, scan, fit).state == "done"
+        delete_case(case)
+        with pytest.raises(NotFound):
+            get_scan(service.storage, scan)
+        assert stored_events(service, fit) == []
+        until(lambda: not scan_ids(service.storage), "the look that forgets it")
