@@ -78,7 +78,7 @@ def test_each_end_of_the_way_has_its_own_radius_and_a_predicted_one_counts_in_fu
 
 
 def test_lines_between_a_hanging_and_another_breast_are_less_sure(torso: Rig) -> None:
-    """Of points carried to and from prone scans of four known bodies 69 % were held without it, 90 % with it."""
+    """Of points carried to and from prone scans of 26 known bodies 75 % are held without it, 89 % with it."""
     settings = skin_map_settings(torso)
     target, points = ScanTarget(torso.template, torso.faces), torso.template[::100]
     stances = {
@@ -95,7 +95,7 @@ def test_lines_between_a_hanging_and_another_breast_are_less_sure(torso: Rig) ->
     assert error(stances["prone"], stances["prone"]) == pytest.approx(usual)
     for a, b in (("prone", "standing"), ("supine", "prone")):
         assert error(stances[a], stances[b]) == pytest.approx(np.hypot(usual, settings.error_hanging))
-    assert settings.error_hanging > 0.02
+    assert 0.01 < settings.error_hanging < 0.02
     inside = carried_errors(torso, stances["prone"], stances["supine"], points, points, on_skin=False)
     assert inside == pytest.approx(np.full(len(points), usual))
 

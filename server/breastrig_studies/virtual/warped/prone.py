@@ -8,7 +8,7 @@ Bodies of each half have donors of that half.
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -156,14 +156,26 @@ def prone_skin(body: WarpedBody, donor: Donor, numbers: ProneNumbers, arms: Arra
     return skin
 
 
+@dataclass(frozen=True, eq=False)
+class Hanging:
+    """A prone body and what it was made of."""
+
+    prone: VirtualBody
+    body: WarpedBody
+    arms: Array  # (V,) share of its arms
+    donor: Donor
+    numbers: ProneNumbers
+
+
 def draw_prone(
-    source: Source, donors: Sequence[Donor], rig: Rig, random: np.random.Generator
-) -> tuple[VirtualBody, Array, Donor, ProneNumbers]:
-    """A body with both breasts whose skin does not fold on itself, and the (V,) share of its arms."""
+    source: Source, donors: Sequence[Donor], rig: Rig, random: np.random.Generator, *, resized: bool = True
+) -> Hanging:
+    """A body with both breasts whose skin does not fold on itself; `resized`: its trunk is not the standing one's."""
     for _ in range(TRIES):
         body = draw_body(source, random)
         own = [donor for donor in donors if donor.name == source.name] or donors
         donor, numbers = own[int(random.integers(len(own)))], draw_numbers(random)
+        numbers = numbers if resized else replace(numbers, wider=1.0, deeper=1.0)
         if body.numbers.mastectomy:
             continue
         arms = arm_share(rig, body)
@@ -171,7 +183,7 @@ def draw_prone(
         prone = VirtualBody("prone", skin, source.landmarks(skin), None)
         seen = source.faces[field_of_view(prone, source.faces, arms, numbers)[source.faces].all(axis=1)]
         if is_sound_hanging(body.standing.vertices, skin, seen):
-            return prone, arms, donor, numbers
+            return Hanging(prone, body, arms, donor, numbers)
     raise RuntimeError(f"No sound prone body of {source.name} in {TRIES} tries.")
 
 
@@ -224,10 +236,10 @@ def make_prone(
         place = folder / name
         if _made_by(place) == made_by:
             continue
-        prone, arms, donor, numbers = draw_prone(source, own, rig, random)
-        drawn: dict[str, Any] = {"source": source.name, "donor": donor.name, "numbers": asdict(numbers)}
+        found = draw_prone(source, own, rig, random)
+        drawn: dict[str, Any] = {"source": source.name, "donor": found.donor.name, "numbers": asdict(found.numbers)}
         about = {"virtual": True, "origin": source.origin, "licence": source.licence, "family": source.family}
-        count = write_prone(place, prone, source.faces, arms, numbers, drawn, random)
+        count = write_prone(place, found.prone, source.faces, found.arms, found.numbers, drawn, random)
         write_json(place / "patient.json", about | drawn | {"made_by": made_by})
         progress(f"{place.name}: {count} triangles")
 
