@@ -1,5 +1,6 @@
 """Whether two fits can be of one body: bones that differ by more than errors and stance explain."""
 
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
@@ -10,8 +11,10 @@ from helpers.results import result_file
 
 from breastrig.core.errors import NeedsYes
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.report.volume import vertices_within
 from breastrig.rig.cohort_posterior import Gaussian
 from breastrig.rig.model import Rig
+from breastrig.scan.clean import Surface
 from breastrig.workflow.folder.fit_folder import FitFolder
 from breastrig.workflow.folder.one_body import body_doubt, check_one_body, doubts_between
 
@@ -58,6 +61,7 @@ def fit(
         seen={},
         metres_per_unit=1e-3,
         body=body(rig, larger),
+        radii=None,
     )
     return cast(FitFolder, found)
 
@@ -120,6 +124,62 @@ def test_without_picks_the_trunks_are_compared(rig: Rig, stance: str) -> None:
 def test_a_fit_that_hardly_knows_the_body_asks_less(rig: Rig) -> None:
     first, second = fit(rig, radius=80.0, picked=False), fit(rig, "supine", 80.0, picked=False, larger=1.12)
     object.__setattr__(second, "body", body(rig, 1.12, sigma=0.1))
+    assert body_doubt(first, second) is None
+
+
+def with_breasts(found: FitFolder, left: float = 1.0, right: float = 1.0, radius: float = 0.004) -> FitFolder:
+    """As the rig was built, but with breasts so many times as high over the chest."""
+    skin = found.rig.template.copy()
+    for side, times in (("L", left), ("R", right)):
+        inside = vertices_within(found.rig, side)
+        assert inside is not None
+        skin[inside, 2] += (times - 1.0) * (skin[inside, 2] - skin[inside, 2].min())
+    for name, value in {
+        "vertices": skin,
+        "surface": Surface(skin, found.rig.faces, ()),
+        "radii": np.full(len(skin), radius),
+    }.items():
+        object.__setattr__(found, name, value)
+    return found
+
+
+UNPICKED = {"radius": 80.0, "picked": False}
+
+
+@pytest.mark.parametrize(
+    ("standing", "lying", "said"),
+    [
+        ((1.0, 1.0), (1.5, 1.5), r"the breasts are \d+ % larger .*on the supine scan than on the standing scan"),
+        ((1.5, 1.5), (1.0, 1.0), r"the breasts are \d+ % smaller "),
+        ((1.0, 1.0), (1.6, 0.7), r"the left breast's part of both is \d+ % larger "),
+        ((1.0, 1.0), (0.6, 1.6), r"the left breast's part of both is \d+ % smaller "),
+    ],
+)
+def test_breasts_of_other_volumes_are_asked_about(
+    rig: Rig, standing: tuple[float, float], lying: tuple[float, float], said: str
+) -> None:
+    first = with_breasts(fit(rig, **UNPICKED), *standing)
+    second = with_breasts(fit(rig, "supine", **UNPICKED, larger=1.03), *lying)
+    doubt = body_doubt(first, second)
+    assert doubt is not None
+    assert doubt.is_question
+    assert re.search(said, doubt.says)
+    assert body_doubt(second, first) is not None
+    alike = with_breasts(fit(rig, "supine", **UNPICKED, larger=1.03), *(1.02 * times for times in standing))
+    assert body_doubt(first, alike) is None
+
+
+@pytest.mark.parametrize("case", ["hardly known", "not known", "predicted"])
+def test_breasts_of_which_little_is_known_are_not_asked_about(rig: Rig, case: str) -> None:
+    first, second = (
+        with_breasts(fit(rig, **UNPICKED)),
+        with_breasts(fit(rig, "supine", **UNPICKED, larger=1.03), 1.5, 1.5),
+    )
+    assert body_doubt(first, second) is not None
+    if case == "predicted":
+        object.__setattr__(second, "result", second.result.model_copy(update={"predicted": True}))
+    else:
+        object.__setattr__(second, "radii", np.full(len(rig.template), 0.15) if case == "hardly known" else None)
     assert body_doubt(first, second) is None
 
 

@@ -1,4 +1,4 @@
-// The plan on this scan with its line errors, shown while drawing.
+// While she draws: what is planned on this scan, and how far off each part of it may be.
 import { drawingLabels } from "../fit/requestedDrawing";
 import type { FitSlice } from "../fit/state";
 import { lineErrorOf, marginOf } from "../fit/verdict";

@@ -8,7 +8,8 @@ from breastrig.core.arrays import Array, Booleans
 from breastrig.core.stances import split_side
 from breastrig.drawings.line_error import across
 from breastrig.fitting.body.hanging import hangs_by
-from breastrig.fitting.posterior import LeaveOneOut, Posterior
+from breastrig.fitting.picks.leave_one_out import LeaveOneOut
+from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.uncertainty.calibration import StanceFactors, calibration, factor_of
 from breastrig.rig.model import Rig
 

@@ -5,9 +5,10 @@ patients and the example, picked and not) the first two lengths changed by up to
 allow; of twenty pairs of two picked bodies fourteen differ by more.  Shoulders come nearer with raised arms, standing,
 too (by more than errors allow in 11 of 92 pairs of one woman), so they do not count.
 
-And of the trunk that both fits' scales and shapes make, against their covariances and what stances add; limits and
-rates are in the rig's same_body.toml.  Scans from a breast MRI show too little of a trunk: it is said that they were
-not compared.
+And of the trunk that both fits' scales and shapes make, against their covariances and what stances add, and of the
+breasts' volumes, against their bands: the deviance of Student's t for each, so that one number that is far off counts
+less than several.  Limits and rates are in the rig's same_body.toml.  Scans from a breast MRI show too little of a
+trunk: it is said that they were not compared.
 """
 
 from dataclasses import dataclass
@@ -17,8 +18,11 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.errors import NeedsYes
 from breastrig.core.settings_file import Positive, SettingsPart
-from breastrig.core.stances import PRONE
+from breastrig.core.stances import PRONE, SIDES
 from breastrig.fitting.body.trunk_lengths import SAID, trunk_lengths
+from breastrig.report.bands import OF_90
+from breastrig.report.stance import Stance
+from breastrig.report.volume import breast_volume
 from breastrig.rig.known import known_part
 from breastrig.workflow.folder.fit_folder import FitFolder
 
@@ -44,21 +48,33 @@ class Bone:
 
 
 class Spreads(SettingsPart):
-    """Standard deviations of the logarithms of trunk_lengths.SAID between fits of one body, beyond what they know."""
+    """Standard deviations of numbers of `SIZES` between fits of one body, beyond what they know."""
 
     ribs_breadth: Positive
     waist_breadth: Positive
     ribs_depth: Positive
     navel_depth: Positive
     notch_navel: Positive
+    breasts: Positive
+    left_share: Positive
 
 
 class TrunkLimits(SettingsPart):
     """same_body.toml: how much two fits of one body differ."""
 
     spread: Spreads
-    asked: Positive  # beyond this sum of squares, each over its variance, two fits are asked about
+    freedom: Positive  # degrees of Student's t
+    asked: Positive  # beyond this deviance of all sizes two fits are asked about
+    beside_breasts: Positive  # m³ that are added to the volume of both breasts, as flat ones have no logarithm
 
+
+SIZES = {  # what is said of each where it is greater, and where it is less; logarithms, but for the share
+    **{name: ("the trunk is", words) for name, words in SAID.items()},
+    "breasts": ("the breasts are", ("larger", "smaller")),
+    "left_share": ("the left breast's part of both is", ("larger", "smaller")),
+}
+
+LEAST = 1e-6  # m³ of a breast
 
 BONES = (
     Bone("suprasternal_notch", "xiphoid", "from the notch to the xiphoid", 0.018),  # its skin slides when lying
@@ -86,7 +102,7 @@ def body_doubt(a: FitFolder, b: FitFolder) -> BodyIssue | None:
             return None
         both = f"{a.stance} and as {b.stance}"
         return BodyIssue(f"Both fits are of the same scan file, as {both}. Choose the scan of the other stance.", True)
-    return _by_landmarks(a, b) or _by_trunk(a, b)
+    return _by_landmarks(a, b) or _by_size(a, b)
 
 
 def _by_landmarks(a: FitFolder, b: FitFolder) -> BodyIssue | None:
@@ -108,27 +124,62 @@ def _by_landmarks(a: FitFolder, b: FitFolder) -> BodyIssue | None:
     return None
 
 
-def _by_trunk(a: FitFolder, b: FitFolder) -> BodyIssue | None:
+def _by_size(a: FitFolder, b: FitFolder) -> BodyIssue | None:
     if PRONE in (a.stance, b.stance):
         return _unknown(a, b, "a prone scan shows too little of the trunk")
     limits = known_part(a.rig, "same_body.toml", TrunkLimits)
     if limits is None:
         return _unknown(a, b, "nobody has measured how much two fits of one body differ with this model")
-    first, second = (None if fit.body is None else trunk_lengths(fit.rig, fit.body) for fit in (a, b))
+    first, second = (_sizes(fit, limits.beside_breasts) for fit in (a, b))
     if first is None or second is None:
         return _unknown(a, b, "one of the fits does not say how sure it is of the body")
-    spread = np.array([getattr(limits.spread, name) for name in SAID])
-    differs = second.logs - first.logs
-    squares = differs**2 / (first.sigmas**2 + second.sigmas**2 + spread**2)
-    if squares.sum() <= limits.asked:
+    spread = np.array([getattr(limits.spread, name) for name in SIZES])
+    differs = second[0] - first[0]
+    squares = np.nan_to_num(differs**2 / (first[1] ** 2 + second[1] ** 2 + spread**2))
+    if np.sum((limits.freedom + 1.0) * np.log1p(squares / limits.freedom)) <= limits.asked:
         return None
-    words = [
-        f"{100.0 * abs(np.expm1(by)):.0f} % {said[int(by < 0)]}"
-        for by, said in zip(differs, SAID.values(), strict=True)
-    ]
-    most = " and ".join(words[place] for place in np.argsort(-squares)[:2])
     there, here = _scans(a, b)
-    return BodyIssue(f"{QUESTION}: the trunk is {most} on {here} than on {there}.", True)
+    greater = _true_sizes(second[0], limits.beside_breasts) / _true_sizes(first[0], limits.beside_breasts) - 1.0
+    return BodyIssue(f"{QUESTION}: {_words(greater, squares)} on {here} than on {there}.", True)
+
+
+def _true_sizes(sizes: Array, beside: float) -> Array:
+    """(K,) of `SIZES` without what is added to the breasts."""
+    both, left = np.exp(sizes[-2]), sizes[-1] * np.exp(sizes[-2])
+    volume = max(both - beside, LEAST)
+    return np.concatenate([np.exp(sizes[:-2]), [volume, max(left - 0.5 * beside, LEAST) / volume]])
+
+
+def _words(greater: Array, squares: Array) -> str:
+    """The two sizes that differ most, each with the share by which it is greater."""
+    said: dict[str, list[str]] = {}
+    for place in np.argsort(-squares)[:2]:
+        subject, words = list(SIZES.values())[place]
+        by = 100.0 * abs(greater[place])
+        said.setdefault(subject, []).append(f"{by:.0f} % {words[int(greater[place] < 0.0)]}")
+    return " and ".join(f"{subject} {' and '.join(words)}" for subject, words in said.items())
+
+
+def _sizes(fit: FitFolder, beside: float) -> tuple[Array, Array] | None:
+    """(K,) numbers of `SIZES` and their standard deviations; nan where nothing is known of the breasts.
+
+    None where the fit says nothing of its body.
+    """
+    trunk = None if fit.body is None else trunk_lengths(fit.rig, fit.body)
+    if trunk is None:
+        return None
+    breasts, sigmas = np.full(2, np.nan), np.full(2, np.nan)
+    if fit.radii is not None and not fit.result.predicted:
+        surface = fit.surface
+        stance = Stance(fit.rig, fit.vertices, surface.vertices, surface.faces, fit.stance, radii=fit.radii)
+        left, right = (breast_volume(stance, side) for side in SIDES)
+        if left is not None and right is not None:
+            sizes = np.maximum([left.value, right.value], 0.0)
+            both = sizes.sum() + beside
+            breasts = np.array([np.log(both), (sizes[0] + 0.5 * beside) / both])
+            sigma = 0.5 * np.hypot(left.high - left.low, right.high - right.low) / (OF_90 * both)
+            sigmas = np.array([sigma, 0.5 * sigma])
+    return np.append(trunk.logs, breasts), np.append(trunk.sigmas, sigmas)
 
 
 def _unknown(a: FitFolder, b: FitFolder, why: str) -> BodyIssue:
