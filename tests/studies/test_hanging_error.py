@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from breastrig_studies.bodies.hanging_error import Carried, estimate, held
 from breastrig_studies.cohort import DEVELOPMENT, VALIDATION
-from breastrig_studies.hanging_error import Carried, estimate, held
 
 
 def women(half: str, hanging: float, points: list[int], seed: int) -> list[Carried]:

@@ -1,6 +1,6 @@
 """Estimates `error_hanging` of the skin map: how much farther off lines are where a breast hangs in one of two scans.
 
-    python -m breastrig_studies.hanging_error FOLDER DATA [BODIES]
+    python -m breastrig_studies.bodies.hanging_error FOLDER DATA [BODIES]
 
 Writes into FOLDER the prone, standing and supine scans of warped bodies, whose triangles correspond. DATA is a folder
 of cases with the patients whose motion to prone they have (virtual/warped/prone.py). Points of lines on the breasts are
