@@ -1,11 +1,11 @@
-"""How files are answered: with an ETag, with ranges, and with the caching and compression that fit what they are.
+"""Answers files: with an ETag, with ranges, and with caching and compression by their kind.
 
-What shows a patient is kept nowhere (`no-store`): DELETE must not be outlived, not even by a copy on the disk of the
-browser that asked.  The model shows nobody and its address holds its hash: it may be kept for ever, by anyone.
+Files that show a patient are cached nowhere (`no-store`): no copy may outlive DELETE, not even on the disk of the
+browser that asked. The model shows nobody and its address holds its hash: it may be cached for ever, by anyone.
 
-The page's own files and the model are compressed for browsers that take it.  They are few and never change while the
-service runs, so each is compressed once and kept.  What shows a patient is not compressed: it is made for one reader,
-and the size of a compressed answer can reveal its content.
+The page's own files and the model are compressed for browsers that accept it. They are few and never change while the
+service runs, so each is compressed once and cached. Files that show a patient are not compressed: they are made for one
+reader, and the size of a compressed answer can reveal its content.
 """
 
 import gzip
@@ -61,7 +61,7 @@ def browser_forgets() -> None:
 
 
 def in_memory(content: bytes) -> OpenedFile:
-    """Content that was made for an answer, as a file."""
+    """Content made for an answer, as a file."""
     return OpenedFile(None, len(content), hashlib.sha256(content).hexdigest()[:32], lambda: io.BytesIO(content))
 
 
@@ -78,7 +78,7 @@ def file_answer(file: OpenedFile, media_type: str, caching: str) -> Response:
 def streamed_answer(
     file: OpenedFile, media_type: str, guarded: Callable[[Any], Any] = lambda opened: opened
 ) -> Response:
-    """The same, read through `guarded` as it is sent: opened only when some of it is wanted, fetched if in a store.
+    """The file as by `file_answer`, read through `guarded` while it is sent, and opened only when some of it is wanted.
 
     Raises NotFound when it is gone.
     """
@@ -97,7 +97,7 @@ def streamed_answer(
 
 
 def opened(file: OpenedFile) -> IO[bytes]:
-    """Raises NotFound when it was deleted meanwhile."""
+    """The opened file. Raises NotFound when it was deleted meanwhile."""
     try:
         return file.open()
     except FileNotFoundError as error:
@@ -105,12 +105,12 @@ def opened(file: OpenedFile) -> IO[bytes]:
 
 
 def bytes_answer(content: bytes, media_type: str, caching: str) -> Response:
-    """The same for content that was made in memory."""
+    """The answer for content that was made in memory."""
     return file_answer(in_memory(content), media_type, caching)
 
 
 def public_answer(content: bytes, media_type: str, caching: str) -> Response:
-    """As bytes_answer, for content that shows nobody.  A range is of the content itself, so it is not compressed."""
+    """The answer for content that shows nobody, compressed; not for a range, which is of the content itself."""
     compresses = len(content) >= ONE_PACKET and "Range" not in request.headers and request.accept_encodings["gzip"] > 0
     response = bytes_answer(_compressed(content) if compresses else content, media_type, caching)
     response.vary.add("Accept-Encoding")

@@ -1,4 +1,4 @@
-"""What the views of one app share: its settings, service, model and counters, found from the request at hand."""
+"""The objects that the views of one app share: settings, service, model and counters, by the current request."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
@@ -41,7 +41,7 @@ class AppContext:
         return _read_once(self.service.models, sha256)
 
     def model_of(self, facts: Mapping[str, Any]) -> ServedModel:
-        """That of a scan by what is kept of it."""
+        """The model of a stored scan."""
         own, glb = (self.service.models.path_of(each) for each in ({}, facts))
         return self.model if glb == own else _served_once(glb)
 
@@ -65,7 +65,7 @@ def _served_once(glb: Path | None) -> ServedModel:
 
 
 def app_context() -> AppContext:
-    """That of the app which answers the current request."""
+    """The context of the app that answers the current request."""
     found = current_app.extensions[KEY]
     assert isinstance(found, AppContext)
     return found

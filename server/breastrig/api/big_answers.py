@@ -77,9 +77,9 @@ def big_answer(
     share_id: str | None = None,
     download_as: str | None = None,
 ) -> Response:
-    """As `file_answer`; a large file only as long as it `is_open` to the reader, to a share's visitors within bounds.
+    """The file as by `file_answer`; a large one only as long as it `is_open` to the reader, to visitors within limits.
 
-    Raises 503 beyond the bounds, NotFound when it is gone.
+    Raises 503 beyond the limits, NotFound when it is gone.
     """
     if file.size < BIG_BYTES:
         response = file_answer(file, media_type, PERSONAL)

@@ -1,4 +1,4 @@
-"""The settings of a service.  Whoever calls needs a token; one is made at each start where none is given."""
+"""The settings of a service. Every caller needs a token; one is made at each start where none is given."""
 
 import ipaddress
 import secrets

@@ -1,7 +1,7 @@
-"""What Prometheus may know: numbers of requests, uploads and fits, never whose.
+"""Metrics for Prometheus: numbers of requests, uploads and fits, never whose.
 
-A route is named by its pattern, so no id of a scan or fit becomes a label.  The numbers of fits come from the table
-at the moment of asking: they count from the beginning of the data folder, and a restart does not reset them.
+A route is named by its pattern, so no id of a scan or fit becomes a label. The numbers of fits come from the table at
+the moment of asking: they count from the beginning of the data folder, and a restart does not reset them.
 """
 
 import time
@@ -60,7 +60,7 @@ class Metrics:
             self._uploads.labels("yes" if response.status_code == 201 else "no").inc()
 
     def text(self) -> tuple[bytes, str]:
-        """What is scraped, and its content type."""
+        """The metrics as text, and its content type."""
         return generate_latest(self.registry), CONTENT_TYPE_LATEST
 
 

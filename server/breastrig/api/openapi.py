@@ -64,7 +64,7 @@ def _named_once(schemas: dict[str, Any]) -> dict[str, Any]:
 
 
 def _renamed(node: Any) -> Any:
-    """The same document with short names in its references."""
+    """The document with short names in its references."""
     if isinstance(node, dict):
         return {key: _short(value) if key == "$ref" else _renamed_value(key, value) for key, value in node.items()}
     if isinstance(node, list):

@@ -1,6 +1,6 @@
-"""How long an address waits between wrong passcodes of one link: nothing at first, then twice as long each time.
+"""Delays of an address between wrong passcodes of one link: none at first, then twice as long each time.
 
-Others are not kept waiting: the delay belongs to the pair of link and address.  It is kept in this process's memory
+Others are not kept waiting: the delay belongs to the pair of link and address. It is kept in this process's memory
 only, because an address says something about a person; the number of wrong passcodes in all is in the link's row.
 """
 
@@ -24,7 +24,7 @@ class _Guesses:
 
 
 def delay_s(wrong: int) -> float:
-    """How long to wait after so many wrong passcodes: nothing, from the last free one on 1, 2, 4, ... seconds."""
+    """Seconds to wait after so many wrong passcodes: 0, from the last free one on 1, 2, 4, ..."""
     return 0.0 if wrong < FREE_GUESSES else min(LONGEST_DELAY_S, 2.0 ** min(30, wrong - FREE_GUESSES))
 
 
@@ -57,6 +57,6 @@ class PasscodeDelays:
             return 0
 
     def was_right(self, share_id: str, address: str) -> None:
-        """The last guess was none: the address is as good as new."""
+        """Resets the address's delay: its last passcode was right."""
         with self._lock:
             self._known.pop((share_id, address), None)

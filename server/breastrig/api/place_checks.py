@@ -16,7 +16,7 @@ REACH_M = 0.05  # beyond the scan's bounds: over a hole at the rim, under a hand
 
 
 def picks_of_file(data: bytes, scan: ScanRow, model: ServedModel) -> Picks:
-    """What a file says of landmarks on this scan, under the model's names.  Raises BadLandmarks."""
+    """The landmarks of a file on this scan, under the model's names. Raises BadLandmarks."""
     bounds = scan.facts["bounds_m"]
     measured = METRES_PER_UNIT[scan.facts["unit"]], (np.array(bounds["min"]), np.array(bounds["max"]))
     found = landmarks_of_file(data, lambda: measured)

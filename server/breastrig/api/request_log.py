@@ -43,7 +43,7 @@ def register_request_log(app: APIFlask) -> None:
 
 
 def log_error_of_request(error: BaseException | None) -> None:
-    """An error that nobody foresaw, on the request at hand."""
+    """Logs an unexpected error of the current request."""
     method, route = route_of_request()
     text = without_address("".join(traceback.format_exception(error)))
     fields = {"method": method, "route": route, "traceback": text}
@@ -51,7 +51,7 @@ def log_error_of_request(error: BaseException | None) -> None:
 
 
 def without_address(text: str) -> str:
-    """The same without any part of the request's address that its route does not have."""
+    """The text without any part of the request's address that its route does not have."""
     route = "" if request.url_rule is None else request.url_rule.rule
     parts = {part for part in (request.path, *request.path.split("/"), *request.args.values()) if len(part) >= SHORT}
     for part in sorted(parts - {route, *route.split("/")}, key=len, reverse=True):

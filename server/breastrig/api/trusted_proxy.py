@@ -60,7 +60,7 @@ def plain_address(address: str) -> str:
 
 
 def client_of(address: str | None) -> str:
-    """Who counts as one client: an address, or the 64-bit network of an IPv6 one, for a house has that many."""
+    """The key of one client: an address, or the 64-bit network of an IPv6 one, for a house has that many."""
     try:
         parsed = ipaddress.ip_address(plain_address(address or ""))
     except ValueError:

@@ -89,7 +89,7 @@ class Server:
         self._server.run(sockets=[self._listener])
 
     def stop(self) -> None:
-        """From any thread, and from a signal handler."""
+        """Stops the server; may be called from any thread, and from a signal handler."""
         self._server.should_exit = True
 
     def close(self) -> None:
@@ -157,7 +157,7 @@ class _Exchange:
         return message
 
     async def send(self, message: dict[str, Any]) -> None:
-        """Nothing more to a reader who takes nothing for too long."""
+        """Sends a part of the answer; nothing more to a reader who takes nothing for too long."""
         if self._unread:
             return
         try:

@@ -1,4 +1,4 @@
-"""Whose a plan or drawing is that somebody sends: one that names another patient is asked about."""
+"""Checks whose a sent plan or drawing is: one that names another patient is questioned."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

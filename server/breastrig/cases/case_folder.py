@@ -1,4 +1,4 @@
-"""One case: opened, made, and its scans put in and looked at."""
+"""One case: opens and creates it, adds scans and reads them."""
 
 import os
 import shutil
@@ -38,16 +38,16 @@ class ScanEntry:
 
 @dataclass(frozen=True)
 class MadeScan(ScanEntry):
-    """One that is to come into a case."""
+    """A scan that is to be added to a case."""
 
     folder: Path  # its files, on the disk of the case
 
 
 class CaseFolder:
-    """A case that is there.  May be used from any thread and process; nothing is remembered of what it holds."""
+    """An existing case. May be used from any thread and process; its content is not cached."""
 
     def __init__(self, path: Path) -> None:
-        """Raises NotFound when there is no case."""
+        """Opens the case. Raises NotFound when there is none."""
         self.path = path.absolute()
         if not (self.path / layout.CASE).is_file():
             raise NotFound(f"There is no case at {shown(path)}; name a folder that holds {layout.CASE}.")
@@ -88,7 +88,7 @@ class CaseFolder:
 
     @property
     def stamp(self) -> int:
-        """Another number after each change.  Raises NotFound."""
+        """The case's stamp: another number after each change. Raises NotFound."""
         try:
             return stamp_of(self.path)
         except FileNotFoundError as error:
@@ -99,11 +99,11 @@ class CaseFolder:
         return writing(self.path)
 
     def holding(self) -> AbstractContextManager[None]:
-        """Holds the case for reading: nobody writes inside the block.  Raises likewise."""
+        """Holds the case for reading: nobody writes inside the block. Raises as `writing`."""
         return locked(self.path)
 
     def document(self) -> CaseDocument:
-        """Raises NotFound when the case is gone, BadInput when the file is damaged."""
+        """The case's document. Raises NotFound when the case is gone, BadInput when the file is damaged."""
         found = self.read(layout.CASE, CaseDocument)
         if found is None:
             raise NotFound(NONE_HERE)
@@ -130,7 +130,7 @@ class CaseFolder:
         return None if content is None else read_document(kind, content, name)
 
     def scan_ids(self) -> set[str]:
-        """Of the scans that are here."""
+        """The ids of the case's scans."""
         try:
             names = {name for name in os.listdir(self.path / layout.SCANS) if layout.ID.fullmatch(name)}
         except FileNotFoundError:
@@ -142,12 +142,12 @@ class CaseFolder:
         return {scan for scan, deleted in self.around.marks().items() if deleted}
 
     def scans(self) -> list[ScanEntry]:
-        """The first that came first.  Raises BadInput for a damaged one."""
+        """The scans, oldest first. Raises BadInput for a damaged one."""
         found = [ScanEntry(each, document) for each in self.scan_ids() if (document := self._scan(each)) is not None]
         return sorted(found, key=lambda one: (one.document.created_at, one.id))
 
     def scan(self, scan_id: str) -> ScanDocument:
-        """Raises NotFound."""
+        """The scan's entry. Raises NotFound."""
         self.check_scan(scan_id)
         found = self._scan(scan_id)
         if found is None:
@@ -208,7 +208,7 @@ def new_case(path: Path, code: str) -> Iterator[Path]:
 
 
 def _complete(made: MadeScan) -> None:
-    """Its document is among its files, and all are on the disk."""
+    """Writes the document of a new scan, and syncs all its files to the disk."""
     put(made.folder, layout.SCAN, content_of(made.document))
     for file in made.folder.iterdir():
         file.chmod(0o600)
@@ -226,7 +226,7 @@ def coming(parent: Path) -> Iterator[Path]:
 
 
 def sync_file(file: Path) -> None:
-    """Its content is on the disk."""
+    """Syncs the file's content to the disk."""
     descriptor = os.open(file, os.O_RDWR)
     try:
         os.fsync(descriptor)
@@ -235,7 +235,7 @@ def sync_file(file: Path) -> None:
 
 
 def remove_tree(path: Path) -> None:
-    """Removes as much as can be removed, never what a link leads to.  Raises OSError when something is left."""
+    """Removes as much as possible, never the target of a link. Raises OSError when something is left."""
     if path.is_symlink() or not path.is_dir():
         path.unlink(missing_ok=True)
         return
@@ -246,7 +246,7 @@ def remove_tree(path: Path) -> None:
 
 
 def checked_code(code: str) -> str:
-    """A code as it is kept.  Raises BadInput."""
+    """The code as stored. Raises BadInput."""
     found = one_line(code)
     if len(found) > CODE_CHARACTERS:
         raise BadInput(f"A patient's code has at most {CODE_CHARACTERS} characters; shorten it.")

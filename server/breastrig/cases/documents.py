@@ -1,4 +1,4 @@
-"""What the documents of a case hold; each names its own form, and what others have added is passed over."""
+"""The schemas of a case's documents; each names its own form, and unknown fields are ignored."""
 
 import hashlib
 from collections.abc import Mapping

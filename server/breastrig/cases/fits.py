@@ -33,7 +33,7 @@ TOO_OFTEN = "This fit was started {} times without an end, as its server or work
 
 @dataclass(frozen=True)
 class FitEntry:
-    """One fit of a scan, and how far it has come."""
+    """One fit of a scan, with its progress."""
 
     id: str
     scan: str
@@ -54,7 +54,7 @@ def add_fit(case: CaseFolder, scan_id: str, asked: FitDocument, fit_id: str = ""
 
 
 def fit_ids(case: CaseFolder, scan_id: str) -> list[str]:
-    """Of the scan's fits.  Raises NotFound."""
+    """The ids of the scan's fits. Raises NotFound."""
     case.check_scan(scan_id)
     try:
         names = os.listdir(case.scan_folder(scan_id) / layout.FITS)
@@ -64,13 +64,13 @@ def fit_ids(case: CaseFolder, scan_id: str) -> list[str]:
 
 
 def fits_of_scan(case: CaseFolder, scan_id: str) -> list[FitEntry]:
-    """The first that was asked for first.  Raises NotFound."""
+    """The scan's fits, oldest first. Raises NotFound."""
     found = [get_fit(case, scan_id, fit_id) for fit_id in fit_ids(case, scan_id)]
     return sorted(found, key=lambda fit: (fit.document.asked_at, fit.id))
 
 
 def get_fit(case: CaseFolder, scan_id: str, fit_id: str) -> FitEntry:
-    """Raises NotFound."""
+    """The fit's entry. Raises NotFound."""
     case.check_scan(scan_id)
     part = fit_part(scan_id, fit_id)
     document = case.read(f"{part}/{layout.FIT}", FitDocument)
@@ -81,7 +81,7 @@ def get_fit(case: CaseFolder, scan_id: str, fit_id: str) -> FitEntry:
 
 
 def state_of(folder: Path, last: dict[str, Any] | None) -> str:
-    """The last line says it, else `cancel`, else nobody has started."""
+    """The fit's state: the end in its log, else cancelled, else queued or running."""
     if last is not None and last["kind"] in ENDED:
         return str(last["kind"])
     if (folder / layout.CANCEL).exists():
@@ -134,7 +134,7 @@ class Claim:
         self._ended = last is not None and last["kind"] in ENDED
 
     def go_on(self) -> None:
-        """What is appended from here on is new, whatever an earlier attempt has stored."""
+        """Counts what is appended from here on as new, whatever an earlier attempt has stored."""
         self._counted = self.stored
 
     @property
@@ -201,7 +201,7 @@ class Claim:
             sync_folder(self.folder)
 
     def _cut_half_line(self) -> None:
-        """What a killed worker has left behind the last newline."""
+        """Removes what a killed worker has left behind the last newline."""
         file = self.folder / layout.LOG
         if not file.exists():
             return
@@ -244,7 +244,7 @@ def end_abandoned(case: CaseFolder, scan_id: str, fit_id: str, event: dict[str, 
 
 
 def cancel_fit(case: CaseFolder, scan_id: str, fit_id: str) -> FitEntry:
-    """The fit is cancelled for all who look, and for its worker before the next event.
+    """Cancels the fit for all readers, and for its worker before the next event.
 
     Raises NotFound, Conflict when it is done or has failed.
     """
@@ -282,7 +282,7 @@ def _held(case: CaseFolder, scan_id: str, fit_id: str) -> Iterator[bool]:
 
 
 def starts_of(folder: Path) -> int:
-    """How often somebody has started the fit."""
+    """The number of times that the fit was started."""
     try:
         return (folder / layout.ATTEMPTS).stat().st_size
     except FileNotFoundError:
@@ -290,7 +290,7 @@ def starts_of(folder: Path) -> int:
 
 
 def _count_start(folder: Path) -> int:
-    """A byte a start: appended, so that no count is lost."""
+    """Counts a start by appending one byte, so that no count is lost."""
     descriptor = os.open(folder / layout.ATTEMPTS, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o600)
     try:
         os.write(descriptor, b".")

@@ -1,4 +1,4 @@
-"""Where everything of a case lies, and what lies around it.
+"""The files of a case, and the folders around it.
 
     CASE/case.json               the patient's code
     CASE/plan.json               what is planned; plans/000007.json: earlier versions
@@ -43,7 +43,7 @@ def new_id() -> str:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """Of one case."""
+    """The folders around one case."""
 
     rubbish: Path
     incoming: Path
@@ -72,7 +72,7 @@ def data_folder_of(case: Path) -> Path | None:
 
 
 def surroundings_of(case: Path) -> Surroundings:
-    """Where what comes into a case and leaves it is kept meanwhile."""
+    """The folders for what comes into a case or leaves it."""
     root = data_folder_of(case)
     if root is not None:
         return Surroundings(root / RUBBISH, root / INCOMING, case.name)

@@ -34,7 +34,7 @@ def add_link(case: CaseFolder, scan_id: str, fit_id: str, link: LinkDocument, sh
 
 
 def get_link(case: CaseFolder, scan_id: str, fit_id: str, link_id: str) -> LinkDocument:
-    """Raises NotFound."""
+    """The link. Raises NotFound."""
     case.check_scan(scan_id)
     found = case.read(f"{link_part(scan_id, fit_id, link_id)}/{layout.LINK}", LinkDocument)
     if found is None:
@@ -53,7 +53,7 @@ def links_of_fit(case: CaseFolder, scan_id: str, fit_id: str) -> dict[str, LinkD
 
 
 def refresh_link(case: CaseFolder, scan_id: str, fit_id: str, link_id: str, shown: Path) -> LinkDocument:
-    """The link shows another folder, made in `incoming`, from now on.  Raises NotFound, Conflict when it is over."""
+    """Lets the link show another folder, made in `incoming`, from now on. Raises NotFound, Conflict when it is over."""
     with case.writing():
         link = get_link(case, scan_id, fit_id, link_id)
         if not is_valid(link, utc_now()):
@@ -68,7 +68,7 @@ def refresh_link(case: CaseFolder, scan_id: str, fit_id: str, link_id: str, show
 
 
 def end_link(case: CaseFolder, scan_id: str, fit_id: str, link_id: str) -> None:
-    """The link shows nothing any more: it is revoked, or its time is over.  Raises NotFound, OSError."""
+    """Removes the link's content: it is revoked, or its time is over. Raises NotFound, OSError."""
     with case.writing():
         link, now = get_link(case, scan_id, fit_id, link_id), utc_now()
         part = link_part(scan_id, fit_id, link_id)

@@ -1,4 +1,4 @@
-"""What people and searches say of one scan: landmarks, cuts, ink, answers, proposals; one document each.
+"""The documents on one scan by people and searches: landmarks, cuts, ink, answers, proposals; one document each.
 
 Each is replaced as a whole; where the ETag of the one that was seen is given, only that one.
 """
@@ -69,7 +69,7 @@ def landmark_document(picks: Picks) -> bytes:
 
 
 def get_cuts(case: CaseFolder, scan_id: str) -> tuple[dict[str, Any], ...]:
-    """The first that was made first; none where nothing was cut.  Raises NotFound."""
+    """The scan's cuts, oldest first; empty where nothing was cut. Raises NotFound."""
     found = _get(case, scan_id, layout.CUTS, CutsDocument)
     return () if found is None else tuple(found.cuts)
 
@@ -81,12 +81,12 @@ def put_cuts(
     seen: str | None = None,
     digest: Callable[[], str] | None = None,
 ) -> str:
-    """The same of cuts."""
+    """Replaces the scan's cuts, as `put_landmarks` does landmarks."""
     return _put(case, scan_id, layout.CUTS, content_of(CutsDocument(cuts=list(cuts))), seen, digest)
 
 
 def get_ink(case: CaseFolder, scan_id: str) -> InkDocument | None:
-    """The lines that were found; None when nobody has looked yet.  Raises NotFound."""
+    """The lines that were found; None before the first search. Raises NotFound."""
     return _get(case, scan_id, layout.INK, InkDocument)
 
 
@@ -118,31 +118,31 @@ def drop_ink(case: CaseFolder, scan_id: str, dropped: dict[str, bool]) -> InkDoc
 
 
 def get_answers(case: CaseFolder, scan_id: str) -> AnswersDocument:
-    """What a person has said of the scan.  Raises NotFound."""
+    """A person's answers about the scan. Raises NotFound."""
     return _get(case, scan_id, layout.ANSWERS, AnswersDocument) or AnswersDocument()
 
 
 def put_answers(case: CaseFolder, scan_id: str, answers: AnswersDocument, seen: str | None = None) -> str:
-    """Replaces them; the new ETag.  Raises NotFound, Changed."""
+    """Replaces the answers; returns the new ETag. Raises NotFound, Changed."""
     return _put(case, scan_id, layout.ANSWERS, content_of(answers), seen)
 
 
 def said_same(case: CaseFolder, scan_id: str) -> set[str]:
-    """Scans of which a person has said that they are of the same patient as this one.  Raises NotFound."""
+    """Scans that a person has stated to be of the same patient as this one. Raises NotFound."""
     named = set(get_answers(case, scan_id).same_as)
     others = case.scan_ids() - {scan_id}
     return {other for other in others if other in named or scan_id in get_answers(case, other).same_as}
 
 
 def say_same(case: CaseFolder, scan_id: str, others: Collection[str]) -> None:
-    """Keeps that these scans are of the same patient too; under `writing`."""
+    """Stores the statement that these scans are of the same patient too; under `writing`."""
     missing = set(others) - said_same(case, scan_id) - {scan_id}
     if missing:
         _name_same(case, scan_id, {*get_answers(case, scan_id).same_as, *missing})
 
 
 def forget_same(case: CaseFolder, scan_id: str) -> None:
-    """Nothing is said any more of this scan, which may be gone, and others being one patient's; under `writing`."""
+    """Drops all statements that this scan, which may be gone, and others are of one patient; under `writing`."""
     for other in case.scan_ids():
         named = set(get_answers(case, other).same_as)
         kept = set() if other == scan_id else named - {scan_id}
@@ -162,7 +162,7 @@ def get_proposals(case: CaseFolder, scan_id: str, key: str) -> dict[str, Any] | 
 
 
 def put_proposals(case: CaseFolder, scan_id: str, key: str, landmarks: dict[str, Any]) -> None:
-    """Keeps them in place of others.  Raises NotFound."""
+    """Replaces the proposals. Raises NotFound."""
     _put(case, scan_id, layout.PROPOSALS, content_of(ProposalsDocument(key=key, landmarks=landmarks)), None)
 
 

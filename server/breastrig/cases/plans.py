@@ -21,7 +21,7 @@ VERSIONS = 50  # that are kept, the one in force among them; nobody undoes more
 
 @dataclass(frozen=True)
 class StoredPlan:
-    """A plan as it is shown, and the ETag of what is stored."""
+    """A plan as shown, with the ETag of the stored one."""
 
     document: PlanDocument
     etag: str
@@ -86,7 +86,7 @@ def put_items_of_scan(case: CaseFolder, scan_id: str, kind: str, items: Sequence
 
 
 def stored_plan(case: CaseFolder) -> PlanDocument:
-    """As it is in the file, items of scans that are not here included."""
+    """The plan as in its file, with items of scans that are not here."""
     return case.read(PLAN, PlanDocument) or PlanDocument()
 
 
@@ -170,7 +170,7 @@ def _version_name(number: int) -> str:
 
 
 def _shown(case: CaseFolder, content: bytes, name: str) -> StoredPlan:
-    """Without items of scans that are not here."""
+    """The plan without items of scans that are not here."""
     document, here = read_document(PlanDocument, content, name), case.scan_ids()
     items = [item for item in document.items if item.scan in here]
     return StoredPlan(document.model_copy(update={"items": items}), etag_of(content))

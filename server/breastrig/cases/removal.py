@@ -28,7 +28,7 @@ AT_WORK = "A fit of this scan is running; cancel it or wait for its end, then mo
 
 @dataclass(frozen=True)
 class Left:
-    """What was deleted and could not be removed."""
+    """A deleted file that could not be removed."""
 
     where: str  # for people
     reason: str
@@ -51,7 +51,7 @@ def delete_scan(case: CaseFolder, scan_id: str) -> list[Left]:
 
 
 def delete_case(case: CaseFolder, empty: bool = False) -> list[Left]:
-    """Deletes the case, or only one that is `empty`; what could not be removed.  No such case is no error."""
+    """Deletes the case; returns what could not be removed. No such case is no error."""
     try:
         with case.writing():
             return [] if empty and case.scan_ids() else _delete_case(case)
@@ -124,7 +124,7 @@ def _move(source: CaseFolder, scan_id: str, target: CaseFolder, again: bool, sam
 
 
 def finish(case: CaseFolder) -> list[Left]:
-    """Finishes deletions and moves of the case's scans that were interrupted; what could not be removed."""
+    """Finishes interrupted deletions and moves of the case's scans; returns what could not be removed."""
     if not case.around.marks():
         return []
     try:
@@ -167,7 +167,7 @@ def sweep(root: Path) -> list[Left]:
 
 
 def _finish_new(folder: Path) -> list[Left]:
-    """A case that was made for a scan goes where the scan has not come."""
+    """Removes a case that was made for a scan that has not come."""
     with suppress(NotFound, Conflict), writing(folder, 0.0):  # who makes it holds it
         case = CaseFolder(folder)
         if not case.scan_ids():
@@ -177,7 +177,7 @@ def _finish_new(folder: Path) -> list[Left]:
 
 
 def _put_away(case: CaseFolder, scan_id: str) -> None:
-    """From here on the scan is deleted.  Raises OSError when that could not be said."""
+    """Marks the scan as deleted. Raises OSError when that could not be recorded."""
     away = case.around.away(scan_id)
     away.parent.mkdir(mode=0o700, exist_ok=True)
     if os.path.lexists(away):
@@ -191,7 +191,7 @@ def _put_away(case: CaseFolder, scan_id: str) -> None:
 
 
 def _finish_scan(case: CaseFolder, scan_id: str) -> list[Left]:
-    """What is to follow a scan that is not here: its files, its items.  Under `writing`; may be repeated."""
+    """Removes the files and items of a scan that is not here. Under `writing`; may be repeated."""
     mark = case.around.away(scan_id)
     if scan_id in case.scan_ids():  # it was moved here
         mark.unlink(missing_ok=True)
@@ -216,7 +216,7 @@ def _finish_scan(case: CaseFolder, scan_id: str) -> list[Left]:
 
 
 def _delete_case(case: CaseFolder) -> list[Left]:
-    """Under `writing`: the case is deleted once its folder, or its document, has another name."""
+    """Marks the case as deleted, under `writing`: its folder, or its document, gets another name."""
     root = layout.data_folder_of(case.path)
     if root is None or os.name == "nt":  # Windows renames no folder in which a file is open
         (case.path / layout.CASE).unlink()
@@ -258,7 +258,7 @@ def _both(one: CaseFolder, other: CaseFolder) -> Iterator[None]:
 
 
 def _emptied(folder: Path) -> list[Left]:
-    """Removes all that is in a folder; what could not be removed."""
+    """Removes the contents of a folder; returns what could not be removed."""
     return [one for entry in sorted(folder.iterdir()) for one in _removed(entry)]
 
 

@@ -1,8 +1,8 @@
-"""How a case is written: one writer at a time, each document whole or not at all, on the disk when the call returns.
+"""Writes a case: one writer at a time, each document whole or not at all, on the disk when the call returns.
 
-A writer locks `.lock`, moves the folder's stamp, removes what killed writers have left, writes beside and renames.
-The lock is the kernel's, of an opened descriptor: `filelock.FileLock` would make the folder of a deleted case again,
-and falls back to locks that a killed process keeps.  Locks follow `fork`: processes come from a fork server.
+A writer locks `.lock`, moves the folder's stamp, removes what killed writers have left, writes beside and renames. The
+lock is the kernel's, of an opened descriptor: `filelock.FileLock` would make the folder of a deleted case again, and
+falls back to locks that a killed process keeps. Locks follow `fork`: processes come from a fork server.
 """
 
 import errno
@@ -27,7 +27,7 @@ CHANGED = "Somebody has changed this since you read it; read it again, take the 
 
 
 class Changed(Conflict):
-    """The document is another one than the writer has seen; `etag` is that of the one in force."""
+    """The document differs from the one that the writer has seen; `etag` is that of the present one."""
 
     def __init__(self, etag: str) -> None:
         super().__init__(CHANGED)
@@ -68,7 +68,7 @@ def _locked(folder: Path, deadline: float) -> int:
 
 
 def _is_still(descriptor: int, file: Path) -> bool:
-    """Whether the locked file is the one that has its name."""
+    """Whether the locked file still has its name."""
     try:
         named = file.stat()
     except FileNotFoundError:
@@ -78,7 +78,7 @@ def _is_still(descriptor: int, file: Path) -> bool:
 
 
 def stamp_of(folder: Path) -> int:
-    """When the case was written last, ns: another number after each change."""
+    """The time of the last write to the case, ns: another number after each change."""
     return folder.stat().st_mtime_ns
 
 
@@ -136,7 +136,7 @@ def replace(source: Path, target: Path) -> None:
 
 
 def sync_folder(folder: Path) -> None:
-    """The names in the folder are on the disk; Windows has no such call."""
+    """Syncs the names in the folder to the disk; Windows has no such call."""
     if os.name == "nt":
         return
     descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)

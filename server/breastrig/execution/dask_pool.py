@@ -87,7 +87,7 @@ class DaskPool:
 
     @property
     def found_workers(self) -> int:
-        """The same, 0 while no worker of this version is there."""
+        """The number of workers' places, 0 while no worker of this version is there."""
         return sum(self._offers.values())
 
     def warm_up(self) -> None:
@@ -98,7 +98,7 @@ class DaskPool:
     def schedule(
         self, function: Callable[..., Any], args: tuple[Any, ...], timeout: float, key: str | None = None
     ) -> "Future[Any]":
-        """As Executor says; every task has a process of its own.  ConnectionError when the scheduler was lost."""
+        """Runs a task as Executor.schedule, each in its own process. ConnectionError when the scheduler was lost."""
         call, task = packed(function, args), _Remote(self._withdraw)
         with self._lock:
             if self._stopped.is_set():

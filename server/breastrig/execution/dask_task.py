@@ -51,7 +51,7 @@ def execute(call: bytes, timeout: float, memory_bytes: int) -> bytes:
 
 
 def still_running(keys: list[str]) -> int:
-    """How many of these tasks have a child here."""
+    """The number of these tasks that have a child here."""
     return len(_running.intersection(keys))
 
 
@@ -64,7 +64,7 @@ def stop_children() -> None:
 
 
 def lane_of(memory_bytes: int, workers: int) -> Lane:
-    """The places of this worker for tasks with this limit."""
+    """The worker's slots for tasks with this limit."""
     with _lock:
         if memory_bytes not in _lanes:
             _lanes[memory_bytes] = Pool().lane(workers, memory_bytes)

@@ -1,8 +1,8 @@
-"""What executes tasks outside of the caller's process: a lane of the local pool, or a Dask cluster.
+"""Executors of tasks outside of the caller's process: a lane of the local pool, or a Dask cluster.
 
 A task is a function importable by name and its arguments, both picklable, because it may run in another process on
-another machine.  It may be started twice: a machine that is lost has its tasks run again elsewhere.  So a task
-writes nothing that a second start could not write again.
+another machine. It may be started twice: a machine that is lost has its tasks run again elsewhere. So a task writes
+nothing that a second start could not write again.
 """
 
 import threading
@@ -75,4 +75,4 @@ class Task(Future[Any]):
 
 
 def nothing() -> None:
-    """A task by which an executor is seen to answer."""
+    """A task that does nothing, to test that an executor answers."""

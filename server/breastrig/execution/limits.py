@@ -1,4 +1,4 @@
-"""How much a worker process may use.  Each number has its reason; none is a promise about speed."""
+"""Resource limits of a worker process. Each number has its reason; none is a promise about speed."""
 
 import os
 from dataclasses import dataclass, field

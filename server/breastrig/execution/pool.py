@@ -42,7 +42,7 @@ class _Call(Task):
 
 
 class Lane:
-    """An Executor: places for tasks of one kind."""
+    """An Executor: worker slots for tasks of one kind."""
 
     def __init__(self, pool: "Pool", workers: int, memory_bytes: int, per_client: int | None) -> None:
         self.pool, self.workers, self.memory_bytes, self.per_client = pool, workers, memory_bytes, per_client
@@ -53,7 +53,7 @@ class Lane:
     def schedule(
         self, function: Callable[..., Any], args: tuple[Any, ...], timeout: float, key: str | None = None
     ) -> "Future[Any]":
-        """As Executor says; `timeout` counts from the start of the task.
+        """Runs a task as Executor.schedule; `timeout` counts from the start of the task.
 
         Raises TooMany when the client that asks has as many tasks in this lane as one may have.
         """
@@ -62,7 +62,7 @@ class Lane:
     def result(
         self, function: Callable[..., Any], args: tuple[Any, ...], timeout: float, key: str | None = None
     ) -> Any:
-        """What `schedule` brings."""
+        """The task's result; blocks."""
         return self.schedule(function, args, timeout, key).result()
 
     def warm_up(self) -> None:
@@ -79,7 +79,7 @@ class Lane:
         return True
 
     def stop(self) -> None:
-        """The whole pool."""
+        """Stops the whole pool."""
         self.pool.stop()
 
     def _scheduled(
@@ -115,7 +115,7 @@ class Pool:
 
     @property
     def kept_keys(self) -> list[str | None]:
-        """Of the processes that rest."""
+        """The keys of the idle processes."""
         with self._lock:
             return [worker.key for worker in self._idle]
 
@@ -153,7 +153,7 @@ class Pool:
             self._begin(task.lane)
 
     def withdraw(self, task: Task) -> None:
-        """In the thread that has ended the task."""
+        """Removes the task; called in the thread that has ended it."""
         assert isinstance(task, _Call)
         with self._lock:
             if task in task.lane.waiting:
@@ -162,7 +162,7 @@ class Pool:
                 task.worker.kill()
 
     def run(self, task: _Call) -> None:
-        """In the task's own thread, from its process to the end of the future."""
+        """Runs the task, in its own thread, from its process to the end of the future."""
         answer = Answer(None, RuntimeError(NO_PROCESS))
         for _ in range(STARTS):
             try:
@@ -210,7 +210,7 @@ class Pool:
         return None
 
     def _begin(self, lane: Lane) -> None:
-        """Starts what may run; holding the lock."""
+        """Starts tasks that may run; call with the lock held."""
         while able := [task for task in lane.waiting if self._may_begin(task)]:
             task = min(able, key=lambda each: lane.turns.get(each.client, -1))
             lane.waiting.remove(task)
@@ -226,7 +226,7 @@ class Pool:
         return lane.running.total() < lane.workers + (0 if lane.running[task.client] else 1)
 
     def _tasks(self) -> list[_Call]:
-        """That run or wait; holding the lock."""
+        """The tasks that run or wait; call with the lock held."""
         return [*self._running, *(task for lane in self._lanes for task in lane.waiting)]
 
     def _end(self, tasks: list[_Call], idle: list[Worker], why: str) -> None:

@@ -90,7 +90,7 @@ class NotBegun(Exception):
 
 @dataclass(frozen=True)
 class Answer:
-    """How a call ended: its result, or the exception that it raised."""
+    """The outcome of a call: its result, or the exception that it raised."""
 
     value: Any
     error: Exception | None = None
@@ -148,7 +148,7 @@ class Worker:
 
 
 def packed(function: Callable[..., Any], args: tuple[Any, ...]) -> bytes:
-    """A call for `answered`."""
+    """A call as bytes, for `answered`."""
     return pickle.dumps((function, args), protocol=pickle.HIGHEST_PROTOCOL)
 
 
@@ -169,7 +169,7 @@ def answered(call: bytes) -> bytes:
 
 
 def unpacked(answer: bytes) -> Answer:
-    """What `answered` has packed.  RuntimeError when it was another version."""
+    """The answer that `answered` has packed. RuntimeError when it was another version."""
     try:
         found: Answer = pickle.loads(answer)
     except Exception as error:

@@ -1,6 +1,6 @@
-"""Small files beside the index that are given up on a full disk: SQLite needs room for its logs even to read.
+"""Reserve files beside the index that are removed on a full disk: SQLite needs room for its logs even to read.
 
-One after the other is given up, so that a server can start several times on a disk that stays full.
+One after the other is removed, so that a server can start several times on a disk that stays full.
 """
 
 import os
@@ -11,7 +11,7 @@ PIECE_BYTES = 262_144  # SQLite takes 32 kB to open a file, and 4 kB for each pa
 
 
 def keep(folder: Path) -> None:
-    """Makes those that are missing, as far as there is room."""
+    """Creates the missing reserve files, as far as there is room."""
     for number in range(PIECES):
         piece = folder / f"index-ballast-{number}"
         try:
@@ -24,7 +24,7 @@ def keep(folder: Path) -> None:
 
 
 def give_up(folder: Path) -> bool:
-    """Removes one; whether there was any."""
+    """Removes one reserve file; returns whether there was any."""
     there = sorted(folder.glob("index-ballast-*"))
     if there:
         there[-1].unlink()

@@ -37,7 +37,7 @@ def current(folder: Path) -> Path | None:
 
 
 def identity(folder: Path) -> Identity | None:
-    """Of the file in force: another one when it was exchanged."""
+    """The identity of the file in force: another one when it was exchanged."""
     file = current(folder)
     if file is None:
         return None
@@ -84,7 +84,7 @@ def _remove(files: Iterable[Path]) -> None:
 
 
 def connected(file: Path) -> sqlite3.Connection:
-    """Transactions begin where they are said to.  Raises sqlite3.Error."""
+    """A connection with explicit transactions. Raises sqlite3.Error."""
     address = f"{file.absolute().as_uri()}?mode=rw"
     rows = sqlite3.connect(address, uri=True, timeout=BUSY_S, isolation_level=None, check_same_thread=False)
     try:
@@ -109,7 +109,7 @@ def transaction(rows: sqlite3.Connection) -> Iterator[None]:
 
 
 def fault_of(file: Path | None, installation: str) -> str | None:
-    """Why the file cannot be used, as far as some seconds show; None where nothing is wrong with it."""
+    """The reason why the file cannot be used, as far as some seconds show; None where there is none."""
     if file is None or not file.is_file() or not file.stat().st_size:
         return "is not there"
     deadline = time.monotonic() + CHECK_S
@@ -127,18 +127,18 @@ def fault_of(file: Path | None, installation: str) -> str | None:
 
 
 def installation_of(rows: sqlite3.Connection) -> str | None:
-    """The data folder that an index is of."""
+    """The id of the data folder that an index belongs to."""
     named = rows.execute("SELECT value FROM meta WHERE key = 'installation'").fetchone()
     return None if named is None else str(named[0])
 
 
 def is_damage(error: Exception) -> bool:
-    """Whether it was met because a file is damaged."""
+    """Whether an error was caused by a damaged file."""
     return error_name(error).startswith(DAMAGED)
 
 
 def is_full(error: Exception) -> bool:
-    """Whether it was met because there is no room for a file, as far as SQLite says why."""
+    """Whether an error was caused by a full disk, as far as SQLite reports it."""
     full = isinstance(error, OSError) and error.errno in FULL
     return full or error_name(error).startswith(("SQLITE_FULL", "SQLITE_IOERR", "SQLITE_CANTOPEN"))
 

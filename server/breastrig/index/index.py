@@ -32,7 +32,7 @@ log = logging.getLogger(__name__)
 
 @dataclass
 class Rebuilt:
-    """What was found in the folders."""
+    """Counts of what was found in the folders."""
 
     cases: int = 0
     scans: int = 0
@@ -43,7 +43,7 @@ class Rebuilt:
 
 
 class Index:
-    """Of one data folder.  May be used from any thread, and by several processes."""
+    """The index of one data folder. May be used from any thread, and by several processes."""
 
     def __init__(self, root: Path, folder: Path | None = None) -> None:
         """`folder` for the index on a local disk, where the data folder is on none."""
@@ -65,7 +65,7 @@ class Index:
         return found
 
     def making_room(self, action: Callable[[], Answer]) -> Answer:
-        """What it gives; where the disk is full, something is given up for it.  Raises as the action does."""
+        """The action's result; where the disk is full, reserved space is given up for it. Raises as the action does."""
         while True:
             try:
                 return action()
@@ -75,7 +75,7 @@ class Index:
                 log.error("the disk is full; room that was kept for the index is given up")
 
     def keep_room(self) -> None:
-        """For times when the disk is full, as far as it is not."""
+        """Keeps reserve files for times when the disk is full, as far as there is room."""
         ballast.keep(self.folder)
 
     def _prepare(self) -> Rebuilt | None:
@@ -180,7 +180,7 @@ class Index:
         return fault is None
 
     def close(self) -> None:
-        """The connections that nobody uses."""
+        """Closes the idle connections."""
         with self._lock:
             idle, self._idle = self._idle, []
         for rows in idle:
@@ -188,7 +188,7 @@ class Index:
 
     @contextmanager
     def _connection(self) -> Iterator[sqlite3.Connection]:
-        """To the file in force; where it is gone, it is made again first."""
+        """A connection to the file in force; where that is gone, it is made again first."""
         now = files.identity(self.folder)
         if now is None:
             log.error("the index is gone; it is made again from the folders")
@@ -224,7 +224,7 @@ class Index:
             return ""
 
     def _copy_what_is_only_here(self, before: Path | None, rows: sqlite3.Connection) -> bool:
-        """From the file that was in force; False where it cannot be read: links are closed, sessions are over."""
+        """Copies from the file that was in force; False where it cannot be read: links and sessions are closed."""
         try:
             if before is None:
                 if not any(self._stamps()):
@@ -276,7 +276,7 @@ class Index:
         return found
 
     def _arrival(self, one: tuple[str, int]) -> tuple[str, str]:
-        """When a case came, as its document says; a damaged one first."""
+        """The arrival time of a case, as its document states it; a damaged one first."""
         with suppress(BadInput):
             return CaseFolder(self._folder(one[0])).document().created_at, one[0]
         return "", one[0]
@@ -296,7 +296,7 @@ class Index:
         return self.root / layout.CASES / case_id
 
     def _take(self, case_id: str, wait_s: float) -> None:
-        """Raises Conflict when somebody goes on writing into the case."""
+        """Reads a case into the index. Raises Conflict when somebody goes on writing into the case."""
         try:
             case = CaseFolder(self._folder(case_id))
             with locked(case.path, wait_s):  # so that what is put is not older than what another has put

@@ -1,4 +1,4 @@
-"""What is asked of an index: whose a scan or fit is, the worklist, the queue, secrets of links, ended sessions.
+"""Queries of the index: the owner of a scan or fit, the worklist, the queue, secrets of links, ended sessions.
 
 Each is a function of a connection, to be given to `Index.asked` or called inside `Index.writing`.
 """
@@ -24,7 +24,7 @@ class CaseRow:
 
 @dataclass(frozen=True)
 class LinkSecret:
-    """What opens a link."""
+    """The stored secrets of a link."""
 
     link: str
     token_sha256: str
@@ -73,7 +73,7 @@ def cases_page(
 
 
 def scans_of_cases(rows: sqlite3.Connection, cases: Collection[str]) -> dict[str, list[str]]:
-    """{case: its scans, the first that came first}"""
+    """{case: its scans, oldest first}"""
     found: dict[str, list[str]] = {case: [] for case in cases}
     chosen = f"SELECT patient, id FROM scans WHERE patient IN ({_marks(cases)}) ORDER BY created_at, id"
     for case, scan in rows.execute(chosen, tuple(cases)):
@@ -105,7 +105,7 @@ def aged_scans(rows: sqlite3.Connection, created_until: str) -> list[tuple[str, 
 
 
 def new_code(rows: sqlite3.Connection) -> str:
-    """A random one that no patient here has."""
+    """A random code that no patient here has."""
     code = random_code()
     while _one(rows, "SELECT id FROM cases WHERE code = ?", code) is not None:
         code = random_code()
@@ -184,12 +184,12 @@ def queue_positions(rows: sqlite3.Connection, fits: Collection[str]) -> dict[str
 
 
 def count_by_state(rows: sqlite3.Connection) -> dict[str, int]:
-    """How many fits are in each state that any fit is in."""
+    """The number of fits in each state that any fit is in."""
     return dict(rows.execute("SELECT state, count(*) FROM fits GROUP BY state").fetchall())
 
 
 def put_secret(rows: sqlite3.Connection, secret: LinkSecret) -> None:
-    """Keeps what opens a link, in place of what was known of it."""
+    """Stores the secrets of a link, replacing earlier ones."""
     given = (secret.link, secret.token_sha256, secret.passcode_hash, secret.wrong, secret.wrong_at, secret.forgiven)
     rows.execute("INSERT OR REPLACE INTO link_secrets VALUES (?, ?, ?, ?, ?, ?)", given)
 
@@ -222,7 +222,7 @@ def secret_of_link(rows: sqlite3.Connection, link: str) -> LinkSecret | None:
 
 
 def wrong_passcodes(rows: sqlite3.Connection, link: str) -> int | None:
-    """That are not forgiven; None where there is no such link."""
+    """The number of wrong passcodes that are not forgiven; None where there is no such link."""
     found = rows.execute("SELECT wrong - forgiven FROM link_secrets WHERE link = ?", (link,)).fetchone()
     return None if found is None else int(found[0])
 
@@ -241,7 +241,7 @@ def has_visit(rows: sqlite3.Connection, link: str, visit_hmac: str, opened_after
 
 
 def end_visit(rows: sqlite3.Connection, link: str, visit_hmac: str) -> bool:
-    """Makes the visit's credential worth nothing; whether there was such a visit."""
+    """Voids the visit's credential; returns whether there was such a visit."""
     ended = rows.execute(
         "UPDATE openings SET visit_hmac = NULL WHERE link = ? AND visit_hmac = ?", (link, visit_hmac)
     ).rowcount
@@ -249,12 +249,12 @@ def end_visit(rows: sqlite3.Connection, link: str, visit_hmac: str) -> bool:
 
 
 def links_gone(rows: sqlite3.Connection) -> list[str]:
-    """Links that something is known of, and that are in no case."""
+    """Links with stored secrets that are in no case."""
     return [row[0] for row in rows.execute("SELECT link FROM link_secrets WHERE link NOT IN (SELECT id FROM links)")]
 
 
 def forget_link(rows: sqlite3.Connection, link: str) -> None:
-    """Nothing opens the link any more, and nobody knows when it was opened."""
+    """Deletes the link's secrets and openings."""
     rows.execute("DELETE FROM link_secrets WHERE link = ?", (link,))
     rows.execute("DELETE FROM openings WHERE link = ?", (link,))
 
@@ -264,7 +264,7 @@ def note_opening(rows: sqlite3.Connection, link: str, at: str, visit_hmac: str) 
 
 
 def openings_of(rows: sqlite3.Connection, link: str) -> list[str]:
-    """When the link was opened, ISO 8601, the first time first."""
+    """The times at which the link was opened, ISO 8601, oldest first."""
     chosen = "SELECT opened_at FROM openings WHERE link = ? ORDER BY id"
     return [row[0] for row in rows.execute(chosen, (link,))]
 
@@ -276,7 +276,7 @@ def end_session(rows: sqlite3.Connection, id_sha256: str, at: str, forget_before
 
 
 def is_session_over(rows: sqlite3.Connection, id_sha256: str, began_at: str) -> bool:
-    """Whether it was ended, or began before an index that was lost with all that had been ended."""
+    """Whether the session was ended, or began before an index that was lost with all ended ones."""
     since = _one(rows, "SELECT value FROM meta WHERE key = ?", "sessions_from")
     if since is not None and began_at < since:
         return True

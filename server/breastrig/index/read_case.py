@@ -1,4 +1,4 @@
-"""What the index keeps of one case, read from its folder while nobody writes there."""
+"""The index's rows of one case, read from its folder while nobody writes there."""
 
 from dataclasses import dataclass
 
@@ -24,7 +24,7 @@ class CaseRows:
 
 
 def read_case(case: CaseFolder) -> CaseRows:
-    """To be called where nobody else writes into the case.
+    """The case's rows, to be read where nobody else writes into the case.
 
     Raises NotFound when the case is gone, BadInput for a damaged document.
     """

@@ -1,1 +1,1 @@
-"""What the HTTP floor needs done: scans kept, fits run, events followed."""
+"""The service behind HTTP: scans kept, fits run, events followed."""

@@ -113,7 +113,7 @@ def take_over(storage: Storage) -> None:
 
 
 def _take_over(storage: Storage) -> int:
-    """How many patients were brought over by this call or by one that was interrupted."""
+    """The number of patients brought over, by this call or by one that was interrupted."""
     root = storage.root
     with closing(Rows(root / OLD)) as rows_before:
         for patient in rows_before.of("patients", order="position"):
@@ -249,7 +249,7 @@ class _Case:
         target.chmod(0o600)
 
     def _link(self, place: str, name: str, target: str) -> None:
-        """A file that never changes."""
+        """Links a file that never changes."""
         source, goal = self.root / place / name, self.folder / target
         goal.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         try:

@@ -1,4 +1,4 @@
-"""The sentence for a failed task on finished fits; that a fit is gone comes first."""
+"""The sentence for a failed task on finished fits; a deleted fit is reported first."""
 
 import errno
 import logging

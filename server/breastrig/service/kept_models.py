@@ -33,7 +33,7 @@ log = logging.getLogger(__name__)
 
 
 class KeptModels:
-    """May be called from any thread."""
+    """The kept models. May be called from any thread."""
 
     def __init__(self, storage: Storage, model: Path | None) -> None:
         self._storage = storage
@@ -45,11 +45,11 @@ class KeptModels:
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """Of all that can be chosen, the service's own first."""
+        """The names of all available models, the service's own first."""
         return (self._own.name, *self._choice.others)
 
     def facts_of(self, name: str | None) -> dict[str, str]:
-        """What is kept of a scan that shall be fitted with the model of that name (None: the service's own).
+        """The facts to store with a scan that is to be fitted with the model of that name (None: the service's own).
 
         Raises NotFound.
         """
@@ -58,12 +58,12 @@ class KeptModels:
         return {FACT: name} if name in self._choice.others else {}
 
     def name_of(self, facts: Mapping[str, Any]) -> str:
-        """Of the model of a scan by what is kept of it."""
+        """The name of the model of a stored scan."""
         found = facts.get(FACT, "")
         return found if found in self._choice.others else self._own.name
 
     def path_of(self, facts: Mapping[str, Any]) -> Path | None:
-        """Its .glb; None: the package's torso."""
+        """The model's .glb; None: the package's torso."""
         return self._choice.of(facts)
 
     @cached_property
@@ -83,7 +83,7 @@ class KeptModels:
             log.warning("the model could not be kept beside its fits: %s", error.strerror)
 
     def sha256_of(self, fit_id: str) -> str:
-        """Of the model that the fit was made with; its scan's for one that has not started."""
+        """The hash of the model that the fit was made with; its scan's for one that has not started."""
         started = event_of_kind(self._storage, fit_id, "started")
         if started is None:
             scan = get_scan(self._storage, get_fit(self._storage, fit_id).scan)

@@ -1,8 +1,8 @@
-"""What moves under a hand: patterns, and finished fits that follow landmarks.
+"""Interactive changes: patterns, and finished fits that follow dragged landmarks.
 
-Each fit has a process that is kept for it a while: what it has prepared is of one patient's body, so it is in no other
-process's memory and on no disk, and goes with the deletion of the scan.  Nothing is stored: what comes of a drag is a
-fit or a plan like any other, which is asked for when it has ended.
+Each fit has a process that is kept for it a while: its prepared data are of one patient's body, so they are in no other
+process's memory and on no disk, and go with the deletion of the scan. Nothing is stored: the result of a drag is a fit
+or a plan like any other, which is requested when it has ended.
 """
 
 from collections.abc import Iterator
@@ -29,7 +29,7 @@ WALL_S = 90.0  # an answer takes a tenth of a second, the first one; huge scans 
 
 
 class Moving:
-    """May be called from any thread."""
+    """Interactive changes of all fits. May be called from any thread."""
 
     def __init__(self, storage: Storage, processes: Lane, models: KeptModels) -> None:
         self._storage, self._processes, self._models = storage, processes, models
@@ -50,7 +50,7 @@ class Moving:
                 return read
 
     def landmarks(self, fit_id: str, landmarks: Points) -> dict[str, Any]:
-        """Where the model of a fit lies with landmarks (mm, scan frame) that were moved.
+        """The pose of a fit's model with landmarks (mm, scan frame) that were moved.
 
         Raises NotFound, Conflict when the fit is not done, TooMany, and FitFailed with a sentence.
         """

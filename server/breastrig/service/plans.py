@@ -1,7 +1,7 @@
-"""A patient's plan as it lies on the scan of one of her fits, carried there where it was made on another scan.
+"""A patient's plan on the scan of one of the patient's fits, transferred from other scans.
 
-Each is made in a process of its own and remembered in memory only, for what was carried from a scan must not outlive
-its deletion.  Which fits belong to the patient's other scans is decided here: of each the newest that is done.
+Each is made in a process of its own and cached in memory only, for transferred items must not outlive the deletion of
+their scan.  Which fits belong to the patient's other scans is decided here: of each the newest that is done.
 """
 
 import json
@@ -32,7 +32,7 @@ REMEMBERED = 32  # plans on scans, of some hundred kilobytes each
 
 @dataclass(frozen=True)
 class PlannedFits:
-    """What decides how the plan lies on a scan: another one of these, another answer."""
+    """The inputs of a plan on a scan, which identify its result."""
 
     patient: str
     plan: PlanRow
@@ -98,11 +98,11 @@ class Plans:
         return self.laid(self.of_fit(fit_id))
 
     def laid(self, planned: PlannedFits) -> bytes:
-        """The same of a plan that has been looked up."""
+        """The plan on the fit's scan as `on_fit` gives it, for a plan that has been looked up."""
         return self._remembered.result(planned.key, lambda: self._content(planned))
 
     def lines_on_fit(self, fit_id: str) -> tuple[dict[str, Any], bool] | None:
-        """The same as a document, and whether it is all that is wanted there; None where nothing was planned yet."""
+        """The plan on the fit's scan as a document, and whether it replaces the fit's drawing; None without a plan."""
         planned = self.of_fit(fit_id)
         if planned.plan.version == 0:
             return None
@@ -131,7 +131,7 @@ class Plans:
         return planned_glb(fitted, found[0])
 
     def forget(self) -> None:
-        """Nothing is remembered any more: a scan is deleted."""
+        """Clears the cache after a deletion."""
         self._remembered.forget()
 
     def _content(self, planned: PlannedFits) -> bytes:

@@ -1,6 +1,6 @@
-"""Whether work that comes now would be done: asked by those who watch the service, so it must cost little.
+"""Whether new work would be done, for those who monitor the service, so it must cost little.
 
-The answer is kept for a moment, because anybody may ask, as often as they like.
+The answer is cached for a moment, because anybody may ask, as often as they like.
 """
 
 import sqlite3
@@ -25,7 +25,7 @@ class Readiness:
         self._looked_at = -KEPT_S
 
     def troubles(self) -> tuple[str, ...]:
-        """What is wrong, one sentence each; empty when all is well."""
+        """The present faults, one sentence each; empty when there is none."""
         with self._lock:
             if time.monotonic() - self._looked_at >= KEPT_S:
                 self._found = tuple(self._look())

@@ -1,7 +1,7 @@
-"""What many ask for at once and is made once: the first makes it, the others get its result or its error.
+"""Shared results: the first caller makes one, others who ask meanwhile get its result or its error.
 
-The last results stay in memory, never on the disk: they come from several scans, and are forgotten when one of them is
-deleted.  Those who wait each hold a thread of the caller, so there is a limit to them.
+The last results stay in memory, never on the disk: they come from several scans, and are dropped when one of them is
+deleted. Those who wait each hold a thread of the caller, so their number is limited.
 """
 
 import threading
@@ -19,7 +19,7 @@ RETRY_S = 3  # what is made here takes some seconds
 
 
 class _Shared(Future[Result]):
-    """What is made, or was; and for how many."""
+    """A result, made or being made, with the number of those who wait."""
 
     waiting = 0
 
@@ -33,7 +33,7 @@ class Remembered(Generic[Result]):
         self._lock = threading.Lock()
 
     def result(self, key: Hashable, make: Callable[[], Result]) -> Result:
-        """What `make` gives, or raises.  Raises TooMany when as many as may already wait for it."""
+        """The result of `make`, or its exception. Raises TooMany when as many as may already wait for it."""
         with self._lock:
             kept = self._kept  # another one when `forget` is called meanwhile
             known = kept.get(key)
@@ -54,6 +54,6 @@ class Remembered(Generic[Result]):
         return mine.result()
 
     def forget(self) -> None:
-        """Nothing is kept any more, nor what is being made now: a scan is deleted."""
+        """Drops all results, also those being made: a scan is deleted."""
         with self._lock:
             self._kept = LruCache(self._most)

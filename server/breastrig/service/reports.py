@@ -53,7 +53,7 @@ class Reports:
         return self._remembered_or_made("report.pdf", fit_id, other_id)
 
     def measures(self, fit_id: str, other_id: str | None) -> bytes:
-        """The same numbers as JSON, the document breastrig/report@1.  Raises likewise."""
+        """The report's numbers as JSON, the document breastrig/report@1. Raises as `pdf`."""
         return self._remembered_or_made("measures.json", fit_id, other_id)
 
     def volume(self, fit_id: str) -> bytes:
@@ -61,14 +61,14 @@ class Reports:
         return self._remembered_or_made("volume.vtu", fit_id, None)
 
     def file_name(self, what: str, *fit_ids: str) -> str:
-        """What a file of these fits is called: the patient's code, the stances, the day of the first scan, `what`."""
+        """The name of a file of these fits: the patient's code, the stances, the day of the first scan, `what`."""
         fits = [get_fit(self._storage, one) for one in fit_ids]
         identity = self.identity(fits)
         stances = [f"{fit.stance} predicted" if fit.predicted_from else fit.stance for fit in fits]
         return file_name(identity.code, " ".join(stances), identity.day, what)
 
     def forget(self) -> None:
-        """Nothing is remembered any more: a scan is deleted."""
+        """Clears the cache after a deletion."""
         self._remembered.forget()
 
     def _remembered_or_made(self, name: str, fit_id: str, other_id: str | None) -> bytes:
@@ -78,7 +78,7 @@ class Reports:
         return self._remembered.result(key, lambda: self._made(name, ids, cuts))
 
     def _is_said(self, ids: list[str]) -> bool:
-        """A person has said that both scans are of one patient, whatever their bodies say."""
+        """Whether a person has stated that both scans are of one patient, whatever their bodies' measures."""
         first, *others = (get_fit(self._storage, one).scan for one in ids)
         return bool(others) and set(others) <= said_same(self._storage, first)
 
@@ -91,7 +91,7 @@ class Reports:
         return get_patient(self._storage, patient_of_scan(self._storage, fit.scan))
 
     def identity(self, fits: Sequence[FitRow]) -> Identity:
-        """What stands on the pages; the plan is that of the first fit's patient."""
+        """The identity on the pages; the plan is that of the first fit's patient."""
         patient = self._patient(fits[0])
         plan = get_plan(self._storage, patient.id)
         received = tuple(get_scan(self._storage, fit.scan).created_at[:DAY] for fit in fits)

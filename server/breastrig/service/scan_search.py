@@ -56,7 +56,7 @@ class ScanSearch(ABC):
 
     @abstractmethod
     def _stored(self, scan_id: str, variant: str) -> dict[str, Any] | None:
-        """What was found and kept."""
+        """The stored result."""
 
     @abstractmethod
     def _store(self, scan_id: str, variant: str, found: dict[str, Any]) -> None:
@@ -64,10 +64,10 @@ class ScanSearch(ABC):
 
     @abstractmethod
     def _task(self, file: Path, scan: ScanRow) -> Task:
-        """What is to be computed; `file` is the scan's."""
+        """The task to run; `file` is the scan's."""
 
     def get(self, scan: ScanRow, variant: str, wait_s: float) -> dict[str, Any] | None:
-        """What is found; None when it takes more than `wait_s` and goes on.
+        """The result; None when it takes more than `wait_s` and goes on.
 
         Raises a BreastRigError when it cannot be done, NotFound when the scan was deleted meanwhile.
         """
@@ -85,7 +85,7 @@ class ScanSearch(ABC):
             raise self._as_sentence(error) from error
 
     def known(self, scan_id: str, variant: str) -> dict[str, Any] | None:
-        """What has been found, also while it is still being stored; None where nothing has."""
+        """The known result, also while it is still being stored; None where there is none."""
         with self._lock:
             ended = self._running.get((scan_id, variant))
         if ended is not None and ended.done() and not ended.cancelled() and ended.exception() is None:
@@ -101,7 +101,7 @@ class ScanSearch(ABC):
             future.cancel()
 
     def _future(self, scan: ScanRow, variant: str) -> Any:
-        """Of the search that runs, else of what is stored, else of a search that is started.
+        """The future of the search that runs, else of the stored result, else of a search that is started.
 
         A search leaves `_running` once it is stored, so that looking there first misses none.
         """
@@ -149,7 +149,7 @@ class ScanSearch(ABC):
 
 
 class InkSearch(ScanSearch):
-    """breastrig/drawing@1 of each scan, in mm."""
+    """The drawing (breastrig/drawing@1, mm) of found lines on each scan."""
 
     what = "Finding ink"
     instead = "Draw the lines by hand."
@@ -193,7 +193,7 @@ Proposer = Callable[[ProposeJob], dict[str, Any]]
 
 
 class Proposals(ScanSearch):
-    """What `propose_on_file` found on each scan, by model and by what is cut out by hand."""
+    """The proposals of `propose_on_file` on each scan, by model and by the cuts by hand."""
 
     what = "Finding landmarks"
     instead = "Place them by hand."
@@ -206,16 +206,16 @@ class Proposals(ScanSearch):
         self._models = models
 
     def of(self, scan: ScanRow, model_sha256: str, wait_s: float) -> dict[str, Any] | None:
-        """What this model proposes; as `get`."""
+        """This model's proposals; as `get`."""
         return self.get(scan, self._variant(scan.id, model_sha256), wait_s)
 
     def _variant(self, scan_id: str, model_sha256: str) -> str:
-        """The sha256 of the model, and of what is cut out of the scan by hand."""
+        """The hash of the model and of the cuts by hand."""
         digest = cuts_digest(get_cuts(self._storage, scan_id))
         return hashlib.sha256(f"{model_sha256} {digest}".encode()).hexdigest() if digest else model_sha256
 
     def agreed(self, scan_id: str, model_sha256: str, picks: Picks) -> Picks:
-        """With the confidence of each of which nothing is said: as it was there, else as this model proposed it."""
+        """The picks with the confidence of unstated ones: as stored at that place, else as this model proposed it."""
         before = get_landmarks(self._storage, scan_id)
         known = [(before.points_mm[name], name, share) for name, share in before.confidence.items()]
         proposed = self.known(scan_id, self._variant(scan_id, model_sha256)) or {}

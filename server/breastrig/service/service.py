@@ -1,12 +1,12 @@
-"""What the HTTP floor needs done: scans kept, fits run, their events followed.
+"""The service behind HTTP: scans kept, fits run, their events followed.
 
-    with Service(storage, runner).started() as service: ...
+with Service(storage, runner).started() as service: ...
 
-owns the pool of processes, the queue and the notifier; `started` starts all and leaves nothing running.  Another
+owns the pool of processes, the queue and the notifier; `started` starts all and leaves nothing running. Another
 executor may run the fits; it is the service's then.
 
 A process stays a while for each scan in work and for each fit on which something is moved: it has read it already.
-Pairs, transfers and reports look at more than one, so each has a process of its own.
+Pairs, transfers and reports read more than one, so each has a process of its own.
 """
 
 import hashlib
@@ -146,7 +146,7 @@ class Service:
 
     @property
     def workers(self) -> int:
-        """How many fits can run at once."""
+        """The number of fits that can run at once."""
         return self._workers.workers
 
     def on_fit_end(self, notify: Callable[[str, float], None]) -> None:

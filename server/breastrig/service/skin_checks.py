@@ -1,4 +1,4 @@
-"""Whether what is to be kept in a plan lies on the skin of its scan: one limit, as where lines are carried.
+"""Checks that lines of a plan lie on the skin of their scan: one limit, as where lines are transferred.
 
 Each scan has a process that is kept for it a while, as a plan is saved after every line.
 """
@@ -21,7 +21,7 @@ SHOWN = 40  # characters of a note in a sentence
 
 
 class SkinChecks:
-    """On all scans.  May be called from any thread."""
+    """Skin checks on all scans. May be called from any thread."""
 
     def __init__(self, storage: Storage, processes: Lane) -> None:
         self._storage, self._processes = storage, processes
@@ -50,7 +50,7 @@ class SkinChecks:
 
 
 def shapes_of(item: dict[str, Any]) -> list[dict[str, Any]]:
-    """What of a plan's item has been placed on the skin, as a shape: a line, or the place of a note."""
+    """The part of a plan's item that is placed on the skin, as a shape: a line, or the place of a note."""
     if item["kind"] == "line":
         return [{key: item.get(key) for key in ("name", "points", "bridged")}]
     if item["kind"] == "note" and item.get("point") is not None:

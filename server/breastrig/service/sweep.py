@@ -83,7 +83,7 @@ class Retention:
         return max(_moment(scan.created_at) + self._keep, _moment(announced_at) + self._grace)
 
     def _say(self, waiting: list[AgedScan], new: list[str], now: datetime) -> None:
-        """Once when a server starts, and whenever more are announced."""
+        """Logs the announcement, at the server's start and whenever more are announced."""
         if waiting and (new or self._said is None):
             announced = {scan.id: iso_utc(now) if scan.id in new else str(scan.announced_at) for scan in waiting}
             log.warning(

@@ -1,4 +1,4 @@
-"""What the fork server imports before any task: named, not imported, as a cluster's worker needs it in its children."""
+"""Names of modules that the fork server imports before any task; a cluster's worker needs them in its children."""
 
 from breastrig.workflow.tasks import MODULES
 

@@ -1,1 +1,1 @@
-"""What survives a restart: cases, and the index that finds them.  Keeps no mathematics."""
+"""Persistent storage: cases, and the index that finds them. No numerics."""

@@ -26,7 +26,7 @@ OF_A_FILE_SYSTEM = {"lost+found"}  # in the root of a new disk
 
 
 class Ownership(Enum):
-    """Of a folder that is named as data folder."""
+    """The ownership of a folder that is named as data folder."""
 
     FOREIGN = "holds files and no marker"
     NEW = "empty or not there"
@@ -60,7 +60,7 @@ def ownership_of(root: Path) -> Ownership:
 
 
 def refuse_foreign(root: Path) -> Ownership:
-    """The same.  Raises BadSettings for a folder of another program too."""
+    """The folder's ownership. Raises BadSettings for a folder of another program."""
     standing = ownership_of(root)
     if standing is Ownership.FOREIGN:
         raise BadSettings(
@@ -71,7 +71,7 @@ def refuse_foreign(root: Path) -> Ownership:
 
 
 def installation_id(root: Path) -> str | None:
-    """What the marker says; None without one that is ours."""
+    """The id in the marker; None without one that is ours."""
     marker = root / MARK
     if marker.is_symlink() or not marker.is_file() or marker.stat().st_size != MARKER_BYTES:
         return None
@@ -104,7 +104,7 @@ def claim(root: Path, new_id: Callable[[], str]) -> None:
 
 
 def write_marker(root: Path, installation: str) -> None:
-    """Whole or not at all, also when the power fails.  Raises OSError."""
+    """Writes the marker, whole or not at all, also when the power fails. Raises OSError."""
     part = root / PART
     try:
         with part.open("wb") as file:

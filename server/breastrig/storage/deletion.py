@@ -54,7 +54,7 @@ def delete_empty_case(storage: Storage, case_id: str) -> None:
 
 
 def _case_of(storage: Storage, scan_id: str) -> CaseFolder | None:
-    """Where a scan is that another program has moved since the index has looked."""
+    """The case of a scan that another program has moved since the index was updated; None where there is none."""
     if layout.ID.fullmatch(scan_id):
         for folder in (storage.root / layout.CASES).glob(f"*/{scan_part(scan_id)}"):
             with suppress(NotFound):
@@ -65,7 +65,7 @@ def _case_of(storage: Storage, scan_id: str) -> CaseFolder | None:
 
 
 def _forget(storage: Storage, case_id: str, links: list[str]) -> None:
-    """The rows of what is deleted."""
+    """Deletes the index's rows of what is deleted."""
     storage.index.refresh(case_id)
     with storage.index.writing() as rows:
         for link in links:
@@ -74,7 +74,7 @@ def _forget(storage: Storage, case_id: str, links: list[str]) -> None:
 
 
 def _still_there(storage: Storage, scan_id: str) -> list[Unremoved]:
-    """What is left of a scan that is deleted already, after another attempt."""
+    """The remains of a scan that is deleted already, after another attempt."""
     if not layout.ID.fullmatch(scan_id):
         return []
     rubbish = storage.root / layout.RUBBISH
@@ -88,14 +88,14 @@ def _still_there(storage: Storage, scan_id: str) -> list[Unremoved]:
 
 
 def remove_left(storage: Storage) -> list[Unremoved]:
-    """Finishes what was interrupted or could not be removed; what still cannot be."""
+    """Finishes deletions that were interrupted or failed; returns what still cannot be removed."""
     left = swept(storage)
     look(storage)
     return left
 
 
 def swept(storage: Storage) -> list[Unremoved]:
-    """The same without the index."""
+    """The files that could not be removed in another sweep, without the index."""
     return [Unremoved(one.where, one.where, one.reason) for one in removal.sweep(storage.root)]
 
 
@@ -107,7 +107,7 @@ def look(storage: Storage) -> None:
 
 
 def count_left(storage: Storage) -> int:
-    """Scans and cases of which something is still to be removed."""
+    """The number of scans and cases that are not completely removed."""
     try:
         return len(os.listdir(storage.root / layout.RUBBISH))
     except FileNotFoundError:

@@ -15,12 +15,12 @@ def fit_place(fit_id: str) -> str:
 
 
 def share_place(snapshot_id: str) -> str:
-    """Of what one share link shows."""
+    """The place of a share link's files."""
     return f"shares/{snapshot_id}"
 
 
 def upload_name(file_type: str) -> str:
-    """The name of the scan itself in its place."""
+    """The file name of the scan itself in its place."""
     return f"scan.{file_type}"
 
 
@@ -33,7 +33,7 @@ MARK = "installation"  # its name; what it holds is the installation's id
 
 @dataclass(frozen=True)
 class OpenedFile:
-    """One kept file, about to be answered with; nothing of its content has been read."""
+    """A stored file, about to be sent; nothing of its content has been read."""
 
     path: Path | None  # where it is on the disk; None: in memory
     size: int

@@ -1,4 +1,4 @@
-"""Where the files of scans, fits and links are: in their case, or, while they are made, in `incoming`.
+"""The places of the files of scans, fits and links: in their case, or, while they are made, in `incoming`.
 
     data/installation           says that the folder is BreastRig's (see `data_folder`)
     data/lock                   held by the server
@@ -49,11 +49,11 @@ class Folders:
         self.made(place).mkdir(mode=0o700)
 
     def made(self, place: str) -> Path:
-        """Where it is while it is made."""
+        """The folder of a place while it is made."""
         return self.root / layout.INCOMING / place.replace("/", ".")
 
     def folder(self, place: str) -> Path:
-        """Of a place that is in a case, else of one that is being made, or was deleted."""
+        """The folder of a place in a case, else of one that is being made, or was deleted."""
         return self._kept(place) or (self.root / place if place in ("", MODELS) else self.made(place))
 
     def _kept(self, place: str) -> Path | None:

@@ -47,7 +47,7 @@ class Unremoved:
 
 
 class Storage:
-    """Cases and their `index`; `files` says where files are."""
+    """Cases and their `index`; `files` locates files."""
 
     def __init__(self, root: Path) -> None:
         self.root = root
@@ -57,7 +57,7 @@ class Storage:
         self._forget_again = False
 
     def new_code(self) -> str:
-        """A random one that no patient here has."""
+        """A random code that no patient here has."""
         return self.index.asked(questions.new_code)
 
     def prepare(self) -> None:
@@ -75,7 +75,7 @@ class Storage:
             raise self._unusable(str(error)) from error
 
     def create(self) -> None:
-        """The folders, where there are none.  Raises likewise."""
+        """Creates missing folders. Raises as `prepare`."""
         self._claim()
         try:
             self.files.create()
@@ -121,7 +121,7 @@ class Storage:
         )
 
     def case(self, case_id: str) -> CaseFolder:
-        """Raises NotFound."""
+        """The case of that id. Raises NotFound."""
         if not layout.ID.fullmatch(case_id):
             raise NotFound(NONE_HERE)
         try:
@@ -134,11 +134,11 @@ class Storage:
         return CaseFolder.of_scan(self.new_place(), self.new_code(), first)
 
     def new_place(self) -> Path:
-        """Of a case that is to be made."""
+        """The folder of a case that is to be made."""
         return self.root / layout.CASES / new_id()
 
     def case_of_scan(self, scan_id: str) -> CaseFolder:
-        """Raises NotFound."""
+        """The scan's case. Raises NotFound."""
         found = self.index.asked(lambda rows: questions.case_of_scan(rows, scan_id))
         try:
             if found is not None:
@@ -148,7 +148,7 @@ class Storage:
         raise NotFound(NO_SCAN)
 
     def case_of_fit(self, fit_id: str) -> tuple[CaseFolder, str]:
-        """And the fit's scan.  Raises NotFound."""
+        """The fit's case, and its scan's id. Raises NotFound."""
         found = self.index.asked(lambda rows: questions.case_of_fit(rows, fit_id))
         try:
             if found is not None:
@@ -158,7 +158,7 @@ class Storage:
         raise NotFound(NO_FIT)
 
     def is_disk_full(self, error: Exception) -> bool:
-        """Whether it was met because the disk of the data folder is full."""
+        """Whether an error was caused by a full disk of the data folder."""
         return is_full(error)
 
     def forget_deleted(self) -> None:
@@ -170,7 +170,7 @@ class Storage:
             self.forget_deleted()
 
     def check_integrity(self) -> None:
-        """Of the index, or as much of it as some seconds suffice for; a damaged one is made again."""
+        """Checks the index, as much as some seconds suffice for; rebuilds a damaged one."""
         self.index.check()
 
     def has_room(self) -> bool:
@@ -198,7 +198,7 @@ class Storage:
         return self.files.wait_until_free(fit_id, timeout_s)
 
     def discard(self, *places: str) -> None:
-        """Removes what was made and is not kept after all; what cannot be removed now goes at the next start."""
+        """Removes files that were made and are not kept after all; the rest goes at the next start."""
         for place in places:
             with suppress(OSError):
                 remove_tree(self.files.made(place))

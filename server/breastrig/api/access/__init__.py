@@ -1,1 +1,1 @@
-"""Who may call: tokens, sessions, origins, rates."""
+"""Access control: tokens, sessions, origins, rates."""

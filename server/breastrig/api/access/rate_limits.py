@@ -1,7 +1,7 @@
-"""How often one address may do what can be abused: guess a token, open a share, fill the disk.
+"""Rate limits for one address on calls that can be abused: guessing a token, opening a share, filling the disk.
 
-Counted in this process's memory, because one process serves a data folder; a restart begins the minute anew.
-A house may have one address for all; the numbers leave room for that.
+Counted in this process's memory, because one process serves a data folder; a restart begins the minute anew. A house
+may have one address for all; the numbers leave room for that.
 """
 
 import math
@@ -26,7 +26,7 @@ PER_MINUTE: dict[str, RateLimitItem] = {
 
 
 class RateLimits:
-    """A sliding minute for each purpose and address."""
+    """Counts of requests in a sliding minute for each purpose and address."""
 
     def __init__(self) -> None:
         self._limiter = MovingWindowRateLimiter(MemoryStorage())

@@ -102,7 +102,7 @@ def netloc_of(origin: str) -> str:
 
 
 def _wrong_token(config: Config, storage: Storage, rates: RateLimits) -> Response | None:
-    """Whoever brings the right token passes, however many wrong ones came before, also from the same address."""
+    """The refusal of a wrong token; None for the right one, however many wrong ones came before."""
     if config.token is None or not request.path.startswith("/api/") or _is_for_visitors():
         return None
     if has_token(config.token) or in_session(config.token, storage):
@@ -123,13 +123,13 @@ def count_guess(rates: RateLimits) -> None:
 
 
 def has_token(token: str) -> bool:
-    """Whether the request's Authorization header holds it."""
+    """Whether the request's Authorization header holds the token."""
     kind, _, given = request.headers.get("Authorization", "").partition(" ")
     return kind.lower() == "bearer" and hmac.compare_digest(given.strip().encode(), token.encode())
 
 
 def _is_for_visitors() -> bool:
-    """Share links bring a credential of their own, which these calls check themselves."""
+    """Whether the call is for visitors of share links, who bring a credential that the call checks."""
     return (request.endpoint or "").startswith("shared.")
 
 

@@ -36,7 +36,7 @@ def start_session(response: Response, token: str) -> None:
 
 
 def end_session(response: Response, token: str | None, storage: Storage) -> None:
-    """Takes the cookie back, and ends what copies of it open."""
+    """Removes the cookie, and ends the sessions of its copies."""
     session = None if token is None else _session(token)
     if session is not None:
         now = wall_clock.now()
@@ -57,7 +57,7 @@ def cookie_name() -> str:
 
 
 def _session(token: str) -> tuple[str, str] | None:
-    """What names the request's session, and when it began; None without a signed cookie that is not too old."""
+    """The session's identifier and its start; None without a valid signed cookie that is not too old."""
     value = request.cookies.get(cookie_name())
     if value is None:
         return None

@@ -19,7 +19,7 @@ drawings = APIBlueprint("drawings", __name__, url_prefix="/api/scans", tag=TAG)
 @drawings.output(OwnDrawing)
 @drawings.doc(operation_id="getOwnDrawing")
 def show_drawing(scan_id: str) -> OwnDrawing:
-    """What was drawn on the scan, mm
+    """The lines drawn on the scan, mm
 
     No shapes when nothing was drawn yet.
     """

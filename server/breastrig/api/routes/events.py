@@ -90,7 +90,7 @@ def poll_fit(fit_id: str, query_data: wire.EventPageQuery) -> Response:
 
 
 def _lines(news: Iterator[Sequence[StreamItem]]) -> Iterator[bytes]:
-    """What is known at once is sent at once: whoever opens a stream late has most of it in one piece."""
+    """The stream's bytes; events that are known at once are sent at once, so a late reader gets few pieces."""
     parts = [b"retry: %d\n\n" % RECONNECT_MS]
     size = len(parts[0])
     for together in news:

@@ -95,7 +95,7 @@ def _new_fit(asked: wire.FitRequest) -> NewFit:
 
 
 def _picks(scan: ScanRow, asked: wire.FitRequest) -> Picks:
-    """As the request says, else as they are stored with the scan."""
+    """The landmarks of the request, else those stored with the scan."""
     context = app_context()
     said: dict[str, Any] = {} if asked.certain is None else {"certain": tuple(asked.certain)}
     said |= {} if asked.confidence is None else {"confidence": asked.confidence}
@@ -179,10 +179,10 @@ def cancel_fit(fit_id: str) -> tuple[wire.Fit, int]:
 @fits.output(wire.MovedModel, description="The model at these landmarks")
 @fits.doc(operation_id="moveLandmarks", responses={409: "Not done", 429: "Too many fits are being moved"})
 def move_landmarks(fit_id: str, json_data: wire.MovedLandmarks) -> wire.MovedModel:
-    """Where the model lies when landmarks are dragged
+    """The model's pose while landmarks are dragged
 
-    An answer takes some hundredths of a second, the first one of a fit as long as reading its scan.  It starts where
-    the last answer ended and follows all picks as they are, and nothing of it is kept: send the newest picks only, and
+    An answer takes some hundredths of a second, the first one of a fit as long as reading its scan. It starts where the
+    last answer ended and follows all picks as they are, and nothing of it is kept: send the newest picks only, and
     start a fit when the drag has ended.
     """
     context = app_context()
@@ -258,7 +258,7 @@ def _answers(rows: Sequence[FitRow]) -> list[wire.Fit]:
 
 
 def _stored_iteration(storage: Storage, fit: FitRow, iteration: int) -> Iterated:
-    """Raises NotFound when the fit has no such iteration, or not yet."""
+    """The stored event of an iteration. Raises NotFound when the fit has no such iteration, or not yet."""
     found = event_of_kind(storage, fit.id, "iterated", iteration) if iteration < MOST_ITERATION else None
     event = None if found is None else Iterated.model_validate_json(found.json)
     if event is None or event.iteration != iteration:

@@ -1,4 +1,4 @@
-"""Who we are, and what there is to try."""
+"""The service's description, and the examples."""
 
 from apiflask import APIBlueprint
 

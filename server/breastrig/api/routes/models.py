@@ -25,7 +25,7 @@ def show_model() -> Response:
 @models.output(wire.ModelSide)
 @models.doc(operation_id="getModelSide")
 def show_side() -> Response:
-    """What is known of the model: limits, landmarks, drawings"""
+    """The model's side file: limits, landmarks, drawings"""
     return public_answer(app_context().model.side_json, JSON, CHECK_AGAIN)
 
 
@@ -40,7 +40,7 @@ def show_version(sha256: str) -> Response:
 @models.output(wire.ModelSide, description="Never changes")
 @models.doc(operation_id="getModelVersionSide")
 def show_version_side(sha256: str) -> Response:
-    """What is known of that model"""
+    """The side file of that model"""
     return public_answer(_model_with(sha256).side_json, JSON, FOR_EVER)
 
 

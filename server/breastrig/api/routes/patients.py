@@ -65,7 +65,7 @@ def list_patients(query_data: wire.PatientQuery) -> wire.PatientPage:
 @patients.output(wire.Patient)
 @patients.doc(operation_id="getPatient")
 def show_patient(patient_id: str) -> wire.Patient:
-    """A patient with her scans"""
+    """A patient with all scans"""
     return _answers([get_patient(app_context().service.storage, patient_id)])[0]
 
 
@@ -76,7 +76,7 @@ def show_patient(patient_id: str) -> wire.Patient:
 def change_patient(patient_id: str, json_data: wire.PatientChange) -> wire.Patient:
     """Give a patient another code
 
-    A code of your own, never a name: it is shown in the list and kept with her scans.
+    A code of your own, never a name: it is shown in the list and kept with the scans.
     """
     rename_patient(app_context().service.storage, patient_id, checked_code(json_data.code))
     return _answers([get_patient(app_context().service.storage, patient_id)])[0]
@@ -86,7 +86,7 @@ def change_patient(patient_id: str, json_data: wire.PatientChange) -> wire.Patie
 @patients.output({}, status_code=204)
 @patients.doc(operation_id="deletePatient", responses={500: "Deleted, but files are left; they are tried again"})
 def remove_patient(patient_id: str) -> tuple[str, int]:
-    """Delete a patient: her plan, her scans, and everything made of them
+    """Delete a patient: plan, scans, and everything made of them
 
     Deleting who is not there is no error.  204 says that all files are gone.
     """
@@ -114,7 +114,7 @@ def move(scan_id: str, json_data: wire.ScanOwner) -> wire.Patient:
 @patients.output(wire.StoredPlan)
 @patients.doc(operation_id="getPlan")
 def show_plan(patient_id: str) -> Response:
-    """Everything that is planned on her skin: lines, patterns, tumours, notes
+    """The patient's plan: lines, patterns, tumours, notes
 
     Points are mm in the frame of the scan that each item names.  The ETag is what a change has to name.
     """
@@ -171,8 +171,8 @@ def replace_plan(
 def show_plan_on_fit(fit_id: str) -> Response:
     """The patient's plan on the scan of this fit, in its frame and unit
 
-    What was made on another scan of hers is carried here, with the radius that holds the true place of each point
-    with 90 %; from the newest fit of that scan.
+    Items made on another scan of the patient are transferred from the newest fit of that scan, with the 90 % radius of
+    each point.
     """
     service = app_context().service
     response = bytes_answer(service.plans.on_fit(fit_id), JSON, PERSONAL)
@@ -191,7 +191,7 @@ def _check(plan: Plan, patient_id: str) -> None:
     for item in plan.items:
         scan = scans.get(item.scan)
         if scan is None:
-            raise BadDrawing(f'The item "{item.id}" was made on a scan that is none of this patient; name one of hers.')
+            raise BadDrawing(f'The item "{item.id}" was made on a scan that is none of this patient; name one that is.')
         if isinstance(item, PlanLine | PlanNote):
             for shape in shapes_of(item.model_dump(mode="json")):
                 check_near_scan(shape["name"], shape["points"], scan)

@@ -15,7 +15,7 @@ reports = APIBlueprint("reports", __name__, url_prefix="/api/fits", tag=FITS_TAG
 
 
 class ReportQuery(BaseModel):
-    """Which other stance the report shows too."""
+    """The other stance that the report includes."""
 
     model_config = ConfigDict(extra="forbid", populate_by_name=True)
 

@@ -1,4 +1,4 @@
-"""What a fit has made: each file alone, and all of them in one."""
+"""The files of a fit: each alone, and all of them in one."""
 
 import hashlib
 import shutil
@@ -97,7 +97,7 @@ def show_distances(fit_id: str) -> Response:
     },
 )
 def show_uncertainty(fit_id: str) -> Response:
-    """How far off each model vertex may be, mm"""
+    """The 90 % radius of each model vertex, mm"""
     return _result_file(fit_id, "uncertainty.bin")
 
 
@@ -122,7 +122,7 @@ def show_result_zip(fit_id: str) -> Response:
 
 
 def _packed(files: dict[str, OpenedFile]) -> tuple[IO[bytes], int]:
-    """As one file without a name, which ends with this process, and its size; the same bytes for the same files.
+    """The files as one file without a name, which ends with this process, and its size; deterministic.
 
     Raises NotFound when one of them was deleted meanwhile.
     """
@@ -151,7 +151,7 @@ def _result_file(fit_id: str, name: str) -> Response:
 
 
 def _done(fit_id: str) -> FitRow:
-    """Raises NotFound, or Conflict when it has no results."""
+    """The finished fit. Raises NotFound, or Conflict when it has no results."""
     fit = get_fit(app_context().service.storage, fit_id)
     if fit.state != "done":
         raise Conflict(

@@ -97,7 +97,7 @@ def list_scans(query_data: wire.ScanQuery) -> wire.ScanPage:
 @scans.output(wire.Scan)
 @scans.doc(operation_id="getScan")
 def show_scan(scan_id: str) -> wire.Scan:
-    """What is known of a scan"""
+    """The facts of a scan"""
     return scan_answer(get_scan(app_context().service.storage, scan_id))
 
 
@@ -200,7 +200,7 @@ def read_landmark_file(scan_id: str, files_data: wire.LandmarkUpload) -> wire.La
 @scans.output(wire.Cuts)
 @scans.doc(operation_id="getCuts")
 def show_cuts(scan_id: str) -> wire.Cuts:
-    """What a person has cut out of the scan"""
+    """The cuts by hand of the scan"""
     storage = app_context().service.storage
     get_scan(storage, scan_id)
     return cuts_answer(get_cuts(storage, scan_id))
@@ -283,7 +283,7 @@ def drop_ink(scan_id: str, json_data: wire.InkChange) -> wire.Ink:
 
 
 def _proposed(found: dict[str, Any]) -> wire.ProposedLandmarks:
-    """Without those that the scan does not show."""
+    """The proposals without landmarks that the scan does not show."""
     landmarks, not_proposed = {}, {}
     for name, each in found.items():
         to_skin_mm = each.get("to_skin_mm", 0.0)  # earlier versions have not kept it
@@ -296,7 +296,7 @@ def _proposed(found: dict[str, Any]) -> wire.ProposedLandmarks:
 
 
 def _tag(if_match: str | None) -> str | None:
-    """What is within the quotes of an If-Match header."""
+    """The text within the quotes of an If-Match header."""
     return None if if_match is None else if_match.strip().removeprefix("W/").strip('"')
 
 
@@ -345,7 +345,7 @@ def _answer(row: ScanRow, owner: PatientRow) -> wire.Scan:
 
 
 def cut_facts(row: ScanRow) -> dict[str, Any]:
-    """What the service has found in the scan that is no patient: background, table, other_pieces."""
+    """The parts of the scan that are not the patient: background, table, other_pieces."""
     seen = (row.facts.get("orientation") or {}).get("seen", {})  # all that earlier versions have kept of the table
     known = {"background": [], "table": seen.get("table"), "other_pieces": []}
     return known | {name: row.facts[name] for name in known if name in row.facts}

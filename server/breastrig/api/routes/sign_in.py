@@ -1,10 +1,10 @@
-"""Where a person gives the token, so that the browser may ask for the rest: a page, plain HTML without script, or the
-address with the token in it that `breastrig serve` prints.
+"""Sign-in with the token, so that the browser may ask for the rest: a page, plain HTML without script, or the address
+with the token in it that `breastrig serve` prints.
 
-A hospital has one address for all, so whoever guesses there must not keep colleagues out: the right token opens
-however many wrong ones came before it, as it does in the Authorization header.  Wrong ones are refused beyond a small
-number.  What bounds guessing is a larger number of tries from one address, beyond which no token is looked at: at 600 a
-minute, 16 random hexadecimal digits take more than 10^10 years.
+A hospital has one address for all, so whoever guesses there must not keep colleagues out: the right token opens however
+many wrong ones came before it, as it does in the Authorization header. Wrong ones are refused beyond a small number.
+Guessing is bounded by a larger number of tries from one address, beyond which no token is checked: at 600 a minute, 16
+random hexadecimal digits take more than 10^10 years.
 """
 
 import hmac

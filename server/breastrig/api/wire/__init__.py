@@ -1,1 +1,1 @@
-"""What goes over the wire: one module a resource, from which OpenAPI and the page's types are made."""
+"""The JSON shapes of requests and answers: one module a resource; source of OpenAPI and of the page's types."""

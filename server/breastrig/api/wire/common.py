@@ -48,7 +48,7 @@ class Wire(BaseModel):
 
     @classmethod
     def of(cls, known: object, **more: Any) -> Self:
-        """What of it is known under the same names, and more."""
+        """The object's fields of the same names, and more."""
         same = {name: getattr(known, name) for name in cls.model_fields if hasattr(known, name)}
         return cls.model_validate(same | more)
 
@@ -65,7 +65,7 @@ class ScanUpload(Upload):
     file: UploadFile = Field(description="PLY, OBJ, STL, GLB, PCD, XYZ, USDZ, or a zip of one with its images")
     units: Units = Field("auto", description="unit of the file's numbers; auto decides from the size and says so")
     patient: str | None = Field(
-        None, max_length=64, description="id of the patient whose scan it is; without it she is a new one"
+        None, max_length=64, description="id of the patient whose scan it is; without it a new patient"
     )
     again: bool = Field(False, description="though the same file is a scan of that patient already")
     model: str | None = Field(
@@ -87,7 +87,7 @@ class ScanUpload(Upload):
 
 
 class Segment(Wire):
-    """What became of a segment of a label map."""
+    """A segment of a label map with how it is used."""
 
     number: int = Field(description="in the file")
     name: str = Field(description="Lesion 1, Tissue 2: none of the file's words")
@@ -107,7 +107,7 @@ class Bounds(Wire):
 
 
 class Frame(Wire):
-    """How the body seems to lie in the scan's own axes; a proposal for the camera."""
+    """The proposed orientation of the body in the scan's own axes, for the camera."""
 
     up: Three = Field(description="unit vector towards the head")
     front: Three = Field(description="unit vector towards the patient's front")
@@ -134,7 +134,7 @@ class ScanLinks(Wire):
 
 
 class CutPlane(Wire):
-    """A floor or wall: all that lies within 15 mm of it, or behind it, is no patient.  Or a table under her."""
+    """A floor or wall: nothing within 15 mm of it, or behind it, is the patient. Or a table under the patient."""
 
     normal: Three = Field(description="unit vector towards the patient")
     height_m: float = Field(description="along the normal, in the scan's own axes")
@@ -143,7 +143,7 @@ class CutPlane(Wire):
 class Scan(Wire):
     id: str
     patient: str = Field(description="id of the patient whose scan it is")
-    patient_code: str = Field(description="her code: a random one where nobody gave her one")
+    patient_code: str = Field(description="the patient's code: a random one where none was given")
     sha256: str = Field(description="of the file, by which drawings and plans say what they were made on")
     unit: Literal["m", "dm", "cm", "mm", "in", "ft"] = Field(description="unit that the file was read in")
     unit_reason: str
@@ -278,7 +278,7 @@ class Ink(Wire):
 
 
 class FitRequest(Wire):
-    """What is asked of a fit."""
+    """A request for a fit."""
 
     scan: Name = Field(description="id of the scan")
     stance: StanceWish = "auto"
@@ -416,7 +416,7 @@ class Limited(Wire):
     limit: int = Field(50, ge=1, le=200, description="at most so many entries")
 
     def next_page(self, address: str, **place: object) -> str | None:
-        """The same list from another place on, as fields of the query; None after the last page."""
+        """The query for the list's next page; None after the last one."""
         if None in place.values():
             return None
         return f"{address}?{urlencode({**self.model_dump(exclude_defaults=True), **place})}"
@@ -477,7 +477,7 @@ class Choice(Wire):
 
 
 class Question(Wire):
-    """What a person has to say; the request is sent again with that field."""
+    """A question that a person has to answer; the request is sent again with that field."""
 
     problem: str = Field(description="what the file does not say, without the choices")
     field: str = Field(description="name of the field that answers")

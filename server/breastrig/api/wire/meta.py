@@ -1,4 +1,4 @@
-"""The JSON shapes of what the service says of itself: version, limits, model, drawings, examples, health."""
+"""The JSON shapes of the service's description: version, limits, model, drawings, examples, health."""
 
 from typing import Literal
 

@@ -64,7 +64,7 @@ class PatientLinks(Wire):
 
 
 class Patient(Wire):
-    """One patient with her scans, the first that came first."""
+    """One patient with the scans, oldest first."""
 
     id: str
     code: str
@@ -94,7 +94,7 @@ class StoredPlan(Wire):
 
     schema_: Literal["breastrig/plan@1"] = Field(alias="schema")
     unit: Literal["mm"]
-    patient: str | None = Field(None, description="her code")
+    patient: str | None = Field(None, description="the patient's code")
     version: int = Field(description="grows with each change; 0 before the first, whose ETag is 0 too")
     whole: bool = Field(description="whether somebody has written the plan; false: fits' own drawings still count")
     scans: list[ScanOfPlan]
@@ -116,7 +116,7 @@ class PlannedShape(DrawnShape):
 
 
 class LesionDistance(Wire):
-    """From the centre of a lesion, straight, to the nearest point of what is named."""
+    """The straight distance from the centre of a lesion to the nearest point of what is named."""
 
     kind: Literal["skin", "nipple", "chest_wall", "line"]
     to: str = Field(description="the landmark's or the shape's name")
@@ -133,8 +133,8 @@ class LesionSlice(Wire):
     """A plane through the centre of a lesion, with the fitted skin that it cuts."""
 
     plane: Literal["axial", "sagittal", "coronal"]
-    right: Point = Field(description="unit vector in the scan's frame: patient's left, or her back where sagittal")
-    up: Point = Field(description="unit vector in the scan's frame: cranial, or her front where axial")
+    right: Point = Field(description="unit vector in the scan's frame: patient's left, or back where sagittal")
+    up: Point = Field(description="unit vector in the scan's frame: cranial, or the patient's front where axial")
     outlines_mm: list[Outline] = Field(description="of the skin, from the centre to the right and up")
     wall_mm: list[Outline] = Field(description="of the chest wall; empty where nothing is known of the rig's inside")
 

@@ -17,7 +17,7 @@ class ShareRequest(Wire):
     )
     scan: ShareScan = Field(
         "none",
-        description="whether the scan is shown: not at all (the model alone, without the layer that follows her skin), "
+        description="whether the scan is shown: not at all (the model alone, without the layer that follows the skin), "
         "its shape without colours, or with its colours",
     )
     notes: bool = Field(False, description="whether the plan's notes are shown")

@@ -1,9 +1,9 @@
-"""What is known of the fits that somebody follows, read once for all who follow the same.
+"""Feeds of the fits that somebody follows, read once for all who follow the same.
 
-Workers are other processes: they only write logs.  One thread (the notifier) looks for new lines while anybody listens,
-reads those of a fit once into its feed, and wakes the fit's listeners, who find them in memory.  So fifty viewers cost
-the disk no more than one, and an event of one fit does not wake the viewers of the others.  A feed is forgotten
-when nobody listens to it any more, or its fit is deleted.
+Workers are other processes: they only write logs. One thread (the notifier) looks for new lines while anybody listens,
+reads those of a fit once into its feed, and wakes the fit's listeners, who find them in memory. So fifty viewers cost
+the disk no more than one, and an event of one fit does not wake the viewers of the others. A feed is dropped when
+nobody listens to it any more, or its fit is deleted.
 """
 
 import logging
@@ -53,7 +53,7 @@ class Feed:
         self.log_size = 0
 
     def size(self) -> int:
-        """Of the fit's log, bytes; zero before the first event, and for a fit that is gone."""
+        """Size of the fit's log, bytes; zero before the first event, and for a fit that is gone."""
         try:
             return os.stat(self._log).st_size
         except OSError:
@@ -119,7 +119,7 @@ class Notifier:
 
     @property
     def listening(self) -> int:
-        """How many listen."""
+        """The number of listeners."""
         with self._condition:
             return sum(len(feed.listeners) for feed in self._feeds.values())
 
@@ -141,7 +141,7 @@ class Notifier:
                     del self._feeds[fit_id]
 
     def look_again(self) -> None:
-        """For what has no event: a fit was deleted."""
+        """Wakes listeners after a change without an event: a fit was deleted."""
         with self._condition:
             for feed in self._feeds.values():
                 feed.asked_again = True
@@ -186,7 +186,7 @@ GONE_EVERY_S = 0.5  # how soon a viewer who left is noticed
 
 @dataclass(frozen=True)
 class Heartbeat:
-    """Nothing new, but the stream is alive."""
+    """A sign that the stream is alive, without news."""
 
 
 @dataclass(frozen=True)

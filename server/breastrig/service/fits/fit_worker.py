@@ -123,7 +123,7 @@ def _job(storage: Storage, fit: FitRow, out: Path, models: ModelChoice) -> FitJo
 
 
 def earlier_fit(storage: Storage, fit_id: str) -> EarlierFit:
-    """A fit that is done, as its last iteration stands, to go on from."""
+    """A finished fit at its last iteration, to continue from."""
     earlier = get_fit(storage, fit_id)
     first = event_of_kind(storage, earlier.id, "started")
     last = event_of_kind(storage, earlier.id, "iterated", earlier.iterations - 1)
@@ -133,7 +133,7 @@ def earlier_fit(storage: Storage, fit_id: str) -> EarlierFit:
 
 
 def fit_job(scan: ScanRow, fit: FitRow, folder: Path, out: Path, model: Path | None) -> FitJob:
-    """What the runner needs.  The unit is the one that was decided, and shown, at the upload."""
+    """The runner's job. The unit is the one that was decided, and shown, at the upload."""
     return FitJob(
         scan=folder / upload_name(scan.file_type),
         out=out,

@@ -1,8 +1,8 @@
-"""Which fit runs when.  The queue is what was asked for and has not started; this only keeps the workers busy with it.
+"""The queue of fits, the oldest first: those that were asked for and have not begun. It keeps the workers busy.
 
-The oldest comes first.  A server that dies loses nothing: at the next start the fits that ran go back to their places
-in the queue, and go on with their events.  A fit whose own process died is not started again, because it would most
-likely die again: it fails with a sentence.
+A server that dies loses nothing: at the next start the fits that ran go back to their places in the queue, and go on
+with their events. A fit whose own process died is not started again, because it would most likely die again: it fails
+with a sentence.
 """
 
 import logging
@@ -120,7 +120,7 @@ class FitQueue:
             log.error("the fits that ran cannot be put back yet: %s", type(unwritten).__name__)
 
     def _look_on(self) -> None:
-        """Whoever adds or ends a fit wakes the queue; only the workers come and go without a word."""
+        """Wakes the queue regularly, for workers that come and go; adding or ending a fit wakes it at once."""
         while not self._stop_looking.wait(LOOK_S):
             try:
                 self.wake()
@@ -137,7 +137,7 @@ class FitQueue:
         future.add_done_callback(lambda ended: self._on_end(fit_id, ended))
 
     def _on_end(self, fit_id: str, future: Any) -> None:
-        """In the task's thread, or in the one that cancelled."""
+        """Handles a task's end; called in its thread, or in the one that cancelled."""
         try:
             with self._lock:
                 self._running.pop(fit_id, None)
@@ -159,7 +159,7 @@ class FitQueue:
                     self.notify_end(fit.state, seconds)
 
     def _surely(self, fit_id: str, store: Callable[[], None]) -> None:
-        """Again and again while the end of the fit cannot be stored: the disk is full, or the case is held."""
+        """Retries until the end of the fit is stored, while the disk is full or the case is held."""
         try:
             store()
         except (sqlite3.Error, OSError, Conflict) as unwritten:
@@ -210,7 +210,7 @@ class FitQueue:
 
 
 def _why(error: BaseException | None) -> str:
-    """The sentence for a fit whose process came back without an end."""
+    """The sentence for a fit whose process ended without storing an end."""
     if error is None:
         return SILENT
     if isinstance(error, BreastRigError):

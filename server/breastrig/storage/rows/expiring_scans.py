@@ -1,4 +1,4 @@
-"""Scans that are nearly too old: since when their deletion has been announced."""
+"""Scans that are nearly too old, with the time when their deletion was announced."""
 
 from collections.abc import Iterable
 from contextlib import suppress
@@ -40,7 +40,7 @@ def announce(storage: Storage, scan_ids: Iterable[str], now: str) -> None:
 
 
 def withdraw(storage: Storage, scan_ids: Iterable[str]) -> None:
-    """The scans are not as old as it seemed."""
+    """Withdraws the announcement: the scans are not as old as it seemed."""
     for scan_id in scan_ids:
         with suppress(NotFound):
             case = storage.case_of_scan(scan_id)

@@ -25,7 +25,7 @@ from breastrig.storage.storage import Storage
 
 @dataclass(frozen=True, kw_only=True)
 class NewFit:
-    """A fit as it was asked for, before it has an id and a place in the queue."""
+    """A requested fit, before it has an id and a place in the queue."""
 
     scan: str
     stance: str = "auto"
@@ -42,7 +42,7 @@ class NewFit:
 
 @dataclass(frozen=True, kw_only=True)
 class FitRow(NewFit):
-    """What was asked for, and how far it has come; `stance` is the decided one once the fit has started."""
+    """A fit's request and its progress; `stance` is the decided one once the fit has started."""
 
     id: str
     asked_stance: str  # auto, standing, supine, prone
@@ -69,7 +69,7 @@ class Once:
 
     @classmethod
     def of(cls, key: str, request: str) -> "Once":
-        """From the Idempotency-Key and the request's text."""
+        """The key from the Idempotency-Key and the request's text."""
         key_sha256, request_sha256 = (hashlib.sha256(text.encode()).hexdigest() for text in (key, request))
         return cls(key_sha256, request_sha256)
 
@@ -111,7 +111,7 @@ def made_before(storage: Storage, once: Once) -> str | None:
 
 
 def _same_prediction(storage: Storage, new_fit: NewFit) -> str | None:
-    """One that waits, runs or is done; those that failed or were cancelled are made again."""
+    """An equal prediction that waits, runs or is done; failed and cancelled ones are made again."""
     source, stance = new_fit.predicted_from, new_fit.stance
     if source is None:
         return None
@@ -120,7 +120,7 @@ def _same_prediction(storage: Storage, new_fit: NewFit) -> str | None:
 
 
 def get_fit(storage: Storage, fit_id: str) -> FitRow:
-    """Raises NotFound."""
+    """The fit's row. Raises NotFound."""
     case, scan_id = storage.case_of_fit(fit_id)
     return _row(case, scan_id, fit_id)
 
@@ -157,7 +157,7 @@ def _row(case: CaseFolder, scan_id: str, fit_id: str) -> FitRow:
 
 
 def shown_cuts(storage: Storage, fit: FitRow) -> Cuts:
-    """What is cut by hand, now, out of what the fit shows; of a prediction nothing, for its scan was cut before.
+    """The present cuts by hand of the fit's scan; none for a prediction, for its scan was cut before.
 
     Raises Conflict when that scan is cut otherwise by now.
     """
@@ -179,7 +179,7 @@ def put_back(storage: Storage) -> int:
 
 
 def note_start(storage: Storage, fit_id: str) -> None:
-    """The fit does not wait any more."""
+    """Marks the fit as running."""
     with storage.index.writing() as rows:
         questions.note_state(rows, fit_id, "running")
 
@@ -196,12 +196,12 @@ def queue_positions(storage: Storage, fit_ids: Sequence[str]) -> dict[str, int]:
 
 
 def still_queued(storage: Storage, fit_ids: set[str]) -> set[str]:
-    """Those of the fits that wait."""
+    """The fits that wait."""
     return set(queue_positions(storage, list(fit_ids)))
 
 
 def count_by_state(storage: Storage) -> dict[str, int]:
-    """How many fits are in each state that any fit is in."""
+    """The number of fits in each state that any fit is in."""
     return storage.index.asked(questions.count_by_state)
 
 
@@ -244,7 +244,7 @@ def newest_fits(storage: Storage, scan_ids: Sequence[str]) -> dict[str, FitRow]:
 
 
 def _rows(storage: Storage, ids: Sequence[str]) -> Iterator[FitRow]:
-    """Those that are there."""
+    """The rows of the fits that exist."""
     for fit_id in ids:
         with suppress(NotFound):
             yield get_fit(storage, fit_id)

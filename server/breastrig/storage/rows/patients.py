@@ -61,27 +61,27 @@ def move_scan(
 
 
 def said_same(storage: Storage, scan_id: str) -> set[str]:
-    """Scans of which a person has said that they are of the same patient as this one, whatever the bodies say."""
+    """Scans that a person has stated to be of the same patient as this one, whatever the bodies' measures."""
     return of_scans.said_same(storage.case_of_scan(scan_id), scan_id)
 
 
 def patient_of_scan(storage: Storage, scan_id: str) -> str:
-    """Raises NotFound."""
+    """The scan's patient. Raises NotFound."""
     return storage.case_of_scan(scan_id).id
 
 
 def scans_of_patient(storage: Storage, patient_id: str) -> list[str]:
-    """Ids, the first that came first.  Raises NotFound."""
+    """Ids of the patient's scans, oldest first. Raises NotFound."""
     return [one.id for one in storage.case(patient_id).scans()]
 
 
 def scans_of_patients(storage: Storage, patient_ids: Sequence[str]) -> dict[str, list[str]]:
-    """{patient: ids of the scans, the first that came first}"""
+    """{patient: ids of the scans, oldest first}"""
     return storage.index.asked(lambda rows: questions.scans_of_cases(rows, patient_ids))
 
 
 def get_patient(storage: Storage, patient_id: str) -> PatientRow:
-    """Raises NotFound."""
+    """The patient's row. Raises NotFound."""
     return _row(storage.case(patient_id))
 
 
@@ -105,7 +105,7 @@ def patients_page(
 
 
 def rename_patient(storage: Storage, patient_id: str, code: str) -> None:
-    """An empty code is replaced by a new random one.  Raises NotFound."""
+    """Replaces the code; an empty one by a new random one. Raises NotFound."""
     storage.case(patient_id).rename(code or storage.new_code())
     storage.index.refresh(patient_id)
 

@@ -1,4 +1,4 @@
-"""Scans, their landmarks, and what a person has cut out of them."""
+"""Scans, their landmarks, and their cuts by hand."""
 
 import hashlib
 import json
@@ -48,7 +48,7 @@ def add_scan(storage: Storage, row: ScanRow, patient: str | None = None, again: 
 
 
 def get_scan(storage: Storage, scan_id: str) -> ScanRow:
-    """Raises NotFound."""
+    """The scan's row. Raises NotFound."""
     return _row(ScanEntry(scan_id, storage.case_of_scan(scan_id).scan(scan_id)))
 
 
@@ -58,7 +58,7 @@ def are_kept(storage: Storage, ids: Collection[str]) -> bool:
 
 
 def get_scans(storage: Storage, ids: Sequence[str]) -> list[ScanRow]:
-    """Those of the scans that are there, the first that came first."""
+    """The scans that exist, oldest first."""
     found = []
     for scan_id in dict.fromkeys(ids):
         try:
@@ -81,7 +81,7 @@ def scan_ids(storage: Storage) -> set[str]:
 
 
 def get_landmarks(storage: Storage, scan_id: str) -> Picks:
-    """Empty when none were stored."""
+    """The scan's landmarks; empty when none were stored."""
     try:
         return of_scans.get_landmarks(storage.case_of_scan(scan_id), scan_id)
     except NotFound:
@@ -103,7 +103,7 @@ def put_landmarks(storage: Storage, scan_id: str, picks: Picks, seen: str | None
 
 
 def picks_digest(picks: Picks) -> str:
-    """The same for the same landmarks, in whatever order they were placed; empty where there are none."""
+    """A digest of landmarks, independent of their order; empty where there are none."""
     if not picks.points_mm:
         return ""
     points = {name: [float(value) for value in point] for name, point in picks.points_mm.items()}
@@ -112,7 +112,7 @@ def picks_digest(picks: Picks) -> str:
 
 
 def get_cuts(storage: Storage, scan_id: str) -> Cuts:
-    """The first that was made first; none where nothing was cut."""
+    """The scan's cuts, oldest first; empty where nothing was cut."""
     try:
         return of_scans.get_cuts(storage.case_of_scan(scan_id), scan_id)
     except NotFound:
@@ -120,7 +120,7 @@ def get_cuts(storage: Storage, scan_id: str) -> Cuts:
 
 
 def put_cuts(storage: Storage, scan_id: str, cuts: Cuts, seen: str | None = None) -> bool:
-    """The same of cuts."""
+    """Replaces the scan's cuts, as `put_landmarks` does landmarks."""
     case = storage.case_of_scan(scan_id)
     try:
         of_scans.put_cuts(case, scan_id, cuts, seen, digest=lambda: cuts_digest(get_cuts(storage, scan_id)))
@@ -131,7 +131,7 @@ def put_cuts(storage: Storage, scan_id: str, cuts: Cuts, seen: str | None = None
 
 
 def cuts_digest(cuts: Sequence[dict[str, Any]]) -> str:
-    """The same for the same cuts; empty where nothing was cut."""
+    """A digest of cuts; empty where nothing was cut."""
     text = json.dumps(cuts, separators=(",", ":"), sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16] if cuts else ""
 

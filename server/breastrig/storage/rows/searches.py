@@ -1,4 +1,4 @@
-"""What was found on a scan: landmarks that a model proposed, and lines of ink on the skin."""
+"""Results of searches on a scan: landmarks that a model proposed, and lines of ink on the skin."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -11,7 +11,7 @@ from breastrig.storage.storage import Storage
 
 
 def get_proposals(storage: Storage, scan_id: str, model_sha256: str) -> dict[str, Any] | None:
-    """What that model proposed; None when it has not yet."""
+    """The proposals of that model; None where there are none yet."""
     try:
         return of_scans.get_proposals(storage.case_of_scan(scan_id), scan_id, model_sha256)
     except NotFound:
@@ -24,7 +24,7 @@ def put_proposals(storage: Storage, scan_id: str, model_sha256: str, landmarks: 
 
 
 def get_ink(storage: Storage, scan_id: str) -> dict[str, Any] | None:
-    """The drawing that was found, shapes that were dropped marked; None when nobody has looked yet."""
+    """The found drawing, with dropped shapes marked; None before the first search."""
     try:
         found = of_scans.get_ink(storage.case_of_scan(scan_id), scan_id)
     except NotFound:
@@ -33,7 +33,7 @@ def get_ink(storage: Storage, scan_id: str) -> dict[str, Any] | None:
 
 
 def put_ink(storage: Storage, scan_id: str, drawing: dict[str, Any]) -> None:
-    """Keeps what was found.  Raises NotFound when the scan is gone."""
+    """Stores the found lines. Raises NotFound when the scan is gone."""
     of_scans.put_ink(storage.case_of_scan(scan_id), scan_id, drawing)
 
 

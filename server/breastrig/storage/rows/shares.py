@@ -63,7 +63,7 @@ def add_share(storage: Storage, share: ShareRow, token_sha256: str) -> ShareRow:
 
 
 def get_share(storage: Storage, fit_id: str, share_id: str) -> ShareRow:
-    """Raises NotFound."""
+    """The share's row. Raises NotFound."""
     try:
         case, scan_id = storage.case_of_fit(fit_id)
         document = links.get_link(case, scan_id, fit_id, share_id)
@@ -108,7 +108,7 @@ def revoke_share(storage: Storage, fit_id: str, share_id: str) -> None:
 
 
 def end_snapshots(storage: Storage, now: str) -> None:
-    """Removes what links show that are over."""
+    """Removes the contents of links that are over."""
     for fit_id, share_id in storage.index.asked(lambda rows: questions.links_over(rows, now)):
         revoke_share(storage, fit_id, share_id)
 
@@ -155,13 +155,13 @@ def share_of_visit(storage: Storage, share_id: str, visit_hmac: str, opened_afte
 
 
 def end_visit(storage: Storage, share_id: str, visit_hmac: str) -> bool:
-    """Makes the visit's credential worth nothing; whether there was such a visit."""
+    """Voids the visit's credential; returns whether there was such a visit."""
     with storage.index.writing() as rows:
         return questions.end_visit(rows, share_id, visit_hmac)
 
 
 def openings_of(storage: Storage, share_id: str, limit: int) -> list[str]:
-    """When the link was opened, the last time first."""
+    """The times at which the link was opened, newest first."""
     return storage.index.asked(lambda rows: questions.openings_of(rows, share_id))[::-1][:limit]
 
 
@@ -174,7 +174,7 @@ def _share(storage: Storage, share_id: str) -> ShareRow | None:
 
 
 def _row(storage: Storage, fit_id: str, share_id: str, document: LinkDocument) -> ShareRow:
-    """A link without its secret, which was lost with the index, shows nothing."""
+    """The share's row; a link without its secret, which was lost with the index, shows nothing."""
     secret = storage.index.asked(lambda rows: questions.secret_of_link(rows, share_id))
     opened = storage.index.asked(lambda rows: questions.openings_of(rows, share_id))
     return ShareRow(

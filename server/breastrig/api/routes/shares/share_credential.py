@@ -1,18 +1,18 @@
-"""Who comes with a share link: first with the secret of the link, then with the credential of a visit.
+"""The credentials of a share link's visitors: first the secret of the link, then the credential of a visit.
 
-The secret is 192 random bits in the link's fragment, which browsers do not send; the page posts it once.  It is
-answered with a cookie of 256 random bits for this visit.  The cookie belongs to one share in three ways: its name and
-its path hold the share's id, so that a browser with several links open sends to each its own; and what is stored of it
-is an HMAC over that id, so that at another share it is nothing.  It holds nothing of the link: a copy of it is worth
-nothing once the visit was closed, is too old, or the link has ended, all of which is asked anew at every call.
+The secret is 192 random bits in the link's fragment, which browsers do not send; the page posts it once. It is answered
+with a cookie of 256 random bits for this visit. The cookie belongs to one share in three ways: its name and its path
+hold the share's id, so that a browser with several links open sends to each its own; and the stored value is an HMAC
+over that id, so that it is void at another share. It holds nothing of the link: a copy of it is worthless once the
+visit was closed, is too old, or the link has ended, all of which is checked at every call.
 
-The cookie ends with the browser.  A second one, sent only to `/api/shared/open`, lists the visits of a browser by what
-is stored of them, which opens nothing: so a link that is opened again leaves no earlier visit behind, and the oldest
-visit ends before there are too many.
+The cookie ends with the browser. A second one, sent only to `/api/shared/open`, lists the visits of a browser by their
+stored values, which open nothing: so a link that is opened again leaves no earlier visit behind, and the oldest visit
+ends before there are too many.
 
 Whoever gives a link's passcode gets in, whatever others have guessed: each address that guesses wrong waits longer and
-longer, others do not wait.  Beyond a number of wrong passcodes in all the link takes none, until its owner, who sees
-that number, unlocks it.  So no more than that number can ever be tried, however many addresses there are.
+longer, others do not wait. Beyond a number of wrong passcodes in all the link takes none, until its owner, who sees
+that number, unlocks it. So no more than that number can ever be tried, however many addresses there are.
 """
 
 import hashlib
@@ -59,7 +59,7 @@ def new_token() -> str:
 
 
 def token_sha256(token: str) -> str:
-    """What is stored of the secret; it has too many bits to be found from its hash."""
+    """The stored hash of the secret, which has too many bits to be found from it."""
     return hashlib.sha256(token.encode("utf-8", "replace")).hexdigest()
 
 
@@ -117,7 +117,7 @@ def begin_visit(response: Response, share: ShareRow) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Visit:
-    """A share that is open in the browser which asks."""
+    """A share that is open in the calling browser."""
 
     share: ShareRow
     is_open: Callable[[], bool]  # whether it still is, asked of the rows; also after the request
@@ -153,7 +153,7 @@ def cookie_name(share_id: str) -> str:
 
 
 def cookie_path(share_id: str) -> str:
-    """The cookie is sent nowhere else."""
+    """The only path to which the cookie is sent."""
     return f"{PATH}/{share_id}"
 
 
@@ -175,7 +175,7 @@ def _still_valid(share: ShareRow) -> ShareRow:
 
 
 def _visit_hmac(credential: str, share_id: str) -> str:
-    """What is stored of a visit's credential: made with it as the key, over the id of the share that it is for."""
+    """The stored HMAC of a visit's credential: made with it as the key, over the id of its share."""
     return hmac.new(
         credential.encode("utf-8", "replace"), share_id.encode("utf-8", "replace"), hashlib.sha256
     ).hexdigest()

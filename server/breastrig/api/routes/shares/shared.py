@@ -54,7 +54,7 @@ OF_THE_SCAN = ("distances.bin", "report.pdf", "mesh.glb")
 
 @shared.after_request
 def keep_apart(response: Response) -> Response:
-    """Nothing between here and the page may answer one visitor with what another one got."""
+    """Sets headers that stop caches from answering one visitor with another one's content."""
     response.headers["Cache-Control"] = NO_STORE
     response.vary.add("Cookie")
     return response
@@ -104,7 +104,7 @@ def close_shared(share_id: str) -> Response:
 @shared.output(wire_shares.SharedResult)
 @shared.doc(operation_id="getShared", responses={401: NOT_OPEN, 410: ENDED})
 def show_shared(share_id: str) -> wire_shares.SharedResult:
-    """What the opened link shows"""
+    """The content of the opened link"""
     return _result(visit_of(share_id).share)
 
 
@@ -134,7 +134,7 @@ def show_fitted_ply(share_id: str) -> Response:
 @shared.output(DrawingFile, description="Polylines on the scan, or on the model where the link does not show the scan")
 @shared.doc(operation_id="getSharedDrawing", responses={401: NOT_OPEN, 410: ENDED})
 def show_drawing(share_id: str) -> Response:
-    """What is drawn on the shared fit's scan: the plan, or the fit's own drawing where there is none"""
+    """The drawing on the shared fit's scan: the plan, or the fit's own drawing where there is none"""
     return _file(share_id, "drawing.json")
 
 
@@ -142,7 +142,7 @@ def show_drawing(share_id: str) -> Response:
 @shared.output(PlanOnScan, description="The whole plan, likewise")
 @shared.doc(operation_id="getSharedPlan", responses={401: NOT_OPEN, 410: ENDED})
 def show_plan(share_id: str) -> Response:
-    """What is planned on the patient's skin; with its notes where the owner said so"""
+    """The plan on the patient's skin; with its notes where the owner allowed it"""
     return _file(share_id, "plan.json")
 
 
