@@ -74,7 +74,7 @@ export type Cut = {
   lasso: [number, number][];
 };
 
-/** A floor or wall: all that lies within 15 mm of it, or behind it, is no patient. Or a table under her. */
+/** A floor or wall: nothing within 15 mm of it, or behind it, is the patient. Or a table under the patient. */
 export type CutPlane = {
   /** unit vector towards the patient */
   normal: [number, number, number];
@@ -171,7 +171,7 @@ export type ExampleScan = {
   id: string;
   /** id of the patient whose scan it is */
   patient: string;
-  /** her code: a random one where nobody gave her one */
+  /** the patient's code: a random one where none was given */
   patient_code: string;
   /** of the file, by which drawings and plans say what they were made on */
   sha256: string;
@@ -295,7 +295,7 @@ export type FitPage = {
   next: string | null;
 };
 
-/** What is asked of a fit. */
+/** A request for a fit. */
 export type FitRequest = {
   /** id of the scan */
   scan: string;
@@ -315,7 +315,7 @@ export type FitRequest = {
   start_from?: string | null;
 };
 
-/** How the body seems to lie in the scan's own axes; a proposal for the camera. */
+/** The proposed orientation of the body in the scan's own axes, for the camera. */
 export type Frame = {
   /** unit vector towards the head */
   up: [number, number, number];
@@ -505,7 +505,7 @@ export type LengthsQuestion = {
   places: [number, number, number][];
 };
 
-/** From the centre of a lesion, straight, to the nearest point of what is named. */
+/** The straight distance from the centre of a lesion to the nearest point of what is named. */
 export type LesionDistance = {
   kind: "skin" | "nipple" | "chest_wall" | "line";
   /** the landmark's or the shape's name */
@@ -521,9 +521,9 @@ export type LesionDistance = {
 /** A plane through the centre of a lesion, with the fitted skin that it cuts. */
 export type LesionSlice = {
   plane: "axial" | "sagittal" | "coronal";
-  /** unit vector in the scan's frame: patient's left, or her back where sagittal */
+  /** unit vector in the scan's frame: patient's left, or back where sagittal */
   right: [number, number, number];
-  /** unit vector in the scan's frame: cranial, or her front where axial */
+  /** unit vector in the scan's frame: cranial, or the patient's front where axial */
   up: [number, number, number];
   /** of the skin, from the centre to the right and up */
   outlines_mm: [number, number][][];
@@ -727,7 +727,7 @@ export type OwnDrawing = {
   shapes: DrawnShape[];
 };
 
-/** One patient with her scans, the first that came first. */
+/** One patient with the scans, oldest first. */
 export type Patient = {
   id: string;
   code: string;
@@ -1082,7 +1082,7 @@ export type ProposedLandmarks = {
   not_proposed: Record<string, string>;
 };
 
-/** What a person has to say; the request is sent again with that field. */
+/** A question that a person has to answer; the request is sent again with that field. */
 export type Question = {
   /** what the file does not say, without the choices */
   problem: string;
@@ -1222,7 +1222,7 @@ export type Scan = {
   id: string;
   /** id of the patient whose scan it is */
   patient: string;
-  /** her code: a random one where nobody gave her one */
+  /** the patient's code: a random one where none was given */
   patient_code: string;
   /** of the file, by which drawings and plans say what they were made on */
   sha256: string;
@@ -1308,7 +1308,7 @@ export type ScanUpload = {
   file: Blob;
   /** unit of the file's numbers; auto decides from the size and says so */
   units?: "auto" | "m" | "dm" | "cm" | "mm" | "in" | "ft";
-  /** id of the patient whose scan it is; without it she is a new one */
+  /** id of the patient whose scan it is; without it a new patient */
   patient?: string | null;
   /** though the same file is a scan of that patient already */
   again?: boolean;
@@ -1320,7 +1320,7 @@ export type ScanUpload = {
   segments?: string | null;
 };
 
-/** What became of a segment of a label map. */
+/** A segment of a label map with how it is used. */
 export type Segment = {
   /** in the file */
   number: number;
@@ -1407,7 +1407,7 @@ export type ShareRequest = {
   expires_in_days?: number;
   /** asked for at the opening */
   passcode?: string | null;
-  /** whether the scan is shown: not at all (the model alone, without the layer that follows her skin), its shape without colours, or with its colours */
+  /** whether the scan is shown: not at all (the model alone, without the layer that follows the skin), its shape without colours, or with its colours */
   scan?: "none" | "plain" | "full";
   /** whether the plan's notes are shown */
   notes?: boolean;
@@ -1498,7 +1498,7 @@ export type Started = {
 export type StoredPlan = {
   schema: "breastrig/plan@1";
   unit: "mm";
-  /** her code */
+  /** the patient's code */
   patient?: string | null;
   /** grows with each change; 0 before the first, whose ETag is 0 too */
   version: number;

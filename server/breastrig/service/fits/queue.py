@@ -1,4 +1,4 @@
-"""The queue of fits, the oldest first: those that were asked for and have not begun. It keeps the workers busy.
+"""The queue of fits, the oldest first: those that were requested and have not started. It keeps the workers busy.
 
 A server that dies loses nothing: at the next start the fits that ran go back to their places in the queue, and go on
 with their events. A fit whose own process died is not started again, because it would most likely die again: it fails
