@@ -146,9 +146,9 @@ test("a visitor's day: what stood when the link was made, the present state when
   await page.goto(`${owner.base}/#scan=${part(own.scan)}&fit=${part(own.fit)}&step=result`);
   await page.getByRole("button", { name: "Share", exact: true }).click();
   const dialog = page.getByRole("dialog", { name: "Share this result" });
-  await expect(dialog.getByText("without the layer that follows her skin")).toBeVisible();
+  await expect(dialog.getByText("without the layer that follows the skin")).toBeVisible();
   await dialog.getByLabel("It shows").selectOption("full");
-  await expect(dialog.getByText("What is visible of the scan and its picture")).toBeVisible();
+  await expect(dialog.getByText("The visible part of the scan and its picture")).toBeVisible();
   expect(await seriousFindings(page)).toEqual([]);
   await dialog.getByRole("button", { name: "Make a link" }).click();
   const made = dialog.getByLabel("Address of the link");

@@ -186,7 +186,7 @@ export const client = {
   moved: (links: FitLinks, landmarks: Record<string, Vector>) => askJson<MovedModel>(links.moved, "POST", { landmarks }),
   startFit: (request: FitRequest) => askJson<Pick<Fit, "id" | "links"> & Partial<Pick<Fit, "cuts">>>("/api/fits", "POST", request),
   fit: (fit: string) => askJson<Fit>(`/api/fits/${id(fit)}`),
-  /** How she would lie in a stance that was not scanned; the same prediction is made once. */
+  /** Predicts a stance that was not scanned; the same prediction is made once. */
   predict: (link: string, request: PredictionRequest) => askJson<Pick<Fit, "id" | "links">>(link, "POST", request),
   cancel: (link: string) => askJson<Fit>(link, "POST"),
   /** All events so far; `link` is that of the stream. */
@@ -215,7 +215,7 @@ export const client = {
   lengths: (fit: string, places: readonly Vector[]) => askJson<Lengths>(`${fit}/lengths`, "POST", { places }),
   /** A pattern with its handles on the scan of a fit, as it is or as a drag makes it; nothing is stored. */
   pattern: (fit: string, question: PatternQuestion) => askJson<PatternOnScan>(`${fit}/pattern`, "POST", question),
-  /** The scan is that patient's from now on, or a new one's; `sameAs`: of these of her scans a person has said that it shows the same patient. */
+  /** The scan is that patient's from now on, or a new one's; `sameAs`: of these scans of the patient a person has stated that it shows the same patient. */
   moveScan: (scan: string, patient: string | null, sameAs: readonly string[] = []) => askJson<Patient>(`/api/scans/${id(scan)}/patient`, "PUT", { patient, same_as: sameAs }),
   measures: (link: string, other: string | null) => askJson<MeasuresFile>(other === null ? link : `${link}?with=${id(other)}`),
   shares: (link: string) => askJson<SharePage>(link),
