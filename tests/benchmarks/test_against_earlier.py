@@ -37,6 +37,12 @@ with threadpool_limits(limits=1):
         taken.append(time.process_time() - began)
 print(min(taken[1:]))
 """
+FIT = "fit", str(EXAMPLE / "scan.ply"), "--landmarks", str(PICKS), "-o", "OUT", "--force"
+PROGRAMS = {
+    "import breastrig": ("-c", "import breastrig"),
+    "import of a command": ("-c", "import breastrig.cli.fit_command"),
+    "breastrig fit": ("-m", "breastrig.cli.entry", *FIT),
+}
 TASKS = {
     "from a program, with its files": IN_MEMORY.format(
         imported="import breastrig",
@@ -45,6 +51,13 @@ TASKS = {
     "whole job of a service or a batch": IN_MEMORY.format(
         imported="from breastrig.workflow.jobs import FitJob\nfrom breastrig.workflow.run_fit import run_fit",
         fitted="list(run_fit(FitJob(scan=scan, out=out, landmarks_mm=places)))",
+    ),
+    "row of a batch, with its measures": IN_MEMORY.format(
+        imported="from breastrig.batch import task\nfrom breastrig.workflow.run_fit import run_fit\n"
+        "runner = getattr(task, 'measured_fit', run_fit)  # the earlier one made no measures",
+        fitted="task.fit_of_bytes(task.FitOfBytes(scan=scan.read_bytes(), ending='.ply', landmarks=picks.read_bytes(), "
+        "landmarks_ending='.json', units='auto', stance='auto', preset='default', preset_file=None, "
+        "drawing='first', refine=True), runner)",
     ),
 }
 
@@ -69,23 +82,22 @@ def python(package: Path, *words: str) -> str:
     return done.stdout
 
 
-def of_shell(package: Path, out: Path) -> float:
-    """s of the processor that `breastrig fit` takes, imports and all."""
+def of_shell(package: Path, *words: str) -> float:
+    """s of the processor that the words after `python` take, imports, workers and all."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    files = str(EXAMPLE / "scan.ply"), "--landmarks", str(PICKS)
-    python(package, "-m", "breastrig.cli.entry", "fit", *files, "-o", str(out), "--force")
+    python(package, *words)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-@pytest.mark.parametrize("what", ["breastrig fit", *TASKS])
+@pytest.mark.parametrize("what", [*PROGRAMS, *TASKS])
 def test_against_an_earlier_commit(
     benchmark: Any, row: Callable[..., None], earlier: Path, tmp_path: Path, what: str
 ) -> None:
     def seconds(package: Path) -> float:
         out = tmp_path / package.parent.name
         if what not in TASKS:
-            return of_shell(package, out)
+            return of_shell(package, *(word.replace("OUT", str(out)) for word in PROGRAMS[what]))
         return float(python(package, "-c", TASKS[what], str(EXAMPLE / "scan.ply"), str(PICKS), str(out)))
 
     def in_turn() -> list[tuple[float, float]]:

