@@ -9,7 +9,7 @@ import resource
 import subprocess
 import sys
 import tarfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -57,7 +57,7 @@ TASKS = {
         "runner = getattr(task, 'measured_fit', run_fit)  # the earlier one made no measures",
         fitted="task.fit_of_bytes(task.FitOfBytes(scan=scan.read_bytes(), ending='.ply', landmarks=picks.read_bytes(), "
         "landmarks_ending='.json', units='auto', stance='auto', preset='default', preset_file=None, "
-        "drawing='first', refine=True), runner)",
+        "drawing='lumpectomy', refine=True), runner)",
     ),
 }
 
@@ -76,16 +76,18 @@ def earlier(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "server"
 
 
-def python(package: Path, *words: str) -> str:
+def python(package: Path, out: Path, *words: str) -> str:
+    """What it prints; folders for a moment are beside `out`, where no other version removes them."""
     environment = os.environ | {"PYTHONPATH": str(package), "PYTHONDONTWRITEBYTECODE": "", "OPENBLAS_NUM_THREADS": "1"}
+    environment |= {"TMPDIR": str(out.parent)}
     done = subprocess.run([sys.executable, *words], env=environment, capture_output=True, check=True, text=True)
     return done.stdout
 
 
-def of_shell(package: Path, *words: str) -> float:
-    """s of the processor that the words after `python` take, imports, workers and all."""
+def of_shell(package: Path, out: Path, words: Sequence[str]) -> float:
+    """s of the processor that the words after `python` take, imports and all."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    python(package, *words)
+    python(package, out, *(word.replace("OUT", str(out)) for word in words))
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
@@ -97,8 +99,8 @@ def test_against_an_earlier_commit(
     def seconds(package: Path) -> float:
         out = tmp_path / package.parent.name
         if what not in TASKS:
-            return of_shell(package, *(word.replace("OUT", str(out)) for word in PROGRAMS[what]))
-        return float(python(package, "-c", TASKS[what], str(EXAMPLE / "scan.ply"), str(PICKS), str(out)))
+            return of_shell(package, out, PROGRAMS[what])
+        return float(python(package, out, "-c", TASKS[what], str(EXAMPLE / "scan.ply"), str(PICKS), str(out)))
 
     def in_turn() -> list[tuple[float, float]]:
         seconds(ROOT / "server"), seconds(earlier)  # compiled and in the system's cache from here on

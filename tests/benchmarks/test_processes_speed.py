@@ -6,6 +6,7 @@ import re
 import resource
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -94,8 +95,15 @@ def test_batch(benchmark: Any, row: Callable[..., None], tmp_path: Path) -> None
     def batch() -> None:
         python("-m", "breastrig.cli.entry", "batch", str(manifest), "--jobs", str(WORKERS), "-o", str(next(outputs)))
 
-    benchmark.pedantic(batch, rounds=3, warmup_rounds=0)
-    rate = count / benchmark.stats.stats.median
+    taken = []
+
+    def timed() -> None:
+        began = time.perf_counter()  # processes count by the clock on the wall only
+        batch()
+        taken.append(time.perf_counter() - began)
+
+    benchmark.pedantic(timed, rounds=3, warmup_rounds=0)
+    rate = count / float(np.median(taken))
     row(f"batch of {count} fits, {WORKERS} workers", benchmark, f"{rate:.1f} fits a second, its start included; aim: 6")
 
 
