@@ -38,7 +38,8 @@ from breastrig_studies.studies.reference_fit import ReferenceFit, reference_fit
 
 BODIES = "bodies.json"
 FEWEST = 6  # bodies
-SCATTER = (0.5, 3.0)  # least and most, as the torso's
+FREEDOM_GIVEN, FREEDOM_ELSEWHERE = 4.0, 16.0  # of the picks' scatter, as the torso's
+EXPECTED = 0.75  # quantile of scatters: most picks that are added then make places surer
 CHECK, NO_TORSO = 1.5, 4.0  # times the way from the median to the worst right fit; the torso's limits are near these
 RIGHT = 0.04  # of the rig's length: a fit whose landmarks are farther off on the mean is wrong, 20 mm of a torso
 
@@ -111,7 +112,7 @@ def write(glb: Path, rig: Rig, found: Found, stances: set[str], scans: int) -> P
     for name in rig.known.keys() & {BODIES, LANDMARKS}:
         (folder / name).write_text(rig.known[name], "utf-8")
     uncertainty = _uncertainty(rig, found)
-    write_factors(folder, factors(found.known, Calibration.model_validate(uncertainty).enlarged))
+    write_factors(folder, factors(found.known, Calibration.model_validate(uncertainty)))
     (folder / "uncertainty.toml").write_text(_toml(uncertainty, scans), "utf-8")
     (folder / "verdict.toml").write_text(_toml(_verdict(found, stances), scans), "utf-8")
     return bind_known(glb, rig.sha256).parent
@@ -142,13 +143,13 @@ def _length(rig: Rig) -> float:
 
 def _uncertainty(rig: Rig, found: Found) -> dict[str, Any]:
     """The document of fitting/uncertainty/calibration.py."""
-    scatters = [each.scatter for _, _, each in found.known if each.scatter is not None]
+    scatters = [each.scatter for _, _, each in found.known if each.picks]
     right, wrong = found.margins[True], found.margins[False]
     clear = max(0.7 * min(right, default=0.0), 1.3 * max(wrong, default=0.0), 0.01)  # all of these lay right
     return {
-        "usual_scatter": round(float(np.median(scatters)), 2) if scatters else 1.0,
-        "least_scatter": SCATTER[0],
-        "most_scatter": SCATTER[1],
+        "expected_scatter": round(float(np.quantile(scatters, EXPECTED)), 2) if scatters else 1.0,
+        "freedom_given": FREEDOM_GIVEN,
+        "freedom_elsewhere": FREEDOM_ELSEWHERE,
         "without_picks": {
             "clear": round(clear, 3),
             "unclear": round(clear / 4.0, 3),

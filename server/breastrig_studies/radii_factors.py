@@ -3,15 +3,17 @@
 python -m breastrig_studies.radii_factors DIR/warped DIR/poses DIR/prone [--write]
 
 The factor of a kind of place is the quantile of error over deviation that holds nine of ten of them, each patient of
-the development half counting alike (split conformal prediction with groups: patients). Picks are exact, 5 mm off, and
-half of them. Without --write: the coverage of the file's factors on the validation half, and their width. Scores of
-each scan are kept beside its folder, so that it is fitted once.
+the development half counting alike (split conformal prediction with groups: patients), of however many are picked: all,
+exact and 5 mm off, half of them, three. Without picks it is at least the one beside them. Where that half has too few
+patients both halves estimate: the second one's coverage is no check then. Without --write: the coverage of the file's
+factors on the validation half, and their width. Scores of each scan are kept beside its folder, so that it is fitted
+once.
 """
 
 import json
 import sys
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -26,7 +28,7 @@ from breastrig.fitting.propose import expected_places
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS
 from breastrig.fitting.task import FitTask
-from breastrig.fitting.uncertainty.calibration import Calibration, calibration, factor_of
+from breastrig.fitting.uncertainty.calibration import NO_PICKS, Calibration, Scatter, calibration, factor_of
 from breastrig.fitting.uncertainty.radii import OTHER, scatter_of, seen_vertices
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
@@ -42,6 +44,10 @@ SHOWN = 0.01  # m; a landmark farther from the scan cannot be picked
 EACH = 40  # vertices of a region in a fit
 MOST = 2  # scans of one patient in a stance
 STATES = ("given", "others", "alone", "proposed", "seen", "hidden", "seen_alone", "hidden_alone")
+BESIDE = {"alone": "others", "seen_alone": "seen", "hidden_alone": "hidden"}  # the same place where others are picked
+AMOUNTS = (4, 7)  # picks: at most three, half of what a scan shows, more
+FEWEST = 10  # patients with such an amount; fewer give no quantile of their own
+FEW = 15  # patients of a half: ten prone ones of two donors gave factors that held 73 to 83 % of the other half's
 HANGS_WITH = ("nipple", "inframammary_fold", "xiphoid", "mid_sternum", "breast", "areola", "chest", "belly")
 WOMEN = 3  # fewer whose breasts hang say nothing of others
 
@@ -55,18 +61,20 @@ class Score:
     score: float  # error over the posterior's deviation
     hangs: bool
     deviation: float  # m
-    scatter: float | None = None  # of the picks (radii.py); None: too few to say
+    scatter: float = NO_PICKS.deviation  # of the picks (radii.py)
+    picks: int = NO_PICKS.picks
 
 
 def trials(scene: Scene) -> Iterator[dict[str, Array]]:
-    """The sets of picks: none, all visible ones, the same 5 mm off, and each half of them."""
+    """The sets of picks: none, all visible ones, the same 5 mm off, each half of them, and three."""
     rng = np.random.default_rng(SEED)
     gaps = {n: float(scene.target.vertex_tree.query(place)[0]) for n, place in scene.landmarks.items()}
     shown = {name: place for name, place in scene.landmarks.items() if gaps[name] < SHOWN}
     clicked = {name: scene.along_the_skin(place, CLICK_ERROR, rng) for name, place in shown.items()}
     halves = [dict(list(shown.items())[first::2]) for first in (0, 1)]
+    three = dict([*shown.items()][k] for k in rng.permutation(len(shown))[:MIN_LANDMARKS])
     yield {}
-    yield from (each for each in (shown, clicked, *halves) if len(each) >= MIN_LANDMARKS)
+    yield from (each for each in (shown, clicked, *halves, three) if len(each) >= MIN_LANDMARKS)
 
 
 def fitted(scene: Scene, rig: Rig, recipe: Recipe, picks: dict[str, Array], start: RigParameters) -> Posterior | None:
@@ -83,7 +91,7 @@ def scores_of(posterior: Posterior, scene: Scene, true: ReferenceFit | None) -> 
 
     def score(kind: str, name: str, error: float, deviation: float) -> Score:
         hangs = hangs_by(state, posterior.task.recipe, name) > 0.0
-        return Score(kind, split_side(name)[0], error / deviation, hangs, deviation, scatter)
+        return Score(kind, split_side(name)[0], error / deviation, hangs, deviation, *scatter)
 
     deviations = np.sqrt(posterior.landmark_variances(names))
     model = dict(zip(rig.landmark_names, rig.landmark_points().positions(state.vertices, rig.faces), strict=True))
@@ -125,26 +133,35 @@ def quantile(scores: Sequence[float], women: Sequence[str]) -> float:
 Known = list[tuple[str, str, Score]]  # patient, stance
 
 
-def larger_for(each: Score, times: Callable[[float | None], float]) -> float:
+def larger_for(each: Score, known: Calibration) -> float:
     """The factor of this radius for the picks' scatter; at least 1 for hidden skin, of which picks show nothing."""
-    return max(times(each.scatter), 1.0) if each.state == "hidden" else times(each.scatter)
+    times = known.enlarged(Scatter(each.scatter, each.picks), given=each.state == "given")
+    return max(times, 1.0) if each.state == "hidden" else times
 
 
-def factors(found: Known, times: Callable[[float | None], float]) -> dict[str, dict[str, dict[str, float]]]:
-    """Factors by stance, state and kind; `times`: the enlargement of radii for a scatter of picks."""
+def _factor(scores: list[tuple[float, str, Score]]) -> float:
+    """The quantile of these (score, patient, of what): the largest of any amount of picks beside the place."""
+    amounts = [0 if each.state == "given" else int(np.digitize(each.picks, AMOUNTS)) for _, _, each in scores]
+    parts = [[part for part, at in zip(scores, amounts, strict=True) if at == amount] for amount in {*amounts}]
+    enough = [part for part in parts if len({woman for _, woman, _ in part}) >= FEWEST] or [scores]
+    return max(quantile([s for s, _, _ in part], [woman for _, woman, _ in part]) for part in enough)
+
+
+def factors(found: Known, known: Calibration) -> dict[str, dict[str, dict[str, float]]]:
+    """Factors by stance, state and kind; `known` tells the enlargement of radii for a scatter of picks."""
     result: dict[str, dict[str, dict[str, float]]] = {}
     for stance in sorted({each[1] for each in found}):
-        groups: dict[tuple[str, str], list[tuple[float, str, bool]]] = defaultdict(list)
+        groups: dict[tuple[str, str], list[tuple[float, str, Score]]] = defaultdict(list)
         for woman, its, each in found:
             if its == stance:
-                score = each.score / larger_for(each, times)
-                groups[each.state, each.kind].append((score, woman, each.hangs))
+                groups[each.state, each.kind].append((each.score / larger_for(each, known), woman, each))
         of_stance: dict[str, dict[str, float]] = {state: {} for state in STATES}
         more: dict[str, list[tuple[float, str]]] = defaultdict(list)
+        estimates = {key: _factor(scores) for key, scores in groups.items()}
         for (state, kind), scores in sorted(groups.items()):
-            factor = quantile([s for s, _, _ in scores], [w for _, w, _ in scores])
+            factor = max(estimates[state, kind], estimates.get((BESIDE.get(state, ""), kind), 0.0))
             of_stance[state][kind] = round(factor, 2)
-            more[kind] += [(s / factor, w) for s, w, hangs in scores if hangs]
+            more[kind] += [(s / factor, w) for s, w, each in scores if each.hangs]
         of_stance["hanging"] = {
             kind: round(larger, 2)
             for kind in HANGS_WITH
@@ -154,6 +171,9 @@ def factors(found: Known, times: Callable[[float | None], float]) -> dict[str, d
         for state, group in of_stance.items():
             if group and state != "hanging":
                 group[OTHER] = max(group.values(), default=1.0)  # of what has no factor of its own
+        for state, beside in BESIDE.items():
+            if of_stance[state] and of_stance[beside]:
+                of_stance[state][OTHER] = max(of_stance[state][OTHER], of_stance[beside][OTHER])
         result[stance] = {state: group for state, group in of_stance.items() if group}
     return result
 
@@ -198,7 +218,7 @@ def table(found: Known, known: Calibration) -> Iterator[str]:
             held, wide = defaultdict[str, list[bool]](list), []
             for woman, at, each in found:
                 if (at, each.state) == (stance, state):
-                    times = factor_of(getattr(its, state), each.kind) * larger_for(each, known.enlarged)
+                    times = factor_of(getattr(its, state), each.kind) * larger_for(each, known)
                     times *= its.hanging.get(each.kind, 1.0) if each.hangs else 1.0
                     held[woman].append(each.score <= times)
                     wide.append(times * each.deviation)
@@ -206,6 +226,14 @@ def table(found: Known, known: Calibration) -> Iterator[str]:
             if shares:
                 width = f"{1e3 * float(np.median(wide)):7.1f} mm"
                 yield f"{stance:9s}{state:13s}{np.mean(shares):7.1%}{min(shares):7.1%}{width}"
+
+
+def enough(halves: dict[str, Known]) -> Known:
+    """The development half; of stances of which it has too few patients, both halves."""
+    patients = defaultdict[str, set[str]](set)
+    for patient, stance, _ in halves[DEVELOPMENT]:
+        patients[stance].add(patient)
+    return halves[DEVELOPMENT] + [each for each in halves[VALIDATION] if len(patients[each[1]]) < FEW]
 
 
 def main(folders: Sequence[str], write: bool) -> None:
@@ -218,7 +246,7 @@ def main(folders: Sequence[str], write: bool) -> None:
         for case, half, scores in read_scores(folder, rig, recipe):
             halves[half] += [(f"{folder.name} {case.patient}", case.stance, each) for each in scores]
     if write:
-        estimates = factors(halves[DEVELOPMENT], known.enlarged)
+        estimates = factors(enough(halves), known)
         write_factors(default_rig_path().with_suffix(".known"), estimates)
         known = Calibration.model_validate(known.model_dump() | {"stances": estimates})
     for half, found in halves.items():

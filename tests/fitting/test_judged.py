@@ -32,9 +32,9 @@ from breastrig.rig.model import Rig
 NONE = GivenLandmarks(picked=0, left=0, followed=0)
 FACTORS = {state: {"other": times} for state, times in (("seen_alone", 0.5), ("hidden_alone", 9.0), ("alone", 3.0))}
 SCATTER = """
-usual_scatter = 1.0
-least_scatter = 0.5
-most_scatter = 3.0
+expected_scatter = 1.0
+freedom_given = 4.0
+freedom_elsewhere = 16.0
 [without_picks]
 clear = 0.2
 unclear = 0.1

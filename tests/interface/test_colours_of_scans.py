@@ -18,8 +18,10 @@ from helpers.mesh_variants import (
 )
 
 import breastrig
+from breastrig.core.assets import asset_folder
 from breastrig.interface.drawing import Line, document_of, drawing_of
 from breastrig.interface.scan import ScanSource
+from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.read import PICTURE_TOO_LARGE, UNPAINTED_ARRAYS
 
 FILES = {
@@ -65,3 +67,39 @@ def test_a_line_has_the_radius_of_each_point_and_keeps_it() -> None:
     (written,) = document_of([line])["shapes"]
     assert written["error_mm"] == [7.5, None]
     assert Line("b", np.zeros((1, 3))).error_mm is None
+
+
+@pytest.mark.slow
+def test_what_colours_show_counts_beside_picks_of_other_landmarks() -> None:
+    """A pick takes nothing away of what was seen: the nipples stay where the areolae are, as sure as without it."""
+    place = asset_folder("example") / "standing"
+    scan, (true, unit) = breastrig.read_scan(place / "scan.ply", "m"), read_landmarks(place / "landmarks.json")
+    assert unit == "mm"
+    alone, beside, one = (
+        breastrig.fit(scan, {name: [1e-3 * x for x in true[name]] for name in names} or None).result
+        for names in ((), ("xiphoid", "acromion_L", "acromion_R"), ("xiphoid", "acromion_L", "nipple_L"))
+    )
+    assert alone["landmarks_seen"] == {"nipple_L": "areola seen", "nipple_R": "areola seen"}
+    assert beside["landmarks_seen"] == alone["landmarks_seen"]
+    assert one["landmarks_seen"].keys() == {"nipple_R"}, "what is picked is not looked for"
+    for name in ("nipple_L", "nipple_R"):
+        assert beside["landmarks"][name] == pytest.approx(alone["landmarks"][name], abs=0.002)
+        radii = [each["landmark_uncertainty_mm"][name] for each in (alone, beside)]
+        assert radii[1] < max(1.05 * radii[0], radii[0] + 1.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stance", ["standing", "supine"])
+def test_three_true_picks_make_no_other_landmark_less_sure(stance: str) -> None:
+    """What form and colours say of the others stays beside picks, and so do the factors of their radii."""
+    place = asset_folder("example") / stance
+    scan, (true, _) = breastrig.read_scan(place / "scan.ply", "m"), read_landmarks(place / "landmarks.json")
+    before = breastrig.fit(scan).result["landmark_uncertainty_mm"]
+    for names in (("xiphoid", "acromion_L", "acromion_R"), ("suprasternal_notch", "midclavicle_L", "nipple_R")):
+        fit = breastrig.fit(scan, {name: [1e-3 * x for x in true[name]] for name in names})
+        after = fit.result["landmark_uncertainty_mm"]
+        grown = {
+            name: (before[name], after[name]) for name in after.keys() - names if after[name] > 1.02 * before[name]
+        }
+        assert not grown
+        assert sum(after[name] < 0.9 * before[name] for name in after) >= 5

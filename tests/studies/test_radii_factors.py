@@ -7,15 +7,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from breastrig.fitting.uncertainty.calibration import Calibration
+from breastrig.fitting.uncertainty.calibration import NO_PICKS, Calibration, Scatter
 from breastrig_studies import radii_factors
+from breastrig_studies.cohort import DEVELOPMENT, VALIDATION
 from breastrig_studies.radii_factors import OTHER, Known, Score, factors, quantile, scores_of, table
 
 CALIBRATION = Calibration.model_validate(
     {
-        "usual_scatter": 1.0,
-        "least_scatter": 0.5,
-        "most_scatter": 3.0,
+        "expected_scatter": 1.0,
+        "freedom_given": 1e-9,  # the picks alone say
+        "freedom_elsewhere": 1e-9,
         "without_picks": {"clear": 0.2, "unclear": 0.05, "astray": 0.2},
     }
 )
@@ -48,14 +49,14 @@ def known_women(seed: int, women: int, places: int) -> Known:
         for state, kind, size in (("given", "nipple", 2.0), ("hidden", "back", 3.0), ("seen_alone", "belly", 1.0)):
             scale = size * (1.0 if "alone" in state else max(scatter, 1.0) if state == "hidden" else scatter)
             for error in scale * np.linalg.norm(rng.normal(size=(places, 2)), axis=1):
-                some = None if "alone" in state else scatter
-                found.append((f"w{number}", "standing", Score(state, kind, float(error), False, 0.004, some)))
+                some = NO_PICKS if "alone" in state else Scatter(scatter, 9)
+                found.append((f"w{number}", "standing", Score(state, kind, float(error), False, 0.004, *some)))
     return found
 
 
 def test_factors_are_those_of_the_errors_without_what_the_picks_scatter_makes_of_them() -> None:
     of_90 = np.sqrt(2.0 * np.log(10.0))  # of a place in the skin's two axes
-    found = factors(known_women(2, 80, 60), CALIBRATION.enlarged)["standing"]
+    found = factors(known_women(2, 80, 60), CALIBRATION)["standing"]
     sizes = {state: found[state][kind] for state, kind in (("given", "nipple"), ("hidden", "back"))}
     assert sizes["given"] == pytest.approx(2.0 * of_90, rel=0.05)
     assert sizes["hidden"] == pytest.approx(3.0 * of_90, rel=0.05)
@@ -64,7 +65,7 @@ def test_factors_are_those_of_the_errors_without_what_the_picks_scatter_makes_of
         *known_women(2, 20, 20),
         *((w, s, replace(each, kind="areola", score=1.0)) for w, s, each in known_women(3, 20, 5)),
     ]
-    of_kinds = factors(two, CALIBRATION.enlarged)["standing"]
+    of_kinds = factors(two, CALIBRATION)["standing"]
     for state in ("given", "hidden", "seen_alone"):
         kinds = {kind: value for kind, value in of_kinds[state].items() if kind != OTHER}
         assert len(kinds) == 2
@@ -94,7 +95,7 @@ def test_a_score_is_the_error_over_the_standard_deviation(monkeypatch: pytest.Mo
         landmarks={"nipple_L": np.array([0.004, 0.0, 0.0])}, case=SimpleNamespace(stance="standing")
     )
     true: Any = SimpleNamespace(vertices=vertices + np.array([0.0, 0.006, 0.0]))
-    for name, value in (("scatter_of", 1.0), ("hangs_by", 0.0), ("seen_vertices", np.array([True, True, False]))):
+    for name, value in (("scatter_of", NO_PICKS), ("hangs_by", 0.0), ("seen_vertices", np.array([True, True, False]))):
         monkeypatch.setattr(radii_factors, name, lambda *_, value=value: value)
     monkeypatch.setattr(radii_factors, "expected_places", lambda *_: np.array([[0.004, 0.0, 0.01]]))
     for picked, ways in (
@@ -111,3 +112,50 @@ def test_a_score_is_the_error_over_the_standard_deviation(monkeypatch: pytest.Mo
         skin = {each.state: each.score for each in scores_of(posterior, scene, true) if each.kind == "breast"}
         more = "" if picked else "_alone"
         assert skin == pytest.approx({f"seen{more}": 2.0, f"hidden{more}": 2.0})
+
+
+def errors_of(state: str, size: float, women: int, picks: int = 0) -> Known:
+    """Of so many women 60 places in the skin's two axes, with deviations that are to be `size` times larger."""
+    rng, known = np.random.default_rng(picks), []
+    for woman in range(women):
+        for error in size * np.linalg.norm(rng.normal(size=(60, 2)), axis=1):
+            known.append((f"w{woman}", "standing", Score(state, "nipple", float(error), False, 0.004, 1.0, picks)))
+    return known
+
+
+def test_a_place_without_picks_has_at_least_the_factor_that_it_has_beside_some() -> None:
+    """So that the first pick makes it no less sure; of what has no factor of its own likewise."""
+    for with_picks, without in ((3.0, 2.0), (2.0, 3.0)):
+        found = factors(errors_of("others", with_picks, 40, 9) + errors_of("alone", without, 40), CALIBRATION)[
+            "standing"
+        ]
+        of_90 = np.sqrt(2.0 * np.log(10.0))
+        for kind in ("nipple", OTHER):
+            assert found["others"][kind] == pytest.approx(with_picks * of_90, rel=0.06)
+            assert found["alone"][kind] == pytest.approx(3.0 * of_90, rel=0.06)
+
+
+def test_a_factor_holds_nine_of_ten_of_each_amount_of_picks_that_is_known_of_enough_women() -> None:
+    of_90, many = np.sqrt(2.0 * np.log(10.0)), errors_of("others", 1.0, 40, 12)
+    for women, size in ((40, 2.0), (2, 1.0)):
+        found = factors(many + errors_of("others", 2.0, women, 3), CALIBRATION)["standing"]["others"]["nipple"]
+        assert found == pytest.approx(size * of_90, rel=0.15)
+    given = factors(errors_of("given", 1.0, 40, 12) + errors_of("given", 2.0, 40, 3), CALIBRATION)["standing"]["given"]
+    assert 1.1 * of_90 < given["nipple"] < 1.9 * of_90  # a pick counts alike whatever is beside it
+
+
+def test_a_half_of_few_women_does_not_speak_for_others() -> None:
+    """With fewer than fifteen women in the development half both halves estimate, otherwise that half alone."""
+    one = Score("given", "nipple", 1.0, False, 0.004)
+
+    def of(half: str, stance: str, women: int) -> Known:
+        return [(f"{half} {k}", stance, one) for k in range(women)]
+
+    halves = {
+        half: of(half, "prone", 10) + of(half, "standing", 20) + (of(half, "supine", 20) if half == VALIDATION else [])
+        for half in (DEVELOPMENT, VALIDATION)
+    }
+    found = radii_factors.enough(halves)
+    assert {woman for woman, at, _ in found if at == "standing"} == {f"{DEVELOPMENT} {k}" for k in range(20)}
+    assert len({woman for woman, at, _ in found if at == "prone"}) == 20
+    assert len({woman for woman, at, _ in found if at == "supine"}) == 20

@@ -75,8 +75,8 @@ def test_a_certain_pick_of_the_middle_is_followed_when_all_sides_are_exchanged(p
     ready = prepare_fit(fit_plan(job, read_model(job), job.landmarks_mm), *scan_of_job(job))
     [doubt] = ready.started.landmarks_not_followed
     assert doubt.names == [name for name in exchanged if name != "umbilicus"]
-    assert list(ready.task.landmarks) == ["umbilicus"]
-    assert ready.task.certain == {"umbilicus"}
+    assert list(ready.task.picked) == ["umbilicus"]
+    assert ready.task.certain & set(ready.task.picked) == {"umbilicus"}
 
 
 @pytest.mark.parametrize(

@@ -22,9 +22,9 @@ from breastrig.workflow.report import stance_of
 TIMES = 2.0  # of all deviations
 STATES = ("given", "others", "alone", "proposed", "seen", "hidden", "seen_alone", "hidden_alone")
 SCATTER = """
-usual_scatter = 1.0
-least_scatter = 1.0
-most_scatter = 1.0001
+expected_scatter = 1.0
+freedom_given = 1e9
+freedom_elsewhere = 1e9
 [without_picks]
 clear = 0.2
 unclear = 0.1

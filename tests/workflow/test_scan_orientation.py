@@ -71,10 +71,9 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
         count["starts"] += 1
         return of_start(*args)
 
-    for module in (stance_module, run_fit_module):
+    for module in (stance_module, run_fit_module, scan_fit):
         monkeypatch.setattr(module, "checked_iterates", fitted)
-    for module in (propose, scan_fit):
-        monkeypatch.setattr(module, "iterates_with_second_start", fitted)
+    monkeypatch.setattr(propose, "iterates_with_second_start", fitted)
     for module in (prepare_scan, background):
         monkeypatch.setattr(module, "propose_frame", fronts)
     for module in (orientation_module, scan_orientation):

@@ -246,8 +246,8 @@ class ResultFile(Document):
     landmarks_seen: dict[str, str] = Field(
         {},
         exclude_if=not_,
-        description="the feature that shows each landmark seen in the scan's colours, by name; none where any was "
-        "picked",
+        description="the feature that shows each landmark seen in the scan's colours, by name, of those that were "
+        "not picked",
     )
     landmarks_picked: dict[str, Three] = Field(description="as given, in the scan's frame and unit")
     areolae: dict[str, ResultAreola | None] = Field(

@@ -180,11 +180,10 @@ class ScanProblem:
 
     def _landmark_distance(self, vertices: Array) -> float | None:
         """m, mean over the picked landmarks; None without picks of a person."""
-        return (
-            None
-            if self._picks is None or not self.task.picked
-            else float(np.linalg.norm(self._picks.gaps(vertices), axis=1).mean())
-        )
+        if self._picks is None or not self.task.picked:
+            return None
+        gaps = np.linalg.norm(self._picks.gaps(vertices), axis=1)
+        return float(gaps[[each.name in self.task.picked for each in self._picks.observations]].mean())
 
 
 def mean_distance(matches: Correspondences, without: float) -> float:

@@ -106,7 +106,7 @@ class Fit:
     scan_faces: Integers = field(init=False)  # (G, 3)
     # (3,) each: where the fitted model has them, those of `seen` where colours show them
     landmarks: dict[str, Array] = field(init=False)
-    # landmarks that the scan's colours show, each with what shows it; none where any was picked
+    # landmarks that the scan's colours show, each with what shows it; of those that were not picked
     seen: dict[str, str] = field(init=False)
     picked: dict[str, Array] = field(init=False)  # (3,) each: as they were given
     not_followed: dict[str, str] = field(init=False)  # given landmarks that all else contradicts, each with a sentence

@@ -11,7 +11,7 @@ from typing import cast
 
 import numpy as np
 
-from breastrig.colour.features.observation import Observation
+from breastrig.colour.features.observation import LOOKED_FOR, Observation
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadLandmarks, BadSettings, unknown_name, unknown_names
 from breastrig.core.stances import AUTO, STANCES, Stance
@@ -22,11 +22,11 @@ from breastrig.files.result import DoubtedPick
 from breastrig.fitting.body.expected_body import cohort_posterior
 from breastrig.fitting.fit import FitIterate, FitTask
 from breastrig.fitting.observed.landmarks import colour_observations, with_observations
+from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.picks.mistakes import sides_exchanged
 from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.scan_orientation import ScanOrientation, orientation_from
-from breastrig.fitting.starts.second_start import iterates_with_second_start
 from breastrig.fitting.task import PickIssue
 from breastrig.fitting.verdicts.reasons import GivenLandmarks
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -204,8 +204,8 @@ def _only_proposed(landmarks: Collection[str], confidence: Mapping[str, float]) 
     places held 10 and 11 % where they counted as picks, 18 and 14 % where each counted with its error; without, 98 and
     88 %.
 
-    What colours show is looked for again only where nobody has picked anything (see _with_colour); beside picks such
-    proposals are observations with an error of their own.
+    What colours show of landmarks that are not given is looked for again; beside picks such proposals are observations
+    with an error of their own.
     """
     unsure = {name for name in landmarks if confidence.get(name, 1.0) < 1.0}
     if unsure.issuperset(landmarks):
@@ -257,6 +257,9 @@ def prepare_fit(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
         task, stance = with_earlier_start(task, settings.stance, earlier)
         clearness, known_iterates, shown = None, (), None
         timing["align"] = clock.lap()
+        if _looks_at_colour(task, scan):
+            with_colour, shown = _observed_from(task, task, task.start, clearness, scan)
+            task = replace(with_colour, recipe=task.recipe)  # which goes on already
     timing["solve"] = clock.lap()
     return ReadyScan(
         settings=settings,
@@ -264,7 +267,7 @@ def prepare_fit(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
         notes=(
             *scan.notes,
             *ready.notes,
-            *_words(shown),
+            *_words(shown, task.picked),
             *_unchecked(plan),
             *_of_cohort(task),
         ),
@@ -294,20 +297,33 @@ def _with_colour(
 ) -> tuple[FitTask, tuple[FitIterate, ...], Mapping[str, Observation] | None]:
     """The task with landmarks that the colours show, its iterates as far as they are known, and what is shown.
 
-    `fitted` is where the task without landmarks is known to end.
-    Only where no person has picked any: who has, has seen the proposals, which are made with the colours.
+    `fitted` is where the task without landmarks is known to end.  Beside picks the form is fitted with them first: it
+    knows better than without where to look for the others, which the colours show as they did before.
     """
-    if task.given or not scan.shows_colour:
+    if not _looks_at_colour(task, scan):
         return task, known_iterates, None
-    if fitted is None:
-        last = (known_iterates or tuple(iterates_with_second_start(task)))[-1]
-        fitted = last.parameters if last.is_finite else None
-    shown = {} if fitted is None else colour_observations(task, fitted, clearness, scan)
-    return (
-        (task, known_iterates, shown)
-        if fitted is None or not shown
-        else (with_observations(task, shown, fitted), (), shown)
-    )
+    known = task
+    if task.given or fitted is None:
+        last = (known_iterates or tuple(checked_iterates(task)))[-1]
+        if not last.is_finite:
+            return task, known_iterates, {}
+        fitted = last.parameters
+        known = ended(task, last) if task.given else task
+    going_on, shown = _observed_from(task, known, fitted, clearness, scan)
+    return going_on, known_iterates if going_on is task else (), shown
+
+
+def _looks_at_colour(task: FitTask, scan: Scan) -> bool:
+    """Whether colours can show a landmark that is not given."""
+    return scan.shows_colour and bool((LOOKED_FOR & {*task.rig.landmark_names}) - task.given.keys())
+
+
+def _observed_from(
+    task: FitTask, known: FitTask, fitted: RigParameters, clearness: float | None, scan: Scan
+) -> tuple[FitTask, Mapping[str, Observation]]:
+    """The task that goes on from where it `fitted` as far as it is `known`, and what the colours show from there."""
+    shown = colour_observations(known, fitted, clearness, scan)
+    return with_observations(task, shown, fitted), shown
 
 
 def _unchecked(plan: FitPlan) -> tuple[str, ...]:
@@ -328,12 +344,13 @@ def _of_cohort(task: FitTask) -> tuple[str, ...]:
     return (f"Fitted with what {posterior.women} patients in this stance have in common.",)
 
 
-def _words(shown: Mapping[str, Observation] | None) -> tuple[str, ...]:
-    """A note of what was found by colour."""
-    if not shown:
+def _words(shown: Mapping[str, Observation] | None, picked: Collection[str]) -> tuple[str, ...]:
+    """A note of what was found by colour and not `picked`."""
+    found = {name: each for name, each in (shown or {}).items() if name not in picked}
+    if not found:
         return ()
-    reasons = sorted({each.reason for each in shown.values()})
-    return (f"Found by colour: {', '.join(shown)} ({', '.join(reasons)}).",)
+    reasons = sorted({each.reason for each in found.values()})
+    return (f"Found by colour: {', '.join(found)} ({', '.join(reasons)}).",)
 
 
 def _exchanged(

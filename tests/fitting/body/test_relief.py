@@ -90,7 +90,7 @@ def test_before_the_form_is_found_no_hollow_is_looked_for(task: FitTask) -> None
 def test_what_a_person_picked_is_not_looked_for(task: FitTask, true: dict[str, Array]) -> None:
     picked = {name: true[name] for name in ("umbilicus", "nipple_L", "nipple_R", "acromion_L")}
     *_, last = checked_iterates(task.with_picks(picked))
-    assert set(last.relief or {}) == HOLLOWS - {"umbilicus"}  # and no tips of shoulders: picks say more of them
+    assert set(last.relief or {}) == HOLLOWS - {"umbilicus"} | {"acromion_R"}  # the shoulder's tip that is not picked
     assert errors(task, last, true)["umbilicus"] < 0.004
     posterior = Posterior(ended(task.with_picks(picked), last), last.parameters)
     assert set(LeaveOneOut(posterior).names) == set(picked)  # nobody is asked about a hollow

@@ -18,16 +18,16 @@ from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.uncertainty import radii as radii_module
-from breastrig.fitting.uncertainty.calibration import Calibration
-from breastrig.fitting.uncertainty.radii import FEW, HOLDS_90, Radii, radii, scatter_of, seen_vertices
+from breastrig.fitting.uncertainty.calibration import NO_PICKS, Calibration, Scatter
+from breastrig.fitting.uncertainty.radii import HOLDS_90, Radii, radii, scatter_of, seen_vertices
 from breastrig.rig.model import Rig
 from breastrig_studies.studies.trust.laplace import rises
 
 STATES = ("given", "others", "alone", "proposed", "seen", "hidden", "seen_alone", "hidden_alone")
 NUMBERS = {
-    "usual_scatter": 1.25,
-    "least_scatter": 0.5,
-    "most_scatter": 3.0,
+    "expected_scatter": 1.25,
+    "freedom_given": 4.0,
+    "freedom_elsewhere": 16.0,
     "without_picks": {"clear": 0.2, "unclear": 0.05, "astray": 0.25},
 }
 FACTORS = {state: {"other": 2.0 + k} for k, state in enumerate(STATES)}  # of each state another one
@@ -49,11 +49,17 @@ def test_a_variance_of_one_in_all_is_held_with_nine_of_ten_and_a_line_across_it(
     assert across[1] >= 0.9
 
 
-@pytest.mark.parametrize(
-    ("scatter", "times"), [(None, 1.0), (1.25, 1.0), (2.5, 2.0), (0.75, 0.6), (0.1, 0.5), (100.0, 3.0)]
-)
-def test_picks_enlarge_radii_in_proportion_to_their_scatter_within_limits(scatter: float | None, times: float) -> None:
-    assert KNOWN.enlarged(scatter) == pytest.approx(times)
+def test_picks_enlarge_radii_by_their_scatter_the_more_the_more_there_are() -> None:
+    """From none on, without a step; two axes of eight picks count as much as the sixteen that are expected."""
+    for given in (True, False):
+        assert KNOWN.enlarged(NO_PICKS, given=given) == 1.0
+        assert KNOWN.enlarged(Scatter(1.25, 7), given=given) == pytest.approx(1.0)
+        assert KNOWN.enlarged(Scatter(2.5, 10**6), given=given) == pytest.approx(2.0, rel=1e-3)
+        for scatter in (0.1, 0.75, 2.5, 7.0):
+            by_picks = np.array([KNOWN.enlarged(Scatter(scatter, picks), given=given) for picks in range(13)])
+            assert (np.sign(scatter - 1.25) * np.diff(by_picks) > 0.0).all()
+    assert KNOWN.enlarged(Scatter(2.5, 8), given=False) == pytest.approx(np.sqrt((1.0 + 4.0) / 2.0))
+    assert KNOWN.enlarged(Scatter(2.5, 2), given=True) == pytest.approx(np.sqrt((1.0 + 4.0) / 2.0))
 
 
 def test_the_less_clear_a_start_was_the_farther_the_body_may_be() -> None:
@@ -111,7 +117,7 @@ def asked(forearm: Posterior, monkeypatch: pytest.MonkeyPatch) -> Asked:
     """Its radii, by factors that are known, as if its picks scattered so and were picked or seen by colour."""
 
     def answer(
-        margin: float | None = None, scatter: float | None = None, expected: bool = False, **task: object
+        margin: float | None = None, scatter: Scatter = NO_PICKS, expected: bool = False, **task: object
     ) -> Radii:
         monkeypatch.setattr(radii_module, "calibration", lambda _: KNOWN)
         monkeypatch.setattr(radii_module, "scatter_of", lambda _: scatter)
@@ -144,15 +150,16 @@ def test_a_radius_is_its_factor_times_the_deviation_and_what_the_start_leaves_op
     factor = {state: FACTORS[state]["other"] for state in STATES}
     alone: dict[str, object] = {"picked": {}, "given": {}}
     for margin, lost in ((None, 0.0), (0.3, 0.0), (0.125, HOLDS_90 * 0.125), (0.0, HOLDS_90 * 0.25)):
-        for scatter, times in ((None, 1.0), (0.75, 0.6), (2.5, 2.0)):
+        for scatter in (NO_PICKS, Scatter(0.75, 2), Scatter(2.5, 9)):
             found = asked(margin, scatter)
-            wanted = times * np.where(given, factor["given"], factor["others"]) * at
+            at_picks, times = (KNOWN.enlarged(scatter, given=each) for each in (True, False))
+            wanted = np.where(given, at_picks * factor["given"], times * factor["others"]) * at
             assert [*found.landmarks.values()] == pytest.approx(np.hypot(wanted, lost))
             wanted = np.where(seen, times * factor["seen"], max(times, 1.0) * factor["hidden"]) * skin
             assert found.vertices == pytest.approx(np.hypot(wanted, lost))
             assert found.lines == pytest.approx(ACROSS * np.sqrt(np.mean(found.vertices[seen] ** 2)))
         for expected, state in ((False, "alone"), (True, "proposed")):
-            found = asked(margin, None, expected, **alone)
+            found = asked(margin, NO_PICKS, expected, **alone)
             assert [*found.landmarks.values()] == pytest.approx(np.hypot(factor[state] * at, lost))
             wanted = np.where(seen, factor["seen_alone"], factor["hidden_alone"]) * skin
             assert found.vertices == pytest.approx(np.hypot(wanted, lost))
@@ -190,7 +197,7 @@ def test_where_regions_overlap_the_less_sure_one_counts(forearm: Posterior, reve
 
 
 def picks_off_by(deviations: Array) -> Any:
-    names = {f"place {k}": None for k in range(len(deviations))}
+    names = dict.fromkeys(range(len(deviations)))
     return SimpleNamespace(picks=names, task=SimpleNamespace(picked=names), of_picks_alone=deviations)
 
 
@@ -199,18 +206,21 @@ def test_picks_as_good_as_is_said_scatter_by_one_and_a_wild_one_hardly_counts(mo
         radii_module, "LeaveOneOut", lambda found: SimpleNamespace(deviations=lambda: dict(enumerate(found)))
     )
     usual = np.linalg.norm(np.random.default_rng(3).normal(size=(4000, 2)), axis=1)  # along the skin's two axes
-    assert scatter_of(picks_off_by(usual)) == pytest.approx(1.0, abs=0.02)
-    assert scatter_of(picks_off_by(2.5 * usual[usual < 2.0])) == pytest.approx(
-        2.5 * scatter_of(picks_off_by(usual[usual < 2.0])), rel=1e-6
-    )
+    assert scatter_of(picks_off_by(usual)) == (pytest.approx(1.0, abs=0.02), 4000)
+    close = usual[usual < 2.0]
+    wider = scatter_of(picks_off_by(2.5 * close)).deviation
+    assert wider == pytest.approx(2.5 * scatter_of(picks_off_by(close)).deviation, rel=1e-6)
     twelve = usual[:12].copy()
     far = np.append(twelve, 1e3)
     farther = np.append(twelve, 1e6)
     assert scatter_of(picks_off_by(far)) == scatter_of(picks_off_by(farther))
-    assert scatter_of(picks_off_by(far)) < 2.0
-    assert scatter_of(picks_off_by(usual[: FEW - 1])) is None
-    assert scatter_of(picks_off_by(usual[:FEW])) is not None
-    assert FEW == 4  # three make a plane: they cannot disagree
+    assert scatter_of(picks_off_by(far)).deviation < 2.5  # ten deviations among twelve usual ones
+    assert scatter_of(picks_off_by(usual[:1])).picks == 1
+    assert scatter_of(picks_off_by(usual[:0])) == NO_PICKS
+    beside = picks_off_by(twelve)  # what colours show is no click
+    beside.task.picked = [0, 1]
+    of_two = float(np.sqrt(np.mean(twelve[:2] ** 2) / 2.0))
+    assert scatter_of(beside) == (pytest.approx(of_two), 2)
 
 
 def test_a_scan_that_faces_elsewhere_shows_no_skin(forearm: Posterior) -> None:
@@ -222,8 +232,9 @@ def test_a_scan_that_faces_elsewhere_shows_no_skin(forearm: Posterior) -> None:
 
 
 def test_a_larger_error_anywhere_makes_no_radius_smaller(asked: Asked) -> None:
-    sure = asked(0.2, 0.5)
-    for less in (asked(0.1, 0.5), asked(0.2, 1.5), asked(0.1, 1.5)):
+    careful, careless = Scatter(0.5, 8), Scatter(1.5, 8)
+    sure = asked(0.2, careful)
+    for less in (asked(0.1, careful), asked(0.2, careless), asked(0.1, careless)):
         assert (less.vertices >= sure.vertices).all()
         assert all(less.landmarks[name] >= radius for name, radius in sure.landmarks.items())
         assert less.lines > sure.lines

@@ -171,7 +171,7 @@ def test_careful_picks_say_nothing_of_skin_that_the_scan_does_not_show(
 ) -> None:
     posterior, far = posterior_of(torso), {}
     for scatter in (0.5, 1.0, 2.0):
-        monkeypatch.setattr(Calibration, "enlarged", lambda *_, found=scatter: found)
+        monkeypatch.setattr(Calibration, "enlarged", lambda *_, found=scatter, **__: found)
         known = radii(posterior)
         assert known is not None
         far[scatter] = known.vertices

@@ -1160,7 +1160,7 @@ export type ResultFile = {
   landmarks_agreed?: string[];
   /** of the fitted model, or where the scan's colours show them (landmarks_seen), in the scan's frame and unit */
   landmarks: Record<string, [number, number, number]>;
-  /** the feature that shows each landmark seen in the scan's colours, by name; none where any was picked */
+  /** the feature that shows each landmark seen in the scan's colours, by name, of those that were not picked */
   landmarks_seen?: Record<string, string>;
   /** as given, in the scan's frame and unit */
   landmarks_picked: Record<string, [number, number, number]>;

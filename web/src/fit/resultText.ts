@@ -88,6 +88,6 @@ export const numbers = {
   total: "total time",
   stop: "stopped because",
   curve: "Mean distance over the iterations",
-  noLandmarks: "None were given. Those that you check make most places surer.",
+  noLandmarks: "None were given. Those that you check make nearly every other place surer.",
   each: "Each landmark",
 };

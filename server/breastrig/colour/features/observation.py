@@ -10,6 +10,12 @@ from breastrig.core.arrays import Array
 if TYPE_CHECKING:
     from breastrig.colour.features.areola import Areola
 
+NIPPLES = {"L": "nipple_L", "R": "nipple_R"}
+NAVEL = "umbilicus"
+CROSSED = ("suprasternal_notch", "xiphoid")
+BETWEEN_CROSSES = "mid_sternum"
+LOOKED_FOR = frozenset({*NIPPLES.values(), NAVEL, *CROSSED, BETWEEN_CROSSES})  # no other landmark shows in colours
+
 
 @dataclass(frozen=True, eq=False)
 class Expectation:

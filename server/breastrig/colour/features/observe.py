@@ -14,16 +14,18 @@ from breastrig.colour.features.crosses import between_crosses, marked_by_crosses
 from breastrig.colour.features.limits import Features, features
 from breastrig.colour.features.navel import find_navel
 from breastrig.colour.features.nipple import find_nipple
-from breastrig.colour.features.observation import Expectation, Observation
+from breastrig.colour.features.observation import (
+    BETWEEN_CROSSES,
+    CROSSED,
+    NAVEL,
+    NIPPLES,
+    Expectation,
+    Observation,
+)
 from breastrig.colour.features.patch import ColouredSkin
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BreastRigError
 from breastrig.scan.scan import Scan
-
-NIPPLES = {"L": "nipple_L", "R": "nipple_R"}
-NAVEL = "umbilicus"
-CROSSED = ("suprasternal_notch", "xiphoid")
-BETWEEN_CROSSES = "mid_sternum"
 
 
 def observed_landmarks(

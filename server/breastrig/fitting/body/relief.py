@@ -57,9 +57,7 @@ def _prone(task: FitTask, state: BodyState) -> dict[str, LandmarkObservation]:
 def _tips(
     task: FitTask, state: BodyState, expected: Mapping[str, Expected], axes: Array
 ) -> dict[str, LandmarkObservation]:
-    """The tips of the shoulders of a standing body; none where a person has picked any landmark."""
-    if task.picked:
-        return {}
+    """The tips of the shoulders of a standing body."""
     rules, seen = relief_limits().shoulder, {}
     for name, each in expected.items():
         if name not in TIPS:

@@ -1,4 +1,4 @@
-"""Landmarks that a scan's colours show, as observations of a fit that has no picks of a person.
+"""Landmarks that a scan's colours show, as observations of a fit beside the picks of others.
 
 The form is fitted first and says where each landmark is expected, and how well it knows.  What colour shows near there
 enters the normal equations as picks do, but with an error of its own: that of the observation, and that of the model,
@@ -39,7 +39,8 @@ def colour_observations(
 ) -> dict[str, Observation]:
     """What the colours of the scan show of the rig's landmarks; nothing for a scan without colours, or of a single one.
 
-    `fitted` is where the fit of the `task` without landmarks ended, `margin` how clear its start was (Start.margin).
+    `fitted` is where the fit of the `task` without them ended, `margin` how clear its start was (Start.margin).  What
+    is given is looked for, too, for what lies beside it.
     """
     if not scan.shows_colour:
         return {}
@@ -48,7 +49,7 @@ def colour_observations(
     rig = task.rig
     known = radii(Posterior(task, fitted), margin)
     errors = {name: UNKNOWN if known is None else known.landmarks[name] / HOLDS_90 for name in rig.landmark_names}
-    body, expected = expectations(rig, pose(rig, fitted), errors, {})
+    body, expected = expectations(rig, pose(rig, fitted), errors | dict.fromkeys(task.given, KNOWN), task.landmarks)
     return observed_landmarks(scan, expected, body[:, 0], body[:, 1])
 
 
@@ -84,11 +85,12 @@ def followed(
 
 
 def with_observations(task: FitTask, seen: Mapping[str, Observation], fitted: RigParameters) -> FitTask:
-    """The task that goes on from where it `fitted` without landmarks, with what colour shows among its observations."""
-    if not seen:
+    """The task that goes on from where it `fitted` without them, with what colour shows of landmarks not yet given."""
+    unpicked = {name: each for name, each in seen.items() if name not in task.given}
+    if not unpicked:
         return task
-    gaps, given = expected_gaps(BodyState(task.rig, fitted), task.stance), {}
-    for name, each in seen.items():
+    gaps, given = expected_gaps(BodyState(task.rig, fitted), task.stance), dict(task.given)
+    for name, each in unpicked.items():
         own = each.error**2 / 2.0 + task.recipe.observed.landmark**2  # the skin has two axes
         covariance = own * np.eye(3) + gaps[name].covariance
         given[name] = LandmarkObservation(name, each.place, covariance, "colour", reason=each.reason)

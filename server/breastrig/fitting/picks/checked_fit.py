@@ -28,7 +28,7 @@ def checked_iterates(task: FitTask, known_opening: Opening | None = None) -> Ite
     if iterate.status is Status.NOT_FINITE:
         yield iterate
         return
-    most = min(int(task.recipe.outliers.most * len(task.given)), len(task.given) - MIN_LANDMARKS)
+    most = min(int(task.recipe.outliers.most * len(task.picked)), len(task.picked) - MIN_LANDMARKS)
     doubts = mistaken(task, iterate.parameters, most)
     halfway = iterate
     going_on = replace(without(task, doubts), start=halfway.parameters, recipe=rest, hanging=halfway.hanging)

@@ -2,11 +2,13 @@
 
 A radius is the posterior's standard deviation times a factor, so chosen for each kind of place that it holds nine of
 ten true places of women who are known, each woman counting alike (conformal prediction normalised by a model's own
-deviation: Lei et al., Distribution-free predictive inference for regression, 2018).  Written by
+deviation: Lei et al., Distribution-free predictive inference for regression, 2018).  A place's factor beside picks is
+at most the one without any, so that what makes the posterior surer makes the radius smaller.  Written by
 breastrig_studies/radii_factors.py; docs/decisions/0025.
 """
 
 from functools import lru_cache
+from typing import NamedTuple
 
 from pydantic import Field
 
@@ -32,6 +34,16 @@ class StanceFactors(SettingsPart):
     hanging: Factors = Field(default={})  # times more where a breast hangs, of landmarks and regions
 
 
+class Scatter(NamedTuple):
+    """How far picks are from where all else has them."""
+
+    deviation: float  # root mean square on an axis, in the units of picks as good as is said
+    picks: int
+
+
+NO_PICKS = Scatter(1.0, 0)
+
+
 class WithoutPicks(SettingsPart):
     """Of a fit that the scan alone has placed; see Start.margin for how clear that was."""
 
@@ -47,17 +59,20 @@ class WithoutPicks(SettingsPart):
 class Calibration(SettingsPart):
     """Of one model."""
 
-    usual_scatter: Positive  # of picks as good as is said, see radii.py
-    least_scatter: Positive  # share of the radii that the best of picks leave
-    most_scatter: Positive  # and by how much the worst enlarge them
+    expected_scatter: Positive  # before any pick is known, see radii.py
+    freedom_given: Positive  # how many residuals that expectation counts as, for radii of what was given
+    freedom_elsewhere: Positive  # and for all others
     without_picks: WithoutPicks
     stances: dict[str, StanceFactors] = Field(default={})
 
-    def enlarged(self, scatter: float | None) -> float:
-        """By how much picks that scatter so enlarge the radii; None: too few of them to say."""
-        if scatter is None:
-            return 1.0
-        return min(max(scatter / self.usual_scatter, self.least_scatter), self.most_scatter)
+    def enlarged(self, scatter: Scatter, *, given: bool) -> float:
+        """By how much picks that scatter so enlarge radii of what was `given`, or of all else: 1 without picks.
+
+        The root of the posterior mean of a variance (an inverse chi square): few picks say little, each more says more.
+        """
+        expected, found = self.freedom_given if given else self.freedom_elsewhere, 2 * scatter.picks  # axes of the skin
+        square = (scatter.deviation / self.expected_scatter) ** 2
+        return float(((expected + found * square) / (expected + found)) ** 0.5)
 
     def of_stance(self, stance: str) -> StanceFactors:
         """Those of this stance; what nobody has measured in it, as standing."""

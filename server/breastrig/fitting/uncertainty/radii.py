@@ -10,14 +10,13 @@ from breastrig.drawings.line_error import across
 from breastrig.fitting.body.hanging import hangs_by
 from breastrig.fitting.picks.leave_one_out import LeaveOneOut
 from breastrig.fitting.posterior import Posterior
-from breastrig.fitting.uncertainty.calibration import StanceFactors, calibration, factor_of
+from breastrig.fitting.uncertainty.calibration import NO_PICKS, Scatter, StanceFactors, calibration, factor_of
 from breastrig.rig.model import Rig
 
 HOLDS_90 = 1.5  # radius of 90 % for a variance of one in all: 1.44 where three axes share it, 1.52 two, 1.64 one
 OTHER = "other"  # of factors: what none is for
 BOTH = frozenset({"nipple_L", "nipple_R"})  # seen by colour where the form has them: so the body lies as it was found
-FEW = 4  # fewer picks show no scatter
-OUTLYING = 6.0  # standard deviations; more is a wrong pick and says nothing of the others
+OUTLYING = 10.0  # standard deviations; more is a wrong pick and says no more of the others (docs/decisions/0025)
 SEEN_DISTANCE, SEEN_COSINE = 0.015, 0.5  # m, cosine of 60 degrees: a vertex with scan this near, facing alike, is shown
 
 
@@ -56,14 +55,17 @@ def radii(posterior: Posterior, margin: float | None = None, *, expected: bool =
         return None
     by_colour = task.given.keys() - task.picked
     lost = 0.0 if margin is None or by_colour >= BOTH else HOLDS_90 * known.without_picks.lost(margin)
-    scatter, names = known.enlarged(scatter_of(posterior)), tuple(rig.landmark_names)
-    factors = scatter * landmark_factors(posterior, known.of_stance(task.stance), expected=expected)
+    scatter, names = scatter_of(posterior), tuple(rig.landmark_names)
+    at_given, elsewhere = (known.enlarged(scatter, given=given) for given in (True, False))
+    factors = landmark_factors(posterior, known.of_stance(task.stance), expected=expected)
+    factors *= np.array([at_given if name in task.given else elsewhere for name in names])
     larger = np.repeat(factors / HOLDS_90, 3)
     joint = larger[:, None] * posterior.joint_landmark_covariance(names) * larger
     joint += (lost / HOLDS_90) ** 2 / 3.0 * np.eye(len(joint))  # where else each lies is not known
     at_landmarks = HOLDS_90 * np.sqrt(np.diag(joint).reshape(-1, 3).sum(axis=1))
     seen = seen_vertices(posterior)
-    factors = np.where(seen, scatter, max(scatter, 1.0)) * skin_factors(posterior, known.of_stance(task.stance), seen)
+    factors = skin_factors(posterior, known.of_stance(task.stance), seen)
+    factors *= np.where(seen, elsewhere, max(elsewhere, 1.0))
     at_vertices = np.hypot(factors * np.sqrt(posterior.vertex_variances()), lost)
     landmarks = dict(zip(names, at_landmarks.tolist(), strict=True))
     return Radii(landmarks, at_vertices, line_error(rig, at_vertices, seen), joint)
@@ -98,15 +100,14 @@ def _of_hanging(posterior: Posterior, factors: StanceFactors, name: str) -> floa
     return kind if kind != 1.0 and hangs_by(posterior.state, posterior.task.recipe, name) > 0.0 else 1.0
 
 
-def scatter_of(posterior: Posterior) -> float | None:
-    """Root mean square of the picks' deviations from where all else has them, on an axis; None of too few picks.
-
-    In the units of picks as good as is said (leave_one_out.py): clicks are more careful here than there, and it shows.
-    """
-    if posterior.picks is None or len(posterior.task.picked) < FEW:
-        return None
-    deviations = np.array(list(LeaveOneOut(posterior.of_picks_alone).deviations().values()))
-    return float(np.sqrt(np.mean(np.minimum(deviations, OUTLYING) ** 2) / 2.0))  # the skin has two axes
+def scatter_of(posterior: Posterior) -> Scatter:
+    """Of the picks from where all else has them (leave_one_out.py): some clicks are more careful, and it shows."""
+    picked = posterior.task.picked
+    if posterior.picks is None or not picked:
+        return NO_PICKS
+    found = LeaveOneOut(posterior.of_picks_alone).deviations()
+    deviations = np.minimum([each for name, each in found.items() if name in picked], OUTLYING)
+    return Scatter(float(np.sqrt(np.mean(deviations**2) / 2.0)), len(deviations))  # the skin has two axes
 
 
 def seen_vertices(posterior: Posterior) -> Booleans:

@@ -53,7 +53,7 @@ class FitFolder:
     surface: Surface  # the cleaned scan that was fitted
     vertices: Array  # (V, 3) m, the fitted model, refined or not
     landmarks: dict[str, Array]  # picked and not doubted, (3,) m
-    seen: dict[str, Array]  # which the scan's colours show, (3,) m; none where any was picked
+    seen: dict[str, Array]  # which the scan's colours show, (3,) m; of those not picked
     stance: str  # standing | supine | prone
     metres_per_unit: float
     parameters: RigParameters
