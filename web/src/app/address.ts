@@ -47,7 +47,7 @@ export function toHash(place: PageAddress): string {
   return text === "" ? "" : `#${text}`;
 }
 
-/** Where a patient's work was left: her first two scans with their newest fits, on the one that came first. */
+/** The state of a patient's work: the first two scans with their newest fits, on the older one. */
 export function addressOfPatient({ scans: [first, second] }: Pick<Patient, "scans">): string {
   const place = (scan: Patient["scans"][number]): { scan: string; fit: string | null; frame: null } => ({ scan: scan.id, fit: scan.fit?.state === "done" ? scan.fit.id : null, frame: null });
   if (!first) return "#";

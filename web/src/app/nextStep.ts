@@ -44,7 +44,7 @@ function foundInk(state: NextShown): NextStep | null {
 
 const isPlanned = ({ drawing, drawn }: Pick<NextShown, "drawing" | "drawn">): boolean => drawing !== "" || drawn.lines.present.length > 0 || drawn.lesions.length > 0;
 
-/** What a surgeon does with a fit that holds: look at her own lines, draw, bring the other stance, take the report. */
+/** A surgeon's next steps with a good fit: the pen markings, a drawing, the other stance, the report. */
 function afterFit(state: NextShown): NextStep {
   const { drawn, stances } = state;
   if (levelOf(state.fit?.result) === "unusable") return { kind: "correct" };

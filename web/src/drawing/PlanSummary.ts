@@ -1,4 +1,4 @@
-// While she draws: what is planned on this scan, and how far off each part of it may be.
+// The plan on this scan with its line errors, shown while drawing.
 import { drawingLabels } from "../fit/requestedDrawing";
 import type { FitSlice } from "../fit/state";
 import { lineErrorOf, marginOf } from "../fit/verdict";

@@ -180,7 +180,7 @@ export const drawing = {
     byItself: "auto",
     byItselfAt: (amount: string) => `auto: ${amount}`,
     drawnAt: (amount: string) => `Drawn: ${amount}, measured on this skin.`,
-    stopsAt: (amount: string) => `Drawn at ${amount}: her breast ends there, and the nipple is not moved down.`,
+    stopsAt: (amount: string) => `Drawn at ${amount}: the breast ends there, and the nipple is not moved down.`,
     sides: { L: "left", R: "right" },
     amount: (value: string, unit: string) => `${value}${unit === "deg" ? "°" : unit === "mm" ? "\u00a0mm" : ""}`,
     choices: { "": "choose", L: "Patient's left", R: "Patient's right", both: "Both" } as Record<string, string>,

@@ -254,7 +254,7 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
       isClose = judge;
     },
 
-    /** Proposals become picks, in one step of the history: the person's own where she looks closely, else only agreed to. */
+    /** Proposals become picks, in one step of the history: the person's own where viewed closely, else only agreed to. */
     confirm(names: readonly string[]): void {
       const state = store.get();
       const taken = openProposals(state.proposals, state.picks.present).filter(({ name }) => names.includes(name));

@@ -1,4 +1,4 @@
-// The first page: the patients of the week, each a link to where her work was left.
+// The first page: the patients of the week, each a link to the state of the work.
 import type { Patient } from "../api/types";
 import { only } from "../store/store";
 import { button, iconButton, select } from "../ui/controls";
@@ -11,7 +11,7 @@ import * as text from "./text";
 const words = text.patients;
 const moment = new Intl.DateTimeFormat(undefined, { dateStyle: "medium", timeStyle: "short" });
 
-/** `addressOf`: where her scans are opened with their newest fits. */
+/** `addressOf`: the address that opens the patient's scans with their newest fits. */
 export function createPatientList(patients: PatientActions, addressOf: (patient: Patient) => string): Panel<PatientsSlice> {
   const search = el("input", { type: "search", class: "search", placeholder: words.search, "aria-label": words.search, oninput: () => patients.search(search.value) });
   const orders = Object.entries(words.orders).map(([value, label]) => ({ value: value as Order, label }));

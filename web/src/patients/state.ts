@@ -19,7 +19,7 @@ export interface PatientsSlice {
 
 export const initialPatients: PatientsState = { rows: [], next: null, search: "", order: "newest", isBusy: false, isKnown: false, going: [] };
 
-/** When the first of her scans is deleted by age; null: never. */
+/** The time when the patient's first scan is deleted by age; null: never. */
 export function deletedAt({ scans }: Pick<Patient, "scans">): string | null {
   const days = scans.map(({ delete_at }) => delete_at).filter((each) => each !== null).sort();
   return days[0] ?? null;

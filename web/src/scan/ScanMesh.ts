@@ -149,7 +149,7 @@ export class ScanMesh implements Surface {
   /** The scan is seen and can be worked on meanwhile. */
   private async findPatient(bytes: ArrayBuffer, { scan }: Shown, whole: BufferGeometry): Promise<void> {
     const { crops } = this;
-    const wasKnown = this.found !== null; // she stands already
+    const wasKnown = this.found !== null; // the body is shown already
     this.isSettled = false;
     const { eye, target } = this.viewer.pose;
     const known = whole.boundsTree ? knownBody(bytes, crops) : null;
@@ -174,7 +174,7 @@ export class ScanMesh implements Surface {
     }
     const now = this.viewer.pose;
     const isUntouched = now.eye.equals(eye) && now.target.equals(target);
-    if (isUntouched) this.stands = null; // she comes to the middle; who has turned her keeps what he looks at
+    if (isUntouched) this.stands = null; // the body is centred; a view that was turned by hand stays
     this.onLoose(bytes);
     this.onReady(null);
     if (isUntouched) this.viewer.lookFrom("front", false);
@@ -201,7 +201,7 @@ export class ScanMesh implements Surface {
     before?.dispose();
     this.dropVeil();
     this.found = body;
-    if (body.relief) whole.setAttribute("relief", new BufferAttribute(body.relief, 1, true)); // before her part, which shares it
+    if (body.relief) whole.setAttribute("relief", new BufferAttribute(body.relief, 1, true)); // before the patient's part, which shares it
     this.parts = { whole, drawable: body.drawable, body: body.part && partOf(whole, body.part) };
     this.rims.body = body.part && new BufferAttribute(body.part.rims, 3);
   }

@@ -1,4 +1,4 @@
-// A scan's search tree and rims, and the patient apart from the table and the loose pieces of it: her triangles with theirs.
+// A scan's search tree and rims, and the patient's triangles, apart from those of the table and of loose pieces.
 // It takes longer than reading the scan does, so a worker makes it; what it hands over are plain buffers, made once for each scan.
 import { BufferAttribute, BufferGeometry } from "three";
 import { MeshBVH, type SerializedBVH } from "three-mesh-bvh";
@@ -16,18 +16,18 @@ export interface Outline {
 
 export interface Body {
   readonly drawable: Drawable;
-  /** null where all of the scan is hers, or nothing is */
+  /** null where all of the scan is the patient, or nothing is */
   readonly part: BodyPart | null;
   /** by vertex, see relief.ts; null: not asked for */
   readonly relief: Uint8Array | null;
 }
 
 export interface BodyPart extends Outline {
-  readonly index: Uint32Array; // her triangles, of the scan's vertices
+  readonly index: Uint32Array; // the patient's triangles, of the scan's vertices
   readonly faces: Uint32Array; // which of the scan's triangles each of them is
 }
 
-/** The whole scan, and the patient in it: a surface of her own where there is more than her. */
+/** The whole scan, and the patient in it: a separate surface where there is anything else. */
 export interface ScanParts {
   readonly whole: BufferGeometry;
   readonly drawable: Drawable | null; // not known yet
@@ -48,7 +48,7 @@ export interface BodyQuestion {
 export interface CutByService {
   readonly table: TablePlane | null;
   readonly background: readonly CutPlane[]; // floors and walls
-  readonly others: readonly Vector[]; // a place on each piece beside her
+  readonly others: readonly Vector[]; // a place on each piece beside the patient
 }
 
 export const NOTHING_CUT: CutByService = { table: null, background: [], others: [] };
@@ -57,7 +57,7 @@ export type Surface = Pick<BodyQuestion, "positions" | "index" | "isSplit">;
 
 const BACKGROUND_BAND = 0.015; // metres: its noise, and more than the service's own band
 
-/** Where the service names no table a supine patient faces as hers does. */
+/** Where the service names no table: the direction that a supine patient's table would face. */
 export function cutByService(info: Pick<Scan, "stance" | "frame" | "table" | "background" | "other_pieces">): CutByService {
   const guess = info.stance.proposed === "supine" ? { normal: info.frame.front, height: null } : null;
   const table = info.table ? { normal: info.table.normal, height: info.table.height_m } : guess;
@@ -131,7 +131,7 @@ export function bodyOf({ positions, index, isSplit, cut, crops, wantsRelief }: B
 /** The corners of those triangles that are 1. */
 export const indexOf = (index: ArrayLike<number>, faces: Uint8Array): Uint32Array => Uint32Array.from(index).filter((_, i) => faces[(i / 3) | 0]);
 
-/** The scan's surface with her triangles only; it shares the vertices of the whole. */
+/** The scan's surface with the patient's triangles only; it shares the vertices of the whole. */
 export function partOf(whole: BufferGeometry, hers: BodyPart): BufferGeometry {
   const part = new BufferGeometry();
   for (const [name, attribute] of Object.entries(whole.attributes)) part.setAttribute(name, attribute);

@@ -1,4 +1,4 @@
-// Which triangles of a scan are the patient's skin: a table under her and pieces that hang loose beside her are not shown and
+// Which triangles of a scan are the patient's skin: a table under the patient and loose pieces beside the body are not shown and
 // not drawn on.
 //
 // The service says where the table is; the plane is laid once more through what lies near it and faces as it does.  Skin
@@ -211,7 +211,7 @@ export function drawableOf(positions: ArrayLike<number>, index: ArrayLike<number
   const largest = Math.max(0, ...[...pieces.values()].filter((piece) => !isLow(piece)).map(({ area }) => area));
   for (const place of areas.length === 0 ? [] : others) {
     const root = rootOf(corners[3 * nearestFace(centres, place)]!);
-    if (pieces.get(root)?.area !== largest) pieces.delete(root); // joined with her by a rest of the table she is not given up
+    if (pieces.get(root)?.area !== largest) pieces.delete(root); // a piece joined to the body by a rest of the table stays
   }
   const isSkin = Uint8Array.from(areas, (_, face) => {
     const piece = table?.isTable[face] ? undefined : pieces.get(rootOf(corners[3 * face]!));

@@ -18,7 +18,7 @@ export function createStancesBar(stances: StancesActions): Panel<Shown> {
   let isMade = false; // the other one is predicted: it is looked at, never worked on
   const tab = (second: boolean): HTMLButtonElement => el("button", { type: "button", onclick: () => isSecond !== second && (isMade ? stances.compare(true) : void stances.swap()) });
   const tabs = [tab(false), tab(true)];
-  const more = el("span", {}); // of her further scans
+  const more = el("span", {}); // of the patient's further scans
   const both = el("div", { class: "segmented", role: "group", "aria-label": words.label }, ...tabs, more);
   const add = el("button", { type: "button", class: "button quiet outlined", title: words.addHint, id: "add-stance", "aria-label": words.add, onclick: () => stances.dialog(true) });
   let comparing = false;

@@ -111,7 +111,7 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     }
   }
 
-  /** Both scans are of one patient: her plan is that of both, and what was planned on the first is not made anew on the second. */
+  /** Both scans are of one patient: the plan is that of both, and what was planned on the first is not made anew on the second. */
   async function joinPatient(first: Workspace, isNew: boolean): Promise<void> {
     const scan = store.get().scan?.info;
     const patient = first.scan?.info;

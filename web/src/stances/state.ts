@@ -32,7 +32,7 @@ export interface StancesState {
   readonly isAdding: boolean; // the dialog for a second scan is open
   readonly isBringing: boolean; // the second scan is on its way
   readonly hers: readonly PatientScan[]; // the patient's scans beside the one in work
-  readonly named: Patient | null; // another one, whose code was typed: her scans are to choose from, if they are hers
+  readonly named: Patient | null; // another patient, whose code was typed: those scans are offered, if they are of the same patient
   readonly isCarrying: boolean;
   readonly asked: readonly AskedPair[]; // scans that do not look like one patient's: nothing is carried between them before the answer
   readonly answers: number; // so many were given here

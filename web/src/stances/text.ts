@@ -56,7 +56,7 @@ export const stances = {
     needsOther: "To see the drawing on the standing and on the supine body, add the other scan or have it predicted.",
     needsFits: (names: string) => `A drawing is carried between two fitted scans. Not fitted yet: ${names}.`,
     needsLines: "Draw a line or choose a pattern on either scan: it is shown on the other as well.",
-    others: "her other scans",
+    others: "the patient's other scans",
     busy: "Carrying the drawing …",
     done: (name: string) => `Shown on the ${name} scan, lines and patterns; it follows every change.`,
     donePredicted: (name: string) => `Shown on the ${name} body, predicted and not scanned, lines and patterns; it follows every change.`,
