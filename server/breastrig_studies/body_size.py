@@ -1,4 +1,4 @@
-"""Measures how often scans of a wrong scale, and of the right one, are questioned (fitting/verdicts/size.py).
+"""Measures how often scans of a wrong scale, and of the right one, are questioned (fitting/verdicts/verdict.py).
 
 python -m breastrig_studies.body_size DIR/poses [GROUP]
 

@@ -23,9 +23,9 @@ import numpy as np
 from breastrig.core.errors import FitFailed
 from breastrig.core.private_files import write_private
 from breastrig.core.stances import STANDING
-from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe, load_recipe
+from breastrig.fitting.solve import checked_iterates, ended
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.uncertainty.contribution import contribution, contribution_bytes, parsed_contribution
 from breastrig.fitting.uncertainty.radii import radii

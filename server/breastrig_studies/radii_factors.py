@@ -22,10 +22,10 @@ import numpy as np
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.stances import PRONE, split_side
 from breastrig.fitting.body.hanging import hangs_by
-from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.propose import expected_places
 from breastrig.fitting.recipe import Recipe, load_recipe
+from breastrig.fitting.solve import checked_iterates, ended
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.uncertainty.calibration import NO_PICKS, Calibration, Scatter, calibration, factor_of

@@ -22,8 +22,8 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.stances import PRONE, STANDING, SUPINE
-from breastrig.fitting.picks.checked_fit import checked_iterates
 from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.solve import checked_iterates
 from breastrig.fitting.starts.stance_signs import (
     LikelyStance,
     Sign,

@@ -26,7 +26,7 @@ from breastrig.fitting.task import PickIssue
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.pictures.companions import NO_MATERIAL
-from breastrig.workflow.fit_recorder import FitRecorder
+from breastrig.workflow import run_fit
 
 pytestmark = pytest.mark.long
 
@@ -297,8 +297,8 @@ def test_unusual_picks_are_named_on_stderr_to_be_checked(
         PickIssue(("nipple_L",), "nipple_L was let go."),
         PickIssue(("xiphoid",), question, followed=True),
     )
-    finish = FitRecorder.finish
-    monkeypatch.setattr(FitRecorder, "finish", lambda *given: replace(finish(*given), doubts=found))
+    finish = run_fit.outcome_of
+    monkeypatch.setattr(run_fit, "outcome_of", lambda *given: replace(finish(*given), doubts=found))
     arguments = ["fit", str(EXAMPLE / "scan.ply"), "--landmarks", str(EXAMPLE / "landmarks.json"), "-o", str(tmp_path)]
     assert main(arguments) == 0
     assert capsys.readouterr().err.splitlines() == [

@@ -6,8 +6,8 @@ from helpers.rig_patient import patient
 
 from breastrig.correspondence.target import ScanTarget
 from breastrig.energies.table_contact import TableContact
+from breastrig.fitting.body.expected_body import prior_terms, table_contact
 from breastrig.fitting.fit import FitTask
-from breastrig.fitting.problem import prior_terms, table_contact
 from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.plane import Plane
 from breastrig.gltf.read_rig import default_rig_path, read_rig

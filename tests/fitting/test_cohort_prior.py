@@ -9,12 +9,11 @@ from scipy.stats import multivariate_normal
 
 from breastrig.correspondence.target import ScanTarget
 from breastrig.energies.body_prior import BodyPrior
-from breastrig.fitting.body.expected_body import cohort_posterior, expected_body
+from breastrig.fitting.body.expected_body import cohort_posterior, expected_body, prior_terms
 from breastrig.fitting.fit import FitIterate, fit_iterates
-from breastrig.fitting.picks.checked_fit import ended
 from breastrig.fitting.posterior import Posterior
-from breastrig.fitting.problem import prior_terms
 from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.solve import ended
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.uncertainty.contribution import (
     built_in,

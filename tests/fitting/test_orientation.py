@@ -8,9 +8,9 @@ from helpers.surfaces import sphere
 
 from breastrig.core.stances import AUTO
 from breastrig.correspondence.target import ScanTarget
+from breastrig.fitting.hypotheses import scan_orientation
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import load_recipe
-from breastrig.fitting.scan_orientation import scan_orientation
 from breastrig.fitting.starts.orientation import start_from_scan, trunks
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig

@@ -8,12 +8,12 @@ import pytest
 from breastrig.core.assets import asset_folder
 from breastrig.fitting import propose
 from breastrig.fitting.fit import fit_iterates
+from breastrig.fitting.hypotheses import scan_orientation
 from breastrig.fitting.observed.landmarks import colour_observations, with_observations
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.propose import Proposal, confidence_of, expected_error
 from breastrig.fitting.recipe import load_recipe
-from breastrig.fitting.scan_orientation import scan_orientation
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.clean import clean, compact

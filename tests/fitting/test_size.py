@@ -5,8 +5,7 @@ import pytest
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.verdicts.size import times_larger
-from breastrig.fitting.verdicts.verdict import unusual_size, verdict_limits
+from breastrig.fitting.verdicts.verdict import times_larger, unusual_size, verdict_limits
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.clean import compact

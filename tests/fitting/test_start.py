@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from breastrig.core.errors import BadLandmarks, BadSettings
-from breastrig.fitting.presets.preset_files import preset_names
-from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.recipe import load_recipe, preset_names
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig

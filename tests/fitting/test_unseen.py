@@ -9,7 +9,7 @@ from helpers.example_patient import Patient, example_patient, silent
 
 from breastrig.core.arrays import Array, Booleans
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.problem import prior_terms
+from breastrig.fitting.body.expected_body import prior_terms
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.task import FitTask
 from breastrig.least_squares.newton import assemble

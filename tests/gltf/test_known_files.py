@@ -8,8 +8,7 @@ import pytest
 
 from breastrig.cli.main import main
 from breastrig.core.errors import BadModel
-from breastrig.fitting.body.hidden_skin import hidden_skin
-from breastrig.fitting.body.trunk_depth import trunk_depth
+from breastrig.fitting.body.hidden_skin import hidden_skin, trunk_depth
 from breastrig.fitting.uncertainty.calibration import calibration
 from breastrig.fitting.verdicts.verdict import verdict_limits
 from breastrig.gltf.read_rig import default_rig_path, read_rig

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from helpers.toy_rig import toy_rig
 
+from breastrig.fitting.hypotheses import ScanOrientation, orientation_from
 from breastrig.fitting.prepare_scan import prepared
-from breastrig.fitting.scan_orientation import ScanOrientation, orientation_from
 from breastrig.rig.similarity import Similarity
 from breastrig.scan.clean import Surface
 

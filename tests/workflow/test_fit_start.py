@@ -12,9 +12,10 @@ from helpers.random_pose import random_parameters
 
 from breastrig.core.errors import BadSettings
 from breastrig.correspondence.target import ScanTarget
+from breastrig.fitting import hypotheses
+from breastrig.fitting.hypotheses import ScanOrientation, with_stance
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import load_recipe
-from breastrig.fitting.scan_orientation import ScanOrientation
 from breastrig.fitting.stance import FoundStance
 from breastrig.fitting.task import FitTask
 from breastrig.gltf.pose_nodes import node_poses, posed_by_nodes
@@ -25,9 +26,7 @@ from breastrig.rig.similarity import Similarity
 from breastrig.rig.skinning import pose
 from breastrig.scan.clean import Surface
 from breastrig.scan.orient import LABEL_MAP_FRAME
-from breastrig.workflow import fit_start
 from breastrig.workflow.events import Event
-from breastrig.workflow.fit_start import with_stance
 from breastrig.workflow.jobs import EarlierFit, FitJob
 from breastrig.workflow.run_fit import run_fit
 
@@ -92,7 +91,7 @@ def test_the_pose_of_another_model_is_refused(tmp_path: Path) -> None:
 def test_landmarks_change_no_stance_unless_the_scan_alone_was_fitted_elsewhere(
     rig: Rig, monkeypatch: pytest.MonkeyPatch, apart: float, stance: str
 ) -> None:
-    monkeypatch.setattr(fit_start, "found_stance", lambda task, frame: FoundStance("standing", "Found anew."))
+    monkeypatch.setattr(hypotheses, "found_stance", lambda task, frame: FoundStance("standing", "Found anew."))
     x = rest_parameters(rig)
     start = Similarity(1.0, np.eye(3), np.zeros(3))
     orientation = ScanOrientation(rig.sha256, LABEL_MAP_FRAME, start, 1.0, "supine", "As found before.", x)

@@ -19,9 +19,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from breastrig.core.errors import BreastRigError
+from breastrig.fitting.hypotheses import scan_orientation
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import load_recipe
-from breastrig.fitting.scan_orientation import scan_orientation
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.clean import clean
 from breastrig.scan.read import read_scan

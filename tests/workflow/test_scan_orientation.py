@@ -16,8 +16,7 @@ import breastrig.workflow.read_upload as read_upload_module
 import breastrig.workflow.run_fit as run_fit_module
 from breastrig.core.assets import asset_folder
 from breastrig.execution.limits import FitLimits
-from breastrig.fitting import prepare_scan, propose, scan_orientation
-from breastrig.fitting.picks import checked_fit
+from breastrig.fitting import hypotheses, prepare_scan, propose, solve
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.geometry.rays import RayCaster
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -54,7 +53,7 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
     """How often the costly things are done: whole fits, and searches for front, table and start."""
     count = {"fits": 0, "fronts": 0, "starts": 0}
     of_fit, of_front, of_start = (
-        checked_fit.checked_iterates,
+        solve.checked_iterates,
         prepare_scan.propose_frame,
         orientation_module.start_from_scan,
     )
@@ -76,7 +75,7 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
     monkeypatch.setattr(propose, "iterates_with_second_start", fitted)
     for module in (prepare_scan, background):
         monkeypatch.setattr(module, "propose_frame", fronts)
-    for module in (orientation_module, scan_orientation):
+    for module in (orientation_module, hypotheses):
         monkeypatch.setattr(module, "start_from_scan", starts)
     return count
 

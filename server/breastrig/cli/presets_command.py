@@ -2,7 +2,7 @@
 
 import argparse
 
-from breastrig.fitting.presets.preset_files import preset_names, preset_text
+from breastrig.fitting.recipe import preset_names, preset_text
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

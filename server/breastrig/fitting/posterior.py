@@ -2,13 +2,26 @@
 
 The covariance of the unknowns is the inverse of Gauss-Newton's H.  It knows the scan's
 noise and the priors, not that the model cannot show every body, so whoever uses it adds that misfit.
+
+Leave-one-out residuals of picks, to first order: with the normal equations H, the rows J_i of pick i (in standard
+deviations) and its residual r_i
+
+    e_i = (I − h_ii)⁻¹ r_i,    (I − h_ii)⁻¹,    h_ii = J_i H⁻¹ J_iᵀ
+
+(the PRESS residual; Allen, The relationship between variable selection and data augmentation, 1974), moved to where
+bodies have the landmark beside the model, whose spread is added to the covariance (body/landmark_errors.py).  The
+deviation of a pick is the length of e_i along the skin in its units: a wrong click lies on the skin, too, and what a
+breast covers lies far behind the skin that is seen.
 """
 
+from collections.abc import Collection
 from functools import cached_property
 
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.energies.landmarks import LandmarkObservation
+from breastrig.fitting.body.landmark_errors import expected_gaps
 from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.task import FitTask
 from breastrig.least_squares.quadratic_program import cholesky, solve_lower
@@ -79,3 +92,103 @@ class Posterior:
         """(P,) a step drawn from the posterior."""
         draw = rng.standard_normal(len(self._factor))
         return solve_lower(self._factor, draw, transposed=True)
+
+
+FREEDOM = 4.0  # degrees, of a Student t, as landmarks' errors were estimated with (docs/decisions/0028)
+
+
+class LeaveOneOut:
+    """The picks of a fit that has some."""
+
+    def __init__(self, posterior: Posterior) -> None:
+        picks, task = posterior.picks, posterior.task
+        assert picks is not None, "there are no picks to leave out"
+        lin = picks.linearise(posterior.state)
+        self.names = tuple(task.given)
+        count = len(self.names)
+        rows = lin.jacobian.reshape(3, count, -1).transpose(1, 0, 2).reshape(3 * count, -1)
+        white = posterior.whitened(rows)
+        self._hat: Array = white @ white.T  # (3L, 3L)
+        self._residual = lin.residual.reshape(3, count).T  # (L, 3), in standard deviations as they count here
+        self._unit = np.linalg.inv(picks.whitening)  # (L, 3, 3) m, of these
+        self._gaps = picks.gaps(posterior.state.vertices)  # (L, 3) m
+        self._own = [each.covariance for each in picks.observations]
+        gaps, points = expected_gaps(posterior.state, task.stance), posterior.task.rig.landmark_points(self.names)
+        self._expected = [gaps[name] for name in self.names]
+        self._normals = points.positions(posterior.state.normals, posterior.task.rig.faces)
+
+    def of_model(self, without: Collection[str] = ()) -> dict[str, tuple[Array, Array]]:
+        """Name -> (3,) m from the pick to where all else has the model, (3, 3) m² of both; `without` as in `gaps`."""
+        hat, residual = self._hat, self._residual.ravel()
+        gone = np.repeat([name in without for name in self.names], 3)
+        if gone.any():  # Woodbury: the rows of the picks that are gone leave the normal equations
+            push = np.linalg.solve(np.eye(int(gone.sum())) - hat[np.ix_(gone, gone)], np.eye(int(gone.sum())))
+            residual = residual + hat[:, gone] @ push @ residual[gone]
+            hat = hat + hat[:, gone] @ push @ hat[gone]
+        result: dict[str, tuple[Array, Array]] = {}
+        for i, name in enumerate(self.names):
+            own = slice(3 * i, 3 * i + 3)
+            place = hat[own, own]  # of the model's place, in the pick's sigmas
+            error: Array = residual[own]
+            if name not in without:
+                inverse = np.linalg.inv(np.eye(3) - hat[own, own])
+                place, error = inverse - np.eye(3), inverse @ error
+            unit = self._unit[i]
+            result[name] = (unit @ error, unit @ place @ unit.T + self._own[i])
+        return result
+
+    def _of_body(self, without: Collection[str]) -> dict[str, tuple[Array, Array]]:
+        """The same to where bodies have the landmark."""
+        parts = zip(self.of_model(without).items(), self._expected, strict=True)
+        return {name: (gap + each.mean, cov + each.covariance) for (name, (gap, cov)), each in parts}
+
+    @property
+    def distances(self) -> dict[str, float]:
+        """Name -> m from the fitted model's landmark to the pick, as it was given."""
+        return dict(zip(self.names, map(float, np.linalg.norm(self._gaps, axis=1)), strict=True))
+
+    def gaps(self, without: Collection[str] = ()) -> dict[str, float]:
+        """Name -> m for every pick, each left out alone, those in `without` left out all the time."""
+        return {name: float(np.linalg.norm(error)) for name, (error, _) in self._of_body(without).items()}
+
+    def deviations(self, without: Collection[str] = ()) -> dict[str, float]:
+        """Name -> the gap in standard deviations of what is expected there; `without` as in `gaps`."""
+        parts = zip(self._of_body(without).items(), self._normals, strict=True)
+        return {name: along_skin(error, covariance, normal) for (name, (error, covariance)), normal in parts}
+
+    def evidence(self) -> dict[str, float]:
+        """Name -> nats, the log density of the pick there, each left out alone."""
+        parts = zip(self._of_body(()).items(), self._normals, strict=True)
+        return {name: evidence_along_skin(error, covariance, normal) for (name, (error, covariance)), normal in parts}
+
+
+def on_skin(gap: Array, covariance: Array, normal: Array) -> tuple[Array, Array]:
+    """(2,) m and (2, 2) m²: a (3,) m gap and its (3, 3) m² covariance along skin with this (3,) normal."""
+    tangents = np.linalg.svd(normal[None])[2][1:]  # (2, 3)
+    return tangents @ gap, tangents @ covariance @ tangents.T
+
+
+def along_skin(gap: Array, covariance: Array, normal: Array) -> float:
+    """Length of what `on_skin` has, in standard deviations."""
+    flat, spread = on_skin(gap, covariance, normal)
+    return float(np.sqrt(flat @ np.linalg.solve(spread, flat)))
+
+
+def log_student(deviations: Array | float, axes: int) -> Array:
+    """Nats, of a Student t over so many axes, beside its density at the mean."""
+    return np.asarray(-0.5 * (FREEDOM + axes) * np.log1p(np.square(deviations) / FREEDOM))
+
+
+def evidence_along_skin(gap: Array, covariance: Array, normal: Array) -> float:
+    """Nats, the log density (1/m²) of a gap as `on_skin` has it, by a Student t."""
+    at_mean = -np.log(2.0 * np.pi) - 0.5 * np.linalg.slogdet(on_skin(gap, covariance, normal)[1])[1]
+    return float(at_mean + log_student(along_skin(gap, covariance, normal), 2))
+
+
+def meant_evidence(posterior: Posterior, pick: LandmarkObservation, name: str) -> float:
+    """Nats, of a pick that was meant for the landmark of this name."""
+    rig, state = posterior.task.rig, posterior.state
+    point, body = rig.landmark_points((name,)), expected_gaps(state, posterior.task.stance)[name]
+    covariance = posterior.landmark_covariances((name,))[0] + body.covariance + pick.covariance
+    gap = point.positions(state.vertices, rig.faces)[0] + body.mean - pick.place
+    return evidence_along_skin(gap, covariance, point.positions(state.normals, rig.faces)[0])

@@ -2,6 +2,12 @@
 
 At a state of the model a stage of the recipe asks for matches and makes terms of them (equations 7 to 9); the priors
 (equations 4 and 5 and ours) and joints (equation 6) do not depend on the scan.
+
+A vertex stands for so many independent observations of the scan (docs/decisions/0010): it counts by the area around it
+in the rest pose, in units of the square of the spacing at which the preset takes observations to be independent: narrow
+in the regions that matter most, growing with the distance from them.  A stage that looks at every nth vertex gives each
+of these the area of its left-out neighbours.  Each vertex is to lie above the scan by the chordal deviation of its
+triangles (geometry/surface_points.py), so that a finer model fits the same.
 """
 
 import time
@@ -10,39 +16,60 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Booleans
 from breastrig.core.stances import PRONE
 from breastrig.correspondence.match import Correspondences, MatchRules, match
 from breastrig.correspondence.target import ScanTarget
-from breastrig.energies.body_prior import BodyPrior
-from breastrig.energies.folding import Folding
 from breastrig.energies.joint_limits import JointLimits
 from breastrig.energies.joint_rest import JointRest
 from breastrig.energies.landmarks import LandmarkObservation, Landmarks
 from breastrig.energies.point_to_plane import PointToPlane
 from breastrig.energies.point_to_point import PointToPoint
-from breastrig.energies.scale_prior import ScalePrior
-from breastrig.energies.shape_prior import ShapePrior
-from breastrig.energies.symmetry import Symmetry
-from breastrig.energies.table_contact import TableContact
-from breastrig.fitting.body.expected_body import expected_body, expected_shapes
+from breastrig.fitting.body.expected_body import allowed_start, expected_joints, prior_terms, step_bounds, step_scaling
 from breastrig.fitting.body.mirrored_landmarks import mirrored_landmarks
 from breastrig.fitting.body.relief import observe_relief
-from breastrig.fitting.observation_weights import observation_weights
-from breastrig.fitting.recipe import Body, Hanging, Range, Scales, Shapes, Stage
+from breastrig.fitting.recipe import Observations, Range, Stage
 from breastrig.fitting.task import FitIterate, FitTask
+from breastrig.geometry.normals import face_areas
 from breastrig.least_squares.newton import Status, System, assemble, energy_of
 from breastrig.least_squares.problem import ResidualTerm, inlier_chance, mixture_cost, outlier_cost
 from breastrig.least_squares.quadratic_program import Bounds
 from breastrig.rig.blocks import block
-from breastrig.rig.cohort_posterior import Gaussian
-from breastrig.rig.joints import Joints
 from breastrig.rig.model import Rig
-from breastrig.rig.parameters import BONE_DOFS, RigParameters
-from breastrig.rig.skinning import pose
-from breastrig.rig.stance_priors import in_stance, rest_turns
+from breastrig.rig.parameters import BONE_DOFS
 from breastrig.rig.state import BodyState
+
+
+@lru_cache(maxsize=16)
+def observation_weights(rig: Rig, observations: Observations | None, every: int) -> Array:
+    """(V,), read-only: 0 for the vertices that a stage leaves out; without settings each vertex counts as one."""
+    if every == 1:
+        weights: Array = np.ones(len(rig.template)) if observations is None else _per_vertex(rig, observations)
+    else:
+        chosen = np.arange(0, len(rig.template), every)
+        nearest = cKDTree(rig.template[chosen]).query(rig.template)[1]
+        weights = np.zeros(len(rig.template))
+        weights[chosen] = np.bincount(nearest, observation_weights(rig, observations, 1), len(chosen))
+    weights.flags.writeable = False
+    return weights
+
+
+def _per_vertex(rig: Rig, observations: Observations) -> Array:
+    """(V,) a third of what each triangle around a vertex counts."""
+    faces = rig.faces
+    spacing = np.full(len(faces), observations.spacing)
+    focus = [vertices for name, vertices in rig.regions.items() if name in observations.focus and len(vertices)]
+    if focus:
+        inside = np.zeros(len(rig.template), dtype=np.bool_)
+        inside[np.concatenate(focus)] = True
+        away, _ = cKDTree(rig.template[inside]).query(rig.template[faces].mean(axis=1))
+        distances = np.where(inside[faces].all(axis=1), 0.0, away)
+        spacing = np.minimum(observations.focus_spacing + observations.growth * distances, spacing)
+    share = face_areas(rig.template, faces) / spacing**2 / 3.0
+    return np.asarray(np.bincount(faces.ravel(), np.repeat(share, 3), len(rig.template)), dtype=np.float64)
+
 
 MIN_MATCHES = 30  # fewer cannot hold 136 unknowns, whatever the priors
 
@@ -208,7 +235,7 @@ def data_term(
 
     Each is weighted by the skin that it stands for and by the chance that it belongs to the model.  With weights by
     skin it is the model's surface that is to lie on the scan, not its vertices: these are aimed at as far above the
-    scan as the triangles around them lie below (observation_weights.py).
+    scan as the triangles around them lie below.
     """
     observed = task.recipe.observed
     all_counts = observation_weights(task.rig, task.recipe.observations, stage.every)
@@ -238,137 +265,3 @@ def _beside_skin(target: ScanTarget, vertices: Array, matches: Correspondences, 
     alone[matches.vertices] = False
     nearest = target.vertex_tree.query(vertices[alone])[1]
     return float(counts[alone] @ ~target.on_border[nearest])
-
-
-def expected_joints(task: FitTask) -> Joints:
-    """The rig's joints with the recipe's expected sizes."""
-    settings, rig = task.recipe.joints, in_stance(task.rig, task.stance)
-    joints = tuple(
-        replace(
-            joint,
-            rotation_sigma=settings.rotation_sigma or joint.rotation_sigma * settings.rotation_factor,
-            translation_sigma=(
-                joint.translation_sigma * settings.translation_factor
-                if settings.translation_sigma is None
-                else settings.translation_sigma
-            ),
-        )
-        for joint in rig.joints
-    )
-    return Joints(task.rig, joints, rest_turns(task.rig, task.stance))
-
-
-def prior_terms(task: FitTask) -> list[ResidualTerm[BodyState]]:
-    """The terms that no scan changes, but for those of the joints."""
-    rig, recipe = task.rig, task.recipe
-    terms = [*body_terms(rig, recipe.shapes, recipe.scales, recipe.body, task.stance, _hanging_of(task))]
-    if recipe.shapes.symmetry_sigma or recipe.scales.symmetry_sigma:
-        terms.append(Symmetry(rig, recipe.shapes.symmetry_sigma or np.inf, recipe.scales.symmetry_sigma or np.inf))
-    if recipe.shapes.folding is not None:
-        terms.append(Folding(in_stance(rig, task.stance), recipe.shapes.folding.least, recipe.shapes.folding.sigma))
-    contact = table_contact(task)
-    return terms if contact is None else [*terms, contact]
-
-
-def _hanging_of(task: FitTask) -> tuple[Hanging, tuple[str, ...]] | None:
-    return (task.recipe.hanging, task.hanging) if task.recipe.hanging is not None and task.hanging else None
-
-
-def _expecting(rig: Rig, body: Gaussian, hanging: tuple[Hanging, tuple[str, ...]] | None) -> BodyPrior:
-    """The body, and breasts that were seen to hang, of which its statistics tell little: few such women are in them."""
-    mean, more = body.mean.copy(), np.zeros(len(body.mean))
-    if hanging is not None:
-        settings, names = hanging
-        places = [3 * len(rig.bones) + rig.shape_names.index(name) for name in names]
-        mean[places], more[places] = settings.weight, settings.sigma**2
-    return BodyPrior(rig, mean, body.covariance + np.diag(more))
-
-
-@lru_cache(maxsize=16)
-def body_terms(
-    rig: Rig,
-    shapes: Shapes,
-    scales: Scales,
-    body: Body | None,
-    stance: str,
-    hanging: tuple[Hanging, tuple[str, ...]] | None = None,
-) -> tuple[ResidualTerm[BodyState], ...]:
-    """What is expected of scales and shapes: by the statistics of bodies where the recipe and the rig have them.
-
-    `hanging` names the shapes of breasts that were seen to hang.
-    """
-    known = None if body is None else expected_body(rig, shapes, body, stance)
-    if known is not None:
-        return (_expecting(rig, known, hanging),)
-    sigma, mean = expected_shapes(rig, shapes, stance)
-    if hanging is not None:
-        chosen = [rig.shape_names.index(name) for name in hanging[1]]
-        sigma[chosen], mean[chosen] = np.hypot(sigma[chosen], hanging[0].sigma), hanging[0].weight
-    return ScalePrior(rig, scales.sigma, scales.neighbour_sigma or np.inf), ShapePrior(sigma, mean)
-
-
-def table_contact(task: FitTask) -> TableContact | None:
-    """The term of a lying back; None where no table is seen under it or nothing is known of the rig's back."""
-    rig, settings, table = task.rig, task.recipe.lying, task.target.table
-    back = rig.regions.get("back")
-    if table is None or task.stance != "supine" or back is None:
-        return None
-    leading = np.argmax(rig.weights_by_bone[:, back], axis=0)
-    groups = {name: back[leading == rig.bone_names.index(name)] for name in settings.heights if name in rig.bone_names}
-    known = {name: group for name, group in groups.items() if len(group)}
-    heights = np.array([settings.heights[name] for name in known])
-    start = pose(rig, task.start) @ table.normal - table.height
-    away = np.mean([start[group].mean() for group in known.values()] - heights) if known else np.inf
-    if abs(away) > settings.reach:
-        return None
-    return TableContact(
-        rig, table, tuple(known.values()), heights, settings.sigma, settings.profile_sigma, settings.floor_sigma
-    )
-
-
-def step_scaling(task: FitTask) -> Array:
-    """(P,) inverse square of each unknown's natural size: 0.1 rad, 10 mm, the priors' sigmas."""
-    bones = len(task.rig.bones)
-    sizes = np.zeros(BONE_DOFS * bones + len(task.rig.shapes))
-    blocks = sizes[: BONE_DOFS * bones].reshape(bones, BONE_DOFS)
-    blocks[:, 0:3], blocks[:, 3:6], blocks[:, 6:9] = 0.1, 0.01, task.recipe.scales.sigma
-    sizes[BONE_DOFS * bones :] = expected_shapes(task.rig, task.recipe.shapes, task.stance)[0]
-    return np.asarray(sizes**-2)
-
-
-def step_bounds(task: FitTask, x: RigParameters) -> Bounds:
-    """Room left for the scales and the shape weights."""
-    rig, constraint = in_stance(task.rig, task.stance), task.recipe.shapes.constraint
-    lower, upper = np.full(x.dof, -np.inf), np.full(x.dof, np.inf)
-    bones = len(rig.bones)
-    for side, values in ((lower, [b.scale_min for b in rig.bones]), (upper, [b.scale_max for b in rig.bones])):
-        side[: BONE_DOFS * bones].reshape(bones, BONE_DOFS)[:, 6:9] = np.array(values) - x.scales
-    first = BONE_DOFS * bones
-    if constraint == "box":
-        lower[first:] = np.array([shape.min for shape in rig.shapes]) - x.weights
-        upper[first:] = np.array([shape.max for shape in rig.shapes]) - x.weights
-    rows = limits = None
-    if constraint == "simplex":  # weights and the template's remaining share are >= 0 and sum to one
-        lower[first:] = -x.weights
-        rows, limits = np.zeros((1, x.dof)), np.array([max(1.0 - x.weights.sum(), 0.0)])
-        rows[0, first:] = 1.0
-    return Bounds(np.minimum(lower, 0.0), np.maximum(upper, 0.0), rows, limits)
-
-
-def allowed_start(task: FitTask) -> RigParameters:
-    """The task's start with its shape weights moved to where the recipe allows them; steps then keep them there."""
-    x, constraint = task.start, task.recipe.shapes.constraint
-    if constraint == "box":
-        ranges = np.array([[shape.min, shape.max] for shape in in_stance(task.rig, task.stance).shapes])
-        return replace(x, weights=np.clip(x.weights, ranges[:, 0], ranges[:, 1]))
-    return replace(x, weights=onto_simplex(x.weights)) if constraint == "simplex" else x
-
-
-def onto_simplex(weights: Array) -> Array:
-    """(S,) the nearest weights in {α >= 0, Σα <= 1} (Duchi et al., 2008)."""
-    weights = np.maximum(weights, 0.0)
-    if weights.sum() > 1.0:
-        ordered = np.sort(weights)[::-1]
-        excess = (np.cumsum(ordered) - 1.0) / np.arange(1, len(ordered) + 1)
-        weights = np.maximum(weights - excess[np.flatnonzero(ordered > excess)[-1]], 0.0)
-    return weights

@@ -16,12 +16,12 @@ from breastrig.core.arrays import Array
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.fitting.body.landmark_errors import MIDDLE, NOTCH, XIPHOID, expected_gaps, middle_step
 from breastrig.fitting.fit import FitTask
+from breastrig.fitting.hypotheses import ScanOrientation, orientation_task, scan_orientation
 from breastrig.fitting.observed.landmarks import areola_of, colour_observations, with_observations
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import Recipe
-from breastrig.fitting.scan_orientation import ScanOrientation, orientation_task, scan_orientation
-from breastrig.fitting.starts.second_start import iterates_with_second_start
+from breastrig.fitting.solve import iterates_with_second_start
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters

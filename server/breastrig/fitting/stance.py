@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from breastrig.core.stances import PRONE, STANDING, SUPINE
-from breastrig.fitting.body.hanging import body_axes
-from breastrig.fitting.picks.checked_fit import checked_iterates
+from breastrig.fitting.solve import checked_iterates
 from breastrig.fitting.starts.hypotheses import Opening
 from breastrig.fitting.starts.orientation import Start, prone_start
 from breastrig.fitting.starts.stance_signs import SCANNERS_UP, UPRIGHT, likely_stance, measured_signs
 from breastrig.fitting.task import FitIterate, FitTask
+from breastrig.rig.similarity import body_axes
 from breastrig.rig.skinning import pose
 from breastrig.scan.orient import Frame
 

@@ -58,7 +58,7 @@ class FitTask:
     given: Mapping[str, LandmarkObservation]  # by name: picked, or seen in the scan's colours
     stance: str = "standing"  # standing | supine | prone
     relief: Mapping[str, LandmarkObservation] | None = None  # what the skin's form shows; None: the fit will look
-    hanging: tuple[str, ...] = ()  # shapes by which breasts were seen to hang (body/hanging_start.py)
+    hanging: tuple[str, ...] = ()  # shapes by which breasts were seen to hang (body/hanging.py)
     locked: tuple[str, ...] = ()  # blocks of the unknowns that stay where they start, see rig/blocks.py
 
     @property

@@ -26,7 +26,7 @@ from breastrig.rig.skinning import pose
 from breastrig.workflow.fit_recorder import FitOutcome, RecordedIterate
 from breastrig.workflow.jobs import FIRST, EarlierFit, FitSettings
 from breastrig.workflow.run_fit import fit_steps
-from breastrig.workflow.scan_fit import Clock, FitPlan, ReadyScan, check_prior, fit_plan, prepare_fit
+from breastrig.workflow.scan_fit import Clock, ReadyScan, check_prior, fit_plan, prepare_fit
 
 Step = TypeVar("Step")
 Result = TypeVar("Result")
@@ -125,19 +125,32 @@ def iterates(
     loop cancels the fit.
     """
     clock = Clock()
-    settings = Settings(stance, preset, drawing, tuple(tumours), refine, start, tuple(locked))
-    given = GivenScan(scan if isinstance(scan, ScanSource) else ScanSource(scan, units), landmarks, certain)
+    source = scan if isinstance(scan, ScanSource) else ScanSource(scan, units)
+    picks = landmarks_in_mm(landmarks, source, certain)
     with one_thread():
-        plan = given.plan(settings, with_cohort(model, prior))
+        rig = with_cohort(model, prior)
+        settings = FitSettings(
+            stance=stance,
+            preset=preset,
+            drawing="+".join([*filter(None, [drawing]), *(tumour_text(short) for short in tumours)]) or None,
+            landmark_confidence=picks.confidence,
+            certain=picks.certain,
+            refine=refine,
+            earlier=_earlier(start, stance, rig),
+            locked=tuple(locked),
+        )
+        plan = fit_plan(settings, rig, picks.points_mm)
         check_prior(plan.recipe, prior)
-        ready = prepare_fit(plan, *given.scan.read())
-    inputs = (*given.files, *settings.files, *files_of(model, prior))
+        ready = prepare_fit(plan, *source.read())
+    own = preset if isinstance(preset, str) and preset.endswith(".toml") else None  # a preset of the user's
+    places = landmarks if isinstance(landmarks, str | Path) else None
+    inputs = (*(Path(file) for file in (source.file, places, own) if file is not None), *files_of(model, prior))
 
     def steps() -> Generator[Iterate, None, Fit]:
         for step in fit_steps(ready, clock):
             if isinstance(step, FitOutcome):
                 return fit_of_outcome(step, inputs)
-            yield iterate_of(step, ready)
+            yield _iterate_of(step, ready)
         raise AssertionError("a fit ends with its outcome")
 
     return FitRun(steps(), ready.task.recipe.iterations_limit)
@@ -205,65 +218,18 @@ def fit(
     ).result()
 
 
-@dataclass(frozen=True)
-class Settings:
-    """What is asked of a fit, in a program's words."""
-
-    stance: str
-    preset: Preset
-    drawing: str | None
-    tumours: tuple[str, ...]
-    refine: bool
-    start: Fit | Parameters | None = None
-    locked: tuple[str, ...] = ()
-
-    @property
-    def files(self) -> tuple[Path, ...]:
-        """A preset of the user's own."""
-        return (Path(self.preset),) if isinstance(self.preset, str) and self.preset.endswith(".toml") else ()
-
-    def earlier(self, rig: Rig) -> EarlierFit | None:
-        """Where to go on from; BadSettings for what another rig has made."""
-        if self.start is None:
-            return None
-        x = in_metres(rig, self.start.parameters if isinstance(self.start, Fit) else self.start)
-        stance = self.start.stance if isinstance(self.start, Fit) else self.stance
-        if stance == AUTO:
-            raise BadSettings("Parameters do not say the stance that they are of; give stance as well.")
-        return EarlierFit(stance, node_poses(rig, x), rig.sha256)
-
-    @property
-    def drawing_text(self) -> str | None:
-        """Drawing and tumours as one; BadDrawing names what is no tumour."""
-        parts = [] if self.drawing is None else [self.drawing]
-        return "+".join([*parts, *(tumour_text(short) for short in self.tumours)]) or None
+def _earlier(start: Fit | Parameters | None, stance: str, rig: Rig) -> EarlierFit | None:
+    """Where to go on from; BadSettings for what another rig has made."""
+    if start is None:
+        return None
+    x = in_metres(rig, start.parameters if isinstance(start, Fit) else start)
+    stance = start.stance if isinstance(start, Fit) else stance
+    if stance == AUTO:
+        raise BadSettings("Parameters do not say the stance that they are of; give stance as well.")
+    return EarlierFit(stance, node_poses(rig, x), rig.sha256)
 
 
-class GivenScan:
-    """A scan with its landmarks, as a program gives them."""
-
-    def __init__(self, scan: ScanSource, landmarks: Landmarks, certain: Sequence[str] = ()) -> None:
-        self.scan = scan
-        self.landmarks = landmarks_in_mm(landmarks, scan, certain)
-        places = landmarks if isinstance(landmarks, str | Path) else None
-        self.files = tuple(Path(file) for file in (scan.file, places) if file is not None)
-
-    def plan(self, settings: Settings, rig: Rig) -> FitPlan:
-        """Checked as far as it can be without the scan.  Raises BadInput."""
-        asked = FitSettings(
-            stance=settings.stance,
-            preset=settings.preset,
-            drawing=settings.drawing_text,
-            landmark_confidence=self.landmarks.confidence,
-            certain=self.landmarks.certain,
-            refine=settings.refine,
-            earlier=settings.earlier(rig),
-            locked=settings.locked,
-        )
-        return fit_plan(asked, rig, self.landmarks.points_mm)
-
-
-def iterate_of(step: RecordedIterate, ready: ReadyScan) -> Iterate:
+def _iterate_of(step: RecordedIterate, ready: ReadyScan) -> Iterate:
     """What a program sees of a recorded iterate."""
     event = step.event
     return Iterate(

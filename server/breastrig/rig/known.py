@@ -7,7 +7,7 @@ that what was measured with one rig is never said of another.
     priors_STANCE.toml   shapes and joints where a stance differs from the rig     rig/stance_priors.py
     landmark_errors.json  landmarks of bodies beside the model's                    fitting/body/landmark_errors.py
     hidden_STANCE.json   depth of skin that no scan shows                           fitting/body/hidden_skin.py
-    trunk_depth.json     its additional depth under a high belly                    fitting/body/trunk_depth.py
+    trunk_depth.json     its additional depth under a high belly                    fitting/body/hidden_skin.py
     lying_motion.json    motion of the skin between standing and supine             drawings/skin_maps/lying_motion.py
     gravity.json         effect of gravity on breasts in all stances                volume/predicted.py
     skin_map.toml        differences from the common settings of the skin map       drawings/skin_maps/settings.py

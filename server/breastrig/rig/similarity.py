@@ -117,3 +117,9 @@ def similar_parameters(rig: Rig, similarity: Similarity) -> RigParameters:
         scales=np.full_like(rest.scales, similarity.scale),
         weights=rest.weights,
     )
+
+
+def body_axes(rig: Rig, vertices: Array) -> Array:
+    """(3, 3) columns: the body's left, up and front in the frame of its (V, 3) m vertices."""
+    points = rig.landmark_points()
+    return umeyama(points.positions(rig.template, rig.faces), points.positions(vertices, rig.faces)).rotation

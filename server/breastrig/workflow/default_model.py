@@ -13,11 +13,10 @@ from breastrig.core.errors import BadModel
 from breastrig.core.stances import AUTO, STANCES
 from breastrig.drawings.skin_maps.lying_motion import lying_motion
 from breastrig.energies.folding import pressed_edges
-from breastrig.fitting.body.hidden_skin import hidden_skin
+from breastrig.fitting.body.expected_body import body_terms
+from breastrig.fitting.body.hidden_skin import hidden_skin, trunk_depth
 from breastrig.fitting.body.landmark_errors import landmark_errors
-from breastrig.fitting.body.trunk_depth import trunk_depth
-from breastrig.fitting.observation_weights import observation_weights
-from breastrig.fitting.problem import body_terms
+from breastrig.fitting.problem import observation_weights
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.refine import precompute_layers
 from breastrig.fitting.uncertainty.calibration import calibration

@@ -1,10 +1,11 @@
-"""Records the iterations of one scan's fit, and makes of them what is known at its end.
+"""Each iteration of one scan's fit as an event, and what is known at its end.
 
 Nothing is written here: the same outcome becomes a folder of files, an event, or a program's `Fit`.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -15,13 +16,15 @@ from breastrig.core.errors import BreastRigError, FitFailed
 from breastrig.correspondence.distances import Comparison, SurfaceDistances
 from breastrig.drawings.line_error import with_errors
 from breastrig.drawings.project_drawing import on_scan
-from breastrig.fitting.body.trunk_depth import skin_behind
+from breastrig.fitting.body.hidden_skin import skin_behind
 from breastrig.fitting.fit import FitIterate
 from breastrig.fitting.observed.landmarks import followed, observed_areolae
-from breastrig.fitting.picks.checked_fit import ended
-from breastrig.fitting.picks.unusual import unusual
+from breastrig.fitting.picks.issues import unusual
 from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.propose import propose_landmarks
+from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.refine import refined
+from breastrig.fitting.solve import ended
 from breastrig.fitting.stance import UNCLEAR
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS
 from breastrig.fitting.task import PickIssue
@@ -39,7 +42,6 @@ from breastrig.rig.parameters import RigParameters
 from breastrig.scan.limits import NO_PLACES
 from breastrig.scan.scan import Scan
 from breastrig.workflow.events import Iterated, NodePose
-from breastrig.workflow.propose_on_scan import propose_on_scan
 from breastrig.workflow.scan_fit import Clock, ReadyScan
 
 
@@ -85,98 +87,89 @@ class FitOutcome:
     verdict: Verdict
 
 
-@dataclass(eq=False)
-class FitRecorder:
-    """All iterations of one scan so far."""
+def record(ready: ReadyScan, iterate: FitIterate) -> RecordedIterate:
+    """The iterate with its event; FitFailed when the fit broke down."""
+    if not iterate.is_finite:
+        raise FitFailed(_with_file(_why_failed(iterate, ready.given), ready.scan))
+    return RecordedIterate(iterate, _iterated(ready.task.rig, iterate))
 
-    ready: ReadyScan
-    _recorded: list[RecordedIterate] = field(default_factory=list)
 
-    def record(self, iterate: FitIterate) -> RecordedIterate:
-        """Keeps the iterate; FitFailed when the fit broke down."""
-        if not iterate.is_finite:
-            raise FitFailed(_with_file(_why_failed(iterate, self.ready.given), self.ready.scan))
-        self._recorded.append(RecordedIterate(iterate, _iterated(self.ready.task.rig, iterate)))
-        return self._recorded[-1]
+def outcome_of(ready: ReadyScan, recorded: Sequence[RecordedIterate], solve_s: float, clock: Clock) -> FitOutcome:
+    """All that is known at the last of the iterates; FitFailed when this is no torso.
 
-    def _only_repeats(self) -> bool:
-        """Whether too few landmarks are a person's own; asks for the proposals once more, for nobody hands them on."""
-        ready = self.ready
-        try:
-            proposed = propose_on_scan(ready.task.rig, ready.scan, ready.orientation)
-        except BreastRigError:
-            return False
-        picks = {name: ready.task.given[name].place for name in ready.task.picked}
-        places = {name: each.point for name, each in proposed.items()}
-        return len(picked_names(picks, places)) < MIN_LANDMARKS
+    `solve_s` is what the iterations took, `clock` began with the fit.
+    """
+    last = recorded[-1].iterate
+    task, rig, target = ready.task, ready.task.rig, ready.task.target
+    rejected = (*ready.exchanged, *last.not_followed)
+    posterior = Posterior(ended(task, last), last.parameters)
+    doubtful = (*rejected, *unusual(posterior)) if task.picked else rejected  # nobody can be asked about those
+    vertices = posterior.state.vertices
+    judged = judge(
+        posterior,
+        last.status,
+        ready.given,
+        doubtful,
+        ready.clearness,
+        lesions=ready.scan.lesions,
+        contradicted=ready.contradicted,
+        unclear_stance=ready.stance_reason in UNCLEAR,
+        repeats=partial(_only_repeats, ready),
+    )
+    if not judged.verdict.is_torso:
+        raise FitFailed(_with_file(judged.refusal, ready.scan))
+    timing, compared = ready.timing_s | {"solve": solve_s}, judged.compared
+    if ready.settings.refine:
+        clock.lap()
+        behind = skin_behind(rig, task.stance, target, vertices)
+        vertices = refined(target, vertices, rig.faces, behind).vertices
+        timing["refine"] = clock.lap()
+        compared = Comparison(target, vertices, rig.faces)
+    seen = followed(task, ready.shown, {name for issue in rejected for name in issue.names})
+    known = judged.radii
+    if known is not None and seen:
+        known = replace(known, landmarks=known.landmarks | {name: HOLDS_90 * each.error for name, each in seen.items()})
+    issues = tuple(issue for issue in doubtful if not task.certain.issuperset(issue.names))
+    doubted = {name for issue in issues for name in issue.names}
+    # a pattern begins where measures do: as picked, else as seen, else where the model has it
+    places = {name: each.place for name, each in seen.items()}
+    places |= {name: place for name, place in ready.landmarks.items() if name not in doubted}
+    drawing, missing = ready.drawing.where_it_fits(rig, vertices, places) if ready.drawing else (None, ())
+    lines = on_scan(rig, vertices, drawing, target) if drawing else ()
+    lines = with_errors(rig, compared.search, None if known is None else known.vertices, lines)
+    areolae = observed_areolae(rig, vertices, ready.landmarks, ready.scan, ready.shown)
+    timing["total"] = clock.total()
+    return FitOutcome(
+        ready=ready,
+        recorded=tuple(recorded),
+        parameters=last.parameters,
+        covariance=posterior.covariance(),
+        body=contribution(posterior),
+        vertices=vertices,
+        model_alone=ModelAlone(posterior.state.vertices, judged.compared.distances),
+        timing_s=timing,
+        distances=compared.distances,
+        seen=seen,
+        doubts=issues,
+        drawing=drawing,
+        drawing_missing=missing,
+        lines=lines,
+        radii=known,
+        areolae=areolae,
+        verdict=judged.verdict,
+    )
 
-    def finish(self, solve_s: float, clock: Clock) -> FitOutcome:
-        """Measures the last iterate; FitFailed when this is no torso.
 
-        `solve_s` is what the iterations took, `clock` began with the fit.
-        """
-        ready, last = self.ready, self._recorded[-1].iterate
-        task, rig, target = ready.task, ready.task.rig, ready.task.target
-        rejected = (*ready.exchanged, *last.not_followed)
-        posterior = Posterior(ended(task, last), last.parameters)
-        doubtful = (*rejected, *unusual(posterior)) if task.picked else rejected  # nobody can be asked about those
-        vertices = posterior.state.vertices
-        judged = judge(
-            posterior,
-            last.status,
-            ready.given,
-            doubtful,
-            ready.clearness,
-            lesions=ready.scan.lesions,
-            contradicted=ready.contradicted,
-            unclear_stance=ready.stance_reason in UNCLEAR,
-            repeats=self._only_repeats,
-        )
-        found_verdict, compared, known = judged.verdict, judged.compared, judged.radii
-        if not found_verdict.is_torso:
-            raise FitFailed(_with_file(judged.refusal, ready.scan))
-        timing = ready.timing_s | {"solve": solve_s}
-        alone = ModelAlone(vertices, compared.distances)
-        if ready.settings.refine:
-            clock.lap()
-            behind = skin_behind(rig, ready.task.stance, target, vertices)
-            vertices = refined(target, vertices, rig.faces, behind).vertices
-            timing["refine"] = clock.lap()
-            compared = Comparison(target, vertices, rig.faces)
-        seen = followed(task, ready.shown, {name for doubt in rejected for name in doubt.names})
-        if known is not None and seen:
-            known = replace(
-                known, landmarks=known.landmarks | {name: HOLDS_90 * each.error for name, each in seen.items()}
-            )
-        doubts = tuple(doubt for doubt in doubtful if not task.certain.issuperset(doubt.names))
-        doubted = {name for doubt in doubts for name in doubt.names}
-        # a pattern begins where measures do: as picked, else as seen, else where the model has it
-        places = {name: each.place for name, each in seen.items()}
-        places |= {name: place for name, place in ready.landmarks.items() if name not in doubted}
-        drawing, missing = ready.drawing.where_it_fits(rig, vertices, places) if ready.drawing else (None, ())
-        lines = on_scan(rig, vertices, drawing, target) if drawing else ()
-        lines = with_errors(rig, compared.search, None if known is None else known.vertices, lines)
-        areolae = observed_areolae(rig, vertices, ready.landmarks, ready.scan, ready.shown)
-        timing["total"] = clock.total()
-        return FitOutcome(
-            ready=ready,
-            recorded=tuple(self._recorded),
-            parameters=last.parameters,
-            covariance=posterior.covariance(),
-            body=contribution(posterior),
-            vertices=vertices,
-            model_alone=alone,
-            timing_s=timing,
-            distances=compared.distances,
-            seen=seen,
-            doubts=doubts,
-            drawing=drawing,
-            drawing_missing=missing,
-            lines=lines,
-            radii=known,
-            areolae=areolae,
-            verdict=found_verdict,
-        )
+def _only_repeats(ready: ReadyScan) -> bool:
+    """Whether too few landmarks are a person's own; asks for the proposals once more, for nobody hands them on."""
+    task = ready.task
+    try:
+        proposed = propose_landmarks(task.rig, ready.prepared, load_recipe("default"), ready.orientation, ready.scan)
+    except BreastRigError:
+        return False
+    picks = {name: task.given[name].place for name in task.picked}
+    places = {name: each.point for name, each in proposed.items()}
+    return len(picked_names(picks, places)) < MIN_LANDMARKS
 
 
 def _iterated(rig: Rig, iterate: FitIterate) -> Iterated:

@@ -34,7 +34,7 @@ class FitSettings:
     refine: bool = True  # a free-form layer on top, which follows the skin that the scan shows
     earlier: EarlierFit | None = None  # None: the start is found from landmarks and scan
     locked: tuple[str, ...] = ()  # blocks of the unknowns that stay where they start (rig/blocks.py)
-    orientation: dict[str, Any] | None = None  # of the scan, found at its upload; see fitting/scan_orientation.py
+    orientation: dict[str, Any] | None = None  # of the scan, found at its upload; see fitting/hypotheses.py
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ class ProposeJob:
     file_type: str
     units: str
     model: Path | None = None  # None: the torso of the package
-    orientation: dict[str, Any] | None = None  # what the upload has found, see fitting/scan_orientation.py
+    orientation: dict[str, Any] | None = None  # what the upload has found, see fitting/hypotheses.py
     cuts: tuple[dict[str, Any], ...] = ()  # by hand, see scan/hand_cuts.py
 
 

@@ -8,9 +8,9 @@ from typing import Any
 
 from breastrig.core.errors import BadScan
 from breastrig.core.stances import AUTO
+from breastrig.fitting.hypotheses import ScanOrientation, orientation_from
 from breastrig.fitting.propose import Proposal, propose_landmarks
 from breastrig.fitting.recipe import load_recipe
-from breastrig.fitting.scan_orientation import ScanOrientation, orientation_from
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.scan.hand_cuts import without_hand_cuts

@@ -13,8 +13,8 @@ import numpy as np
 
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.core.stances import AUTO
+from breastrig.fitting.hypotheses import scan_orientation
 from breastrig.fitting.recipe import load_recipe
-from breastrig.fitting.scan_orientation import scan_orientation
 from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.pictures import thumbnail_png

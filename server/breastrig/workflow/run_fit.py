@@ -6,9 +6,9 @@ a generator cancels the fit; nothing is written then but what was already there.
 
 from collections.abc import Generator, Iterator
 
-from breastrig.fitting.picks.checked_fit import checked_iterates
+from breastrig.fitting.solve import checked_iterates
 from breastrig.workflow.events import Done, Event
-from breastrig.workflow.fit_recorder import FitOutcome, FitRecorder, RecordedIterate
+from breastrig.workflow.fit_recorder import FitOutcome, RecordedIterate, outcome_of, record
 from breastrig.workflow.folder.fit_files import write_fit_files
 from breastrig.workflow.jobs import FitJob
 from breastrig.workflow.scan_fit import (
@@ -23,18 +23,18 @@ from breastrig.workflow.scan_fit import (
 
 def fit_steps(ready: ReadyScan, clock: Clock) -> Iterator[RecordedIterate | FitOutcome]:
     """Every iterate of the fit, then its outcome; FitFailed when there is none.  `clock` began with the fit."""
-    recorder = FitRecorder(ready)
     clock.lap()
-    solve = ready.timing_s["solve"]
+    solve, recorded = ready.timing_s["solve"], list[RecordedIterate]()
     iterates = iter(ready.known_iterates) if ready.known_iterates else checked_iterates(ready.task)
     while True:
         iterate = next(iterates, None)
         solve += clock.lap()
         if iterate is None:
             break
-        yield recorder.record(iterate)
+        recorded.append(record(ready, iterate))
+        yield recorded[-1]
         clock.lap()
-    yield recorder.finish(solve, clock)
+    yield outcome_of(ready, recorded, solve, clock)
 
 
 def run_fit(job: FitJob) -> Generator[Event, None, None]:

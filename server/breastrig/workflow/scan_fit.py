@@ -21,14 +21,23 @@ from breastrig.drawings.patterns import AskedDrawing, asked_drawing
 from breastrig.files.result import DoubtedPick
 from breastrig.fitting.body.expected_body import cohort_posterior
 from breastrig.fitting.fit import FitIterate, FitTask
+from breastrig.fitting.hypotheses import (
+    ScanOrientation,
+    continued,
+    contradiction,
+    orientation_from,
+    with_stance,
+    with_start,
+)
 from breastrig.fitting.observed.landmarks import colour_observations, with_observations
-from breastrig.fitting.picks.checked_fit import checked_iterates, ended
-from breastrig.fitting.picks.mistakes import sides_exchanged
+from breastrig.fitting.picks.issues import sides_exchanged
+from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import Recipe, load_recipe
-from breastrig.fitting.scan_orientation import ScanOrientation, orientation_from
+from breastrig.fitting.solve import checked_iterates, ended
 from breastrig.fitting.task import PickIssue
 from breastrig.fitting.verdicts.reasons import GivenLandmarks
+from breastrig.gltf.pose_nodes import posed_by_nodes
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.blocks import block
 from breastrig.rig.cohort_prior import parsed_prior, with_prior
@@ -40,8 +49,7 @@ from breastrig.scan.landmarks.names import by_known_names, known_name
 from breastrig.scan.read import coloured_scan
 from breastrig.scan.scan import Scan
 from breastrig.workflow.events import Started
-from breastrig.workflow.fit_start import contradiction, with_earlier_start, with_stance, with_start
-from breastrig.workflow.jobs import DEFAULT, FIRST, FitJob, FitSettings
+from breastrig.workflow.jobs import DEFAULT, FIRST, EarlierFit, FitJob, FitSettings
 from breastrig.workflow.kept_scan import prepared_scan
 
 ALL_EXCHANGED = "Left and right of the landmarks look exchanged, or the scan is mirrored; none of them was followed."
@@ -116,6 +124,7 @@ class ReadyScan:
 
     settings: FitSettings
     scan: Scan
+    prepared: PreparedScan
     notes: tuple[str, ...]
     table_triangles: int  # cut away as table
     cut_away: float  # m², floors and walls
@@ -254,7 +263,7 @@ def prepare_fit(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
         fitted = orientation.fitted if orientation is not None and known else None
         task, known_iterates, shown = _with_colour(task, stance.iterates, fitted, clearness, scan)
     else:
-        task, stance = with_earlier_start(task, settings.stance, earlier)
+        task, stance = continued(task, settings.stance, earlier.stance, _pose_of(rig, earlier))
         clearness, known_iterates, shown = None, (), None
         timing["align"] = clock.lap()
         if _looks_at_colour(task, scan):
@@ -264,6 +273,7 @@ def prepare_fit(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
     return ReadyScan(
         settings=settings,
         scan=scan,
+        prepared=ready,
         notes=(
             *scan.notes,
             *ready.notes,
@@ -286,6 +296,13 @@ def prepare_fit(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
         known_iterates=known_iterates,
         timing_s=timing,
     )
+
+
+def _pose_of(rig: Rig, earlier: EarlierFit) -> RigParameters:
+    """Where it ended; BadSettings when another rig made it."""
+    if earlier.model_sha256 != rig.sha256:
+        raise BadSettings("The fit to go on from was made with another model; fit the scan anew.")
+    return posed_by_nodes(rig, earlier.nodes)
 
 
 def _with_colour(

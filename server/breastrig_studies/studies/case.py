@@ -18,11 +18,11 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.correspondence.distances import ACCEPTED, summary_mm
 from breastrig.correspondence.match import match
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.picks.checked_fit import checked_iterates, ended
-from breastrig.fitting.picks.unusual import unusual
+from breastrig.fitting.picks.issues import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import Recipe
+from breastrig.fitting.solve import checked_iterates, ended
 from breastrig.fitting.stance import found_stance
 from breastrig.fitting.starts.orientation import (
     MIN_LANDMARKS,

@@ -11,11 +11,11 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.body.trunk_depth import skin_behind
-from breastrig.fitting.picks.checked_fit import checked_iterates, ended
+from breastrig.fitting.body.hidden_skin import skin_behind
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.refine import refined
+from breastrig.fitting.solve import checked_iterates, ended
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.uncertainty.radii import Radii, radii
 from breastrig.report.measures import measures

@@ -10,9 +10,9 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.picks.checked_fit import checked_iterates
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.refine import refined
+from breastrig.fitting.solve import checked_iterates
 from breastrig.fitting.task import FitTask
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters

@@ -27,9 +27,9 @@ from breastrig.drawings.line_error import carried_errors
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.drawings.transfer import points_carried
-from breastrig.fitting.picks.checked_fit import without
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
+from breastrig.fitting.solve import without
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.uncertainty.radii import radii
 from breastrig.geometry.normals import vertex_normals

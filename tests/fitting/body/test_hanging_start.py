@@ -11,17 +11,16 @@ import pytest
 from breastrig.core.arrays import Array
 from breastrig.correspondence.distances import Comparison
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.body.hanging_start import hanging_shapes, hanging_start, opening_of, unexplained_overhang
+from breastrig.fitting.body.expected_body import body_terms
+from breastrig.fitting.body.hanging import hanging_shapes, hanging_start, opening_of, unexplained_overhang
 from breastrig.fitting.fit import FitIterate
-from breastrig.fitting.picks.checked_fit import checked_iterates, ended
-from breastrig.fitting.picks.unusual import unusual
+from breastrig.fitting.hypotheses import orientation_from, scan_orientation
+from breastrig.fitting.picks.issues import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import PreparedScan
-from breastrig.fitting.problem import body_terms
 from breastrig.fitting.recipe import Recipe, load_recipe
-from breastrig.fitting.scan_orientation import orientation_from, scan_orientation
+from breastrig.fitting.solve import checked_iterates, ended, iterates_with_second_start
 from breastrig.fitting.starts.orientation import start_from_scan
-from breastrig.fitting.starts.second_start import iterates_with_second_start
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.verdicts.fit_signals import fit_signals
 from breastrig.gltf.read_rig import default_rig_path, read_rig

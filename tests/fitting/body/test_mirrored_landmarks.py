@@ -13,10 +13,10 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.energies.landmarks import LandmarkObservation
 from breastrig.fitting.body.mirrored_landmarks import mirrored_landmarks
 from breastrig.fitting.fit import fit_iterates
-from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.solve import checked_iterates, ended
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.geometry.rotations import exp_so3

@@ -11,12 +11,11 @@ from breastrig.core.arrays import Array
 from breastrig.core.assets import asset_folder
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import fit_iterates
-from breastrig.fitting.picks.checked_fit import checked_iterates, ended
-from breastrig.fitting.picks.leave_one_out import LeaveOneOut
-from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.hypotheses import scan_orientation
+from breastrig.fitting.posterior import LeaveOneOut, Posterior
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import load_recipe
-from breastrig.fitting.scan_orientation import scan_orientation
+from breastrig.fitting.solve import checked_iterates, ended
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.fitting.uncertainty.radii import radii

@@ -6,10 +6,10 @@ from helpers.rig_patient import patient
 
 from breastrig.core.arrays import Array
 from breastrig.fitting.fit import FitTask, fit_iterates
-from breastrig.fitting.picks.checked_fit import checked_iterates, without
-from breastrig.fitting.picks.unusual import unusual
+from breastrig.fitting.picks.issues import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.solve import checked_iterates, without
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.task import FitIterate
 from breastrig.gltf.read_rig import default_rig_path, read_rig

@@ -8,8 +8,7 @@ from helpers.rig_patient import patient
 
 from breastrig.core.arrays import Array
 from breastrig.fitting.fit import FitTask, fit_iterates
-from breastrig.fitting.picks.leave_one_out import LeaveOneOut
-from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.posterior import LeaveOneOut, Posterior
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.gltf.read_rig import default_rig_path, read_rig

@@ -6,9 +6,8 @@ from helpers.rig_patient import patient
 
 from breastrig.core.arrays import Array
 from breastrig.fitting.fit import fit_iterates
-from breastrig.fitting.picks.leave_one_out import LeaveOneOut, evidence_along_skin, log_student, meant_evidence
-from breastrig.fitting.picks.mistakes import mistaken
-from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.picks.issues import mistaken
+from breastrig.fitting.posterior import LeaveOneOut, Posterior, evidence_along_skin, log_student, meant_evidence
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.task import FitTask

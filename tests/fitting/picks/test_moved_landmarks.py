@@ -7,8 +7,8 @@ import pytest
 from helpers.example_fit import example_task
 
 from breastrig.core.arrays import Array
-from breastrig.fitting.picks.checked_fit import checked_iterates
 from breastrig.fitting.picks.moved_landmarks import ITERATIONS, FittedScan
+from breastrig.fitting.solve import checked_iterates
 from breastrig.fitting.task import FitTask
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose

@@ -8,12 +8,11 @@ import pytest
 from breastrig.core.arrays import Array
 from breastrig.core.assets import asset_folder
 from breastrig.fitting.fit import FitTask
-from breastrig.fitting.picks.checked_fit import checked_iterates, ended
-from breastrig.fitting.picks.refit_without import from_observation, on_smooth_skin, refit_without
-from breastrig.fitting.picks.unusual import unusual
+from breastrig.fitting.picks.issues import from_observation, on_smooth_skin, refit_without, unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.solve import checked_iterates, ended
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.skinning import pose

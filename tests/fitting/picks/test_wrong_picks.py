@@ -8,7 +8,7 @@ import trimesh
 
 from breastrig.core.assets import asset_folder
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.picks.mistakes import sides_exchanged
+from breastrig.fitting.picks.issues import sides_exchanged
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.landmarks.landmark_files import read_landmarks

@@ -7,9 +7,9 @@ from breastrig.core.arrays import Array, Booleans
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import fit_iterates
 from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.solve import iterates_with_second_start
 from breastrig.fitting.starts.orientation import start_from_scan
 from breastrig.fitting.starts.rigid_search import rest_place, turns_to
-from breastrig.fitting.starts.second_start import iterates_with_second_start
 from breastrig.fitting.task import FitTask
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.skinning import pose

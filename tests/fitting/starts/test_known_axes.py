@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from helpers.label_maps import front_labels, in_lps
 
-from breastrig.fitting.body.hanging import body_axes
-from breastrig.fitting.picks.mistakes import sides_exchanged
+from breastrig.fitting.picks.issues import sides_exchanged
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import best_start, contradicted
 from breastrig.fitting.starts.rigid_search import OBLIQUE, turned_from
-from breastrig.fitting.verdicts.lesions import of_lesions
+from breastrig.fitting.verdicts.reasons import of_lesions
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.similarity import body_axes
 from breastrig.rig.skinning import pose
 from breastrig.scan.orient import LABEL_MAP_FRAME
 from breastrig.scan.piece import BallInside

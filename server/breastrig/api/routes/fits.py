@@ -17,7 +17,7 @@ from breastrig.api.wire import common as wire
 from breastrig.core.errors import BadSettings, Conflict, NotFound, unknown_name
 from breastrig.core.picks import Picks
 from breastrig.drawings.patterns import asked_drawing
-from breastrig.fitting.presets.preset_files import preset_names
+from breastrig.fitting.recipe import preset_names
 from breastrig.storage.rows.events import event_of_kind
 from breastrig.storage.rows.fits import FitRow, NewFit, Once, fits_page, get_fit, queue_positions
 from breastrig.storage.rows.scans import ScanRow, cuts_digest, get_cuts, get_landmarks, get_scan

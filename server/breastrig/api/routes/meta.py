@@ -11,7 +11,7 @@ from breastrig.core.version import __version__
 from breastrig.drawings.pattern_parameters import pattern_forms
 from breastrig.drawings.patterns import offered_patterns
 from breastrig.files.result import ModelSummary
-from breastrig.fitting.presets.preset_files import preset_names
+from breastrig.fitting.recipe import preset_names
 from breastrig.scan.file_type import ENDINGS
 
 meta = APIBlueprint("meta", __name__, tag={"name": "meta", "description": "Version, limits, examples."})

@@ -1,17 +1,31 @@
 """What is expected of scales and shapes before any scan: of all women, and of those of a cohort (decision 0027)."""
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.stances import STANDING
-from breastrig.fitting.recipe import Body, Shapes
+from breastrig.energies.body_prior import BodyPrior
+from breastrig.energies.folding import Folding
+from breastrig.energies.scale_prior import ScalePrior
+from breastrig.energies.shape_prior import ShapePrior
+from breastrig.energies.symmetry import Symmetry
+from breastrig.energies.table_contact import TableContact
+from breastrig.fitting.recipe import Body, Hanging, Scales, Shapes
+from breastrig.fitting.task import FitTask
+from breastrig.least_squares.problem import ResidualTerm
+from breastrig.least_squares.quadratic_program import Bounds
 from breastrig.rig.body_statistics import body_statistics
 from breastrig.rig.cohort_posterior import CohortPosterior, Gaussian, posterior_of
 from breastrig.rig.cohort_prior import cohort_of
+from breastrig.rig.joints import Joints
 from breastrig.rig.model import Rig
-from breastrig.rig.stance_priors import in_stance, mean_weights
+from breastrig.rig.parameters import BONE_DOFS, RigParameters
+from breastrig.rig.skinning import pose
+from breastrig.rig.stance_priors import in_stance, mean_weights, rest_turns
+from breastrig.rig.state import BodyState
 
 
 def expected_shapes(rig: Rig, settings: Shapes, stance: str) -> tuple[Array, Array]:
@@ -52,3 +66,137 @@ def expected_body(rig: Rig, shapes: Shapes, body: Body, stance: str) -> Gaussian
     covariance = 2.0 * np.linalg.inv(own + theirs)
     mean = 0.5 * covariance @ (own @ built_in.mean + theirs @ posterior.expected.mean)
     return Gaussian(mean, 0.5 * (covariance + covariance.T))
+
+
+def _expecting(rig: Rig, body: Gaussian, hanging: tuple[Hanging, tuple[str, ...]] | None) -> BodyPrior:
+    """The body, and breasts that were seen to hang, of which its statistics tell little: few such women are in them."""
+    mean, more = body.mean.copy(), np.zeros(len(body.mean))
+    if hanging is not None:
+        settings, names = hanging
+        places = [3 * len(rig.bones) + rig.shape_names.index(name) for name in names]
+        mean[places], more[places] = settings.weight, settings.sigma**2
+    return BodyPrior(rig, mean, body.covariance + np.diag(more))
+
+
+@lru_cache(maxsize=16)
+def body_terms(
+    rig: Rig,
+    shapes: Shapes,
+    scales: Scales,
+    body: Body | None,
+    stance: str,
+    hanging: tuple[Hanging, tuple[str, ...]] | None = None,
+) -> tuple[ResidualTerm[BodyState], ...]:
+    """What is expected of scales and shapes: by the statistics of bodies where the recipe and the rig have them.
+
+    `hanging` names the shapes of breasts that were seen to hang.
+    """
+    known = None if body is None else expected_body(rig, shapes, body, stance)
+    if known is not None:
+        return (_expecting(rig, known, hanging),)
+    sigma, mean = expected_shapes(rig, shapes, stance)
+    if hanging is not None:
+        chosen = [rig.shape_names.index(name) for name in hanging[1]]
+        sigma[chosen], mean[chosen] = np.hypot(sigma[chosen], hanging[0].sigma), hanging[0].weight
+    return ScalePrior(rig, scales.sigma, scales.neighbour_sigma or np.inf), ShapePrior(sigma, mean)
+
+
+def step_scaling(task: FitTask) -> Array:
+    """(P,) inverse square of each unknown's natural size: 0.1 rad, 10 mm, the priors' sigmas."""
+    bones = len(task.rig.bones)
+    sizes = np.zeros(BONE_DOFS * bones + len(task.rig.shapes))
+    blocks = sizes[: BONE_DOFS * bones].reshape(bones, BONE_DOFS)
+    blocks[:, 0:3], blocks[:, 3:6], blocks[:, 6:9] = 0.1, 0.01, task.recipe.scales.sigma
+    sizes[BONE_DOFS * bones :] = expected_shapes(task.rig, task.recipe.shapes, task.stance)[0]
+    return np.asarray(sizes**-2)
+
+
+def step_bounds(task: FitTask, x: RigParameters) -> Bounds:
+    """Room left for the scales and the shape weights."""
+    rig, constraint = in_stance(task.rig, task.stance), task.recipe.shapes.constraint
+    lower, upper = np.full(x.dof, -np.inf), np.full(x.dof, np.inf)
+    bones = len(rig.bones)
+    for side, values in ((lower, [b.scale_min for b in rig.bones]), (upper, [b.scale_max for b in rig.bones])):
+        side[: BONE_DOFS * bones].reshape(bones, BONE_DOFS)[:, 6:9] = np.array(values) - x.scales
+    first = BONE_DOFS * bones
+    if constraint == "box":
+        lower[first:] = np.array([shape.min for shape in rig.shapes]) - x.weights
+        upper[first:] = np.array([shape.max for shape in rig.shapes]) - x.weights
+    rows = limits = None
+    if constraint == "simplex":  # weights and the template's remaining share are >= 0 and sum to one
+        lower[first:] = -x.weights
+        rows, limits = np.zeros((1, x.dof)), np.array([max(1.0 - x.weights.sum(), 0.0)])
+        rows[0, first:] = 1.0
+    return Bounds(np.minimum(lower, 0.0), np.maximum(upper, 0.0), rows, limits)
+
+
+def allowed_start(task: FitTask) -> RigParameters:
+    """The task's start with its shape weights moved to where the recipe allows them; steps then keep them there."""
+    x, constraint = task.start, task.recipe.shapes.constraint
+    if constraint == "box":
+        ranges = np.array([[shape.min, shape.max] for shape in in_stance(task.rig, task.stance).shapes])
+        return replace(x, weights=np.clip(x.weights, ranges[:, 0], ranges[:, 1]))
+    return replace(x, weights=onto_simplex(x.weights)) if constraint == "simplex" else x
+
+
+def onto_simplex(weights: Array) -> Array:
+    """(S,) the nearest weights in {α >= 0, Σα <= 1} (Duchi et al., 2008)."""
+    weights = np.maximum(weights, 0.0)
+    if weights.sum() > 1.0:
+        ordered = np.sort(weights)[::-1]
+        excess = (np.cumsum(ordered) - 1.0) / np.arange(1, len(ordered) + 1)
+        weights = np.maximum(weights - excess[np.flatnonzero(ordered > excess)[-1]], 0.0)
+    return weights
+
+
+def expected_joints(task: FitTask) -> Joints:
+    """The rig's joints with the recipe's expected sizes."""
+    settings, rig = task.recipe.joints, in_stance(task.rig, task.stance)
+    joints = tuple(
+        replace(
+            joint,
+            rotation_sigma=settings.rotation_sigma or joint.rotation_sigma * settings.rotation_factor,
+            translation_sigma=(
+                joint.translation_sigma * settings.translation_factor
+                if settings.translation_sigma is None
+                else settings.translation_sigma
+            ),
+        )
+        for joint in rig.joints
+    )
+    return Joints(task.rig, joints, rest_turns(task.rig, task.stance))
+
+
+def prior_terms(task: FitTask) -> list[ResidualTerm[BodyState]]:
+    """The terms that no scan changes, but for those of the joints."""
+    rig, recipe = task.rig, task.recipe
+    terms = [*body_terms(rig, recipe.shapes, recipe.scales, recipe.body, task.stance, _hanging_of(task))]
+    if recipe.shapes.symmetry_sigma or recipe.scales.symmetry_sigma:
+        terms.append(Symmetry(rig, recipe.shapes.symmetry_sigma or np.inf, recipe.scales.symmetry_sigma or np.inf))
+    if recipe.shapes.folding is not None:
+        terms.append(Folding(in_stance(rig, task.stance), recipe.shapes.folding.least, recipe.shapes.folding.sigma))
+    contact = table_contact(task)
+    return terms if contact is None else [*terms, contact]
+
+
+def _hanging_of(task: FitTask) -> tuple[Hanging, tuple[str, ...]] | None:
+    return (task.recipe.hanging, task.hanging) if task.recipe.hanging is not None and task.hanging else None
+
+
+def table_contact(task: FitTask) -> TableContact | None:
+    """The term of a lying back; None where no table is seen under it or nothing is known of the rig's back."""
+    rig, settings, table = task.rig, task.recipe.lying, task.target.table
+    back = rig.regions.get("back")
+    if table is None or task.stance != "supine" or back is None:
+        return None
+    leading = np.argmax(rig.weights_by_bone[:, back], axis=0)
+    groups = {name: back[leading == rig.bone_names.index(name)] for name in settings.heights if name in rig.bone_names}
+    known = {name: group for name, group in groups.items() if len(group)}
+    heights = np.array([settings.heights[name] for name in known])
+    start = pose(rig, task.start) @ table.normal - table.height
+    away = np.mean([start[group].mean() for group in known.values()] - heights) if known else np.inf
+    if abs(away) > settings.reach:
+        return None
+    return TableContact(
+        rig, table, tuple(known.values()), heights, settings.sigma, settings.profile_sigma, settings.floor_sigma
+    )

@@ -15,10 +15,11 @@ from pydantic import Field, FiniteFloat
 from breastrig.core.arrays import Array
 from breastrig.core.settings_file import NotNegative, SettingsPart
 from breastrig.core.stances import STANDING, split_side
-from breastrig.fitting.body.hanging import body_axes, outwards
+from breastrig.fitting.body.hanging import outwards
 from breastrig.relief.limits import relief
 from breastrig.rig.known import known_part
 from breastrig.rig.model import Rig
+from breastrig.rig.similarity import body_axes
 from breastrig.rig.state import BodyState
 
 FILE, SCHEMA = "landmark_errors.json", "breastrig/landmark-errors@1"

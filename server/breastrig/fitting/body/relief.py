@@ -10,14 +10,14 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.stances import PRONE, STANDING, split_side
 from breastrig.energies.landmarks import LandmarkObservation
-from breastrig.fitting.body.hanging import body_axes, hangs_by, outwards
+from breastrig.fitting.body.hanging import hangs_by, outwards
 from breastrig.fitting.task import FitTask
 from breastrig.geometry.normals import unit_vectors
 from breastrig.relief.limits import relief as relief_limits
 from breastrig.relief.observe import Expected, relief_observations
 from breastrig.relief.prone import ERRORS, REASON, seen_from
 from breastrig.relief.shoulder import shoulder_tip
-from breastrig.rig.similarity import umeyama
+from breastrig.rig.similarity import body_axes, umeyama
 from breastrig.rig.state import BodyState
 
 TIPS = ("acromion_L", "acromion_R")

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.body.hanging_start import opening_of
+from breastrig.fitting.body.hanging import opening_of
 from breastrig.fitting.fit import InitialPoint, iterates
 from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.recipe import Recipe, Stage, load_recipe

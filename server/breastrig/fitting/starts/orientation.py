@@ -15,14 +15,13 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.stances import PRONE
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.body.hanging import body_axes
 from breastrig.fitting.starts.hypotheses import Opening, ranked
 from breastrig.fitting.starts.rigid_search import OBLIQUE, rest_place, turned_from, turns_about, turns_beside, turns_to
 from breastrig.geometry.rotations import exp_so3
 from breastrig.relief.prone import seen_from
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
-from breastrig.rig.similarity import Similarity, similar_parameters, umeyama
+from breastrig.rig.similarity import Similarity, body_axes, similar_parameters, umeyama
 from breastrig.rig.skinning import pose
 from breastrig.rig.stance_priors import mean_weights
 from breastrig.scan.clean import MIN_TRIANGLES, compact

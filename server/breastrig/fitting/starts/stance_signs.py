@@ -18,11 +18,11 @@ from breastrig.core.arrays import Array
 from breastrig.core.settings_file import SettingsPart, packaged
 from breastrig.core.stances import PRONE, SIDES, STANDING, SUPINE
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.body.hanging import body_axes
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.geometry.normals import face_crosses
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
+from breastrig.rig.similarity import body_axes
 from breastrig.rig.skinning import pose
 
 MEASURED = ("suprasternal_notch", "xiphoid", "nipple_L", "nipple_R", "inframammary_fold_L", "inframammary_fold_R")

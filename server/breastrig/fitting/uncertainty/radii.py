@@ -8,8 +8,7 @@ from breastrig.core.arrays import Array, Booleans
 from breastrig.core.stances import split_side
 from breastrig.drawings.line_error import across
 from breastrig.fitting.body.hanging import hangs_by
-from breastrig.fitting.picks.leave_one_out import LeaveOneOut
-from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.posterior import LeaveOneOut, Posterior
 from breastrig.fitting.uncertainty.calibration import NO_PICKS, Scatter, StanceFactors, calibration, factor_of
 from breastrig.rig.model import Rig
 

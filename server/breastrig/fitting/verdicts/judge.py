@@ -10,8 +10,7 @@ from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.task import PickIssue
 from breastrig.fitting.uncertainty.radii import Radii, radii, seen_vertices
 from breastrig.fitting.verdicts.fit_signals import fit_signals
-from breastrig.fitting.verdicts.lesions import of_lesions
-from breastrig.fitting.verdicts.reasons import GivenLandmarks, Reason, of_doubts
+from breastrig.fitting.verdicts.reasons import GivenLandmarks, Reason, of_doubts, of_lesions
 from breastrig.fitting.verdicts.verdict import Verdict, shows_a_part, unusual_size, verdict, verdict_limits
 from breastrig.least_squares.newton import Status
 from breastrig.rig.near_breasts import near_breasts

@@ -5,9 +5,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from breastrig.core.arrays import Array
+from breastrig.core.arrays import Array, Booleans
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS
 from breastrig.fitting.task import PickIssue
+from breastrig.geometry.closest_point import ClosestPointSearch
+from breastrig.geometry.normals import face_normals
+from breastrig.rig.model import Rig
+from breastrig.rig.near_breasts import OUTSIDE, near_breasts
+from breastrig.scan.piece import BallInside
 
 VOUCHING = 6  # landmarks; 36 random sets of 6 to 12 on what is no torso leave no line known, 1 of 20 of 4 does (0022)
 LOOK_AGAIN = "look at what is asked about {}"
@@ -108,3 +113,28 @@ def picked_names(picks: Mapping[str, Array], proposed: Mapping[str, Array]) -> f
         for name, place in picks.items()
         if name not in proposed or float(np.linalg.norm(place - proposed[name])) > REPEATED
     )
+
+
+COMPARE = ("compare model and scan",)
+
+
+def of_lesions(rig: Rig, vertices: Array, lesions: Sequence[BallInside]) -> tuple[tuple[Reason, ...], bool]:
+    """(reasons, whether a lesion lies outside) for the (V, 3) m fitted skin: then the fit lies elsewhere."""
+    if not lesions:
+        return (), False
+    centers = np.array([each.center for each in lesions])
+    nearest = ClosestPointSearch(vertices, rig.faces).query(centers)
+    above = np.einsum("li,li->l", centers - nearest.points, face_normals(vertices, rig.faces)[nearest.faces])
+    outside = (above > 0.0) & (nearest.distances > OUTSIDE)
+    is_near: Booleans = np.any(near_breasts(rig)[rig.faces[nearest.faces]], axis=1)
+    reasons = [
+        Reason(f"{each.name} lies {1e3 * distance:.0f} mm outside the fitted skin", COMPARE)
+        for each, distance, out in zip(lesions, nearest.distances, outside, strict=True)
+        if out
+    ]
+    reasons += [
+        Reason(f"{each.name} lies far from the breasts of the fitted model", COMPARE)
+        for each, near, out in zip(lesions, is_near, outside, strict=True)
+        if not near and not out
+    ]
+    return tuple(reasons), bool(outside.any())

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.fitting.picks.checked_fit import checked_iterates, ended
-from breastrig.fitting.picks.unusual import unusual
+from breastrig.fitting.picks.issues import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
+from breastrig.fitting.solve import checked_iterates, ended
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.uncertainty.radii import PLANNED_ON, Radii, radii, seen_vertices
 from breastrig.rig.model import Rig

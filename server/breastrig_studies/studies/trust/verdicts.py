@@ -12,10 +12,10 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.distances import surface_summary_mm
-from breastrig.fitting.picks.checked_fit import checked_iterates, ended
-from breastrig.fitting.picks.unusual import unusual
+from breastrig.fitting.picks.issues import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
+from breastrig.fitting.solve import checked_iterates, ended
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS, start_from_scan
 from breastrig.fitting.task import FitTask, PickIssue
 from breastrig.fitting.verdicts.judge import judge
