@@ -1,17 +1,21 @@
 """Another program works at cases beside the service: each sees what the other has written, and neither undoes it."""
 
+from pathlib import Path
+
 import pytest
 from helpers import fake_fit
-from helpers.cases import new_case, new_fit, new_scan, note
+from helpers.cases import new_case, new_fit, new_link, new_scan, note
 from helpers.waiting import ask_for_fit, ended, stored_events, until
 
+from breastrig.cases.case_folder import CaseFolder
 from breastrig.cases.fits import claimed, get_fit
 from breastrig.cases.plans import put_plan
-from breastrig.cases.removal import delete_case, move_scan
+from breastrig.cases.removal import delete_case, delete_scan, move_scan
 from breastrig.cases.writing import Changed
 from breastrig.core.errors import NotFound
 from breastrig.service import sweep
 from breastrig.service.fits.queue import STARTS
+from breastrig.storage import deletion
 from breastrig.storage.rows import patients
 from breastrig.storage.rows.fits import fit_ids
 from breastrig.storage.rows.scans import get_scan, scan_ids
@@ -86,3 +90,51 @@ def test_what_another_program_deletes_is_gone_at_once(serving, storage: Storage)
             get_scan(service.storage, scan)
         assert stored_events(service, fit) == []
         until(lambda: not scan_ids(service.storage), "the look that forgets it")
+
+
+def test_the_worklist_shows_at_once_what_another_program_has_done(storage: Storage) -> None:
+    """No look comes between: what has changed is read when the list is asked for."""
+    storage.prepare()
+    cases = [new_case(storage.root / "cases") for _ in range(3)]
+    scans = [new_scan(case) for case in cases]
+    deletion.look(storage)
+    seen, waits, goes = cases
+    fit = new_fit(seen, scans[0])
+    assert states(storage) == {seen.id: ["queued"], waits.id: [None], goes.id: [None]}
+    with claimed(seen, scans[0], fit) as claim:
+        assert claim is not None
+        claim.append({"kind": "started", "stance": "supine"})
+        assert states(storage)[seen.id] == ["running"]
+        claim.append({"kind": "done", "result": {"verdict": {"level": "good"}}})
+    seen.rename("by another program")
+    another = new_scan(waits)
+    delete_case(goes)
+    assert states(storage) == {seen.id: ["done"], waits.id: [None, None]}
+    line = patients.listed_patient(storage, seen.id)
+    assert (line.code, line.scans[0].fit.verdict, line.scans[0].fit.stance) == ("by another program", "good", "supine")
+    delete_scan(waits, another)
+    with waits.writing():  # nobody waits for who writes there, and nobody is shown what is deleted
+        assert states(storage)[waits.id] == [None]
+    delete_case(seen)
+    with pytest.raises(NotFound):
+        patients.listed_patient(storage, seen.id)
+
+
+def test_a_page_of_the_worklist_opens_no_document(storage: Storage, monkeypatch: pytest.MonkeyPatch) -> None:
+    storage.prepare()
+    case = new_case(storage.root / "cases")
+    scan = new_scan(case)
+    new_fit(case, scan)
+    new_link(case)  # to that fit, which is done by then
+    deletion.look(storage)
+    opened: list[str] = []
+    monkeypatch.setattr(CaseFolder, "content", lambda _case, name: opened.append(name))
+    monkeypatch.setattr(Path, "open", lambda path, *_more: opened.append(path.name))
+    assert states(storage) == {case.id: ["done"]}
+    assert opened == []
+
+
+def states(storage: Storage) -> dict[str, list[str | None]]:
+    """{case of the worklist: the state of each scan's newest fit}"""
+    page, _ = patients.listed_page(storage, 50, None)
+    return {row.id: [None if scan.fit is None else scan.fit.state for scan in row.scans] for row in page}

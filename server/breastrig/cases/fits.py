@@ -41,6 +41,12 @@ class FitEntry:
     state: str  # queued, running, done, failed, cancelled
     last: dict[str, Any] | None  # the last event; None before the first
 
+    @property
+    def verdict(self) -> str | None:
+        """good, uncalibrated, check or unusable; None before the end."""
+        level: str | None = ((self.last or {}).get("result", {}).get("verdict") or {}).get("level")
+        return level
+
 
 def add_fit(case: CaseFolder, scan_id: str, asked: FitDocument, fit_id: str = "") -> str:
     """Keeps a fit as it is asked for; its id.  It is on the disk when this returns.  Raises NotFound."""
@@ -107,6 +113,17 @@ def last_event(folder: Path) -> dict[str, Any] | None:
                 reach *= 8
     except FileNotFoundError:
         return None
+
+
+def first_event(folder: Path) -> dict[str, Any] | None:
+    """The first whole line of a fit's log; None while there is none."""
+    try:
+        with (folder / layout.LOG).open("rb") as log:
+            line = log.readline()
+    except FileNotFoundError:
+        return None
+    found: dict[str, Any] | None = json.loads(line) if line.endswith(b"\n") else None
+    return found
 
 
 def events_after(folder: Path, after: int = 0) -> list[tuple[int, bytes]]:

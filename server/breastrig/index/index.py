@@ -9,7 +9,7 @@ import logging
 import os
 import sqlite3
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -133,6 +133,29 @@ class Index:
             if not files.is_damage(error):
                 raise
             self._take(case_id, WRITER_S)  # into the new file
+
+    def catch_up(self, case_ids: Collection[str]) -> set[str]:
+        """Reads those of the cases again whose stamps have changed.
+
+        Returns those that are still behind, as somebody is writing into them or the disk is full.
+        """
+        behind = set()
+        known = self.asked(lambda rows: questions.stamps(rows, case_ids))
+        for case_id in case_ids:
+            try:
+                if stamp_of(self._folder(case_id)) == known.get(case_id):
+                    continue
+            except FileNotFoundError:
+                pass  # it is gone
+            try:
+                self._take(case_id, 0.0)
+            except Conflict:
+                behind.add(case_id)
+            except sqlite3.OperationalError as error:
+                if not files.is_full(error):
+                    raise
+                behind.add(case_id)
+        return behind
 
     def asked(self, question: Callable[[sqlite3.Connection], Answer]) -> Answer:
         """The answer to a question that reads one state; a damaged file is made again, and asked once more."""
@@ -364,10 +387,10 @@ def _put(rows: sqlite3.Connection, read: CaseRows) -> None:
 def _put_fit(rows: sqlite3.Connection, fit: tuple[object, ...]) -> None:
     rows.execute(
         "INSERT INTO fits (id, patient, scan, asked_at, state, verdict, predicted_from, asked_stance, key_sha256, "
-        "request_sha256) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) "
+        "request_sha256, stance) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) "
         "ON CONFLICT (id) DO UPDATE SET patient = excluded.patient, scan = excluded.scan, verdict = excluded.verdict, "
         "asked_at = excluded.asked_at, predicted_from = excluded.predicted_from, asked_stance = excluded.asked_stance, "
-        "key_sha256 = excluded.key_sha256, request_sha256 = excluded.request_sha256, "
+        "key_sha256 = excluded.key_sha256, request_sha256 = excluded.request_sha256, stance = excluded.stance, "
         # one that was taken up has no line yet, and does not wait any more
         "state = CASE WHEN fits.state = 'running' AND excluded.state = 'queued' THEN 'running' ELSE excluded.state END",
         fit,

@@ -23,6 +23,30 @@ class CaseRow:
 
 
 @dataclass(frozen=True)
+class ListedFit:
+    id: str
+    state: str
+    created_at: str
+    verdict: str | None
+    stance: str | None  # as decided at its start
+
+
+@dataclass(frozen=True)
+class ListedScan:
+    id: str
+    created_at: str
+    stance: str  # as proposed
+    fit: ListedFit | None  # that was asked for last, no prediction
+
+
+@dataclass(frozen=True)
+class ListedCase(CaseRow):
+    """A line of the worklist."""
+
+    scans: tuple[ListedScan, ...]  # oldest first
+
+
+@dataclass(frozen=True)
 class LinkSecret:
     """The stored secrets of a link."""
 
@@ -72,13 +96,27 @@ def cases_page(
     return [CaseRow(*row[:4]) for row in found[:limit]], more
 
 
-def scans_of_cases(rows: sqlite3.Connection, cases: Collection[str]) -> dict[str, list[str]]:
-    """{case: its scans, oldest first}"""
-    found: dict[str, list[str]] = {case: [] for case in cases}
-    chosen = f"SELECT patient, id FROM scans WHERE patient IN ({_marks(cases)}) ORDER BY created_at, id"
-    for case, scan in rows.execute(chosen, tuple(cases)):
-        found[case].append(scan)
-    return found
+def stamps(rows: sqlite3.Connection, cases: Collection[str]) -> dict[str, int]:
+    """{case: its folder's stamp when it was read}"""
+    return dict(rows.execute(f"SELECT id, stamp FROM cases WHERE id IN ({_marks(cases)})", tuple(cases)).fetchall())
+
+
+def listed_cases(rows: sqlite3.Connection, cases: Collection[str]) -> list[ListedCase]:
+    """Those of the cases that are there, in the order given, with their scans, oldest first."""
+    scans: dict[str, list[ListedScan]] = {case: [] for case in cases}
+    newest = "SELECT id FROM fits WHERE scan = scans.id AND predicted_from IS NULL ORDER BY place DESC LIMIT 1"
+    chosen = (
+        "SELECT scans.patient, scans.id, scans.created_at, scans.stance, fits.id, fits.state, asked_at, verdict, "
+        f"fits.stance FROM scans LEFT JOIN fits ON fits.id = ({newest}) WHERE scans.patient IN ({_marks(cases)}) "
+        "ORDER BY scans.created_at, scans.id"
+    )
+    for case, scan, came, proposed, fit_id, state, asked_at, verdict, stance in rows.execute(chosen, tuple(cases)):
+        fit = None if fit_id is None else ListedFit(fit_id, state, asked_at, verdict, stance)
+        scans[case].append(ListedScan(scan, came, proposed, fit))
+    chosen = f"SELECT id, code, created_at, plan FROM cases WHERE id IN ({_marks(cases)})"
+    known = rows.execute(chosen, tuple(cases))
+    found = {case: ListedCase(case, code, made, plan, tuple(scans[case])) for case, code, made, plan in known}
+    return [found[case] for case in cases if case in found]
 
 
 def scans_page(
@@ -157,12 +195,6 @@ def fits_page(
         f"SELECT id, place FROM fits WHERE {' AND '.join(wanted)} ORDER BY place DESC LIMIT ?", (*given, limit + 1)
     ).fetchall()
     return [row[0] for row in found[:limit]], found[limit - 1][1] if len(found) > limit else None
-
-
-def newest_fits(rows: sqlite3.Connection, scans: Collection[str]) -> dict[str, str]:
-    """{scan: its fit that was asked for last, no prediction}"""
-    chosen = f"SELECT scan, id FROM fits WHERE scan IN ({_marks(scans)}) AND predicted_from IS NULL ORDER BY place"
-    return dict(rows.execute(chosen, tuple(scans)).fetchall())
 
 
 def perhaps_done(rows: sqlite3.Connection, scan: str) -> list[str]:

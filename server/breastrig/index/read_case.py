@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from breastrig.cases.case_folder import CaseFolder
 from breastrig.cases.documents import ExpiresDocument
-from breastrig.cases.fits import fits_of_scan
+from breastrig.cases.fits import first_event, fits_of_scan
 from breastrig.cases.layout import EXPIRES, LINKS, fit_part, scan_part
 from breastrig.cases.links import links_of_fit
 from breastrig.cases.plans import stored_plan
@@ -32,12 +32,12 @@ def read_case(case: CaseFolder) -> CaseRows:
     fits, links = list[Row](), list[Row]()
     for scan in scans:
         for fit in fits_of_scan(case, scan.id):
-            verdict = ((fit.last or {}).get("result", {}).get("verdict") or {}).get("level")
             asked = fit.document
             hashes = asked.key_sha256, asked.request_sha256
             stance = "" if asked.simulated else asked.stance  # nobody is given one for a prediction
-            known = fit.id, case.id, scan.id, asked.asked_at, fit.state, verdict, asked.predicted_from, stance
-            fits.append((*known, *hashes))
+            known = fit.id, case.id, scan.id, asked.asked_at, fit.state, fit.verdict, asked.predicted_from, stance
+            decided = (first_event(case.path / fit_part(scan.id, fit.id)) or {}).get("stance")
+            fits.append((*known, *hashes, decided))
             if (case.path / fit_part(scan.id, fit.id) / LINKS).is_dir():
                 for link, one in links_of_fit(case, scan.id, fit.id).items():
                     ends = "" if one.revoked_at else one.expires_at

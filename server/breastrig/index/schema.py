@@ -5,7 +5,7 @@ offline), when links were opened, sessions that were ended, and the order of fit
 Another VERSION means another form: the three tables are copied if they can be read, the rest is made again.
 """
 
-VERSION = 2
+VERSION = 3
 OF_FOLDERS = ("cases", "scans", "fits", "links")
 ONLY_HERE = ("link_secrets", "openings", "ended_sessions")
 
@@ -42,6 +42,7 @@ CREATE TABLE fits (
     asked_at TEXT NOT NULL,
     state TEXT NOT NULL,
     verdict TEXT,
+    stance TEXT,                  -- as decided at its start
     predicted_from TEXT,
     asked_stance TEXT NOT NULL,
     key_sha256 TEXT,

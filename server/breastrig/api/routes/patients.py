@@ -19,22 +19,21 @@ from breastrig.cases.writing import Changed
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.patterns import drawing_with
 from breastrig.drawings.plan_schema import Plan, PlanLesion, PlanLine, PlanNote, asked_of
+from breastrig.index.questions import ListedCase, ListedScan
 from breastrig.report.pages.printable import check_printable, checked_code
 from breastrig.service.skin_checks import shapes_of
-from breastrig.storage.rows.fits import FitRow, newest_fits
 from breastrig.storage.rows.patients import (
-    PatientRow,
     PlanRow,
     get_patient,
     get_plan,
+    listed_page,
+    listed_patient,
     move_scan,
-    patients_page,
     put_plan,
     rename_patient,
     scans_of_patient,
-    scans_of_patients,
 )
-from breastrig.storage.rows.scans import ScanRow, get_scans
+from breastrig.storage.rows.scans import get_scans
 from breastrig.storage.storage import iso_utc
 from breastrig.workflow.lines.plan_words import texts_of
 
@@ -55,10 +54,10 @@ def list_patients(query_data: wire.PatientQuery) -> wire.PatientPage:
     """The patients, page by page"""
     asked = query_data
     last = None if asked.before is None else (asked.after, asked.before)
-    rows, before = patients_page(app_context().service.storage, asked.limit, last, asked.search, asked.sort)
+    rows, before = listed_page(app_context().service.storage, asked.limit, last, asked.search, asked.sort)
     after, number = before or (None, None)
     more = asked.next_page("/api/patients", after=after, before=number)
-    return wire.PatientPage(patients=_answers(rows), next=more)
+    return wire.PatientPage(patients=[_answer(row) for row in rows], next=more)
 
 
 @patients.get("/<patient_id>")
@@ -66,7 +65,7 @@ def list_patients(query_data: wire.PatientQuery) -> wire.PatientPage:
 @patients.doc(operation_id="getPatient")
 def show_patient(patient_id: str) -> wire.Patient:
     """A patient with all scans"""
-    return _answers([get_patient(app_context().service.storage, patient_id)])[0]
+    return _answer(listed_patient(app_context().service.storage, patient_id))
 
 
 @patients.patch("/<patient_id>")
@@ -79,7 +78,7 @@ def change_patient(patient_id: str, json_data: wire.PatientChange) -> wire.Patie
     A code of your own, never a name: it is shown in the list and kept with the scans.
     """
     rename_patient(app_context().service.storage, patient_id, checked_code(json_data.code))
-    return _answers([get_patient(app_context().service.storage, patient_id)])[0]
+    return _answer(listed_patient(app_context().service.storage, patient_id))
 
 
 @patients.delete("/<patient_id>")
@@ -107,7 +106,7 @@ def move(scan_id: str, json_data: wire.ScanOwner) -> wire.Patient:
     """
     service = app_context().service
     patient = move_scan(service.storage, scan_id, json_data.patient, json_data.again, json_data.same_as)
-    return _answers([get_patient(service.storage, patient)])[0]
+    return _answer(listed_patient(service.storage, patient))
 
 
 @patients.get("/<patient_id>/plan")
@@ -222,31 +221,22 @@ def _plan_answer(patient_id: str, plan: PlanRow) -> Response:
     return response
 
 
-def _answers(rows: list[PatientRow]) -> list[wire.Patient]:
-    """The stored rows as the API shows them, by few queries however many they are."""
-    storage = app_context().service.storage
-    of_patient = scans_of_patients(storage, [row.id for row in rows])
-    ids = [scan for scans in of_patient.values() for scan in scans]
-    scans = {scan.id: scan for scan in get_scans(storage, ids)}
-    fits = newest_fits(storage, ids)
-    return [
-        wire.Patient.of(
-            row,
-            plan_version=row.version,
-            scans=[_scan(scans[scan], fits.get(scan)) for scan in of_patient[row.id] if scan in scans],
-            links=wire.PatientLinks(self=f"/api/patients/{row.id}", plan=f"/api/patients/{row.id}/plan"),
-        )
-        for row in rows
-    ]
+def _answer(row: ListedCase) -> wire.Patient:
+    return wire.Patient.of(
+        row,
+        plan_version=row.plan,
+        scans=[_scan(scan) for scan in row.scans],
+        links=wire.PatientLinks(self=f"/api/patients/{row.id}", plan=f"/api/patients/{row.id}/plan"),
+    )
 
 
-def _scan(row: ScanRow, fit: FitRow | None) -> wire.PatientScan:
-    days = app_context().config.keep_days
+def _scan(row: ListedScan) -> wire.PatientScan:
+    days, fit = app_context().config.keep_days, row.fit
     until = None if days is None else datetime.fromisoformat(row.created_at) + timedelta(days=days)
-    fitted = fit.stance if fit is not None and fit.state == "done" else row.facts["stance"]["proposed"]
+    fitted = fit.stance if fit is not None and fit.state == "done" else None
     return wire.PatientScan.of(
         row,
-        stance=fitted,
+        stance=fitted or row.stance,
         delete_at=None if until is None else iso_utc(until),
         thumbnail=f"/api/scans/{row.id}/thumbnail.png",
         fit=None if fit is None else wire.PatientFit.of(fit),

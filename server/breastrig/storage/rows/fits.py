@@ -237,12 +237,6 @@ def newest_done(storage: Storage, scan_id: str) -> FitRow | None:
     return next((fit for fit in _rows(storage, found) if fit.state == "done"), None)
 
 
-def newest_fits(storage: Storage, scan_ids: Sequence[str]) -> dict[str, FitRow]:
-    """{scan: its fit that was asked for last, no prediction}; scans without a fit are not in it."""
-    found = storage.index.asked(lambda rows: questions.newest_fits(rows, scan_ids))
-    return {row.scan: row for row in _rows(storage, list(found.values()))}
-
-
 def _rows(storage: Storage, ids: Sequence[str]) -> Iterator[FitRow]:
     """The rows of the fits that exist."""
     for fit_id in ids:

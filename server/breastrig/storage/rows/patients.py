@@ -5,17 +5,20 @@ one that is there, which its ETag proves; earlier versions are kept for undoing.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from pydantic import TypeAdapter
 
-from breastrig.cases import of_scans, plans, removal
+from breastrig.cases import fits, of_scans, plans, removal
 from breastrig.cases.case_folder import CaseFolder
+from breastrig.cases.layout import fit_part
 from breastrig.cases.plans import StoredPlan
+from breastrig.cases.writing import NONE_HERE
 from breastrig.core.errors import NotFound
 from breastrig.drawings.plan_schema import PlanItem
 from breastrig.index import questions
+from breastrig.index.questions import ListedCase, ListedScan
 from breastrig.index.questions import Sort as Sort
 from breastrig.storage.storage import Storage
 
@@ -75,11 +78,6 @@ def scans_of_patient(storage: Storage, patient_id: str) -> list[str]:
     return [one.id for one in storage.case(patient_id).scans()]
 
 
-def scans_of_patients(storage: Storage, patient_ids: Sequence[str]) -> dict[str, list[str]]:
-    """{patient: ids of the scans, oldest first}"""
-    return storage.index.asked(lambda rows: questions.scans_of_cases(rows, patient_ids))
-
-
 def get_patient(storage: Storage, patient_id: str) -> PatientRow:
     """The patient's row. Raises NotFound."""
     return _row(storage.case(patient_id))
@@ -96,12 +94,58 @@ def patients_of_scans(storage: Storage, scan_ids: Sequence[str]) -> dict[str, Pa
     return found
 
 
-def patients_page(
+def listed_page(
     storage: Storage, limit: int, last: tuple[str, int] | None, search: str = "", sort: Sort = "newest"
-) -> tuple[list[PatientRow], tuple[str, int] | None]:
+) -> tuple[list[ListedCase], tuple[str, int] | None]:
     """Patients in that order, and the key and number where the next page goes on; `search` is a part of a code."""
     rows, more = storage.index.asked(lambda rows: questions.cases_page(rows, limit, last, search, sort))
-    return [PatientRow(row.id, row.code, row.created_at, row.plan) for row in rows], more
+    return _listed(storage, [row.id for row in rows]), more
+
+
+def listed_patient(storage: Storage, patient_id: str) -> ListedCase:
+    """The patient's line of the worklist. Raises NotFound."""
+    storage.case(patient_id)
+    found = _listed(storage, [patient_id])
+    if not found:
+        raise NotFound(NONE_HERE)
+    return found[0]
+
+
+def _listed(storage: Storage, ids: Sequence[str]) -> list[ListedCase]:
+    """Those of the patients that are there, from the index; folders are opened of what has changed, and of fits that
+    have not ended, as their log says more than the index until then."""
+    behind = storage.index.catch_up(ids)
+    found = []
+    for row in storage.index.asked(lambda rows: questions.listed_cases(rows, ids)):
+        scans = row.scans
+        if row.id in behind:
+            try:
+                there = storage.case(row.id).scan_ids()
+            except NotFound:
+                continue
+            scans = tuple(scan for scan in scans if scan.id in there)
+        if scans is not row.scans or any(_goes_on(scan) for scan in scans):
+            row = replace(row, scans=tuple(_with_present_fit(storage, row.id, scan) for scan in scans))
+        found.append(row)
+    return found
+
+
+def _goes_on(scan: ListedScan) -> bool:
+    """Whether its fit has not ended as far as the index knows."""
+    return scan.fit is not None and scan.fit.state not in fits.ENDED
+
+
+def _with_present_fit(storage: Storage, case_id: str, scan: ListedScan) -> ListedScan:
+    """The scan with its fit as it is now."""
+    if scan.fit is None or not _goes_on(scan):
+        return scan
+    try:
+        case = storage.case(case_id)
+        now = fits.get_fit(case, scan.id, scan.fit.id)
+    except NotFound:
+        return replace(scan, fit=None)
+    stance = (fits.first_event(case.path / fit_part(scan.id, now.id)) or {}).get("stance")
+    return replace(scan, fit=replace(scan.fit, state=now.state, verdict=now.verdict, stance=stance))
 
 
 def rename_patient(storage: Storage, patient_id: str, code: str) -> None:
