@@ -41,13 +41,13 @@ class _Stillness:
 
 
 def stage_progress(stage: Stage, step: int) -> float:
-    """How far the stage has tightened before its step number `step`: 0 to 1."""
+    """Share by which the stage has tightened before step number `step`: 0 to 1."""
     return min(step / max(stage.tighten - 1, 1), 1.0)
 
 
 @dataclass(frozen=True, eq=False)
 class InitialPoint:
-    """Where stages begin: at the start, or where earlier ones ended."""
+    """The initial point of stages: the start, or the end of earlier stages."""
 
     point: BodyState
     energy: float = np.nan

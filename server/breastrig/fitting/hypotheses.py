@@ -1,11 +1,11 @@
-"""Where a fit starts and in which stance: found from landmarks and scan, or taken over from an earlier fit.
+"""A fit's start and stance: found from landmarks and scan, or taken over from an earlier fit.
 
-What is found from the scan alone, once, at the upload, is then known to proposals and fits: in the scan's own frame
-and as plain numbers, so that it is kept with the scan.  The place of the model's rest pose belongs to one model;
-another one has to look anew.  Going on from an earlier fit of the same scan is for a person who moves one pick and
-looks at the result: finding start and stance costs more than the iterations that are then needed.  The result is that
-of a fresh fit with the same picks, up to what the last iterations leave open (0.1 to 0.6 mm on average, measured with
-picks moved by 10 mm).
+Findings from the scan alone, once, at the upload, are then known to proposals and fits: in the scan's own frame and as
+plain numbers, so that they are stored with the scan. The place of the model's rest pose belongs to one model; for
+another one it is found again. Continuing from an earlier fit of the same scan is for a person who moves one pick and
+looks at the result: finding start and stance costs more than the iterations that are then needed. The result is that of
+a fresh fit with the same picks, up to the remaining error of the last iterations (0.1 to 0.6 mm on average, measured
+with picks moved by 10 mm).
 """
 
 import json
@@ -42,7 +42,7 @@ SURE_MARGIN = 0.3  # of start_from_scan; whole scans have 0.28 to 1.1
 
 @dataclass(frozen=True, eq=False)
 class ScanOrientation:
-    """Of one scan, for one model."""
+    """The orientation of one scan, for one model."""
 
     model_sha256: str
     frame: Frame  # as seen on the scan, before the model was tried
@@ -69,7 +69,7 @@ class ScanOrientation:
 
 
 def orientation_from(facts: dict[str, Any] | None, rig: Rig) -> ScanOrientation | None:
-    """What `facts` has stored; None where nothing is stored, in another form, or it was found with another model."""
+    """The orientation stored in `facts`; None where none is, in another form, or if it was found with another model."""
     if facts is None or facts["model_sha256"] != rig.sha256 or "frame" not in facts:
         return None
     seen, start, fitted = facts["frame"], facts["start"], facts.get("fitted")

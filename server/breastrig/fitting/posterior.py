@@ -1,17 +1,7 @@
-"""How sure a fit is: the Gaussian at the end of the objective that it has minimised (Laplace's approximation).
+"""A fit's posterior: the Gaussian at the minimum of its objective (Laplace's approximation).
 
-The covariance of the unknowns is the inverse of Gauss-Newton's H.  It knows the scan's
-noise and the priors, not that the model cannot show every body, so whoever uses it adds that misfit.
-
-Leave-one-out residuals of picks, to first order: with the normal equations H, the rows J_i of pick i (in standard
-deviations) and its residual r_i
-
-    e_i = (I − h_ii)⁻¹ r_i,    (I − h_ii)⁻¹,    h_ii = J_i H⁻¹ J_iᵀ
-
-(the PRESS residual; Allen, The relationship between variable selection and data augmentation, 1974), moved to where
-bodies have the landmark beside the model, whose spread is added to the covariance (body/landmark_errors.py).  The
-deviation of a pick is the length of e_i along the skin in its units: a wrong click lies on the skin, too, and what a
-breast covers lies far behind the skin that is seen.
+The covariance of the unknowns is the inverse of Gauss-Newton's H. It includes the scan's noise and the priors, not that
+the model cannot show every body; that misfit is added where it is used.
 """
 
 from collections.abc import Collection
@@ -34,7 +24,7 @@ FLOOR = 1e-6  # of an unknown's natural size: keeps directions that nothing hold
 
 
 class Posterior:
-    """Of a task whose fit ended at `x`."""
+    """The posterior of a task whose fit ended at `x`."""
 
     def __init__(self, task: FitTask, x: RigParameters, *, partners: bool = True) -> None:
         """`partners`: what a pick tells of its partner counts; what judges picks lets none vouch for itself."""
@@ -98,7 +88,7 @@ FREEDOM = 4.0  # degrees, of a Student t, as landmarks' errors were estimated wi
 
 
 class LeaveOneOut:
-    """The picks of a fit that has some."""
+    """Leave-one-out residuals of a fit with picks."""
 
     def __init__(self, posterior: Posterior) -> None:
         picks, task = posterior.picks, posterior.task
@@ -138,7 +128,7 @@ class LeaveOneOut:
         return result
 
     def _of_body(self, without: Collection[str]) -> dict[str, tuple[Array, Array]]:
-        """The same to where bodies have the landmark."""
+        """The gaps of `of_model`, to the expected landmarks of bodies."""
         parts = zip(self.of_model(without).items(), self._expected, strict=True)
         return {name: (gap + each.mean, cov + each.covariance) for (name, (gap, cov)), each in parts}
 

@@ -1,7 +1,7 @@
-"""A cleaned scan made ready for a fit: floors, walls, other people's hands and the table under a patient cut away.
+"""Prepares a cleaned scan for a fit: cuts floors, walls, other people's hands and the table under a patient away.
 
-Upload, proposals, fits and evaluations all come through here, so that they look at the same skin.  What the upload has
-found of the scan's directions is handed on with the scan and not looked for again.
+Upload, proposals, fits and evaluations all use it, so that they look at the same skin. The scan's directions found at
+the upload are passed on with the scan and not searched again.
 """
 
 from dataclasses import dataclass, replace
@@ -23,7 +23,7 @@ from breastrig.scan.table import Table, found_table
 
 @dataclass(frozen=True, eq=False)
 class PreparedScan:
-    """What is fitted to."""
+    """A prepared scan, the target of a fit."""
 
     surface: Surface  # in the scan's own frame, table included; floors, walls and other people's hands not
     target: ScanTarget  # without the table
@@ -48,8 +48,8 @@ class PreparedScan:
 def prepared(surface: Surface, stance: str, frame: Frame | None = None) -> PreparedScan:
     """The scan of a patient in this stance (auto | standing | supine | prone); `frame` when it is known already.
 
-    A large plane close behind the body says that she lies on a table, unless somebody has said that she stands: then it
-    is a wall, and is cut away as all others are.
+    A large plane close behind the body shows that the patient lies on a table, unless the stance is known to be
+    standing: then it is a wall, and is cut away as all others are.
     """
     room = _without_background(surface, stance == STANDING, frame)
     body, plane = _without_table(surface.vertices, room)

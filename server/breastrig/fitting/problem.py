@@ -1,13 +1,7 @@
-"""What a fit minimises for one scan: the observations that it gives, what is expected of a body, and where to stop.
+"""The objective of a fit for one scan: its observations, the priors of a body, and the stop rule.
 
-At a state of the model a stage of the recipe asks for matches and makes terms of them (equations 7 to 9); the priors
+At a state of the model a stage of the recipe computes matches and makes terms of them (equations 7 to 9); the priors
 (equations 4 and 5 and ours) and joints (equation 6) do not depend on the scan.
-
-A vertex stands for so many independent observations of the scan (docs/decisions/0010): it counts by the area around it
-in the rest pose, in units of the square of the spacing at which the preset takes observations to be independent: narrow
-in the regions that matter most, growing with the distance from them.  A stage that looks at every nth vertex gives each
-of these the area of its left-out neighbours.  Each vertex is to lie above the scan by the chordal deviation of its
-triangles (geometry/surface_points.py), so that a finer model fits the same.
 """
 
 import time
@@ -109,7 +103,7 @@ class ScanProblem:
         return BodyState(self.task.rig, allowed_start(self.task))
 
     def matches(self, stage: Stage, progress: float, state: BodyState) -> Correspondences:
-        """Of this stage's share of the model's vertices."""
+        """The matches of this stage's share of the model's vertices."""
         vertices, normals = state.vertices, state.normals
         rules = MatchRules(
             stage.method,
@@ -124,7 +118,7 @@ class ScanProblem:
         return replace(found, vertices=chosen[found.vertices])
 
     def lost(self, matches: Correspondences) -> bool:
-        """Neither skin nor landmarks hold the model."""
+        """Whether neither skin nor landmarks hold the model."""
         return len(matches.distances) < MIN_MATCHES and self._picks is None
 
     def terms(self, stage: Stage, progress: float, state: BodyState, matches: Correspondences) -> Terms:
@@ -152,7 +146,7 @@ class ScanProblem:
     def _seen(
         self, state: BodyState, others: list[ResidualTerm[BodyState]], picks: Landmarks | None
     ) -> tuple[Sequence[LandmarkObservation], Sequence[LandmarkObservation]]:
-        """What the form shows, and what picks say of partners; looked for once, where a stage first asks."""
+        """Observations from the relief, and of the picks' partners; computed once, at a stage's first request."""
         if self.relief is None:
             self.relief = observe_relief(self.task, state)
         if self.partners is None:
@@ -169,11 +163,11 @@ class ScanProblem:
         return replace(found, energy=found.energy + terms.beyond)
 
     def energy(self, terms: Terms, state: BodyState) -> float:
-        """What is to become small (equation 9)."""
+        """The objective (equation 9)."""
         return energy_of(terms.residuals, state) + terms.beyond
 
     def free(self, stage: Stage) -> Booleans:
-        """(P,) what the stage lets move."""
+        """(P,) which unknowns the stage moves."""
         rig = self.task.rig
         bones = len(rig.bones)
         free = np.ones(len(self.scaling), dtype=np.bool_)
@@ -190,7 +184,7 @@ class ScanProblem:
     def iterate(
         self, iteration: int, stage: Stage, state: BodyState, energy: float, matches: Correspondences, status: Status
     ) -> FitIterate:
-        """What is reported of a state."""
+        """A state as an iterate."""
         return FitIterate(
             iteration=iteration,
             stage=stage.name,

@@ -40,7 +40,7 @@ def expected_error(confidence: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Proposal:
-    """Where a landmark probably is."""
+    """A proposed landmark."""
 
     point: Array  # (3,) m, in the scan's frame
     confidence: float  # 0 to 1

@@ -1,7 +1,7 @@
-"""How a fit goes, as data: stages, priors, stop rule, outliers.  Preset files are TOML beside this module.
+"""A fit's settings as data: stages, priors, stop rule, outliers. Preset files are TOML beside this module.
 
-Every expected size (sigma) has a unit; the paper's compliance λ of a term is its σ² (equations 8 and 9).
-A pair [start, end] is run through geometrically while the stage tightens.
+Every expected size (sigma) has a unit; the paper's compliance λ of a term is its σ² (equations 8 and 9). A pair [start,
+end] is run through geometrically while the stage tightens.
 """
 
 import tomllib
@@ -32,7 +32,7 @@ def preset_text(name: str) -> str:
 
 
 def changed(base: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
-    """The base with what is given in its place; tables are gone into, stages by their names."""
+    """The base with the given values in place of its own; tables are merged, stages by their names."""
     result = dict(base)
     for name, part in given.items():
         old = result.get(name)
@@ -82,7 +82,7 @@ class Scales(SettingsPart):
 
 
 class Body(SettingsPart):
-    """How far the statistics of bodies are believed; see fitting/body and energies/body_prior.py."""
+    """Weight of the statistics of bodies; see fitting/body and energies/body_prior.py."""
 
     share: Positive  # of their covariance
     scale_sigma: Positive  # what single scales do beyond it
@@ -90,7 +90,7 @@ class Body(SettingsPart):
 
 
 class Folding(SettingsPart):
-    """How far shapes may press the skin together; see energies/folding.py."""
+    """Limits on skin that shapes press together; see energies/folding.py."""
 
     least: Annotated[float, Field(lt=1.0)]  # stretch of an edge along itself
     sigma: Positive  # of that stretch
@@ -140,7 +140,7 @@ class Stage(SettingsPart):
 
 
 class Outliers(SettingsPart):
-    """When a picked landmark is asked about, and when it is not followed; see fitting/picks."""
+    """Limits beyond which a picked landmark is questioned or rejected; see fitting/picks."""
 
     unusual: Positive  # standard deviations from where it is expected, beyond which a pick is asked about
     most: Annotated[float, Field(ge=0.0, lt=1.0)]  # share of the picks that may be rejected
@@ -157,7 +157,7 @@ class Outliers(SettingsPart):
 
 
 class Lying(SettingsPart):
-    """Where a back rests on a table that the scan shows; see energies/table_contact.py."""
+    """Contact of a back with a table that the scan shows; see energies/table_contact.py."""
 
     sigma: Positive  # m, of the height of the whole back
     profile_sigma: Positive  # m, of each bone's part against the whole
@@ -167,7 +167,7 @@ class Lying(SettingsPart):
 
 
 class Hanging(SettingsPart):
-    """When a fit begins again with breasts that hang; see body/hanging.py."""
+    """Conditions for a second start with hanging breasts; see body/hanging_start.py."""
 
     after: str  # the stage that shows whether they were flattened
     least: Annotated[float, Field(gt=0.0, lt=1.0)]  # share of the skin in front that faces down without the model

@@ -22,7 +22,7 @@ from breastrig.rig.state import BodyState
 
 
 def iterates_with_second_start(task: FitTask, known_opening: Opening | None = None) -> Iterator[FitIterate]:
-    """As fit_iterates; where a second opening is gone through, its iterates follow those of the first.
+    """The iterates as of fit_iterates; those of a second opening follow those of the first.
 
     `known_opening` is the whole opening of this very task, where it is known.
     """
@@ -84,7 +84,7 @@ def _later(iterate: FitIterate, iterations: int, seconds: float) -> FitIterate:
 
 
 def checked_iterates(task: FitTask, known_opening: Opening | None = None) -> Iterator[FitIterate]:
-    """As iterates_with_second_start; iterates after a pick was rejected name it in `not_followed`."""
+    """The iterates as of iterates_with_second_start; those after a pick was rejected name it in `not_followed`."""
     first, rest = _parts(task.recipe)
     if not task.picked or first is None or rest is None:
         yield from iterates_with_second_start(task, known_opening)

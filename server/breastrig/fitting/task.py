@@ -1,4 +1,4 @@
-"""What a fit is asked and what it answers: one task in, a stream of frozen iterates out."""
+"""Input and output of a fit: one task in, a stream of frozen iterates out."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
@@ -49,7 +49,7 @@ class FitIterate:
 
 @dataclass(frozen=True, eq=False)
 class FitTask:
-    """What is to be fitted to what."""
+    """The input of a fit: rig, scan, start, recipe and observations."""
 
     rig: Rig
     target: ScanTarget
@@ -63,25 +63,25 @@ class FitTask:
 
     @property
     def landmarks(self) -> dict[str, Array]:
-        """Name -> (3,) m of what is given."""
+        """Name -> (3,) m of the given landmarks."""
         return {name: each.place for name, each in self.given.items()}
 
     @property
     def picked(self) -> frozenset[str]:
-        """Of what is given that which a person has placed."""
+        """The names of the given landmarks that a person has placed."""
         return frozenset(name for name, each in self.given.items() if each.source == "pick")
 
     @property
     def certain(self) -> frozenset[str]:
-        """Of what is given that which is followed whatever all else says."""
+        """The names of the given landmarks that are always followed."""
         return frozenset(name for name, each in self.given.items() if not each.outlier)
 
     def beyond_click(self, name: str) -> float:
-        """m, on each axis, what is given of this name may be off beyond a click's error."""
+        """Error (m, each axis) of the given landmark of this name beyond a click's."""
         return float(np.sqrt(max(np.trace(self.given[name].covariance) / 3.0 - self.recipe.observed.landmark**2, 0.0)))
 
     def without(self, names: Collection[str]) -> "FitTask":
-        """The task in which these are not given."""
+        """The task without these landmarks."""
         return replace(self, given={name: each for name, each in self.given.items() if name not in names})
 
     def with_picks(

@@ -81,7 +81,7 @@ def project(fit: Fit, points: ArrayLike, name: str = "line", *, closed: bool = F
 
 
 def _plan(fit: Fit, drawing: Drawn | None, tumours: Sequence[str], same_patient: bool) -> Plan:
-    """What was asked for, as a plan."""
+    """The requested drawing, as a plan."""
     found = fit.in_metres
     circles = [tumour_text(short) for short in tumours]
     if drawing is None or isinstance(drawing, str):

@@ -70,10 +70,7 @@ class FitFiles:
         return self._made[name]
 
     def several(self, names: Sequence[str], patient: ResultPatient | None = None) -> dict[str, bytes]:
-        """Those of these names, in that order; BadInput names the one that is missing.
-
-        Of a fit that was just made `patient` says whose all its files are.
-        """
+        """The files of these names, in that order; BadInput names the one that is missing."""
         is_whole = self._result is not None and set(names) >= set(FIT_FILES)
         files = {name: b"" if is_whole and name == RESULT else self[name] for name in names}
         if self._result is not None and is_whole:
@@ -160,12 +157,12 @@ class Fit:
 
     @property
     def line_error_mm(self) -> float | None:
-        """How far off lines on the breasts may be, across them (90 %), in mm; None where it is not known."""
+        """Line error (90 %, mm) of lines on the breasts; None where it is not known."""
         return self.in_metres.result.line_error_mm
 
     @property
     def drawn_line_error_mm(self) -> float | None:
-        """The same of what the fit has drawn, of its line of which least is known; None where nothing is drawn."""
+        """The largest line error (90 %, mm) of the fit's own lines; None where nothing is drawn."""
         return self.in_metres.result.drawn_line_error_mm
 
     @cached_property
@@ -179,7 +176,7 @@ class Fit:
 
     @cached_property
     def frame(self) -> Frame:
-        """Where left, up and front are on this body."""
+        """The directions left, up and front of this body."""
         return frame_of(self.in_metres.rig, self.in_metres.vertices, self.metres_per_unit)
 
     def picture(
@@ -209,7 +206,7 @@ class Fit:
 
     @property
     def posterior(self) -> Posterior:
-        """What the fit leaves open of pose and shape.  Raises BadInput for a fit that was loaded: no file has it."""
+        """The posterior of pose and shape. Raises BadInput for a fit that was loaded: no file has it."""
         if self.known_posterior is None:
             raise BadInput("The posterior is in no file of a fit; fit the scan again to have it.")
         return self.known_posterior
@@ -225,7 +222,7 @@ class Fit:
 
     @cached_property
     def lesions(self) -> tuple[Lesion, ...]:
-        """What the label map that was fitted shows inside, with depth and distances; `transfer` carries it."""
+        """The lesions of the label map that was fitted, with depth and distances; `transfer` takes them."""
         from breastrig.workflow.lines.transfer import lesions_document  # skin maps and plans, as for the picture below
 
         with one_thread():
@@ -254,10 +251,10 @@ class Fit:
 
     @staticmethod
     def load(folder: str | Path, model: Model = None) -> "Fit":
-        """What `save`, `breastrig fit` or `breastrig batch` wrote; `model` is the one it was made with.
+        """The fit that `save`, `breastrig fit` or `breastrig batch` wrote; `model` is the one it was made with.
 
-        result.json, scan.ply and fitted.ply must be there; another file is missed when it is asked for.  Places are in
-        the scan's unit and frame.  Raises BadInput with one sentence.
+        result.json, scan.ply and fitted.ply must be there; another file is reported missing when it is requested.
+        Places are in the scan's unit and frame. Raises BadInput with one sentence.
         """
         place = Path(folder)
         contents, shown = read_fit_files(place), folder_name(place)
@@ -268,7 +265,7 @@ class Fit:
         return Fit(files=files, in_metres=found)
 
     def _repr_html_(self) -> str:
-        """The same with a picture from the front, as notebooks show it: model coloured by its distance to the scan."""
+        """A picture from the front for notebooks, the model coloured by its distance to the scan, with the verdict."""
         stream = BytesIO()
         self.picture(size=(300, 360)).save(stream, "PNG")
         image = b64encode(stream.getvalue()).decode("ascii")
@@ -302,7 +299,7 @@ def fit_of_outcome(outcome: FitOutcome, inputs: tuple[Path, ...]) -> Fit:
 
 
 def _public_values(found: FitFolder) -> dict[str, Any]:
-    """All that a Fit has of a fit, by the names of its fields, in the scan's unit."""
+    """The values of a Fit's fields by name, in the scan's unit."""
     result, per_unit = found.result, found.metres_per_unit
     if result.verdict is None:
         raise damaged("this fit", "verdict")

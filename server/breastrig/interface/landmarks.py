@@ -21,7 +21,7 @@ from breastrig.workflow.propose_on_scan import propose_on_scan
 
 @dataclass(frozen=True, eq=False)
 class Proposal:
-    """Where a landmark probably is."""
+    """A proposed landmark."""
 
     point: Array  # (3,) in the scan's unit and frame
     confidence: float  # 0 to 1; a person's own pick is 1

@@ -80,13 +80,13 @@ def load_model(path: str | Path | None = None) -> Rig:
 
 
 def public(rig: model.Rig) -> Rig:
-    """The same model as programs hold it."""
+    """The model as a public `Rig`."""
     return rig if isinstance(rig, Rig) else _public(rig)
 
 
 @lru_cache(maxsize=4)
 def _public(rig: model.Rig) -> Rig:
-    """The same object each time, as `read_rig` gives it: what is derived of a model is kept with it."""
+    """The model as a public `Rig`, the same object each time: derived data are cached with it."""
     return Rig(**{each.name: getattr(rig, each.name) for each in fields(rig)})
 
 

@@ -29,7 +29,7 @@ def fit_picture(
     lines: Sequence[Line],
     size: tuple[int, int],
 ) -> Image.Image:
-    """As `Fit.picture`; points of the lines are in the fit's unit."""
+    """The picture of `Fit.picture`; points of the lines are in the fit's unit."""
     with one_thread():
         surface = Layer(found.vertices, found.rig.faces)
         if show == "scan":
@@ -54,7 +54,7 @@ def fit_picture(
 def body_picture(
     rig: Rig, vertices: Array, unit: str, view: str, colours: ArrayLike | None, size: tuple[int, int]
 ) -> Image.Image:
-    """As `Rig.picture`."""
+    """The picture of `Rig.picture`."""
     with one_thread():
         places = METRES_PER_UNIT[unit] * np.asarray(vertices, dtype=np.float64)
         eye = camera(view, places, body_frame(rig, places).axes, size[0] / size[1])

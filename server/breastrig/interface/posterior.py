@@ -1,4 +1,4 @@
-"""What a fit leaves open, for programs: the Gaussian around its parameters (fitting/posterior.py)."""
+"""A fit's posterior for programs: the Gaussian around its parameters (fitting/posterior.py)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -86,7 +86,7 @@ class FitRun(Iterator[Step], Generic[Step, Result]):
                 raise StopIteration from None
 
     def result(self) -> Result:
-        """What the fit found; runs the iterations that are left.  Raises FitFailed, also when it was closed before."""
+        """The fit's result; runs the remaining iterations. Raises FitFailed, also when it was closed before."""
         for _ in self:
             pass
         if self._result is None:
@@ -219,7 +219,7 @@ def fit(
 
 
 def _earlier(start: Fit | Parameters | None, stance: str, rig: Rig) -> EarlierFit | None:
-    """Where to go on from; BadSettings for what another rig has made."""
+    """The fit to continue from; BadSettings for one of another rig."""
     if start is None:
         return None
     x = in_metres(rig, start.parameters if isinstance(start, Fit) else start)
@@ -230,7 +230,7 @@ def _earlier(start: Fit | Parameters | None, stance: str, rig: Rig) -> EarlierFi
 
 
 def _iterate_of(step: RecordedIterate, ready: ReadyScan) -> Iterate:
-    """What a program sees of a recorded iterate."""
+    """A recorded iterate for programs."""
     event = step.event
     return Iterate(
         iteration=event.iteration,

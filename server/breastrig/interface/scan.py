@@ -132,12 +132,12 @@ def read_scan(
 
 
 def read_coloured(source: str | Path, units: str = "auto", answers: VolumeAnswers = NOTHING_SAID) -> Scan:
-    """As `read_scan` with the texture, but for looking at its colours only: where it is too large it is left out."""
+    """The scan with its texture, for its colours only: a texture that is too large is left out."""
     return _scan(coloured_scan(existing(source), None, units, answers), existing(source))
 
 
 def scan_of_stored(file: Path) -> Scan:
-    """What a case keeps of a scan.  Raises BadScan when it is damaged."""
+    """The stored scan of a case. Raises BadScan when it is damaged."""
     return _scan(read_stored(file, for_display=False), file)
 
 
@@ -199,7 +199,7 @@ class ScanSource:
 
     @property
     def file(self) -> Path | None:
-        """Where it is or was read, if that is known."""
+        """The scan's file, if it is known."""
         return self._given.file if isinstance(self._given, Scan) else self._given
 
     def read(self) -> tuple[ScanInMetres, float]:

@@ -63,7 +63,7 @@ class ModelAlone:
 
 @dataclass(frozen=True, eq=False)
 class FitOutcome:
-    """All that is known at the end of a fit: what its files, a report or a program's `Fit` are made from.
+    """The result of a fit, from which its files, a report or a program's `Fit` are made.
 
     Parameters are in the scan's frame, metres.
     """
@@ -95,9 +95,9 @@ def record(ready: ReadyScan, iterate: FitIterate) -> RecordedIterate:
 
 
 def outcome_of(ready: ReadyScan, recorded: Sequence[RecordedIterate], solve_s: float, clock: Clock) -> FitOutcome:
-    """All that is known at the last of the iterates; FitFailed when this is no torso.
+    """The outcome of a fit from its iterates; FitFailed when this is no torso.
 
-    `solve_s` is what the iterations took, `clock` began with the fit.
+    `solve_s` is the iterations' time, `clock` began with the fit.
     """
     last = recorded[-1].iterate
     task, rig, target = ready.task, ready.task.rig, ready.task.target
@@ -192,7 +192,7 @@ def _with_file(sentence: str, scan: Scan) -> str:
 
 
 def _why_failed(iterate: FitIterate, given: GivenLandmarks) -> str:
-    """A sentence with what to do that was not done yet."""
+    """A sentence on the failure, with advice that was not followed yet."""
     if iterate.status is Status.NOT_FINITE:
         advice = given.advice or "check the landmarks"
         return f"The fit broke down (a number is not finite); {advice}, or try another scan."

@@ -24,7 +24,7 @@ class EarlierFit:
 
 @dataclass(frozen=True, kw_only=True)
 class FitSettings:
-    """What is asked of a fit, whatever scan it is asked of."""
+    """The settings of a fit, independent of its scan."""
 
     stance: str = AUTO
     preset: str | Mapping[str, Any] = DEFAULT  # a name, a TOML file, or a document (fitting/recipe.py)
@@ -110,7 +110,7 @@ class SkinJob:
 
 @dataclass(frozen=True)
 class SnapshotJob:
-    """What a share link is to show of a fit, as it stands now."""
+    """The contents of a share link to a fit, as it is now."""
 
     fit: Path  # folder of a fit
     plan: dict[str, Any]  # on its scan, as `service/plans.py` gives it
@@ -192,7 +192,7 @@ class LiveQuestion:
 
 @dataclass(frozen=True)
 class LengthsQuestion:
-    """How long the tape is along the skin, from each place to the next; mm in the scan's frame."""
+    """The request for lengths along the skin, from each place to the next; mm in the scan's frame."""
 
     places_mm: tuple[tuple[float, float, float], ...]
 

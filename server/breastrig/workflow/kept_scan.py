@@ -21,7 +21,7 @@ from breastrig.scan.scan import Scan
 
 @dataclass
 class _Kept:
-    """Of one scan; the last one."""
+    """The cached data of the last scan."""
 
     keeps: bool = False
     read: tuple[Array, Integers] | None = None  # the scan's own vertices and triangles
@@ -33,7 +33,7 @@ _kept = _Kept()
 
 
 def keeping(function: Callable[..., Any], *given: Any) -> Any:
-    """What the function gives, in a process that serves one scan from now on."""
+    """The function's result, in a process that from now on caches the data of one scan."""
     _kept.keeps = True
     return function(*given)
 

@@ -65,7 +65,7 @@ def laid_plan(
 
 
 def planned_lines(folder: Path, unit: str, plan: PlanLines | None) -> tuple[Polyline, ...]:
-    """What is drawn on a fit's scan: the plan there, and the fit's own drawing where the plan does not speak for it."""
+    """The lines on a fit's scan: the plan's, and the fit's own drawing where the plan does not include it."""
     if plan is None:
         return drawn_lines(folder, unit)
     document, is_whole = plan
@@ -77,7 +77,7 @@ def planned_lines(folder: Path, unit: str, plan: PlanLines | None) -> tuple[Poly
 
 
 def _without_own_errors(lines: tuple[Polyline, ...], plan: PlanLines | None) -> tuple[Polyline, ...]:
-    """What was planned on this very scan is where it was put: only what is carried has an error there."""
+    """The lines, without errors for those planned on this very scan: only transferred ones have an error there."""
     shapes = () if plan is None else plan[0]["shapes"]
     here = {shape["name"] for shape in shapes if not shape.get("carried", True)}
     return tuple(replace(line, error=None) if line.name in here else line for line in lines)

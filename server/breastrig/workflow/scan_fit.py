@@ -1,7 +1,7 @@
-"""What is asked of a fit, checked, and a scan made ready for its first iteration.
+"""Checks a fit's request, and prepares a scan for its first iteration.
 
-Shared by fits from files (FitJob) and fits of a program that has read its scan already.  Everything that can be wrong
-with the request itself is found before the scan is looked at.
+Shared by fits from files (FitJob) and fits of a program that has read its scan already. Everything that can be wrong
+with the request itself is found before the scan is read.
 """
 
 import time
@@ -89,7 +89,7 @@ def checked_landmarks(rig: Rig, landmarks_mm: dict[str, list[float]]) -> dict[st
 
 
 def landmark_words(rig: Rig) -> dict[str, tuple[str, str]]:
-    """What else each of the model's landmarks is called, in English and Latin."""
+    """The English and Latin names of the model's landmarks."""
     return {each.name: (each.label, each.latin) for each in rig.landmarks}
 
 
@@ -143,7 +143,7 @@ class ReadyScan:
 
     @property
     def given(self) -> GivenLandmarks:
-        """How many landmarks a person has given, before any of them was doubted."""
+        """Counts of landmarks that a person has given, before any of them was doubted."""
         picked = len(self.landmarks.keys() - self.agreed)
         left = len(self.task.rig.landmark_names) - picked
         followed = len(self.task.picked)
@@ -299,7 +299,7 @@ def prepare_fit(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
 
 
 def _pose_of(rig: Rig, earlier: EarlierFit) -> RigParameters:
-    """Where it ended; BadSettings when another rig made it."""
+    """The final pose of an earlier fit; BadSettings when another rig made it."""
     if earlier.model_sha256 != rig.sha256:
         raise BadSettings("The fit to go on from was made with another model; fit the scan anew.")
     return posed_by_nodes(rig, earlier.nodes)

@@ -1,8 +1,8 @@
-"""What a share link shows, made once from a fit as it stands: files that visitors get as they are, and nothing else.
+"""The files of a share link, made once from a fit as it is: visitors get these files, and nothing else.
 
-With the scan they hold what of it is visible now: what was cut away by hand, also after the fit, and what was cut away
-as table, floor or loose piece is in none of them.  Without the scan they hold the model alone, as bones and shapes have
-it: not the free-form layer, which follows her skin to a tenth of a millimetre, no distances to the skin, no point that
+With the scan they contain its visible part: parts that were cut away by hand, also after the fit, or as table, floor or
+loose piece are in none of them. Without the scan they contain the model alone, as bones and shapes have it: not the
+free-form layer, which follows the patient's skin to a tenth of a millimetre, no distances to the skin, no point that
 was picked on it, and the plan's lines where they lie on that model.
 """
 
@@ -53,7 +53,7 @@ WHOSE = ("patient", "scan_sha256")  # of a drawing: a link does not say it
 
 
 def snapshot_files(job: SnapshotJob) -> dict[str, bytes]:
-    """By name: result.json, fitted.glb, fitted.ply, drawing.json, plan.json.
+    """The files by name: result.json, fitted.glb, fitted.ply, drawing.json, plan.json.
 
     With the scan distances.bin, mesh.glb and, where one can be made of this fit, report.pdf as well.
     """
@@ -80,7 +80,7 @@ def snapshot_files(job: SnapshotJob) -> dict[str, bytes]:
 
 
 def _of_scan(job: SnapshotJob, fit: FitFolder, cut: Booleans, plan: dict[str, Any]) -> dict[str, bytes]:
-    """What shows the skin itself."""
+    """The files that show the skin itself."""
     files = {}
     with suppress(OSError):  # a fit of an older version has none
         distances = np.frombuffer(read_ordinary(job.fit / "distances.bin", FILE_BYTES), "<f4")
@@ -99,7 +99,7 @@ def _of_scan(job: SnapshotJob, fit: FitFolder, cut: Booleans, plan: dict[str, An
 
 
 def _plan(job: SnapshotJob) -> dict[str, Any]:
-    """The plan on the fit's scan without ids, which are the owner's, and without notes unless she shows them."""
+    """The plan on the fit's scan without ids, which are the owner's, and without notes unless the owner shows them."""
     plan = dict(job.plan) | {"fit": "", "carried_from": [], "asked": []}
     if job.has_notes:
         return plan
@@ -141,7 +141,7 @@ def _fitted_glb(fit: FitFolder, surface: Array, plan: dict[str, Any], own: dict[
 
 
 def _result_of_model(fit: FitFolder, alone: Array) -> ResultFile:
-    """What the model alone says: what is known without a look at her skin, or only as means."""
+    """The result of the model alone: values that do not show the patient's skin, or only as means."""
     result = fit.result
     places = fit.rig.landmark_points().positions(alone, fit.rig.faces) / fit.metres_per_unit
     distances = result.distances if result.refined else result

@@ -12,7 +12,7 @@ MODULES = ["breastrig.workflow.default_model"]  # that the tasks need, to be imp
 
 
 def call(name: str, *given: Any) -> Any:
-    """What the function `module:name` gives."""
+    """The result of the function `module:name`."""
     return resolve_name(name)(*given)
 
 

@@ -1,1 +1,1 @@
-"""What is known of bodies: how the model's scales and shapes go together in them."""
+"""Prior statistics of bodies: joint distribution of the model's scales and shapes."""

@@ -1,4 +1,4 @@
-"""What is expected of scales and shapes before any scan: of all women, and of those of a cohort (decision 0027)."""
+"""The prior of scales and shapes before any scan: of all patients, and of those of a cohort (decision 0027)."""
 
 from dataclasses import replace
 from functools import lru_cache
@@ -39,7 +39,7 @@ def expected_shapes(rig: Rig, settings: Shapes, stance: str) -> tuple[Array, Arr
 
 
 def built_in_body(rig: Rig, shapes: Shapes, body: Body, stance: str) -> Gaussian | None:
-    """What is expected of scales and shapes before any scan; None for a rig without statistics of bodies."""
+    """The built-in prior of scales and shapes; None for a rig without statistics of bodies."""
     known, (sigma, mean) = body_statistics(rig), expected_shapes(rig, shapes, stance)
     if known is None:
         return None
@@ -87,7 +87,7 @@ def body_terms(
     stance: str,
     hanging: tuple[Hanging, tuple[str, ...]] | None = None,
 ) -> tuple[ResidualTerm[BodyState], ...]:
-    """What is expected of scales and shapes: by the statistics of bodies where the recipe and the rig have them.
+    """The prior terms of scales and shapes: by the statistics of bodies where the recipe and the rig have them.
 
     `hanging` names the shapes of breasts that were seen to hang.
     """

@@ -1,9 +1,4 @@
-"""How ptotic fitted breasts are, by the weight of the rig's shape of ptosis, and a second start with ptotic breasts
-for fits whose first start has flattened them (docs/decisions/0003).
-
-Evidence: skin of the scan on the front of the trunk, between navel and mid-sternum, faces down where the model's does
-not.  Of the two starts the one that leaves less of such skin goes on.
-"""
+"""The degree of ptosis of fitted breasts: the weight of the rig's shape of ptosis (docs/decisions/0003)."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -24,12 +19,12 @@ from breastrig.rig.state import BodyState
 
 
 def outwards(name: str) -> Array:
-    """(3,) signs that make a left landmark's shift, in the body's axes, that of this one."""
+    """(3,) signs that turn a left landmark's shift, in the body's axes, into this landmark's."""
     return np.array([OUTWARDS.get(split_side(name)[1], 1.0), 1.0, 1.0])
 
 
 def hanging_weight(state: BodyState, recipe: Recipe, landmark: str) -> float:
-    """Weight of the shape on the landmark's side, of both in the middle; 0 where it is lifted, or nothing is known."""
+    """Weight of the shape on the landmark's side, of both in the middle; 0 where it is lifted, or unknown."""
     if recipe.hanging is None:
         return 0.0
     names, side = state.rig.shape_names, split_side(landmark)[1]
@@ -40,7 +35,7 @@ def hanging_weight(state: BodyState, recipe: Recipe, landmark: str) -> float:
 
 
 def hangs_by(state: BodyState, recipe: Recipe, landmark: str) -> float:
-    """The weight where it is that of breasts that hang, as hanging_shapes has it; 0 where it is less."""
+    """The weight where the breast counts as hanging, as in hanging_shapes; 0 where it is less."""
     weight = hanging_weight(state, recipe, landmark)
     return weight if recipe.hanging is not None and weight > recipe.hanging.weight - recipe.hanging.sigma else 0.0
 
@@ -54,7 +49,7 @@ PER_NORMAL = 0.03  # m that count as much as a normal turned by a radian, where 
 
 
 def opening_of(recipe: Recipe) -> tuple[Stage, ...]:
-    """The stages that show whether a breast was flattened; none where the recipe does not ask."""
+    """The stages that show whether a breast was flattened; none where the recipe does not test it."""
     names = [stage.name for stage in recipe.stages]
     if recipe.hanging is None or recipe.hanging.after not in names:
         return ()
@@ -62,8 +57,10 @@ def opening_of(recipe: Recipe) -> tuple[Stage, ...]:
 
 
 def unexplained_overhang(rig: Rig, target: ScanTarget, x: RigParameters) -> dict[str, float]:
-    """By side L and R the share of the scan's skin in front of the trunk that faces down and that the model posed by
-    `x` does not show; nothing for a rig without the landmarks that say where that is."""
+    """Share, by side L and R, of downward-facing skin in front of the trunk that the model does not show.
+
+    The model is posed by `x`. Empty for a rig without the landmarks that define the region.
+    """
     wanted = (TOP, BOTTOM, DEPTH, *(f"nipple_{side}" for side in SIDES))
     if not {*wanted} <= {*rig.landmark_names}:
         return {}
@@ -97,7 +94,7 @@ def unexplained_overhang(rig: Rig, target: ScanTarget, x: RigParameters) -> dict
 
 
 def hanging_shapes(rig: Rig, x: RigParameters, recipe: Recipe) -> tuple[str, ...]:
-    """The shapes by which breasts hang in a fit that has ended at `x`: none where none does."""
+    """The shapes of breasts that hang in a fit that has ended at `x`; empty where none does."""
     if recipe.hanging is None:
         return ()
     names = [f"{recipe.hanging.shape}_{side}" for side in SIDES]
@@ -106,7 +103,7 @@ def hanging_shapes(rig: Rig, x: RigParameters, recipe: Recipe) -> tuple[str, ...
 
 
 def hanging_start(rig: Rig, start: RigParameters, settings: Hanging, unexplained: Mapping[str, float]) -> RigParameters:
-    """The start with those breasts hanging whose skin is unexplained; itself where none is, or the rig has no shape."""
+    """The start, with hanging breasts where their skin is unexplained and the rig has the shape."""
     weights = start.weights.copy()
     for side, share in unexplained.items():
         name = f"{settings.shape}_{side}"

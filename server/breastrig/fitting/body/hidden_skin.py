@@ -72,7 +72,7 @@ class _File(PlacesFile):
 
 @lru_cache(maxsize=8)
 def hidden_skin(rig: Rig, stance: str) -> Array | None:
-    """(V,) m along the normals of the rig's vertices; None for a rig or stance of which nothing is known."""
+    """(V,) m along the normals of the rig's vertices; None for a rig or stance without data."""
     stored = known_part(rig, f"hidden_{stance}.json", _File)
     if stored is None:
         return None
@@ -116,7 +116,7 @@ class _DepthFile(PlacesFile):
 
 @lru_cache(maxsize=8)
 def trunk_depth(rig: Rig) -> TrunkDepth | None:
-    """None for a rig of which nothing is known."""
+    """The rig's data; None for a rig without any."""
     stored = known_part(rig, "trunk_depth.json", _DepthFile)
     if stored is None or not {"back", "belly"} <= rig.regions.keys():
         return None
@@ -126,9 +126,9 @@ def trunk_depth(rig: Rig) -> TrunkDepth | None:
 
 
 def skin_behind(rig: Rig, stance: str, target: ScanTarget, vertices: Array) -> Array | None:
-    """(V,) m along the normals of the (V, 3) m fitted vertices, where skin that the scan does not show is expected.
+    """(V,) m along the normals of the (V, 3) m fitted vertices to the expected skin where the scan shows none.
 
-    None for a rig or stance of which nothing is known.
+    None for a rig or stance without data.
     """
     expected = hidden_skin(rig, stance)
     deeper = trunk_depth(rig) if stance == "supine" else None

@@ -1,7 +1,7 @@
-"""Where landmarks of bodies lie beside the model's: mean and standard deviation of each, data beside the rig.
+"""Offsets of bodies' landmarks from the model's: mean and standard deviation of each, data beside the rig.
 
-In its own axes of the body (outwards, up, front), around the place where a fit has it without a pick of it.  Estimated
-on women whose landmarks are known (breastrig_studies/landmark_errors.py); docs/decisions/0028.
+In the body's axes (outwards, up, front), around the landmark of a fit without a pick of it. Estimated on patients whose
+landmarks are known (breastrig_studies/landmark_errors.py); docs/decisions/0028.
 """
 
 from collections.abc import Mapping
@@ -27,7 +27,7 @@ UNKNOWN = 5.0  # mm on each axis, of rigs of which nothing is known
 
 
 class LandmarkError(SettingsPart):
-    """Of one landmark, left and right alike."""
+    """The offset of one landmark, left and right alike."""
 
     mean_mm: tuple[FiniteFloat, FiniteFloat, FiniteFloat] = (0.0, 0.0, 0.0)  # outwards, up, front
     deviation_mm: tuple[NotNegative, NotNegative, NotNegative] = (UNKNOWN, UNKNOWN, UNKNOWN)
@@ -40,21 +40,21 @@ class _File(SettingsPart):
 
 @lru_cache(maxsize=8)
 def landmark_errors(rig: Rig, stance: str) -> dict[str, LandmarkError]:
-    """By the names of landmarks without their sides; of a stance without its own those of standing bodies."""
+    """Offsets by the names of landmarks without their sides; a stance without its own has those of standing bodies."""
     known = known_part(rig, FILE, _File)
     return {} if known is None else known.stances.get(stance, known.stances.get(STANDING, {}))
 
 
 @dataclass(frozen=True, eq=False)
 class ExpectedGap:
-    """From the model's landmark to the body's, in the scan's frame."""
+    """The expected gap from the model's landmark to the body's, in the scan's frame."""
 
     mean: Array  # (3,) m
     covariance: Array  # (3, 3) m²
 
 
 def expected_gaps(state: BodyState, stance: str) -> dict[str, ExpectedGap]:
-    """Of all landmarks of the rig."""
+    """The expected gaps of all landmarks of the rig."""
     known, found = landmark_errors(state.rig, stance), {}
     axes = body_axes(state.rig, state.vertices) if known else np.eye(3)  # a rig may have too few landmarks for any
     for name in state.rig.landmark_names:

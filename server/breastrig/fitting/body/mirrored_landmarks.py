@@ -29,7 +29,7 @@ UNSHOWN_ERROR = (
 def mirrored_landmarks(
     task: FitTask, state: BodyState, picks: Landmarks, others: Callable[[], System], scaling: Array
 ) -> tuple[LandmarkObservation, ...]:
-    """Of the picks' partners that nobody picked, where the recipe knows how alike two sides are.
+    """Observations of the picks' partners that nobody picked, where the recipe has the similarity of the two sides.
 
     `others` gives the quadratic model of all terms but the picks' at `state`; scaling: see step_scaling.
     """

@@ -24,7 +24,7 @@ TIPS = ("acromion_L", "acromion_R")
 
 
 def observe_relief(task: FitTask, state: BodyState) -> dict[str, LandmarkObservation]:
-    """What the scan shows of the landmarks that nobody picked, expected where the model has them now."""
+    """Observations from the scan's relief of the landmarks that nobody picked, near the model's."""
     rig = task.rig
     points = rig.landmark_points()
     places = points.positions(state.vertices, rig.faces)
@@ -42,7 +42,7 @@ def observe_relief(task: FitTask, state: BodyState) -> dict[str, LandmarkObserva
 
 
 def _prone(task: FitTask, state: BodyState) -> dict[str, LandmarkObservation]:
-    """What hanging breasts show."""
+    """Observations from hanging breasts."""
     axes = body_axes(task.rig, state.vertices)
     places = seen_from(task.target.vertices, task.target.faces, axes) or {}
     seen = {}

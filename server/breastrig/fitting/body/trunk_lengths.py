@@ -1,4 +1,4 @@
-"""Lengths of a trunk that no stance changes: of the body that scales and shapes of kind "body" make, at rest."""
+"""Lengths of a trunk that no stance changes: at rest, from scales and from shapes of kind "body"."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -32,14 +32,14 @@ SAID = {  # each length: what it is where it is greater, and where it is less
 
 @dataclass(frozen=True, eq=False)
 class TrunkLengths:
-    """Natural logarithms of K lengths, in the order of `SAID`, and how surely they are known."""
+    """Natural logarithms of K lengths, in the order of `SAID`, and their standard deviations."""
 
     logs: Array  # (K,)
     sigmas: Array  # (K,) standard deviations
 
 
 def trunk_lengths(rig: Rig, body: Gaussian) -> TrunkLengths | None:
-    """Of a body as a fit's body.bin has it; None for a rig without the trunk's bones and landmarks."""
+    """The lengths of a body from a fit's body.bin; None for a rig without the trunk's bones and landmarks."""
     ends = _ends(rig)
     if ends is None:
         return None
@@ -55,7 +55,7 @@ def _logs(rig: Rig, body: Array, ends: Sequence[tuple[int, int]]) -> Array:
 
 
 def _at_rest(rig: Rig, body: Array) -> RigParameters:
-    """The bones as they were built, but of the body's size, with closed joints."""
+    """The bones at rest, scaled to the body's size, with closed joints."""
     rest, count = rest_parameters(rig), 3 * len(rig.bones)
     scales = body[:count].reshape(-1, 3)
     kept = np.array([shape.kind == "body" for shape in rig.shapes], dtype=np.bool_)

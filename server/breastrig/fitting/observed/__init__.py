@@ -1,1 +1,1 @@
-"""What a scan shows of landmarks without anybody having picked them."""
+"""Landmarks observed in a scan, without picks."""

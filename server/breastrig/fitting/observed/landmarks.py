@@ -37,10 +37,10 @@ UNKNOWN = 0.02  # m, error of the form with models of which nobody knows how far
 def colour_observations(
     task: FitTask, fitted: RigParameters, margin: float | None, scan: Scan
 ) -> dict[str, Observation]:
-    """What the colours of the scan show of the rig's landmarks; nothing for a scan without colours, or of a single one.
+    """The rig's landmarks that the scan's colours show; empty for a scan without colours, or of a single one.
 
-    `fitted` is where the fit of the `task` without them ended, `margin` how clear its start was (Start.margin).  What
-    is given is looked for, too, for what lies beside it.
+    `fitted` is the end of the `task`'s fit without them, `margin` the clarity of its start (Start.margin). Given
+    landmarks are searched too, for those beside them.
     """
     if not scan.shows_colour:
         return {}
@@ -85,7 +85,7 @@ def followed(
 
 
 def with_observations(task: FitTask, seen: Mapping[str, Observation], fitted: RigParameters) -> FitTask:
-    """The task that goes on from where it `fitted` without them, with what colour shows of landmarks not yet given."""
+    """The task that continues from its fit, `fitted`, with the colours' observations of landmarks not yet given."""
     unpicked = {name: each for name, each in seen.items() if name not in task.given}
     if not unpicked:
         return task

@@ -1,1 +1,1 @@
-"""What a person's picks say, what the rest of the fit says of them, and which of both is followed."""
+"""Checks a person's picks against the rest of the fit, and decides which are followed."""

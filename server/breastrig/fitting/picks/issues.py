@@ -69,7 +69,7 @@ def sides_exchanged(
 
 
 def mistaken(task: FitTask, x: RigParameters, most: int) -> tuple[PickIssue, ...]:
-    """The picks that are not to be followed, at most so many; certain ones are not among them."""
+    """The picks to reject, at most so many; certain ones are not among them."""
     rig, rules = task.rig, task.recipe.outliers
     places = rig.landmark_points().positions(pose(rig, x), rig.faces)
     nearest = {name: rig.landmark_names[int(cdist(at[None], places).argmin())] for name, at in task.landmarks.items()}
@@ -103,7 +103,7 @@ ITERATIONS_OBSERVED = 1  # with what the skin shows from there; the same after t
 
 
 def refit_without(posterior: Posterior, names: Collection[str]) -> Posterior:
-    """Where the fit ends without these picks; itself where it breaks down."""
+    """The posterior of the fit without these picks; the given one where that fit fails."""
     task, x = posterior.task, posterior.state.x
     task = task.without(names)
     for iterations, known in ((ITERATIONS_WITHOUT, task.relief or {}), (ITERATIONS_OBSERVED, None)):
@@ -144,7 +144,7 @@ def on_smooth_skin(posterior: Posterior) -> tuple[str, ...]:
 
 
 def expected(posterior: Posterior, name: str) -> Expected:
-    """Where the fitted model has the landmark."""
+    """The landmark's location on the fitted model."""
     state = posterior.state
     point = state.rig.landmark_points((name,))
     places, normals = (point.positions(each, state.rig.faces) for each in (state.vertices, state.normals))
@@ -152,10 +152,10 @@ def expected(posterior: Posterior, name: str) -> Expected:
 
 
 def unusual(posterior: Posterior) -> tuple[PickIssue, ...]:
-    """One doubt each, the strangest first; certain picks are not asked about again.
+    """The unusual picks, one issue each, the most unusual first; certain picks are not among them.
 
     A wrong pick pushes its neighbours, so one after the other is named: each time, of those beyond the limit the one
-    without which the others agree best; these are judged by the fit that goes on without it.  Navels on smooth skin
+    without which the others agree best; these are judged by the fit that continues without it. Navels on smooth skin
     come first.
     """
     if posterior.picks is None:

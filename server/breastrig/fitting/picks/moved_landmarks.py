@@ -31,7 +31,7 @@ class FittedScan:
 
     @property
     def task(self) -> FitTask:
-        """With the landmarks and the pose of the last move."""
+        """The task with the landmarks and the pose of the last move."""
         return self._task
 
     def moved(self, landmarks: Mapping[str, Array]) -> FitIterate:

@@ -1,1 +1,1 @@
-"""Where a fit without landmarks starts: the rest pose tried all around, and on a part of a body at a few heights."""
+"""Starts of fits without landmarks: the rest pose tried all around, and on a part of a body at a few heights."""

@@ -1,4 +1,4 @@
-"""Where a fit starts: on its landmarks, or where the scan itself says which way is up and what of the body it shows.
+"""A fit's start: from its landmarks, or from the scan alone, its direction up and the part of the body it shows.
 
 Landmarks are met by a similarity that trusts the majority (iteratively reweighted Umeyama), so that one pick on the
 wrong place or two exchanged sides do not turn it.

@@ -1,10 +1,10 @@
-"""Where the rest pose lies on a scan, from the scan alone: rigid tries all around, the best of them followed further.
+"""Finds the rest pose's place on a scan, from the scan alone: rigid tries all around, the best of them refined.
 
 Each try is refined by iterative closest points in both directions, in position and normal at once; pairs at the scan's
-border or the model's rim do not count.  Tries are judged by capped distances the same two ways, at levels that
-grow finer.  All are turned to both sides of the front and moved to both sides of the middle too, as parts need; a scan
-that shows all sides is tried along all six directions of its axes.  Of 120 scans and parts of warped bodies 118 are
-placed right (docs/decisions/0009).
+border or the model's rim do not count. Tries are judged by capped distances in both directions, at levels that grow
+finer. All are turned to both sides of the front and moved to both sides of the middle too, as parts need; a scan that
+shows all sides is tried along all six directions of its axes. Of 120 scans and parts of warped bodies 118 are placed
+right (docs/decisions/0009).
 """
 
 from dataclasses import dataclass
@@ -43,7 +43,7 @@ OTHERS_KEPT = 3  # tries in other positions, so that the margin is measured as w
 
 
 class Level(NamedTuple):
-    """How the tries that are left are moved and judged."""
+    """Settings by which the remaining tries are moved and judged at one level."""
 
     model: tuple[int, int]  # so many of the model's points look for their nearest, about, and are looked among
     scan: tuple[int, int]  # likewise the scan's
@@ -63,7 +63,7 @@ LEVELS = (
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """Of the rest pose on a scan."""
+    """A place of the rest pose on a scan."""
 
     similarity: Similarity
     score: float  # m; smaller is better

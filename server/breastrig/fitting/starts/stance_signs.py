@@ -1,11 +1,11 @@
-"""Which stance a body without a visible table has, from the signs of a fit that assumes it stands.
+"""The likely stance of a body without a visible table, from the signs of a fit as standing.
 
-Breasts that hang far before the chest on a skin no higher than an MRI's field of view are prone.  Of the others
-arms say little: standing ones may be anywhere.  Breasts say most, by the one that is more in front, as the other may be
-gone: where nipple is to breastbone and fold, in units of the breastbone's length, and the shapes by which breasts
-flatten and lie aside.  Skin that faces backwards is seen of a standing body only.  All counts in proportion to the
-breast's length, for small ones lie as they stand.  Weights: stance_signs.toml, by breastrig_studies/stance_signs.py;
-docs/decisions/0022.
+Breasts that hang far in front of the chest on a skin no higher than an MRI's field of view are prone. For the other
+stances arms show little: standing ones may be anywhere. Breasts show most, by the one that is more in front, as the
+other may be gone: the place of the nipple relative to breastbone and fold, in units of the breastbone's length, and the
+shapes by which breasts flatten and lie aside. Skin that faces backwards is seen of a standing body only. All counts in
+proportion to the breast's length, for small ones lie as they stand. Weights: stance_signs.toml, by
+breastrig_studies/stance_signs.py; docs/decisions/0022.
 """
 
 from collections.abc import Mapping
@@ -59,7 +59,7 @@ class StanceLogOdds(SettingsPart):
 
 
 class StanceSigns(SettingsPart):
-    """All of stance_signs.toml."""
+    """The contents of stance_signs.toml."""
 
     unsure: float  # log odds of the likeliest stance against the next up to which the answer is doubted
     supine: StanceLogOdds
@@ -68,7 +68,7 @@ class StanceSigns(SettingsPart):
 
 @dataclass(frozen=True)
 class LikelyStance:
-    """Which stance the signs speak for, and whether they do so clearly."""
+    """The most likely stance, and whether the signs are clear."""
 
     stance: str
     sure: bool
@@ -80,7 +80,7 @@ def stance_signs() -> StanceSigns:
 
 
 def likely_stance(seen: Mapping[str, float], known: StanceSigns | None = None) -> LikelyStance:
-    """By the package's own numbers, or others."""
+    """The likely stance by the package's own numbers, or others."""
     known = known or stance_signs()
     odds = {STANDING: 0.0, SUPINE: known.supine.log_odds(seen), PRONE: known.prone.log_odds(seen)}
     first, second, _ = sorted(odds, key=lambda stance: -odds[stance])
@@ -101,8 +101,10 @@ def arm_angles(rig: Rig, x: RigParameters) -> Array:
 
 
 def breast_signs(rig: Rig, x: RigParameters, vertices: Array, target: ScanTarget) -> dict[str, float]:
-    """How (V, 3) m vertices, posed by `x`, show the breasts, in lengths of the breastbone; nothing of a rig without
-    its landmarks."""
+    """The signs of the breasts in (V, 3) m vertices, posed by `x`, in lengths of the breastbone.
+
+    Empty for a rig without its landmarks.
+    """
     if not set(MEASURED) <= set(rig.landmark_names):
         return {}
     axes = body_axes(rig, vertices)
@@ -140,7 +142,7 @@ def _facing_back(vertices: Array, target: ScanTarget) -> dict[str, float]:
 
 
 def measured_signs(task: FitTask, standing: FitIterate) -> dict[str, float]:
-    """What the end of a task's fit as standing shows, by the signs' names."""
+    """The signs at the end of a task's fit as standing, by their names."""
     rig, x = task.rig, standing.parameters
     vertices = pose(rig, x)
     seen = breast_signs(rig, x, vertices, task.target)

@@ -1,1 +1,1 @@
-"""How far off the fitted body may be: radii that hold the true place with 90 %."""
+"""Location errors of the fitted body: 90 % radii."""

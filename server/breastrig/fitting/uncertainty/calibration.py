@@ -1,9 +1,8 @@
-"""What a posterior does not know: how far real bodies are from what the model can show, kept as data beside the rig.
+"""Errors that a posterior lacks, the distance of real bodies from what the model can show: data beside the rig.
 
-A radius is the posterior's standard deviation times a factor, so chosen for each kind of place that it holds nine of
-ten true places of women who are known, each woman counting alike (conformal prediction normalised by a model's own
-deviation: Lei et al., Distribution-free predictive inference for regression, 2018).  A place's factor beside picks is
-at most the one without any, so that what makes the posterior surer makes the radius smaller.  Written by
+A radius is the posterior's standard deviation times a factor, chosen for each kind of place such that it holds nine of
+ten true places of known patients, each patient counting alike (conformal prediction normalised by a model's own
+deviation: Lei et al., Distribution-free predictive inference for regression, 2018). Written by
 breastrig_studies/radii_factors.py; docs/decisions/0025.
 """
 
@@ -21,7 +20,7 @@ Factors = dict[str, Positive]  # by kind: of landmarks without their side, of re
 
 
 class StanceFactors(SettingsPart):
-    """Of bodies in one stance."""
+    """Factors for bodies in one stance."""
 
     given: Factors = Field(default={})  # landmarks that were given
     others: Factors = Field(default={})  # those that were not, beside given ones
@@ -35,7 +34,7 @@ class StanceFactors(SettingsPart):
 
 
 class Scatter(NamedTuple):
-    """How far picks are from where all else has them."""
+    """The picks' deviations from everything else."""
 
     deviation: float  # root mean square on an axis, in the units of picks as good as is said
     picks: int
@@ -45,7 +44,7 @@ NO_PICKS = Scatter(1.0, 0)
 
 
 class WithoutPicks(SettingsPart):
-    """Of a fit that the scan alone has placed; see Start.margin for how clear that was."""
+    """Errors of a fit placed by the scan alone; see Start.margin for the clarity of its start."""
 
     clear: Positive  # margin from which the body lies as it was found
     unclear: Positive  # and up to which it lies another way, as nearly all did
@@ -57,7 +56,7 @@ class WithoutPicks(SettingsPart):
 
 
 class Calibration(SettingsPart):
-    """Of one model."""
+    """The calibration of one model."""
 
     expected_scatter: Positive  # before any pick is known, see radii.py
     freedom_given: Positive  # how many residuals that expectation counts as, for radii of what was given
@@ -66,7 +65,7 @@ class Calibration(SettingsPart):
     stances: dict[str, StanceFactors] = Field(default={})
 
     def enlarged(self, scatter: Scatter, *, given: bool) -> float:
-        """By how much picks that scatter so enlarge radii of what was `given`, or of all else: 1 without picks.
+        """The factor of radii for this scatter of the picks, of `given` landmarks or of all else; 1 without picks.
 
         The root of the posterior mean of a variance (an inverse chi square): few picks say little, each more says more.
         """
@@ -75,19 +74,19 @@ class Calibration(SettingsPart):
         return float(((expected + found * square) / (expected + found)) ** 0.5)
 
     def of_stance(self, stance: str) -> StanceFactors:
-        """Those of this stance; what nobody has measured in it, as standing."""
+        """The factors of this stance; those that are not measured in it are of standing bodies."""
         standing, its = self.stances.get(STANDING, StanceFactors()), self.stances.get(stance, StanceFactors())
         return standing.model_copy(update={name: group for name, group in its if group})
 
 
 def factor_of(factors: Factors, name: str) -> float:
-    """Of a landmark or region by its name; 1 where there is none for it nor for others."""
+    """The factor of a landmark or region by its name, else that of others, else 1."""
     return factors.get(split_side(name)[0], factors.get("other", 1.0))
 
 
 @lru_cache(maxsize=8)
 def calibration(rig: Rig) -> Calibration | None:
-    """Of this rig; None when nobody has found any."""
+    """This rig's calibration; None when it has none."""
     known, factors = known_numbers(rig, "uncertainty.toml"), known_numbers(rig, "radii.json")
     if known is None or factors is None:
         return None

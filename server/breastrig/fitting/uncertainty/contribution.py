@@ -1,8 +1,8 @@
-"""What one fit says of its woman's body under the built-in prior, whichever it was fitted with (decision 0027).
+"""One fit's contribution to a cohort: the patient's body under the built-in prior (decision 0027).
 
-The fit's posterior of scales and weights, pose integrated out, is what the scan said times the prior that the fit had;
-that one is divided out and the built-in one put in.  In its file: float32, the mean, then the covariance's upper
-triangle row by row; empty where nothing is said.
+The fit's posterior of scales and weights, pose integrated out, is the scan's likelihood times the prior that the fit
+had; that one is divided out and the built-in one put in. In its file: float32, the mean, then the covariance's upper
+triangle row by row; empty where there is no contribution.
 """
 
 import numpy as np
@@ -21,13 +21,13 @@ FARTHEST = 2.0  # times the built-in prior's root mean square, over all directio
 
 
 def built_in(rig: Rig, stance: str) -> Gaussian | None:
-    """What is expected without any cohort; None for a rig without statistics of bodies."""
+    """The prior without any cohort; None for a rig without statistics of bodies."""
     recipe = load_recipe(BUILT_IN)
     return None if recipe.body is None else built_in_body(rig, recipe.shapes, recipe.body, stance)
 
 
 def contribution(posterior: Posterior) -> Gaussian | None:
-    """None for a rig without statistics of bodies, or where the numbers break down."""
+    """The contribution; None for a rig without statistics of bodies, or where the numbers break down."""
     task, state = posterior.task, posterior.state
     own, kept = built_in(task.rig, task.stance), body_places(task.rig)
     if own is None:
@@ -49,7 +49,7 @@ def contribution(posterior: Posterior) -> Gaussian | None:
 
 
 def body_places(rig: Rig) -> Array:
-    """(N,) where the scales of all bones, then the weights stand among the unknowns."""
+    """(N,) indices of the scales of all bones, then of the weights, among the unknowns."""
     first = BONE_DOFS * len(rig.bones)
     scales = np.arange(first).reshape(-1, BONE_DOFS)[:, 6:9].ravel()
     return np.concatenate([scales, np.arange(first, first + len(rig.shapes))])
@@ -64,7 +64,7 @@ def contribution_bytes(found: Gaussian | None) -> bytes:
 
 
 def read_contribution(content: bytes, rig: Rig) -> Gaussian | None:
-    """What the file says; None for a file that says nothing, or nothing of a body of this rig."""
+    """The file's Gaussian; None for an empty file, or one of another rig."""
     size = 3 * len(rig.bones) + len(rig.shapes)
     if len(content) != 4 * (size + size * (size + 1) // 2):
         return None
@@ -77,7 +77,7 @@ def read_contribution(content: bytes, rig: Rig) -> Gaussian | None:
 
 
 def parsed_contribution(content: bytes, rig: Rig, stance: str) -> Sums | None:
-    """Her sums, bounded; None for a file that says nothing, or nothing of a body of this rig."""
+    """The patient's sums, bounded; None for an empty file, or one of another rig."""
     own, found = built_in(rig, stance), read_contribution(content, rig)
     if own is None or found is None:
         return None

@@ -21,7 +21,7 @@ SEEN_DISTANCE, SEEN_COSINE = 0.015, 0.5  # m, cosine of 60 degrees: a vertex wit
 
 @dataclass(frozen=True, eq=False)
 class Radii:
-    """m; each holds the true place with 90 %."""
+    """90 % radii, m."""
 
     landmarks: dict[str, float]
     vertices: Array  # (V,)
@@ -33,7 +33,7 @@ PLANNED_ON = "breast"  # beginnings of the names of regions on which lines are p
 
 
 def line_error(rig: Rig, vertices: Array, seen: Booleans) -> float:
-    """m: how far off, measured across them, nine of ten places of lines on the breast are of which less is known.
+    """Line error (90 %, m) of lines on the breast with the larger one.
 
     vertices: (V,) m, radii of the model's vertices, (V,) of which are `seen`: lines lie on skin that the scan shows.
     """
@@ -43,10 +43,10 @@ def line_error(rig: Rig, vertices: Array, seen: Booleans) -> float:
 
 
 def radii(posterior: Posterior, margin: float | None = None, *, expected: bool = False) -> Radii | None:
-    """Of a fit; None for a model of which nobody knows how far real bodies are from it.
+    """The radii of a fit; None for a model without a calibration.
 
-    `margin` is how clear its start was, where the scan alone has placed it (Start.margin).  Landmarks' radii are around
-    the model's, or around where they are `expected` (body/landmark_errors.py).
+    `margin` is the clarity of its start, where the scan alone has placed it (Start.margin). Landmarks' radii are around
+    the model's, or around the `expected` ones (body/landmark_errors.py).
     """
     rig, task = posterior.task.rig, posterior.task
     known = calibration(rig)
@@ -94,13 +94,13 @@ def skin_factors(posterior: Posterior, factors: StanceFactors, seen: Booleans) -
 
 
 def _of_hanging(posterior: Posterior, factors: StanceFactors, name: str) -> float:
-    """By how much less is known of a landmark or region where a breast hangs."""
+    """The factor of a landmark's or region's radius where a breast hangs."""
     kind = factors.hanging.get(split_side(name)[0], 1.0)
     return kind if kind != 1.0 and hangs_by(posterior.state, posterior.task.recipe, name) > 0.0 else 1.0
 
 
 def scatter_of(posterior: Posterior) -> Scatter:
-    """Of the picks from where all else has them (leave_one_out.py): some clicks are more careful, and it shows."""
+    """The picks' scatter by leave-one-out residuals (leave_one_out.py): some clicks are more careful than others."""
     picked = posterior.task.picked
     if posterior.picks is None or not picked:
         return NO_PICKS

@@ -1,1 +1,1 @@
-"""Whether a finished fit may be believed: its signals, and what they say together."""
+"""Judges whether a finished fit can be trusted: its signals and their combination."""

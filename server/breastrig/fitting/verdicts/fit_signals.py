@@ -44,7 +44,7 @@ class FitSignals:
 def fit_signals(
     rig: Rig, x: RigParameters, compared: Comparison, clearness: float | None, part: Booleans | None = None
 ) -> FitSignals:
-    """Of the model posed by `x`, `compared` with its scan; of (V,) `part` of its vertices, and what moves them."""
+    """The signals of the model posed by `x`, `compared` with its scan; of (V,) `part` of its vertices."""
     is_whole = part is None
     part = np.ones(len(compared.vertices), dtype=np.bool_) if part is None else part
     found = compared.accepted

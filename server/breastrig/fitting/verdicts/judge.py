@@ -1,4 +1,4 @@
-"""A finished fit judged: signals, radii and size of its posterior, and what they say together."""
+"""Judges a finished fit: signals, radii and size of its posterior, and their combination."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -25,7 +25,7 @@ CONTRADICTED = Reason(
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """What was found of a fit."""
+    """The judgement of a fit."""
 
     verdict: Verdict
     refusal: str  # one sentence, where it is no torso
@@ -75,7 +75,7 @@ def judge(
 
 
 def _to_be_placed(posterior: Posterior) -> int:
-    """How many landmarks the scan shows that nobody has picked."""
+    """The number of landmarks that the scan shows and nobody has picked."""
     rig, picked = posterior.task.rig, posterior.task.picked
     left = tuple(name for name in rig.landmark_names if name not in picked)
     if not left:

@@ -20,7 +20,7 @@ LOOK_AGAIN = "look at what is asked about {}"
 
 @dataclass(frozen=True)
 class GivenLandmarks:
-    """How many of a rig's landmarks a person has given."""
+    """Counts of a rig's landmarks that a person has given."""
 
     picked: int  # not those that were only agreed to
     left: int  # of the others those that the scan shows
@@ -30,7 +30,7 @@ class GivenLandmarks:
 
     @property
     def placed(self) -> bool:
-        """Whether they have placed the fit."""
+        """Whether these landmarks determined the start."""
         return self.followed >= MIN_LANDMARKS
 
     @property
@@ -45,7 +45,7 @@ class GivenLandmarks:
 
     @property
     def advice(self) -> str:
-        """Which landmarks to place; empty where none is left."""
+        """The advice on landmarks to place; empty where none is left."""
         if not self.left:
             return ""
         return f"place {'more' if self.picked >= MIN_LANDMARKS else 'at least three'} landmarks by hand"
@@ -78,7 +78,7 @@ def sentences(reasons: Sequence[Reason]) -> tuple[str, ...]:
 
 
 def of_agreed(given: GivenLandmarks) -> tuple[Reason, ...]:
-    """That landmarks keep the error of their proposals."""
+    """A note that landmarks keep the error of their proposals."""
     if not given.agreed:
         return ()
     one = "One landmark was only agreed to where it was proposed; it keeps the proposal's error"
@@ -87,7 +87,7 @@ def of_agreed(given: GivenLandmarks) -> tuple[Reason, ...]:
 
 
 def of_doubts(doubts: Sequence[PickIssue], far: Collection[str] = ()) -> tuple[Reason, ...]:
-    """How many landmarks are asked about, in a note where all are `far` from what is planned on.
+    """The number of questioned landmarks, as a note where all are `far` from the plan's region.
 
     Each doubt has its own sentence, which names them.
     """

@@ -55,7 +55,7 @@ class SizeLimits(SettingsPart):
 def times_larger(
     rig: Rig, vertices: Array, target: ScanTarget, stance: str, limits: SizeLimits
 ) -> tuple[float, float] | None:
-    """((V, 3) m fitted vertices' size in that of most women, deviations from it); None where none is seen or named."""
+    """(size of (V, 3) m fitted vertices relative to most women, deviations from it); None without a seen length."""
     if not {end for length in limits.lengths for end in length.ends} <= {*rig.landmark_names}:
         return None
     axes, seen, gaps = body_axes(rig, vertices), [], []
@@ -98,7 +98,7 @@ SHOWN = 2  # reasons in the sentence of a refusal: the strongest
 
 
 class SignalLimits(SettingsPart):
-    """Of one signal; `above` says on which side of the limits it speaks against the fit."""
+    """Limits of one signal; `above` states on which side of them it counts against the fit."""
 
     above: bool
     check: float
@@ -112,14 +112,14 @@ class SignalLimits(SettingsPart):
 
 
 class StanceLimits(SettingsPart):
-    """Of one signal in one stance."""
+    """Limits of one signal in one stance."""
 
     check: float
     no_torso: float
 
 
 class LineLimits(SettingsPart):
-    """m, of how far off nine of ten places of a line on the breasts may be."""
+    """Limits (m) of line errors on the breasts."""
 
     check: float  # farther off landmarks would help
     placed: float  # likewise where they have placed the fit
@@ -127,7 +127,7 @@ class LineLimits(SettingsPart):
 
 
 class VerdictLimits(SettingsPart):
-    """Of one model."""
+    """The limits of one model."""
 
     stances: tuple[str, ...]  # of the bodies that they were chosen on
     lines: LineLimits
@@ -138,7 +138,7 @@ class VerdictLimits(SettingsPart):
     of_stance: dict[str, dict[str, StanceLimits]] = Field(default={})  # by stance and signal, where they differ
 
     def in_stance(self, stance: str) -> "VerdictLimits":
-        """With the limits of this stance."""
+        """The limits in this stance."""
         others = self.of_stance.get(stance, {})
         changed = {name: self.signals[name].model_copy(update=limit.model_dump()) for name, limit in others.items()}
         return self.model_copy(update={"signals": self.signals | changed})
@@ -146,7 +146,7 @@ class VerdictLimits(SettingsPart):
 
 @dataclass(frozen=True)
 class Verdict:
-    """What is to be thought of a fit."""
+    """The judgement of a fit, with its reasons."""
 
     level: Level
     reasons: tuple[str, ...]  # sentences, the strongest first; of a good one notes alone
@@ -164,7 +164,7 @@ class Verdict:
 
 @lru_cache(maxsize=8)
 def verdict_limits(rig: Rig) -> VerdictLimits | None:
-    """Of this rig; None when nobody has found any."""
+    """This rig's limits; None when it has none."""
     return known_part(rig, "verdict.toml", VerdictLimits)
 
 
@@ -222,7 +222,7 @@ def verdict(
 def unusual_size(
     limits: VerdictLimits | None, rig: Rig, vertices: Array, target: ScanTarget, stance: str
 ) -> tuple[Reason, ...]:
-    """That the (V, 3) m fitted body is larger or smaller than nearly all women, if it is."""
+    """A reason where the (V, 3) m fitted body is larger or smaller than nearly all women; else empty."""
     if limits is None or limits.size is None:
         return ()
     found = times_larger(rig, vertices, target, stance, limits.size)
@@ -237,7 +237,7 @@ def unusual_size(
 
 
 def _strengths(signals: FitSignals, limits: VerdictLimits, given: GivenLandmarks) -> dict[str, float]:
-    """By name, of the signals that say anything of this fit."""
+    """The strengths of the signals that apply to this fit, by name."""
     values = vars(signals)
     found = {
         name: _strength(values[name], limit, signals.hanging > HANGS)
@@ -250,7 +250,7 @@ def _strengths(signals: FitSignals, limits: VerdictLimits, given: GivenLandmarks
 def _reasons(
     signals: FitSignals, strengths: dict[str, float], limits: VerdictLimits, given: GivenLandmarks
 ) -> tuple[Reason, ...]:
-    """Of the signals that speak against the fit, the strongest first."""
+    """The reasons of the signals against the fit, the strongest first."""
     values, distances, found = vars(signals), set[str](), []
     against = [name for name, strength in strengths.items() if strength > 0.0]
     for name in sorted(against, key=strengths.__getitem__, reverse=True):

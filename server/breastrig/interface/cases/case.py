@@ -94,7 +94,7 @@ class Case:
 
     @property
     def code(self) -> str:
-        """Raises BadInput when the case is gone."""
+        """The patient's code. Raises BadInput when the case is gone."""
         return self._folder.document().code
 
     def rename(self, code: str) -> None:
@@ -103,7 +103,7 @@ class Case:
 
     @property
     def scans(self) -> tuple[CaseScan, ...]:
-        """The first that came first."""
+        """The scans, oldest first."""
         return tuple(_scan(self._folder, each) for each in self._folder.scans())
 
     def add_scan(
@@ -214,7 +214,7 @@ class Case:
         return FitRun(steps(), 0)
 
     def fits(self, scan: str) -> tuple[CaseFit, ...]:
-        """Of the scan, the first that was asked for first.  Raises BadInput."""
+        """The scan's fits, oldest first. Raises BadInput."""
         return tuple(_fit(self._folder, each) for each in fits_of_scan(self._folder, scan))
 
     def load_fit(self, fit: str, model: str | Path | None = None) -> Fit:
@@ -243,12 +243,12 @@ class Case:
 
     @property
     def plan_etag(self) -> str:
-        """Of the plan in force: `put_plan` takes it as `seen`.  Another one after each change, by whomever."""
+        """The ETag of the plan in force: `put_plan` takes it as `seen`. It changes with each change, by whomever."""
         return get_plan(self._folder).etag
 
     @property
     def plan_versions(self) -> list[int]:
-        """That are kept, the newest last; fifty at most."""
+        """The numbers of the stored versions, the newest last; fifty at most."""
         return plan_versions(self._folder)
 
     def put_plan(
@@ -300,7 +300,7 @@ class Case:
         return f"<Case {self.code}: {len(self._folder.scan_ids())} scans>"
 
     def cuts(self, scan: str) -> tuple[dict[str, Any], ...]:
-        """What is cut away of the scan by hand, the first that was made first.  Raises BadInput."""
+        """The scan's cuts by hand, oldest first. Raises BadInput."""
         return get_cuts(self._folder, scan)
 
 

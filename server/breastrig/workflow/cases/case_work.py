@@ -115,7 +115,7 @@ def fit_events(case: CaseFolder, scan_id: str, fit_id: str, model: Path | None =
 
 @contextmanager
 def _ending(claim: Claim) -> Iterator[None]:
-    """What ends the fit is its last event."""
+    """Stores the end of the fit, whatever ends it, as its last event."""
     try:
         yield
     except BreastRigError as error:

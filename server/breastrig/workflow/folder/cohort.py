@@ -20,7 +20,7 @@ BODY_BYTES = 10_000_000  # the torso's has 14 thousand
 
 @dataclass(frozen=True, eq=False)
 class Cohort:
-    """What folders of fits say of bodies."""
+    """The prior from folders of fits."""
 
     prior: CohortPrior
     others: tuple[str, ...]  # a sentence for each kind of fits that do not count
@@ -80,7 +80,7 @@ def example_scans() -> frozenset[str]:
 
 
 def cohort_of_folders(folders: Sequence[Path], rig: Rig, with_example: bool = False) -> Cohort:
-    """The same; BadInput where none of them counts."""
+    """`cohort_in`; raises BadInput where no fit counts."""
     found = cohort_in(folders, rig, with_example)
     if not found.prior.women:
         raise BadInput(" ".join(("None of these fits says anything of bodies.", *found.others)))
@@ -106,6 +106,6 @@ def _sums(place: Path, rig: Rig, result: ResultFile) -> Sums | None:
 
 
 def _patient(place: Path, result: ResultFile) -> str:
-    """Her code where a person has given one; else each folder is of another woman."""
+    """The patient's code where a person has given one; else each folder is of another patient."""
     given = result.patient is not None and result.patient.given
     return f"code {result.patient.code}" if given and result.patient else f"folder {place.resolve()}"

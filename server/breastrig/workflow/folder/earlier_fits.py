@@ -1,4 +1,4 @@
-"""Fits of versions that kept no hashes are read, and it is said what is not known of them."""
+"""Reads fits of versions that stored no hashes, and reports what could not be checked."""
 
 from collections.abc import Iterable
 from pathlib import Path

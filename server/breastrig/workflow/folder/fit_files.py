@@ -1,4 +1,4 @@
-"""What a finished fit leaves on disk (paragraph 5 of the specification)."""
+"""The files of a finished fit (paragraph 5 of the specification)."""
 
 from collections.abc import Callable, Mapping
 from functools import cache
@@ -70,13 +70,13 @@ def _upper_mm2(joint: Array) -> list[float]:
 
 @cache
 def library_versions() -> dict[str, str]:
-    """Of the libraries that results name, from the heads of their descriptions, which are long."""
+    """Versions of the libraries that results name, from the heads of their metadata, which are long."""
     heads = {name: distribution(name).read_text("METADATA") or "" for name in ("numpy", "scipy", "trimesh")}
     return {name: head.partition("\nVersion: ")[2].partition("\n")[0].strip() for name, head in heads.items()}
 
 
 def result_of(outcome: FitOutcome) -> ResultFile:
-    """What the fit says of itself."""
+    """The fit's result.json."""
     ready, x, last = outcome.ready, outcome.parameters, outcome.recorded[-1].iterate
     task, rig, scan = ready.task, ready.task.rig, ready.scan
     per_unit = scan.metres_per_unit
@@ -183,7 +183,7 @@ def drawing_json(outcome: FitOutcome) -> dict[str, object]:
 
 
 def distances_bin(outcome: FitOutcome) -> bytes:
-    """Of each model vertex the signed distance to the scan: little-endian float32, mm, nan where no pair was accepted.
+    """Signed distance of each model vertex to the scan: little-endian float32, mm, nan where no pair was accepted.
 
     Above zero the model lies outside the scan's skin.
     """
@@ -191,9 +191,9 @@ def distances_bin(outcome: FitOutcome) -> bytes:
 
 
 def uncertainty_bin(outcome: FitOutcome) -> bytes:
-    """Of each model vertex the radius that holds its true place with 90 %: float32 as above, mm.
+    """90 % radius of each model vertex: float32 as above, mm.
 
-    All nan for a rig that nobody has calibrated, which result.json says in words (not_calibrated).
+    All nan for a rig without a calibration, which result.json states in words (not_calibrated).
     """
     unknown = np.full(len(outcome.vertices), np.nan)
     return (1e3 * (unknown if outcome.radii is None else outcome.radii.vertices)).astype("<f4").tobytes()
@@ -205,7 +205,7 @@ def fit_file(outcome: FitOutcome, name: str) -> bytes:
 
 
 def write_fit_files(outcome: FitOutcome, folder: Path) -> ResultFile:
-    """Writes all FIT_FILES; what the fit says of itself.  BadInput when the folder cannot be written."""
+    """Writes all FIT_FILES; returns the result. BadInput when the folder cannot be written."""
     files = {name: MAKERS[name](outcome) for name in FIT_FILES if name != RESULT}
     result = result_of(outcome).beside(files)
     write_files(files | {RESULT: result.content()}, folder)

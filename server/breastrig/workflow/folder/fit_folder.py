@@ -1,7 +1,7 @@
-"""The folder that a fit has left, read back: what a transfer, a measure or a report starts from.
+"""Reads a fit's folder: the input of a transfer, a measure or a report.
 
-Folders are copied between machines and versions, so everything in them is checked: what does not fit together is an
-error of one sentence.
+Folders are copied between machines and versions, so everything in them is checked: contradictions are an error of one
+sentence.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -67,7 +67,7 @@ class FitFolder:
 
     @cached_property
     def fitted_scan(self) -> FittedScan:
-        """What drawings are made on and carried from."""
+        """The fitted scan, for making drawings on it and transferring them."""
         target = ScanTarget(self.surface.vertices, self.surface.faces)
         return FittedScan(
             target, self.vertices, self.landmarks, self.stance, self.radii, self.seen, self.result.predicted
@@ -75,7 +75,7 @@ class FitFolder:
 
 
 def read_fit_folder(folder: Path, model: Path | None = None) -> FitFolder:
-    """What `breastrig fit` wrote there; `model` is the rig that it was made with, by default the package's.
+    """The fit in a folder that `breastrig fit` wrote; `model` is its rig, by default the package's.
 
     Raises BadInput for a folder that is no fit, that another rig has made, or that is damaged.
     """
@@ -83,7 +83,7 @@ def read_fit_folder(folder: Path, model: Path | None = None) -> FitFolder:
 
 
 def fit_folder_of(folder: Path, rig: Rig) -> FitFolder:
-    """As read_fit_folder, with a rig that has been read."""
+    """The fit in a folder, as read_fit_folder, with a rig that has been read."""
     shown = folder_name(folder)
     result = checked_result(folder)
     found = _fit(result, lambda name, unit: _mesh_file(folder / name, unit), rig, shown)
@@ -99,7 +99,7 @@ def _content(file: Path) -> bytes:
 
 
 def checked_result(folder: Path) -> ResultFile:
-    """What the fit says of itself; BadInput where there is none, or where it or a file beside it was exchanged."""
+    """The fit's result; BadInput where there is none, or where it or a file beside it was exchanged."""
 
     def read(name: str) -> bytes | None:
         with suppress(OSError):
@@ -112,7 +112,7 @@ def checked_result(folder: Path) -> ResultFile:
 
 
 def read_fit_files(folder: Path) -> dict[str, bytes]:
-    """Those of a fit's files that are there and can be read, by name; BadInput when there is no result.json."""
+    """The readable files of a fit, by name; BadInput when there is no result.json."""
     found = {RESULT: result_text(folder)}
     for name in FIT_FILES:
         with suppress(OSError):
@@ -134,7 +134,7 @@ def still_visible(fit: FitFolder, cuts: Sequence[Mapping[str, Any]]) -> FitFolde
 
 
 def fit_of_files(files: Mapping[str, bytes], rig: Rig, shown: str) -> FitFolder:
-    """As read_fit_folder, from the contents of result.json, scan.ply and fitted.ply; `shown` names them in errors."""
+    """The fit from the contents of result.json, scan.ply and fitted.ply; `shown` names them in errors."""
 
     def mesh(name: str, unit: str) -> tuple[Array, Integers]:
         if name not in files:
@@ -149,7 +149,7 @@ def fit_of_files(files: Mapping[str, bytes], rig: Rig, shown: str) -> FitFolder:
 
 
 def _fit(result: ResultFile, mesh: Callable[[str, str], tuple[Array, Integers]], rig: Rig, shown: str) -> FitFolder:
-    """From result.json and, by name and unit, the two meshes beside it."""
+    """The fit from result.json and, by name and unit, the two meshes beside it."""
     if result.model.sha256 != rig.sha256:
         raise BadInput(
             f"{shown} was fitted with another model ({result.model.name}); fit the scan again, or give that model."

@@ -60,7 +60,7 @@ class Spreads(SettingsPart):
 
 
 class TrunkLimits(SettingsPart):
-    """same_body.toml: how much two fits of one body differ."""
+    """same_body.toml: the differences between two fits of one body."""
 
     spread: Spreads
     freedom: Positive  # degrees of Student's t
@@ -90,7 +90,7 @@ def check_one_body(a: FitFolder, b: FitFolder, same_patient: bool) -> None:
 
 
 def doubts_between(a: FitFolder, b: FitFolder, same_patient: bool = False) -> list[str]:
-    """What is to be read of the two; nothing where a person has said that they are of the `same_patient`."""
+    """Sentences about the two fits; empty where a person has stated that they are of the `same_patient`."""
     doubt = None if same_patient else body_doubt(a, b)
     return [] if doubt is None else [doubt.says]
 
@@ -187,7 +187,7 @@ def _unknown(a: FitFolder, b: FitFolder, why: str) -> BodyIssue:
 
 
 def _scans(a: FitFolder, b: FitFolder) -> tuple[str, str]:
-    """What they are called."""
+    """The names of both scans, for sentences."""
     there, here = (f"{fit.stance} {'prediction' if fit.result.predicted else 'scan'}" for fit in (a, b))
     return (f"the {there}", f"the {here}") if there != here else (f"the first {there}", f"the second {here}")
 

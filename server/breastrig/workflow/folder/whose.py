@@ -19,7 +19,7 @@ def check_whose(document: Mapping[str, Any], fits: Iterable[ResultFile], same_pa
 
 
 def asked_about(document: Mapping[str, Any], scans: Iterable[str], codes: Iterable[str], same_patient: bool) -> None:
-    """The same with the sha256 of the patient's scans, and the codes under which they are filed."""
+    """Raises NeedsYes for another patient's document, as check_whose, by the scans' sha256 and the patient's codes."""
     made_on, code = _scans(document), str(document.get("patient") or "")
     own = [each for each in dict.fromkeys(codes) if each]
     if same_patient or not (made_on or code) or made_on & set(scans) or code in own:

@@ -80,7 +80,7 @@ def plan_on_folders(rig: Rig, plan: Plan, fits: Sequence[tuple[FitFolder, str]],
 
 
 def scan_of_plan(plan: Plan, fit: FitFolder) -> str:
-    """What the plan calls the fit's scan: by its hash, else by its stance; empty where it names no such scan."""
+    """The plan's name of the fit's scan: by its hash, else by its stance; empty where it names no such scan."""
     sha256 = fit.result.scan.sha256
     table = {scan.id: scan for scan in plan.scans}
     by_hash = [name for name, scan in table.items() if scan.sha256 is not None and scan.sha256 == sha256]
@@ -130,7 +130,7 @@ def _lesion(each: PlacedLesion, fit: FitFolder) -> dict[str, Any]:
 
 
 def _semi_axes(covariance: Array) -> list[list[float]]:
-    """Of the ellipsoid that holds nine of ten, mm: three vectors at right angles, the shortest first."""
+    """Semi-axes of the 90 % ellipsoid, mm: three vectors at right angles, the shortest first."""
     squares, directions = np.linalg.eigh(covariance)
     axes = 1e3 * BALL * np.sqrt(squares.clip(0.0)) * directions
     return [[float(value) for value in axis] for axis in np.round(axes.T, 3) + 0.0]

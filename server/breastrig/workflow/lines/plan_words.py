@@ -87,7 +87,7 @@ def _values(item: PlanItem, fit: FitFolder | None) -> tuple[tuple[str, str], ...
 
 
 def _said(parameter: PatternParameter, asked: float | str | None, drawn: Mapping[str, float]) -> str:
-    """What is drawn; beside it what was asked for, where that is something else."""
+    """A parameter's drawn value; the requested one beside it, where they differ."""
     if not isinstance(asked, float | int | None) or not drawn:
         return _value(parameter, asked)
     values = [*drawn.values()]

@@ -60,7 +60,7 @@ def transfer(job: TransferJob) -> dict[str, Any]:
 
 
 def transfer_with(rig: Rig, job: TransferJob) -> dict[str, Any]:
-    """The same with a rig that has been read."""
+    """The transferred drawing, as `transfer`, with a rig that has been read."""
     source, goal = fit_folder_of(job.from_fit, rig), fit_folder_of(job.to_fit, rig)
     if job.drawing is not None:
         check_whose(job.drawing, (source.result, goal.result), job.same_patient)
@@ -87,14 +87,14 @@ def transfer_with(rig: Rig, job: TransferJob) -> dict[str, Any]:
 
 
 def _moved(source: FitFolder, lines: Iterable[Polyline]) -> list[str]:
-    """Of which lines on the source's scan points were moved onto its skin, a sentence each."""
+    """A sentence for each line on the source's scan whose points were moved onto its skin."""
     search = source.fitted_scan.target.search
     said = (moved_onto_skin(line, search.query(line.points).distances) for line in lines)
     return [sentence for sentence in said if sentence is not None]
 
 
 def _own(folder: Path, fit: FitFolder) -> Drawing:
-    """What the fit has left, however much it is."""
+    """The fit's own drawing, of any size."""
     document = drawing_document(folder / "drawing.json")
     lines = lines_on_scan(document, fit.unit)
     if not lines:
@@ -109,7 +109,7 @@ def _with_lesions(folder: Path, fit: FitFolder) -> Plan:
 
 
 def _lesions(fit: FitFolder) -> list[dict[str, Any]]:
-    """As items of a plan."""
+    """The fit's lesions as items of a plan."""
     to_mm = 1e3 * fit.metres_per_unit
     return [
         {
@@ -124,7 +124,7 @@ def _lesions(fit: FitFolder) -> list[dict[str, Any]]:
 
 
 def lesions_document(fit: FitFolder) -> dict[str, Any]:
-    """What the fit's label map shows inside, as a plan on its own scan."""
+    """The lesions of the fit's label map, as a plan on its own scan."""
     plan = checked_plan({"schema": PLAN_SCHEMA, "items": _lesions(fit)})
     return plan_document(plan, fit, plan_on_folders(fit.rig, plan, [(fit, "")]))
 

@@ -1,1 +1,1 @@
-"""What moves under a hand: the tasks of processes that are kept for one fit."""
+"""Interactive tasks (dragged landmarks and patterns), of processes that are kept for one fit."""

@@ -38,7 +38,7 @@ def live_pattern(fit: str, question: LiveQuestion | LengthsQuestion) -> dict[str
 def read_and_live_pattern(
     fit: str, folder: Path, model: Path | None, question: LiveQuestion | LengthsQuestion
 ) -> dict[str, Any]:
-    """The same after reading the fit's folder.  Raises BadInput for what is no fit."""
+    """The answer of `live_pattern` after reading the fit's folder. Raises BadInput for what is no fit."""
     rig = read_rig(model or default_rig_path())
     found = fit_folder_of(folder, rig)
     scan = found.fitted_scan

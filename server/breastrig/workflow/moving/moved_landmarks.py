@@ -1,8 +1,8 @@
-"""Where the model of a finished fit lies when landmarks are moved: what a process does that is kept for that fit.
+"""Refits a finished fit's model to moved landmarks, in a process that is kept for that fit.
 
-For a person who drags a landmark.  The first question reads, cleans and indexes the scan; what was made of it stays in
-the process's memory, so that the next ones cost a few iterations.  The process serves one fit and ends with its
-deletion (execution/kept_processes.py).
+For a person who drags a landmark. The first question reads, cleans and indexes the scan; the prepared scan stays in the
+process's memory, so that the next ones cost a few iterations. The process serves one fit and ends with its deletion
+(execution/kept_processes.py).
 """
 
 import time
@@ -40,7 +40,7 @@ def moved_landmarks(fit: str, landmarks_mm: dict[str, list[float]]) -> dict[str,
 
 
 def follow_landmarks(fit: str, job: FollowJob, landmarks_mm: dict[str, list[float]]) -> dict[str, Any]:
-    """The same after reading the fit's scan.  Raises BadInput with a sentence."""
+    """The answer of `moved_landmarks` after reading the fit's scan. Raises BadInput with a sentence."""
     rig = read_model(job.fit)
     plan = fit_plan(job.fit, rig, job.fit.landmarks_mm)
     task = prepare_fit(plan, *scan_of_job(job.fit)).task

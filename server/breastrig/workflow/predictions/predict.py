@@ -88,7 +88,7 @@ def prediction(rig: Rig, folder: Path, goal: Stance) -> dict[str, bytes]:
 
 
 def _enlarged(upper: list[float], radii: Array) -> list[float]:
-    """What landmarks share of the fit's errors, each with an error of its own up to its (L,) mm radius."""
+    """The landmarks' joint covariance, mm², as an upper triangle, with variances raised to their (L,) mm radii."""
     joint = joint_covariance(upper, len(radii))
     if joint is None:
         return []
