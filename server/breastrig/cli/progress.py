@@ -9,7 +9,7 @@ from breastrig.interface.run import FitRun, Iterate, Step
 
 
 def fitted(run: FitRun[Step, Fit], quiet: bool = False) -> Fit:
-    """What the run ends with, with a bar on a terminal unless it is `quiet`; KeyboardInterrupt where a signal came."""
+    """The run's result, with a bar on a terminal unless it is `quiet`; KeyboardInterrupt where a signal came."""
     for _ in run if quiet or not sys.stderr.isatty() else _with_bar(run):
         raise_if_asked()
     return run.result()

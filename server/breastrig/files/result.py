@@ -379,6 +379,6 @@ def folder_name(folder: Path) -> str:
 
 
 def patient_of(code: str, scanned: date | None) -> ResultPatient:
-    """Of this code, or a random one where it is empty; BadInput for characters that nobody sees."""
+    """The patient under this code, or a random one where it is empty; BadInput for invisible characters."""
     given = one_line(code)[:CODE_CHARACTERS]
     return ResultPatient(code=given or random_code(), given=bool(given), scanned=scanned)

@@ -94,7 +94,7 @@ def shared_half_width(
 
 @dataclass(frozen=True)
 class Points:
-    """By how much a point of each of two lengths is off (m, 90 %, along the length), and the errors' correlation."""
+    """Errors (m, 90 %, along the length) of one point of each of two lengths, and the errors' correlation."""
 
     halves: tuple[float | None, float | None] = (0.0, 0.0)
     correlation: float = 0.0

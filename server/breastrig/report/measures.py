@@ -186,7 +186,7 @@ class _Table:
             )  # fmt: skip
 
     def _in_all_stances(self, ends: Sequence[Place]) -> float:
-        """How alike two fits' errors are: of lengths between two places of the model on either side."""
+        """Correlation of two fits' errors of lengths between two places of the model on either side."""
         known = measure_calibration(self.stance.rig)
         is_models = len(ends) == 2 * len(SIDES) and all(place.source == MODEL for place in ends)
         return known.stances.lengths if known is not None and is_models else 0.0

@@ -82,7 +82,7 @@ class _Members:
         return _Members(groups, pairs - size * groups, starts)
 
     def only(self, kept: Booleans) -> "_Members":
-        """Of the (G,) groups that are kept."""
+        """The members of the (G,) groups that are kept."""
         chosen, sizes = kept[self.groups], np.diff(self.starts, append=len(self.groups))[kept]
         return _Members((np.cumsum(kept) - 1)[self.groups[chosen]], self.triangles[chosen], np.cumsum(sizes) - sizes)
 
