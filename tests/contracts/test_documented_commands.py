@@ -24,7 +24,7 @@ from breastrig.cli.commands import COMMANDS, GROUP
 from breastrig.cli.main import main
 from breastrig.index.questions import LinkSecret, put_secret, secret_of_link
 from breastrig.storage.rows.fits import fits_page
-from breastrig.storage.rows.patients import get_plan, patients_page
+from breastrig.storage.rows.patients import get_plan, listed_page
 from breastrig.storage.storage import Storage
 
 pytestmark = pytest.mark.long
@@ -289,7 +289,7 @@ def test_the_documented_backup_holds_all_patients_and_nothing_that_opens_a_link(
         stop.set()
         writer.join()
     backup.prepare()
-    [patient] = patients_page(backup, 9, None)[0]
+    [patient] = listed_page(backup, 9, None)[0]
     assert get_plan(backup, patient.id).items[0]["text"] == "kept"
     assert [fit.state for fit in fits_page(backup, 9)[0]] == ["done"]
     assert backup.index.asked(lambda rows: secret_of_link(rows, link)) is None

@@ -18,7 +18,7 @@ from breastrig.service import sweep
 from breastrig.service.service import Service
 from breastrig.service.sweep import Retention, Sweep
 from breastrig.storage.rows.expiring_scans import aged_scans, announce
-from breastrig.storage.rows.patients import patients_page
+from breastrig.storage.rows.patients import listed_page
 from breastrig.storage.rows.scans import ScanRow, add_scan, scan_ids
 from breastrig.storage.storage import Storage, iso_utc
 
@@ -196,9 +196,9 @@ def test_a_running_server_sees_what_other_programs_write(aged: Storage, monkeypa
     service = Service(aged, runner=fake_fit.quick, fits=FitLimits(workers=1, grace_s=0.2), keep_days=None)
     with service.started():
         case = CaseFolder.create(aged.root / CASES / named("another"), "K7M-4QX")
-        until(lambda: "K7M-4QX" in {row.code for row in patients_page(aged, 9, None)[0]}, "another program's case")
+        until(lambda: "K7M-4QX" in {row.code for row in listed_page(aged, 9, None)[0]}, "another program's case")
         case.rename("L8N-5RY")
-        until(lambda: "L8N-5RY" in {row.code for row in patients_page(aged, 9, None)[0]}, "its other code")
+        until(lambda: "L8N-5RY" in {row.code for row in listed_page(aged, 9, None)[0]}, "its other code")
 
 
 def test_a_server_that_keeps_forever_deletes_nothing(aged: Storage) -> None:
