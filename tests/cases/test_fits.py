@@ -15,7 +15,7 @@ from breastrig.cases import fits, layout
 from breastrig.cases.case_folder import CaseFolder
 from breastrig.cases.documents import FitDocument
 from breastrig.cases.fits import (
-    add_fit,
+    added,
     cancel_fit,
     claimed,
     end_abandoned,
@@ -193,8 +193,8 @@ def test_the_end_waits_for_who_writes_into_the_case(case: CaseFolder, scan: str,
 
 
 def test_a_fit_of_a_scan_that_is_gone_leaves_nothing(case: CaseFolder, scan: str) -> None:
-    with pytest.raises(NotFound):
-        add_fit(case, new_id(), FitDocument(asked_at="2026"))
+    with pytest.raises(NotFound), added(case, new_id(), FitDocument(asked_at="2026")):
+        pass
     assert fits_of_scan(case, scan) == []
     with pytest.raises(NotFound):
         get_fit(case, scan, new_id())
@@ -240,3 +240,25 @@ def test_the_kernel_frees_the_claim_of_a_killed_process(case: CaseFolder, fit: s
     assert end_abandoned(case, scan, fit, {"kind": "failed", "reason": "The process died."})
     assert get_fit(case, scan, fit).state == "failed"
     new_scan(case)
+
+
+def test_who_asks_for_a_fit_to_run_it_has_it_before_anyone_sees_it(case: CaseFolder, scan: str, monkeypatch) -> None:
+    """Whoever waits for the case to be free finds the fit claimed."""
+    taken = []
+    put_folder = CaseFolder.put_folder
+
+    def put_and_look(self: CaseFolder, made: Path, part: str) -> None:
+        put_folder(self, made, part)
+        with claimed(case, scan, Path(part).name) as claim:  # a service that looks in this moment
+            taken.append(claim)
+
+    monkeypatch.setattr(CaseFolder, "put_folder", put_and_look)
+    with added(case, scan, FitDocument(asked_at="2026")) as claim:
+        assert taken == [None]
+        assert get_fit(case, scan, claim.fit_id).state == "queued"
+        with claimed(case, scan, claim.fit_id) as other:
+            assert other is None
+        assert claim.append(STARTED)
+        assert claim.append(DONE)
+    assert get_fit(case, scan, claim.fit_id).state == "done"
+    assert not is_at_work(case, scan)

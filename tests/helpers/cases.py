@@ -5,10 +5,11 @@ from pathlib import Path
 
 from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder
-from breastrig.cases.documents import FitDocument, LinkDocument, ScanDocument
-from breastrig.cases.fits import add_fit, end_abandoned, fits_of_scan
+from breastrig.cases.documents import FitDocument, LinkDocument, ScanDocument, content_of
+from breastrig.cases.fits import end_abandoned, fits_of_scan
 from breastrig.cases.layout import new_id
 from breastrig.cases.links import add_link
+from breastrig.cases.writing import put
 from breastrig.drawings.plan_schema import PlanNote
 
 FACTS = {"unit": "mm", "stance": {"proposed": "standing"}}
@@ -35,7 +36,13 @@ def new_scan(case: CaseFolder, skin: bytes = b"skin") -> str:
 
 
 def new_fit(case: CaseFolder, scan: str) -> str:
-    return add_fit(case, scan, FitDocument(asked_at="2026-01-02T00:00:00.000Z"))
+    """A fit that waits."""
+    fit = new_id()
+    with case.incoming() as made:
+        put(made, layout.FIT, content_of(FitDocument(asked_at="2026-01-02T00:00:00.000Z")))
+        with case.writing():
+            case.put_folder(made, layout.fit_part(scan, fit))
+    return fit
 
 
 def new_link(case: CaseFolder) -> str:

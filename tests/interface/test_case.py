@@ -11,7 +11,7 @@ from breastrig.cases.case_folder import CaseFolder
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import Conflict, NeedsYes
 from breastrig.files.result import FIT_FILES
-from breastrig.workflow.cases.case_work import ask_fit, fit_events
+from breastrig.workflow.cases.case_work import asked_fit, fit_events
 
 EXAMPLE = asset_folder("example")
 pytestmark = pytest.mark.slow
@@ -106,8 +106,8 @@ def test_a_prediction_is_kept_as_a_fit(case: breastrig.Case) -> None:
 def test_a_fit_goes_on_from_an_earlier_one(case: breastrig.Case) -> None:
     folder, scan = CaseFolder(case.path), case.scans[0].id
     first = case.fits(scan)[0]
-    again = ask_fit(folder, scan, start_from=first.id, drawing=None)
-    events = list(fit_events(folder, scan, again))
+    events = list(fit_events(folder, scan, asked_fit(folder, scan, start_from=first.id, drawing=None)))
+    again = case.fits(scan)[-1].id
     assert len(events) < len((first.folder / "fit.log.jsonl").read_text().splitlines())
     assert case.load_fit(again).stance == "standing"
 

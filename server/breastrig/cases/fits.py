@@ -7,7 +7,7 @@
 import json
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -46,17 +46,6 @@ class FitEntry:
         """good, uncalibrated, check or unusable; None before the end."""
         level: str | None = ((self.last or {}).get("result", {}).get("verdict") or {}).get("level")
         return level
-
-
-def add_fit(case: CaseFolder, scan_id: str, asked: FitDocument, fit_id: str = "") -> str:
-    """Keeps a fit as it is asked for; its id.  It is on the disk when this returns.  Raises NotFound."""
-    fit_id = fit_id or new_id()
-    with case.incoming() as made:
-        put(made, layout.FIT, content_of(asked))
-        with case.writing():
-            case.check_scan(scan_id)
-            case.put_folder(made, fit_part(scan_id, fit_id))
-    return fit_id
 
 
 def fit_ids(case: CaseFolder, scan_id: str) -> list[str]:
@@ -251,6 +240,29 @@ def claimed(case: CaseFolder, scan_id: str, fit_id: str) -> Iterator[Claim | Non
         yield claim
 
 
+@contextmanager
+def added(case: CaseFolder, scan_id: str, asked: FitDocument) -> Iterator[Claim]:
+    """Keeps a fit as it is asked for, in the hands of the block from before anyone else can see it.  Raises NotFound.
+
+    The claim is of the file, not of its place, so it holds through the rename.  Windows renames no folder in which a
+    file is open: there the claim follows, while the case is held, as no service runs there.
+    """
+    fit_id = new_id()
+    with ExitStack() as held:
+        with case.incoming() as made:
+            put(made, layout.FIT, content_of(asked))
+            if os.name != "nt":
+                held.enter_context(_locked(made / layout.CLAIM))
+            with case.writing():
+                case.check_scan(scan_id)
+                case.put_folder(made, fit_part(scan_id, fit_id))
+                if os.name == "nt":
+                    held.enter_context(_held(case, scan_id, fit_id))
+        claim = Claim(case, scan_id, fit_id)
+        _count_start(claim.folder)
+        yield claim
+
+
 def end_abandoned(case: CaseFolder, scan_id: str, fit_id: str, event: dict[str, Any]) -> bool:
     """Ends a fit at which nobody is at work (its process died, or it is cancelled); False when somebody is.
 
@@ -288,8 +300,15 @@ def _held(case: CaseFolder, scan_id: str, fit_id: str) -> Iterator[bool]:
     """Whether the claim is this block's; the kernel frees it when the process dies.  Raises NotFound."""
     case.check_scan(scan_id)
     folder = case.path / fit_part(scan_id, fit_id)
+    with _locked(folder / layout.CLAIM) as held:
+        yield held
+
+
+@contextmanager
+def _locked(file: Path) -> Iterator[bool]:
+    """Whether the lock of that file is this block's.  Raises NotFound where its folder is gone."""
     try:
-        descriptor = os.open(folder / layout.CLAIM, os.O_RDWR | os.O_CREAT | getattr(os, "O_CLOEXEC", 0), 0o600)
+        descriptor = os.open(file, os.O_RDWR | os.O_CREAT | getattr(os, "O_CLOEXEC", 0), 0o600)
     except FileNotFoundError as error:
         raise NotFound(NO_FIT) from error
     try:

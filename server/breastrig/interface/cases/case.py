@@ -10,6 +10,7 @@ import numpy as np
 
 from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder, ScanEntry
+from breastrig.cases.documents import FitDocument
 from breastrig.cases.fits import FitEntry, find_fit, fits_of_scan
 from breastrig.cases.of_scans import get_cuts, get_landmarks, put_cuts, put_landmarks
 from breastrig.cases.plans import get_plan, plan_versions, put_plan
@@ -30,7 +31,7 @@ from breastrig.interface.scan import Scan, ScanSource, existing, read_coloured, 
 from breastrig.report.pages.printable import check_printable, checked_code
 from breastrig.scan.hand_cuts import read_cuts
 from breastrig.scan.volumes.answers import checked_answers
-from breastrig.workflow.cases.case_work import ask_fit, ask_prediction, fit_events, read_into_case
+from breastrig.workflow.cases.case_work import asked_fit, asked_prediction, fit_events, read_into_case
 from breastrig.workflow.events import Event
 from breastrig.workflow.folder.whose import asked_about
 from breastrig.workflow.jobs import FIRST
@@ -188,10 +189,10 @@ class Case:
     ) -> FitRun[Event, Fit]:
         """`fit` step by step: its events (started, iterated, done), each kept in the case before it is handed on.
 
-        Who leaves the loop and calls `close()` cancels the fit.
+        The case has the fit from its first event on.  Who leaves the loop and calls `close()` cancels it.
         """
-        fit_id = ask_fit(self._folder, scan, stance=stance, preset=preset, drawing=drawing, refine=refine)
-        return self._running(scan, fit_id, model)
+        asked = asked_fit(self._folder, scan, stance=stance, preset=preset, drawing=drawing, refine=refine)
+        return self._running(scan, asked, model)
 
     def predict(self, fit: str, stance: str, *, model: str | Path | None = None) -> Fit:
         """The patient of a fit, by its id, in another stance; kept in the case as a fit, with its events.
@@ -201,14 +202,14 @@ class Case:
         """
         if stance not in STANCES or stance == AUTO:
             raise BadInput(unknown_name("stance", stance, tuple(each for each in STANCES if each != AUTO)))
-        predicted = ask_prediction(self._folder, fit, stance)
+        predicted = asked_prediction(self._folder, fit, stance)
         return self._running(find_fit(self._folder, fit).scan, predicted, model).result()
 
-    def _running(self, scan: str, fit: str, model: str | Path | None) -> FitRun[Event, Fit]:
+    def _running(self, scan: str, asked: FitDocument, model: str | Path | None) -> FitRun[Event, Fit]:
         rig = None if model is None else Path(model)
 
         def steps() -> Generator[Event, None, Fit]:
-            yield from fit_events(self._folder, scan, fit, rig)
+            fit = yield from fit_events(self._folder, scan, asked, rig)
             return self.load_fit(fit, rig)
 
         return FitRun(steps(), 0)

@@ -1,4 +1,4 @@
-"""A case at work: a scan read into it, a fit run in it.  Knows neither processes nor rows."""
+"""A case at work: a scan read into it, a fit run in it.  Knows neither processes nor the index."""
 
 import json
 from collections.abc import Generator, Iterator
@@ -9,7 +9,7 @@ from typing import Any, cast
 from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder, sync_file, utc_now
 from breastrig.cases.documents import FitDocument, ScanDocument
-from breastrig.cases.fits import CANCELLED, Claim, add_fit, claimed, events_after, find_fit, get_fit
+from breastrig.cases.fits import CANCELLED, Claim, added, events_after, find_fit, get_fit
 from breastrig.cases.of_scans import get_cuts, get_landmarks
 from breastrig.cases.plans import put_items_of_scan
 from breastrig.cases.writing import replace
@@ -28,7 +28,6 @@ from breastrig.workflow.read_upload import read_upload
 from breastrig.workflow.run_fit import run_fit
 
 BROKE = "The fit broke for a reason inside BreastRig; start the fit again."
-AT_WORK = "Somebody else is at work at this fit; wait for its end."
 
 
 def read_into_case(
@@ -63,10 +62,10 @@ def read_into_case(
     return scan_id
 
 
-def ask_fit(case: CaseFolder, scan_id: str, **asked: Any) -> str:
-    """Keeps a fit of the scan, with its landmarks and cuts as they are now; the fit's id.  Raises NotFound."""
+def asked_fit(case: CaseFolder, scan_id: str, **asked: Any) -> FitDocument:
+    """A fit of the scan to be run, with its landmarks and cuts as they are now.  Raises NotFound."""
     picks = get_landmarks(case, scan_id)
-    document = FitDocument(
+    return FitDocument(
         asked_at=utc_now(),
         landmarks_mm=picks.points_mm,
         certain=list(picks.certain),
@@ -74,11 +73,10 @@ def ask_fit(case: CaseFolder, scan_id: str, **asked: Any) -> str:
         cuts=list(get_cuts(case, scan_id)),
         **asked,
     )
-    return add_fit(case, scan_id, document)
 
 
-def ask_prediction(case: CaseFolder, fit_id: str, stance: str) -> str:
-    """Keeps that the patient of a fit is wanted in another stance; the id of what will be a fit like any other.
+def asked_prediction(case: CaseFolder, fit_id: str, stance: str) -> FitDocument:
+    """The patient of a fit in another stance, to be run as a fit like any other.
 
     Raises NotFound, Conflict when the fit is not done, BadInput when nothing can be predicted from it.
     """
@@ -90,27 +88,25 @@ def ask_prediction(case: CaseFolder, fit_id: str, stance: str) -> str:
     if fit.last["result"]["stance"] == stance:
         raise BadInput(f"The scan is {stance} already; ask for another stance.")
     asked = {"asked_at": utc_now(), "stance": stance, "predicted_from": fit_id, "start_from": None}
-    return add_fit(case, fit.scan, fit.document.model_copy(update=asked))
+    return fit.document.model_copy(update=asked)
 
 
-def fit_events(case: CaseFolder, scan_id: str, fit_id: str, model: Path | None = None) -> Generator[Event, None, None]:
-    """Runs a fit that was asked for: its events, each stored before it is handed on.
+def fit_events(
+    case: CaseFolder, scan_id: str, asked: FitDocument, model: Path | None = None
+) -> Generator[Event, None, str]:
+    """Keeps a fit in the case and runs it: its events, each stored before it is handed on; returns the fit's id.
 
-    `model` is another rig than the scan's.  Who leaves the generator cancels the fit.  Raises Conflict when
-    somebody else is at it, the fit's own BreastRigError after it is stored as its end.
+    `model` is another rig than the scan's.  Nobody else can take the fit up.  Who leaves the generator cancels it.
+    Raises NotFound, the fit's own BreastRigError after it is stored as its end.
     """
-    with claimed(case, scan_id, fit_id) as claim:
-        if claim is None:
-            if get_fit(case, scan_id, fit_id).state in ("queued", "running"):
-                raise Conflict(AT_WORK)
-            return
-        with _ending(claim), case.incoming() as made:
-            for event in _events(_job(case, scan_id, claim.document, made, model)):
-                if event.kind == "done":
-                    put_files(made, claim.folder)
-                if not claim.append(event_json(event)):
-                    return  # it was cancelled
-                yield event
+    with added(case, scan_id, asked) as claim, _ending(claim), case.incoming() as made:
+        for event in _events(_job(case, scan_id, asked, made, model)):
+            if event.kind == "done":
+                put_files(made, claim.folder)
+            if not claim.append(event_json(event)):
+                break  # it was cancelled
+            yield event
+    return claim.fit_id
 
 
 @contextmanager
