@@ -3,6 +3,7 @@
 The comment beside a field gives shape and unit; `frozen` makes the promise of immutability real.
 """
 
+from functools import reduce
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -22,6 +23,27 @@ def frozen(array: Any, dtype: Any = np.float64) -> Any:
             result = result.copy()
         result.flags.writeable = False
     return result
+
+
+# NumPy reduces a short last axis row by row, in five times the time that whole columns take; the same bits come out.
+
+
+def lengths(vectors: Array) -> Array:
+    """(M,) Euclidean lengths of (M, D) vectors, for a small D."""
+    squares = vectors[:, 0] * vectors[:, 0]
+    for axis in range(1, vectors.shape[1]):
+        squares += vectors[:, axis] * vectors[:, axis]
+    return np.asarray(np.sqrt(squares))
+
+
+def all_in_row(mask: Booleans) -> Booleans:
+    """(M,) of an (M, D) mask, for a small D."""
+    return reduce(np.logical_and, mask.T)
+
+
+def any_in_row(mask: Booleans) -> Booleans:
+    """(M,) of an (M, D) mask, for a small D."""
+    return reduce(np.logical_or, mask.T)
 
 
 BITS = 63  # of a number that is not negative

@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.core.arrays import Array, Booleans, Integers, any_in_row
 from breastrig.correspondence.match import Correspondences, MatchRules, match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.boundary import boundary_vertices
@@ -90,7 +90,7 @@ class Comparison:
         near, distances = self.search.distances(points)
         rim = boundary_vertices(self.faces, len(self.vertices))
         inside = np.ones(len(points), dtype=np.bool_)
-        of_rim = np.asarray(rim[self.faces].any(axis=1))
+        of_rim = any_in_row(rim[self.faces])
         at_rim = np.flatnonzero(of_rim[near])  # only there one has to know where on the triangle
         corners = self.faces[near[at_rim]]
         barycentric = closest_barycentric(points[at_rim], self.vertices[corners])

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.core.arrays import Array, Booleans, Integers, lengths
 from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.closest_point import closest_barycentric
 
@@ -80,7 +80,7 @@ def _by_nearest_vertex(target: ScanTarget, points: Array) -> _Found:
     faces = around[first + np.arange(len(query))]
     barycentric = closest_barycentric(points[query], target.vertices[target.faces[faces]])
     at = np.einsum("mc,mcd->md", barycentric, target.vertices[target.faces[faces]])
-    gap = np.linalg.norm(at - points[query], axis=1)
+    gap = lengths(at - points[query])
     order = np.lexsort((gap, query))
     best = order[np.concatenate([[True], np.diff(query[order]) > 0])] if len(order) else order
     result = np.full(len(points), -1, dtype=np.int64)

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
-from breastrig.core.arrays import Array, Booleans, Integers, stable_order
+from breastrig.core.arrays import Array, Booleans, Integers, any_in_row, lengths, stable_order
 from breastrig.geometry.boundary import boundary_vertices
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import VertexNormals, face_normals
@@ -73,12 +73,12 @@ class ScanTarget:
     @cached_property
     def border_directions(self) -> Array:
         """(V, 3) unit vectors out of the scan at the vertices of its border, 0 elsewhere."""
-        corners = self.faces[self.on_border[self.faces].any(axis=1)]
+        corners = self.faces[any_in_row(self.on_border[self.faces])]
         away = self.vertices[corners] - self.vertices[corners].mean(axis=1, keepdims=True)
         size, of = len(self.vertices), corners.ravel()
-        sums = np.stack([np.bincount(of, away[:, :, axis].ravel(), size) for axis in range(3)], axis=1)
+        sums: Array = np.stack([np.bincount(of, away[:, :, axis].ravel(), size) for axis in range(3)], axis=1)
         sums[~self.on_border] = 0.0
-        return np.asarray(sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-12))
+        return np.asarray(sums / np.maximum(lengths(sums)[:, None], 1e-12))
 
     def may_be_matched(self, points: Array, reach: float, reject_border: bool) -> Integers:
         """Indices of the (M, 3) m points that are not certainly farther than `reach` (m) from the scan.

@@ -22,7 +22,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
 
-from breastrig.core.arrays import Array, Integers
+from breastrig.core.arrays import Array, Integers, lengths
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.normals import VertexNormals, face_normals, turned_triangles
@@ -58,7 +58,7 @@ def stiffness_and_area(vertices: Array, faces: Integers) -> tuple[csc_array, Arr
     rows, columns, values = [], [], []
     area = np.zeros(count)
     corners = vertices[faces]
-    double = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    double = lengths(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
     for k in range(3):
         i, j = faces[:, (k + 1) % 3], faces[:, (k + 2) % 3]
         a, b = corners[:, (k + 1) % 3] - corners[:, k], corners[:, (k + 2) % 3] - corners[:, k]

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import igl
 import numpy as np
 
-from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.core.arrays import Array, Booleans, Integers, all_in_row
 from breastrig.geometry.surface_points import SurfacePoints
 
 PORTION = 999  # points; libigl searches up to 1,000 at once without starting threads
@@ -141,7 +141,7 @@ class ClosestPointSearch:
 
 def _near(points: Array) -> Booleans:
     """(M,) finite and not absurdly far."""
-    return np.asarray((np.abs(points) < FARTHEST).all(axis=1))  # nan is not less
+    return np.asarray(all_in_row(np.abs(points) < FARTHEST))  # nan is not less
 
 
 def _flat(squares: Array, ab: Array, ac: Array) -> Booleans:

@@ -16,7 +16,7 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
 from scipy.spatial import cKDTree
 
-from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.core.arrays import Array, Booleans, Integers, lengths
 from breastrig.geometry.half_edges import neighbours
 
 
@@ -39,7 +39,7 @@ def _crosses(vertices: Array, corners: Integers) -> Array:
 
 def face_areas(vertices: Array, faces: Integers) -> Array:
     """(F,) m²."""
-    return np.asarray(0.5 * np.linalg.norm(face_crosses(vertices, faces), axis=1))
+    return np.asarray(0.5 * lengths(face_crosses(vertices, faces)))
 
 
 def face_normals(vertices: Array, faces: Integers) -> Array:
@@ -79,7 +79,7 @@ def _unit(vectors: Array) -> Array:
 
 def unit_vectors(vectors: Array) -> Array:
     """(M, D) the rows scaled to length one; those without a direction stay as short as they are."""
-    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-12))
+    return np.asarray(vectors / np.maximum(lengths(vectors)[:, None], 1e-12))
 
 
 ROUNDS = 6  # of averaging the normals: a fold is narrower than so many rings of triangles, a breast's fold is wider

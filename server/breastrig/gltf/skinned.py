@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pygltflib import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, Material, Mesh, PbrMetallicRoughness, Primitive, Skin
 
-from breastrig.core.arrays import Array
+from breastrig.core.arrays import Array, all_in_row
 from breastrig.core.errors import BadModel
 from breastrig.geometry.normals import VertexNormals
 from breastrig.gltf.container import BufferWriter, append, new_document
@@ -172,7 +172,7 @@ def _mesh(document: Document, buffer: BufferWriter, rig: Rig) -> Mesh:
     for shape, turned in zip(rig.blendshapes, moved, strict=True):
         moves = as_float32(shape)
         turns = as_float32(turned - normals)
-        turns[~moves.any(axis=1) & (np.abs(turns) < 1e-6).all(axis=1)] = 0.0  # rounding of untouched normals
+        turns[all_in_row(moves == 0.0) & all_in_row(np.abs(turns) < 1e-6)] = 0.0  # rounding of untouched normals
         targets.append(
             Attributes(
                 POSITION=buffer.add(moves, target=on_vertices, bounds=True),

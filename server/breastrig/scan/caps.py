@@ -7,7 +7,7 @@ border folds over itself, so it contains both windings. Evidence: docs/decisions
 
 import numpy as np
 
-from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.core.arrays import Array, Booleans, Integers, all_in_row, any_in_row, lengths
 from breastrig.geometry.normals import unit_vectors
 
 TURN_BIN, HEIGHT_BIN = 0.02, 0.001  # of a normal's coordinates, and m: triangles of one plane share a bin
@@ -23,7 +23,7 @@ MOST = 12  # planes that are looked at, the largest first
 
 def caps(vertices: Array, faces: Integers, crosses: Array) -> Booleans:
     """(F,) which triangles, outwards and with these (F, 3) face_crosses, are lids of a scan with (V, 3) m vertices."""
-    normals, areas = unit_vectors(crosses), 0.5 * np.linalg.norm(crosses, axis=1)
+    normals, areas = unit_vectors(crosses), 0.5 * lengths(crosses)
     heights = np.einsum("fi,fi->f", normals, vertices[faces[:, 0]] - vertices[0])
     bins = np.round(np.column_stack([normals / TURN_BIN, np.clip(heights / HEIGHT_BIN, -FAR, FAR)])).astype(np.int64)
     _, member = np.unique((bins + FAR) @ (2 * FAR) ** np.arange(4), return_inverse=True)
@@ -36,7 +36,7 @@ def caps(vertices: Array, faces: Integers, crosses: Array) -> Booleans:
         normal = unit_vectors(crosses[seed].sum(axis=0, keepdims=True))[0]
         level = float(np.average(heights[seed], weights=areas[seed]))
         away = (vertices - vertices[0]) @ normal - level
-        near: Booleans = (np.abs(away[faces]).max(axis=1) < PLANAR) & (np.abs(normals @ normal) > ALIKE)
+        near: Booleans = (all_in_row(np.abs(away)[faces] < PLANAR)) & (np.abs(normals @ normal) > ALIKE)
         if areas[near].sum() >= LEAST and _closes(faces, near, away, normals @ normal):
             result |= near
     return result
@@ -46,7 +46,7 @@ def _closes(faces: Integers, near: Booleans, away: Array, along: Array) -> bool:
     """Whether what adjoins these triangles, all else where nothing does, lies behind them, beyond an edge."""
     theirs = np.zeros(len(away), dtype=np.bool_)
     theirs[faces[near]] = True
-    beside: Booleans = theirs[faces].any(axis=1) & ~near
+    beside: Booleans = any_in_row(theirs[faces]) & ~near
     if beside.any():
         return bool((away[faces[beside]].mean(axis=1) < 0.0).mean() > BEHIND and np.median(along[beside]) < EDGE)
     if near.all():

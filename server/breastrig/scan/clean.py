@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.core.arrays import Array, Booleans, Integers, lengths
 from breastrig.core.errors import BadScan
 from breastrig.geometry.boundary import triangle_components
 from breastrig.geometry.normals import face_crosses
@@ -76,7 +76,7 @@ def _check_skin(vertices: Array, faces: Integers, crosses: Array) -> None:
     corners = [vertices.take(corner, axis=0) for corner in faces.T]
     ends = (corners[k] - corners[k - 1] for k in range(3))
     is_short = np.max([np.einsum("fi,fi->f", end, end) for end in ends], axis=0) < LONG**2
-    area = 0.5 * float(np.linalg.norm(crosses[is_short], axis=1).sum())
+    area = 0.5 * float(lengths(crosses[is_short]).sum())
     if area < THIN:
         raise BadScan(
             f"Only {1e4 * area:.0f} cm² of the scan's surface are in triangles shorter than {100 * LONG:.0f} cm, "

@@ -7,7 +7,7 @@ turned so that it faces away from the middle of what lies behind it.
 
 import numpy as np
 
-from breastrig.core.arrays import Array, Booleans, Integers, stable_order
+from breastrig.core.arrays import Array, Booleans, Integers, any_in_row, stable_order
 from breastrig.geometry.boundary import components
 from breastrig.geometry.normals import face_crosses
 
@@ -70,7 +70,7 @@ def outwards(vertices: Array, faces: Integers, crosses: Array | None = None) -> 
     normals = face_crosses(vertices, faces) if crosses is None else crosses
     flipped = np.zeros(len(faces), dtype=np.bool_)
     if turned is not faces:
-        flipped = np.asarray((turned != faces).any(axis=1))
+        flipped = any_in_row(turned != faces)
         normals = np.where(flipped[:, None], -normals, normals)
     middle = vertices.take(faces[:, 0], axis=0)
     middle += vertices.take(faces[:, 1], axis=0)

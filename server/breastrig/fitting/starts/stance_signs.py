@@ -14,7 +14,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from breastrig.core.arrays import Array
+from breastrig.core.arrays import Array, lengths
 from breastrig.core.settings_file import SettingsPart, packaged
 from breastrig.core.stances import PRONE, SIDES, STANDING, SUPINE
 from breastrig.correspondence.target import ScanTarget
@@ -135,7 +135,7 @@ def _facing_back(vertices: Array, target: ScanTarget) -> dict[str, float]:
     middles = sum(vertices.take(corner, axis=0) for corner in faces.T) / 3.0
     (low, high), aside = TRUNK
     trunk = (middles[:, 1] > low) & (middles[:, 1] < high) & (np.abs(middles[:, 0]) < aside)
-    areas = np.linalg.norm(crosses, axis=1)
+    areas = lengths(crosses)
     backwards = trunk & (crosses[:, 2] < BACKWARDS * areas)
     share = float(areas[backwards].sum() / max(areas[trunk].sum(), 1e-9))
     return {"facing_back": share} if target.on_border.any() else {}
