@@ -102,7 +102,7 @@ def stamps(rows: sqlite3.Connection, cases: Collection[str]) -> dict[str, int]:
 
 
 def listed_cases(rows: sqlite3.Connection, cases: Collection[str]) -> list[ListedCase]:
-    """Those of the cases that are there, in the order given, with their scans, oldest first."""
+    """The cases that exist, in the order given, with their scans, oldest first."""
     scans: dict[str, list[ListedScan]] = {case: [] for case in cases}
     newest = "SELECT id FROM fits WHERE scan = scans.id AND predicted_from IS NULL ORDER BY place DESC LIMIT 1"
     chosen = (

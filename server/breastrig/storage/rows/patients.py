@@ -112,8 +112,11 @@ def listed_patient(storage: Storage, patient_id: str) -> ListedCase:
 
 
 def _listed(storage: Storage, ids: Sequence[str]) -> list[ListedCase]:
-    """Those of the patients that are there, from the index; folders are opened of what has changed, and of fits that
-    have not ended, as their log says more than the index until then."""
+    """The patients that exist, from the index.
+
+    Folders are opened only of what has changed, and of fits that have not ended, as their log says more than the index
+    until then.
+    """
     behind = storage.index.catch_up(ids)
     found = []
     for row in storage.index.asked(lambda rows: questions.listed_cases(rows, ids)):
