@@ -21,7 +21,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.stances import PRONE, split_side
-from breastrig.fitting.body.hanging import hangs_by
+from breastrig.fitting.body.hanging import ptotic_shape_weight
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.propose import expected_places
 from breastrig.fitting.recipe import Recipe, load_recipe
@@ -90,7 +90,7 @@ def scores_of(posterior: Posterior, scene: Scene, true: ReferenceFit | None) -> 
     names, rng, scatter = tuple(scene.landmarks), np.random.default_rng(SEED), scatter_of(posterior)
 
     def score(kind: str, name: str, error: float, deviation: float) -> Score:
-        hangs = hangs_by(state, posterior.task.recipe, name) > 0.0
+        hangs = ptotic_shape_weight(state, posterior.task.recipe, name) > 0.0
         return Score(kind, split_side(name)[0], error / deviation, hangs, deviation, *scatter)
 
     deviations = np.sqrt(posterior.landmark_variances(names))

@@ -95,7 +95,11 @@ def test_a_score_is_the_error_over_the_standard_deviation(monkeypatch: pytest.Mo
         landmarks={"nipple_L": np.array([0.004, 0.0, 0.0])}, case=SimpleNamespace(stance="standing")
     )
     true: Any = SimpleNamespace(vertices=vertices + np.array([0.0, 0.006, 0.0]))
-    for name, value in (("scatter_of", NO_PICKS), ("hangs_by", 0.0), ("seen_vertices", np.array([True, True, False]))):
+    for name, value in (
+        ("scatter_of", NO_PICKS),
+        ("ptotic_shape_weight", 0.0),
+        ("seen_vertices", np.array([True, True, False])),
+    ):
         monkeypatch.setattr(radii_factors, name, lambda *_, value=value: value)
     monkeypatch.setattr(radii_factors, "expected_places", lambda *_: np.array([[0.004, 0.0, 0.01]]))
     for picked, ways in (

@@ -34,7 +34,7 @@ def hanging_weight(state: BodyState, recipe: Recipe, landmark: str) -> float:
     return max(float(np.mean([state.x.weights[names.index(shape)] for shape in shapes])), 0.0)
 
 
-def hangs_by(state: BodyState, recipe: Recipe, landmark: str) -> float:
+def ptotic_shape_weight(state: BodyState, recipe: Recipe, landmark: str) -> float:
     """The weight where the breast counts as hanging, as in hanging_shapes; 0 where it is less."""
     weight = hanging_weight(state, recipe, landmark)
     return weight if recipe.hanging is not None and weight > recipe.hanging.weight - recipe.hanging.sigma else 0.0

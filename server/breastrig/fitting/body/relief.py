@@ -10,7 +10,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.stances import PRONE, STANDING, split_side
 from breastrig.energies.landmarks import LandmarkObservation
-from breastrig.fitting.body.hanging import hangs_by, outwards
+from breastrig.fitting.body.hanging import outwards, ptotic_shape_weight
 from breastrig.fitting.task import FitTask
 from breastrig.geometry.normals import unit_vectors
 from breastrig.relief.limits import relief as relief_limits
@@ -68,7 +68,7 @@ def _tips(
             continue
         places = np.stack([tip.place, tip.edge, tip.front]) @ own.T
         if _shown(task, places[1:], rules.shown):
-            hangs = hangs_by(state, task.recipe, name) > 0.0
+            hangs = ptotic_shape_weight(state, task.recipe, name) > 0.0
             errors = np.array(rules.errors) * (rules.where_hanging if hangs else 1.0)
             seen[name] = LandmarkObservation(name, places[0], (own * errors**2) @ own.T, "form", reason=rules.reason)
     return seen

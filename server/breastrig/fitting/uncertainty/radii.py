@@ -7,7 +7,7 @@ import numpy as np
 from breastrig.core.arrays import Array, Booleans
 from breastrig.core.stances import split_side
 from breastrig.drawings.line_error import across
-from breastrig.fitting.body.hanging import hangs_by
+from breastrig.fitting.body.hanging import ptotic_shape_weight
 from breastrig.fitting.posterior import LeaveOneOut, Posterior
 from breastrig.fitting.uncertainty.calibration import NO_PICKS, Scatter, StanceFactors, calibration, factor_of
 from breastrig.rig.model import Rig
@@ -96,7 +96,7 @@ def skin_factors(posterior: Posterior, factors: StanceFactors, seen: Booleans) -
 def _of_hanging(posterior: Posterior, factors: StanceFactors, name: str) -> float:
     """The factor of a landmark's or region's radius where a breast hangs."""
     kind = factors.hanging.get(split_side(name)[0], 1.0)
-    return kind if kind != 1.0 and hangs_by(posterior.state, posterior.task.recipe, name) > 0.0 else 1.0
+    return kind if kind != 1.0 and ptotic_shape_weight(posterior.state, posterior.task.recipe, name) > 0.0 else 1.0
 
 
 def scatter_of(posterior: Posterior) -> Scatter:
