@@ -99,7 +99,7 @@ def test_files_that_could_not_be_removed_are_tried_again_from_time_to_time(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("damage", ["gone", "emptied"])
+@pytest.mark.parametrize("damage", ["gone", "elsewhere", "emptied"])
 def test_an_index_that_is_lost_under_a_running_service_is_made_again_and_no_case_is_missed(
     damage: str, client: FlaskClient, service: Service, torso: bytes
 ) -> None:
@@ -108,8 +108,16 @@ def test_an_index_that_is_lost_under_a_running_service_is_made_again_and_no_case
     assert file is not None
     if damage == "gone":
         file.unlink()
-    else:
+    elif damage == "elsewhere":
         file.rename(file.with_name("elsewhere"))
+    else:
+        other = file.with_name("empty")
+        other.touch()
+        other.rename(file)  # whoever has the old file open keeps it
     assert client.get(f"/api/scans/{scan}").status_code == 200
     assert client.get("/readyz").status_code == 200
-    assert client.get("/api/patients").status_code == 200
+    [patient] = client.get("/api/patients").json["patients"]
+    assert [one["id"] for one in patient["scans"]] == [scan]
+    remade = current(service.storage.root)
+    assert remade is not None
+    assert remade.stat().st_size > 0

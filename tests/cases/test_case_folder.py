@@ -5,7 +5,7 @@ import stat
 from pathlib import Path
 
 import pytest
-from helpers.cases import FACTS, new_case, new_scan
+from helpers.cases import FACTS, new_case, new_scan, say
 
 from breastrig.cases import layout
 from breastrig.cases.case_folder import COMING, CaseFolder
@@ -18,7 +18,6 @@ from breastrig.cases.of_scans import (
     get_ink,
     get_landmarks,
     get_proposals,
-    put_answers,
     put_cuts,
     put_ink,
     put_landmarks,
@@ -106,7 +105,7 @@ def test_landmarks_cuts_and_answers_are_replaced_by_who_has_seen_them(case: Case
     put_cuts(case, scan, cuts, "0")
     assert get_cuts(case, scan) == cuts
     assert get_answers(case, scan) == AnswersDocument()
-    put_answers(case, scan, AnswersDocument(side="L", visit="before"))
+    say(case, scan, side="L", visit="before")
     assert get_answers(case, scan).side == "L"
 
 

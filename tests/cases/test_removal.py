@@ -7,13 +7,13 @@ import sys
 from pathlib import Path
 
 import pytest
-from helpers.cases import new_case, new_fit, new_scan, note
+from helpers.cases import new_case, new_fit, new_scan, note, say
 
 from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder
 from breastrig.cases.fits import claimed
 from breastrig.cases.layout import new_id
-from breastrig.cases.of_scans import get_answers, put_answers, said_same
+from breastrig.cases.of_scans import get_answers, said_same
 from breastrig.cases.plans import get_plan, plan_versions, put_plan
 from breastrig.cases.removal import delete_case, delete_scan, finish, move_scan, sweep
 from breastrig.core.errors import Conflict, NeedsYes, NotFound
@@ -52,7 +52,7 @@ def test_scans_that_a_person_has_said_to_be_one_patients_stay_so_until_whose_the
     move_scan(other, three, case, again=True, same_as=[one])
     assert [said_same(case, each) for each in (one, two, three)] == [{three}, set(), {one}]
     move_scan(case, two, case, same_as=[one, one])
-    put_answers(case, one, get_answers(case, one).model_copy(update={"visit": "before"}))
+    say(case, one, visit="before")
     assert said_same(case, one) == {two, three}
     other = new_case(cases)
     move_scan(case, one, other)

@@ -9,6 +9,7 @@ from breastrig.cases.documents import FitDocument, LinkDocument, ScanDocument, c
 from breastrig.cases.fits import end_abandoned, fits_of_scan
 from breastrig.cases.layout import new_id
 from breastrig.cases.links import add_link
+from breastrig.cases.of_scans import get_answers
 from breastrig.cases.writing import put
 from breastrig.drawings.plan_schema import PlanNote
 
@@ -54,6 +55,12 @@ def new_link(case: CaseFolder) -> str:
     with case.incoming() as made:
         (made / "plan.json").write_text("seen through a link")
         return add_link(case, scan, fit.id, document, made)
+
+
+def say(case: CaseFolder, scan: str, **answers: object) -> None:
+    """Writes into answers.json what a person has said, beside what is there."""
+    said = get_answers(case, scan).model_copy(update=answers)
+    put(case.path, f"{layout.scan_part(scan)}/{layout.ANSWERS}", content_of(said))
 
 
 def note(scan: str, text: str = "a note", item: str = "") -> PlanNote:

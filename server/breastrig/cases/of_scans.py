@@ -122,11 +122,6 @@ def get_answers(case: CaseFolder, scan_id: str) -> AnswersDocument:
     return _get(case, scan_id, layout.ANSWERS, AnswersDocument) or AnswersDocument()
 
 
-def put_answers(case: CaseFolder, scan_id: str, answers: AnswersDocument, seen: str | None = None) -> str:
-    """Replaces the answers; returns the new ETag. Raises NotFound, Changed."""
-    return _put(case, scan_id, layout.ANSWERS, content_of(answers), seen)
-
-
 def said_same(case: CaseFolder, scan_id: str) -> set[str]:
     """Scans that a person has stated to be of the same patient as this one. Raises NotFound."""
     named = set(get_answers(case, scan_id).same_as)

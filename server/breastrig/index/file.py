@@ -133,8 +133,8 @@ def installation_of(rows: sqlite3.Connection) -> str | None:
 
 
 def is_damage(error: Exception) -> bool:
-    """Whether an error was caused by a damaged file."""
-    return error_name(error).startswith(DAMAGED)
+    """Whether an error was caused by a damaged file, or by one that has not our tables, such as an empty one."""
+    return error_name(error).startswith(DAMAGED) or str(error).startswith(("no such table", "no such column"))
 
 
 def is_full(error: Exception) -> bool:
