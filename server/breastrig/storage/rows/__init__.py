@@ -1,1 +1,1 @@
-"""Reading and writing the rows, one table a module."""
+"""Documents of cases as the service reads and writes them, found through the index; one kind a module."""
