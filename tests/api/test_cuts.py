@@ -9,8 +9,8 @@ from helpers.waiting import until
 from breastrig.api.routes.scans import cut_facts
 from breastrig.service.fits.fit_worker import fit_job
 from breastrig.service.service import Service
-from breastrig.storage.rows.fits import get_fit
-from breastrig.storage.rows.scans import ScanRow, get_scan
+from breastrig.storage.documents.fits import get_fit
+from breastrig.storage.documents.scans import ScanRow, get_scan
 
 PICTURE = [5.0, 0, 0, 0, 0, 5.0, 0, 0, 0, 0, -1.0, 0, 0, 0, 0, 1.0]
 CUT = {"to_picture": PICTURE, "lasso": [[0.1, -0.2], [0.4, -0.2], [0.25, 0.123456789012]]}

@@ -18,7 +18,7 @@ from breastrig.api.config import Config
 from breastrig.execution.limits import FitLimits
 from breastrig.gltf.pose_nodes import posed_by_nodes
 from breastrig.service.service import Service
-from breastrig.storage.rows.fits import NewFit, Once, fit_ids, get_fit
+from breastrig.storage.documents.fits import NewFit, Once, fit_ids, get_fit
 from breastrig.storage.storage import Storage
 
 pytestmark = pytest.mark.long

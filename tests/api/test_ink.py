@@ -10,7 +10,7 @@ from helpers.waiting import until
 
 from breastrig.service import scan_search as ink_search
 from breastrig.service.service import Service
-from breastrig.storage.rows.searches import get_ink, put_ink
+from breastrig.storage.documents.searches import get_ink, put_ink
 
 
 @pytest.fixture

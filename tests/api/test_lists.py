@@ -15,7 +15,7 @@ from helpers.waiting import ended
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.service.service import Service
-from breastrig.storage.rows.scans import add_scan, get_scan
+from breastrig.storage.documents.scans import add_scan, get_scan
 from breastrig.storage.storage import Storage
 
 

@@ -14,7 +14,7 @@ from PIL import Image
 
 from breastrig.core.identity import LETTERS
 from breastrig.service.service import Service
-from breastrig.storage.rows.patients import put_plan
+from breastrig.storage.documents.patients import put_plan
 
 LINE = {"kind": "line", "name": "incision", "closed": False, "color": "#b83280", "points": [[70.0, 350.0, 120.0]]}
 TUMOUR = {"kind": "tumour", "side": "L", "clock": 10.0, "distance_mm": 45.0, "radius_mm": 12.0, "depth_mm": 20.0}

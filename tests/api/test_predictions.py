@@ -22,9 +22,9 @@ from breastrig.execution.limits import FitLimits
 from breastrig.files.result import RESULT, Verdict, read_result
 from breastrig.service import kept_models
 from breastrig.service.service import Service
+from breastrig.storage.documents.fits import NewFit, add_fit
+from breastrig.storage.documents.scans import ScanRow, add_scan
 from breastrig.storage.files import fit_place
-from breastrig.storage.rows.fits import NewFit, add_fit
-from breastrig.storage.rows.scans import ScanRow, add_scan
 from breastrig.storage.storage import Storage, utc_now
 
 LESION = {"kind": "lesion", "id": "lump", "name": "lump", "radius_mm": 6.0}

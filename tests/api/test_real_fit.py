@@ -23,7 +23,7 @@ from breastrig.gltf.pose_nodes import posed_by_nodes
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.skinning import pose
 from breastrig.service.service import Service
-from breastrig.storage.rows.fits import get_fit
+from breastrig.storage.documents.fits import get_fit
 from breastrig.storage.storage import Storage
 
 pytestmark = pytest.mark.long

@@ -21,7 +21,7 @@ from breastrig.drawings.plan_schema import ITEMS, POINTS, TEXT
 from breastrig.execution.limits import FitLimits
 from breastrig.service.reports import TWO_PATIENTS
 from breastrig.service.service import Service
-from breastrig.storage.rows.fits import get_fit
+from breastrig.storage.documents.fits import get_fit
 from breastrig.storage.storage import Storage, utc_now
 from breastrig.workflow.jobs import ReportJob
 from breastrig.workflow.report import report_files, reported

@@ -17,7 +17,7 @@ from helpers.waiting import until
 
 from breastrig.api.config import Config
 from breastrig.service.service import Service
-from breastrig.storage.rows.scans import get_scan
+from breastrig.storage.documents.scans import get_scan
 
 pytestmark = pytest.mark.long
 

@@ -31,7 +31,7 @@ from breastrig.core.gltf_arrays import GltfArrays
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.scan.read import read_scan
 from breastrig.service.service import Service
-from breastrig.storage.rows.shares import note_wrong_passcode
+from breastrig.storage.documents.shares import note_wrong_passcode
 
 pytestmark = pytest.mark.long
 

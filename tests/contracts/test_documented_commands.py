@@ -23,8 +23,8 @@ from breastrig.cases.plans import put_plan
 from breastrig.cli.commands import COMMANDS, GROUP
 from breastrig.cli.main import main
 from breastrig.index.questions import LinkSecret, put_secret, secret_of_link
-from breastrig.storage.rows.fits import fits_page
-from breastrig.storage.rows.patients import get_plan, listed_page
+from breastrig.storage.documents.fits import fits_page
+from breastrig.storage.documents.patients import get_plan, listed_page
 from breastrig.storage.storage import Storage
 
 pytestmark = pytest.mark.long

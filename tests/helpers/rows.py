@@ -3,7 +3,7 @@
 from typing import Any
 
 from breastrig.cases.fits import claimed
-from breastrig.storage.rows.fits import NewFit, add_fit
+from breastrig.storage.documents.fits import NewFit, add_fit
 from breastrig.storage.storage import Storage
 
 

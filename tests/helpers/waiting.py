@@ -5,8 +5,8 @@ from collections.abc import Callable
 from itertools import chain
 
 from breastrig.service.service import Service
-from breastrig.storage.rows.events import StoredEvent
-from breastrig.storage.rows.fits import FitRow, NewFit, get_fit
+from breastrig.storage.documents.events import StoredEvent
+from breastrig.storage.documents.fits import FitRow, NewFit, get_fit
 
 PATIENCE_S = 120.0  # a busy machine; nothing waits that long when all is well
 

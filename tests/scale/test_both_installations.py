@@ -21,8 +21,8 @@ from helpers.waiting import ended, stored_events, until
 
 from breastrig.core.errors import BadSettings
 from breastrig.gltf.read_rig import default_rig_path
-from breastrig.storage.rows.events import events_after
-from breastrig.storage.rows.fits import get_fit
+from breastrig.storage.documents.events import events_after
+from breastrig.storage.documents.fits import get_fit
 from breastrig.storage.storage import Storage
 from breastrig.workflow.run_fit import run_fit
 

@@ -16,9 +16,9 @@ from breastrig.core.errors import NotFound
 from breastrig.service import sweep
 from breastrig.service.fits.queue import STARTS
 from breastrig.storage import deletion
-from breastrig.storage.rows import patients
-from breastrig.storage.rows.fits import fit_ids
-from breastrig.storage.rows.scans import get_scan, scan_ids
+from breastrig.storage.documents import patients
+from breastrig.storage.documents.fits import fit_ids
+from breastrig.storage.documents.scans import get_scan, scan_ids
 from breastrig.storage.storage import Storage
 
 

@@ -11,8 +11,8 @@ from helpers.waiting import PATIENCE_S, until
 from breastrig.core.errors import BreastRigError, FitFailed, NotFound
 from breastrig.execution.limits import UploadLimits
 from breastrig.service.scan_search import Proposals
-from breastrig.storage.rows.scans import get_scan
-from breastrig.storage.rows.searches import get_proposals
+from breastrig.storage.documents.scans import get_scan
+from breastrig.storage.documents.searches import get_proposals
 from breastrig.storage.storage import Storage
 
 pytestmark = pytest.mark.long

@@ -12,9 +12,9 @@ from breastrig.cases.fits import OTHER_MODEL, TOO_OFTEN, claimed
 from breastrig.core.errors import Conflict, NotFound
 from breastrig.service.fits import queue
 from breastrig.service.fits.fit_worker import UNSEEN, fit_job
-from breastrig.storage.rows.events import events_after
-from breastrig.storage.rows.fits import get_fit
-from breastrig.storage.rows.scans import get_scan
+from breastrig.storage.documents.events import events_after
+from breastrig.storage.documents.fits import get_fit
+from breastrig.storage.documents.scans import get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.events import event_json
 from breastrig.workflow.jobs import FitJob

@@ -17,9 +17,9 @@ from breastrig.index.index import Index
 from breastrig.service import sweep
 from breastrig.service.service import Service
 from breastrig.service.sweep import Retention, Sweep
-from breastrig.storage.rows.expiring_scans import aged_scans, announce
-from breastrig.storage.rows.patients import listed_page
-from breastrig.storage.rows.scans import ScanRow, add_scan, scan_ids
+from breastrig.storage.documents.expiring_scans import aged_scans, announce
+from breastrig.storage.documents.patients import listed_page
+from breastrig.storage.documents.scans import ScanRow, add_scan, scan_ids
 from breastrig.storage.storage import Storage, iso_utc
 
 FACTS = {"unit": "mm", "bounds_m": {"min": [0, 0, 0], "max": [1, 1, 1]}}

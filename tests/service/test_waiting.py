@@ -11,8 +11,8 @@ from breastrig.execution.limits import UploadLimits
 from breastrig.execution.pool import client_key
 from breastrig.service.events.feeds import Queued
 from breastrig.service.service import Service
-from breastrig.storage.rows.events import StoredEvent
-from breastrig.storage.rows.fits import NewFit, Once, get_fit, queue_positions
+from breastrig.storage.documents.events import StoredEvent
+from breastrig.storage.documents.fits import NewFit, Once, get_fit, queue_positions
 
 
 def ask(service: Service, scan_id: str, client: str | None = None, **more: object) -> str:

@@ -9,7 +9,7 @@ from helpers.waiting import ask_for_fit, ended, until
 
 from breastrig.core.assets import asset_folder
 from breastrig.service.service import Service
-from breastrig.storage.rows.scans import ScanRow
+from breastrig.storage.documents.scans import ScanRow
 
 pytestmark = pytest.mark.long
 

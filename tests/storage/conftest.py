@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from helpers.rows import add_waiting_fit, named
 
-from breastrig.storage.rows.scans import ScanRow, add_scan
+from breastrig.storage.documents.scans import ScanRow, add_scan
 from breastrig.storage.storage import Storage
 
 FACTS = {"unit": "mm", "bounds_m": {"min": [0, 0, 0], "max": [1, 1, 1]}}

@@ -16,9 +16,9 @@ from breastrig.core.picks import Picks
 from breastrig.index import questions
 from breastrig.index.questions import LinkSecret
 from breastrig.storage.deletion import delete_scan, finish_deletions, look, remove_left
-from breastrig.storage.rows.fits import fit_ids
-from breastrig.storage.rows.scans import get_landmarks, put_landmarks, scan_ids
-from breastrig.storage.rows.shares import end_snapshots, get_share
+from breastrig.storage.documents.fits import fit_ids
+from breastrig.storage.documents.scans import get_landmarks, put_landmarks, scan_ids
+from breastrig.storage.documents.shares import end_snapshots, get_share
 from breastrig.storage.storage import Storage, Unremoved
 
 LONG_AGO = "2026-01-01T00:00:00.000Z"

@@ -3,7 +3,7 @@
 from helpers.rows import add_waiting_fit, named
 
 from breastrig.cases.fits import claimed
-from breastrig.storage.rows.fits import NewFit, add_fit, newest_done
+from breastrig.storage.documents.fits import NewFit, add_fit, newest_done
 from breastrig.storage.storage import Storage
 
 

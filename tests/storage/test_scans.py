@@ -5,8 +5,8 @@ import pytest
 from breastrig.cases.writing import put
 from breastrig.core.errors import NotFound
 from breastrig.core.picks import Picks
+from breastrig.storage.documents.scans import ScanRow, get_landmarks, get_scan, picks_digest, put_landmarks
 from breastrig.storage.files import fit_place, scan_place
-from breastrig.storage.rows.scans import ScanRow, get_landmarks, get_scan, picks_digest, put_landmarks
 from breastrig.storage.storage import Storage
 
 

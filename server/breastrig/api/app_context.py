@@ -16,8 +16,8 @@ from breastrig.api.passcode_delays import PasscodeDelays
 from breastrig.api.served_model import ServedModel, serve_model
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.service import Service
+from breastrig.storage.documents.scans import are_kept
 from breastrig.storage.files import OpenedFile
-from breastrig.storage.rows.scans import are_kept
 
 KEY = "breastrig"
 

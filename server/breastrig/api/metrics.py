@@ -18,7 +18,7 @@ from prometheus_client.registry import Collector
 from breastrig.api.request_log import BEGAN, route_of_request
 from breastrig.service.service import Service
 from breastrig.storage.deletion import count_left
-from breastrig.storage.rows.fits import STATES, count_by_state
+from breastrig.storage.documents.fits import STATES, count_by_state
 
 BUCKETS_S = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)  # answers take milliseconds, uploads and proposals seconds
 FIT_BUCKETS_S = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 120.0)  # a fit takes about a second, 120 s is its limit

@@ -10,7 +10,7 @@ from breastrig.core.picks import Picks
 from breastrig.core.units import METRES_PER_UNIT, distance_text
 from breastrig.scan.landmarks.landmark_files import REACH, checked_certain, landmarks_of_file
 from breastrig.scan.landmarks.names import by_known_names, known_name
-from breastrig.storage.rows.scans import ScanRow
+from breastrig.storage.documents.scans import ScanRow
 
 REACH_M = 0.05  # beyond the scan's bounds: over a hole at the rim, under a hand that drags; further out is another scan
 

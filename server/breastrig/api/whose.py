@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from breastrig.api.app_context import app_context
-from breastrig.storage.rows.patients import get_patient, scans_of_patient
-from breastrig.storage.rows.scans import get_scans
+from breastrig.storage.documents.patients import get_patient, scans_of_patient
+from breastrig.storage.documents.scans import get_scans
 from breastrig.workflow.folder.whose import asked_about
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 from breastrig.core.errors import BreastRigError, FitFailed
-from breastrig.storage.rows.fits import get_fit
+from breastrig.storage.documents.fits import get_fit
 from breastrig.storage.storage import Storage
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EIO)

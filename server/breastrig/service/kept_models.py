@@ -19,10 +19,10 @@ from breastrig.core.model_choice import FACT, model_choice
 from breastrig.core.scratch import scratch_folder
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
+from breastrig.storage.documents.events import event_of_kind
+from breastrig.storage.documents.fits import get_fit
+from breastrig.storage.documents.scans import get_scan
 from breastrig.storage.files import MODELS
-from breastrig.storage.rows.events import event_of_kind
-from breastrig.storage.rows.fits import get_fit
-from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
 
 LONG_AGO = (1980, 1, 1, 0, 0, 0)  # of all entries, so that the same files are the same bytes

@@ -16,10 +16,10 @@ from breastrig.execution.pool import Lane
 from breastrig.service.failed_tasks import explained
 from breastrig.service.fits.fit_worker import earlier_fit, fit_job
 from breastrig.service.kept_models import KeptModels
+from breastrig.storage.documents.events import event_of_kind
+from breastrig.storage.documents.fits import FitRow, get_fit
+from breastrig.storage.documents.scans import get_scan
 from breastrig.storage.files import fit_place, scan_place
-from breastrig.storage.rows.events import event_of_kind
-from breastrig.storage.rows.fits import FitRow, get_fit
-from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.events import Done
 from breastrig.workflow.jobs import FollowJob, LengthsQuestion, LiveQuestion

@@ -15,10 +15,17 @@ from breastrig.execution.pool import Lane
 from breastrig.service.failed_tasks import explained
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.remembered import Remembered
+from breastrig.storage.documents.fits import FitRow, get_fit, newest_done
+from breastrig.storage.documents.patients import (
+    PlanRow,
+    get_patient,
+    get_plan,
+    patient_of_scan,
+    said_same,
+    scans_of_patient,
+)
+from breastrig.storage.documents.scans import get_scan
 from breastrig.storage.files import fit_place
-from breastrig.storage.rows.fits import FitRow, get_fit, newest_done
-from breastrig.storage.rows.patients import PlanRow, get_patient, get_plan, patient_of_scan, said_same, scans_of_patient
-from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.jobs import PlanJob, PlannedFit
 from breastrig.workflow.tasks import plan_on_fit

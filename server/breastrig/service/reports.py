@@ -15,10 +15,10 @@ from breastrig.service.failed_tasks import explained
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.plans import Plans
 from breastrig.service.remembered import Remembered
+from breastrig.storage.documents.fits import FitRow, get_fit, shown_cuts
+from breastrig.storage.documents.patients import PatientRow, get_patient, get_plan, patient_of_scan, said_same
+from breastrig.storage.documents.scans import Cuts, cuts_digest, get_scan
 from breastrig.storage.files import fit_place
-from breastrig.storage.rows.fits import FitRow, get_fit, shown_cuts
-from breastrig.storage.rows.patients import PatientRow, get_patient, get_plan, patient_of_scan, said_same
-from breastrig.storage.rows.scans import Cuts, cuts_digest, get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.jobs import ReportJob
 from breastrig.workflow.tasks import measures_json_of, report_pdf_of, volume_vtu_of

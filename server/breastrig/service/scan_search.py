@@ -26,9 +26,9 @@ from breastrig.execution.executor import Executor
 from breastrig.scan.hand_cuts import are_cut
 from breastrig.scan.piece import COLOURLESS
 from breastrig.service.failed_tasks import FULL
+from breastrig.storage.documents.scans import ScanRow, cuts_digest, get_cuts, get_landmarks, get_scan
+from breastrig.storage.documents.searches import drop_ink, get_ink, get_proposals, put_ink, put_proposals
 from breastrig.storage.files import scan_place, upload_name
-from breastrig.storage.rows.scans import ScanRow, cuts_digest, get_cuts, get_landmarks, get_scan
-from breastrig.storage.rows.searches import drop_ink, get_ink, get_proposals, put_ink, put_proposals
 from breastrig.storage.storage import Storage
 from breastrig.workflow.jobs import InkJob, ProposeJob
 from breastrig.workflow.tasks import find_ink_on_file, keeping

@@ -46,12 +46,12 @@ from breastrig.service.skin_checks import SkinChecks
 from breastrig.service.sweep import KEEP_DAYS, Sweep
 from breastrig.service.task_modules import TASK_MODULES
 from breastrig.storage.deletion import delete_empty_case, delete_scan, finish_deletions
+from breastrig.storage.documents import scans as scan_rows
+from breastrig.storage.documents.fits import FitRow, NewFit, Once, add_fit, fits_of_scan, get_fit, made_before
+from breastrig.storage.documents.patients import get_patient, put_items_of_scan, said_same, scans_of_patient
+from breastrig.storage.documents.scans import ScanRow
 from breastrig.storage.files import MESH, THUMBNAIL, fit_place, scan_place, upload_name
 from breastrig.storage.folders import new_id
-from breastrig.storage.rows import scans as scan_rows
-from breastrig.storage.rows.fits import FitRow, NewFit, Once, add_fit, fits_of_scan, get_fit, made_before
-from breastrig.storage.rows.patients import get_patient, put_items_of_scan, said_same, scans_of_patient
-from breastrig.storage.rows.scans import ScanRow
 from breastrig.storage.storage import Storage, Unremoved, utc_now
 from breastrig.workflow.jobs import TransferJob, UploadJob
 from breastrig.workflow.tasks import keeping, propose_on_file, read_upload, run_fit, run_prediction, transfer

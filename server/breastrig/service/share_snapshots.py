@@ -17,11 +17,18 @@ from breastrig.service.failed_tasks import explained
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.plans import Plans
 from breastrig.service.reports import Reports
+from breastrig.storage.documents.fits import FitRow, get_fit, shown_cuts
+from breastrig.storage.documents.scans import get_scan
+from breastrig.storage.documents.shares import (
+    ShareRow,
+    add_share,
+    end_snapshots,
+    get_share,
+    replace_snapshot,
+    revoke_share,
+)
 from breastrig.storage.files import fit_place, scan_place, share_place, upload_name
 from breastrig.storage.folders import new_id
-from breastrig.storage.rows.fits import FitRow, get_fit, shown_cuts
-from breastrig.storage.rows.scans import get_scan
-from breastrig.storage.rows.shares import ShareRow, add_share, end_snapshots, get_share, replace_snapshot, revoke_share
 from breastrig.storage.storage import Storage, utc_now
 from breastrig.workflow.jobs import SnapshotJob
 from breastrig.workflow.tasks import write_snapshot

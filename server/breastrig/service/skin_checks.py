@@ -9,9 +9,9 @@ from typing import Any
 from breastrig.core.errors import NotFound
 from breastrig.execution.pool import Lane
 from breastrig.service.failed_tasks import explained
+from breastrig.storage.documents.patients import get_plan, patient_of_scan
+from breastrig.storage.documents.scans import ScanRow, get_scan
 from breastrig.storage.files import scan_place, upload_name
-from breastrig.storage.rows.patients import get_plan, patient_of_scan
-from breastrig.storage.rows.scans import ScanRow, get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.jobs import SkinJob
 from breastrig.workflow.tasks import check_lines_on_skin

@@ -18,7 +18,7 @@ from datetime import datetime, timedelta
 from breastrig.core import wall_clock
 from breastrig.core.errors import NotRemoved
 from breastrig.storage.deletion import look, remove_left
-from breastrig.storage.rows.expiring_scans import AgedScan, aged_scans, announce, withdraw
+from breastrig.storage.documents.expiring_scans import AgedScan, aged_scans, announce, withdraw
 from breastrig.storage.storage import Storage, iso_utc
 
 KEEP_DAYS = 30

@@ -10,8 +10,8 @@ from helpers.waiting import PATIENCE_S, ask_for_fit, stored_events, until
 from breastrig.service.events import feeds
 from breastrig.service.events.feeds import LOOK_EVERY_S, Heartbeat, Listener, Notifier, Queued, follow
 from breastrig.storage.deletion import delete_scan
-from breastrig.storage.rows.events import StoredEvent, events_after
-from breastrig.storage.rows.fits import note_start
+from breastrig.storage.documents.events import StoredEvent, events_after
+from breastrig.storage.documents.fits import note_start
 from breastrig.storage.storage import Storage
 
 

@@ -18,7 +18,7 @@ from flask import Response, request
 from itsdangerous import BadData, URLSafeTimedSerializer
 
 from breastrig.core import wall_clock
-from breastrig.storage.rows.ended_sessions import add_ended_session, has_ended
+from breastrig.storage.documents.ended_sessions import add_ended_session, has_ended
 from breastrig.storage.storage import Storage, iso_utc
 
 COOKIE = "breastrig_session"

@@ -9,8 +9,8 @@ from breastrig.api.whose import check_whose
 from breastrig.api.wire.patients import SamePatient
 from breastrig.drawings.drawing_schema import OwnDrawing
 from breastrig.drawings.plan_schema import line_item
-from breastrig.storage.rows.patients import get_plan, patient_of_scan, put_items_of_scan
-from breastrig.storage.rows.scans import get_scan
+from breastrig.storage.documents.patients import get_plan, patient_of_scan, put_items_of_scan
+from breastrig.storage.documents.scans import get_scan
 
 drawings = APIBlueprint("drawings", __name__, url_prefix="/api/scans", tag=TAG)
 

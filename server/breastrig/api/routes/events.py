@@ -17,8 +17,8 @@ from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.web_server import GONE
 from breastrig.api.wire import common as wire
 from breastrig.service.events.feeds import Heartbeat, Queued, StreamItem
-from breastrig.storage.rows.events import events_after
-from breastrig.storage.rows.fits import get_fit
+from breastrig.storage.documents.events import events_after
+from breastrig.storage.documents.fits import get_fit
 
 events = APIBlueprint("events", __name__, url_prefix="/api/fits", tag=FITS_TAG)
 

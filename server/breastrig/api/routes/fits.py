@@ -18,9 +18,9 @@ from breastrig.core.errors import BadSettings, Conflict, NotFound, unknown_name
 from breastrig.core.picks import Picks
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.fitting.recipe import preset_names
-from breastrig.storage.rows.events import event_of_kind
-from breastrig.storage.rows.fits import FitRow, NewFit, Once, fits_page, get_fit, queue_positions
-from breastrig.storage.rows.scans import ScanRow, cuts_digest, get_cuts, get_landmarks, get_scan
+from breastrig.storage.documents.events import event_of_kind
+from breastrig.storage.documents.fits import FitRow, NewFit, Once, fits_page, get_fit, queue_positions
+from breastrig.storage.documents.scans import ScanRow, cuts_digest, get_cuts, get_landmarks, get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.events import Iterated
 

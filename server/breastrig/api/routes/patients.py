@@ -22,7 +22,7 @@ from breastrig.drawings.plan_schema import Plan, PlanLesion, PlanLine, PlanNote,
 from breastrig.index.questions import ListedCase, ListedScan
 from breastrig.report.pages.printable import check_printable, checked_code
 from breastrig.service.skin_checks import shapes_of
-from breastrig.storage.rows.patients import (
+from breastrig.storage.documents.patients import (
     PlanRow,
     get_patient,
     get_plan,
@@ -33,7 +33,7 @@ from breastrig.storage.rows.patients import (
     rename_patient,
     scans_of_patient,
 )
-from breastrig.storage.rows.scans import get_scans
+from breastrig.storage.documents.scans import get_scans
 from breastrig.storage.storage import iso_utc
 from breastrig.workflow.lines.plan_words import texts_of
 

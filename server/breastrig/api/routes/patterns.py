@@ -7,8 +7,8 @@ from breastrig.api.place_checks import check_near_scan
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.wire import patterns as wire
 from breastrig.drawings.patterns import pattern_of
-from breastrig.storage.rows.fits import get_fit
-from breastrig.storage.rows.scans import get_scan
+from breastrig.storage.documents.fits import get_fit
+from breastrig.storage.documents.scans import get_scan
 from breastrig.workflow.jobs import LengthsQuestion, LiveQuestion
 
 patterns = APIBlueprint("patterns", __name__, url_prefix="/api/fits", tag=FITS_TAG)

@@ -9,7 +9,7 @@ from breastrig.api.app_context import app_context
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.wire import files as wire_files
 from breastrig.core.errors import BadSettings, Conflict
-from breastrig.storage.rows.fits import get_fit
+from breastrig.storage.documents.fits import get_fit
 
 reports = APIBlueprint("reports", __name__, url_prefix="/api/fits", tag=FITS_TAG)
 

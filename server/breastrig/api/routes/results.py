@@ -17,8 +17,8 @@ from breastrig.core.errors import Conflict, NotFound
 from breastrig.drawings.drawing_schema import DrawingFile
 from breastrig.files.result import FIT_FILES, ResultFile
 from breastrig.service.kept_models import LONG_AGO
+from breastrig.storage.documents.fits import FitRow, get_fit
 from breastrig.storage.files import OpenedFile, fit_place
-from breastrig.storage.rows.fits import FitRow, get_fit
 
 results = APIBlueprint("results", __name__, url_prefix="/api/fits", tag=FITS_TAG)
 

@@ -20,9 +20,8 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.scan.file_type import ENDINGS, UNKNOWN
 from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES
 from breastrig.scan.volumes.answers import checked_answers, segments_of_json
-from breastrig.storage.files import MESH, THUMBNAIL, scan_place
-from breastrig.storage.rows.patients import PatientRow, patients_of_scans
-from breastrig.storage.rows.scans import (
+from breastrig.storage.documents.patients import PatientRow, patients_of_scans
+from breastrig.storage.documents.scans import (
     Cuts,
     ScanRow,
     cuts_digest,
@@ -34,6 +33,7 @@ from breastrig.storage.rows.scans import (
     put_landmarks,
     scans_page,
 )
+from breastrig.storage.files import MESH, THUMBNAIL, scan_place
 
 TAG = {"name": "scans", "description": "Upload a scan, pick landmarks on it, delete it with everything made of it."}
 

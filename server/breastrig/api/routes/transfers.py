@@ -6,8 +6,8 @@ from breastrig.api.app_context import app_context
 from breastrig.api.whose import check_whose
 from breastrig.api.wire import transfers as wire_transfers
 from breastrig.core.errors import Conflict
-from breastrig.storage.rows.fits import get_fit
-from breastrig.storage.rows.patients import patient_of_scan
+from breastrig.storage.documents.fits import get_fit
+from breastrig.storage.documents.patients import patient_of_scan
 
 transfers = APIBlueprint(
     "transfers",

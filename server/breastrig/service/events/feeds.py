@@ -16,8 +16,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from breastrig.core.errors import NotFound
-from breastrig.storage.rows.events import StoredEvent, events_after, log_of
-from breastrig.storage.rows.fits import get_fit, queue_positions
+from breastrig.storage.documents.events import StoredEvent, events_after, log_of
+from breastrig.storage.documents.fits import get_fit, queue_positions
 from breastrig.storage.storage import Storage
 from breastrig.workflow.events import LAST_KINDS
 

@@ -20,10 +20,10 @@ from breastrig.cases.fits import Claim, claimed
 from breastrig.core.errors import BadSettings, BreastRigError, NotFound
 from breastrig.core.model_choice import ModelChoice
 from breastrig.core.stances import Stance
+from breastrig.storage.documents.events import event_of_kind
+from breastrig.storage.documents.fits import FitRow, get_fit
+from breastrig.storage.documents.scans import ScanRow, get_scan
 from breastrig.storage.files import fit_place, scan_place, upload_name
-from breastrig.storage.rows.events import event_of_kind
-from breastrig.storage.rows.fits import FitRow, get_fit
-from breastrig.storage.rows.scans import ScanRow, get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.cases.case_work import put_files
 from breastrig.workflow.events import Event, Failed, event_json

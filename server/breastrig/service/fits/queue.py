@@ -23,7 +23,15 @@ from breastrig.execution.limits import FitLimits
 from breastrig.index.questions import note_state
 from breastrig.service.failed_tasks import FULL
 from breastrig.service.fits.fit_worker import UNWRITTEN, Runners, execute_fit
-from breastrig.storage.rows.fits import FitRow, fits_in_state, get_fit, next_queued, note_start, put_back, still_queued
+from breastrig.storage.documents.fits import (
+    FitRow,
+    fits_in_state,
+    get_fit,
+    next_queued,
+    note_start,
+    put_back,
+    still_queued,
+)
 from breastrig.storage.storage import Storage
 from breastrig.workflow.events import Cancelled, Event, Failed, event_json
 from breastrig.workflow.tasks import keeping

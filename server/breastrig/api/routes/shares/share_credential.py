@@ -31,7 +31,7 @@ from breastrig.api.app_context import app_context
 from breastrig.api.errors import refuse
 from breastrig.api.share_limits import COOKIES, VISIT_S, WRONG_PASSCODES
 from breastrig.api.trusted_proxy import client_of
-from breastrig.storage.rows.shares import (
+from breastrig.storage.documents.shares import (
     ShareRow,
     add_opening,
     end_visit,

@@ -27,8 +27,8 @@ from breastrig.core.assets import asset_folder
 from breastrig.core.errors import NotFound
 from breastrig.drawings.drawing_schema import DrawingFile
 from breastrig.files.result import ResultFile
+from breastrig.storage.documents.shares import ShareRow
 from breastrig.storage.files import OpenedFile, share_place
-from breastrig.storage.rows.shares import ShareRow
 
 shared = APIBlueprint("shared", __name__, url_prefix="/api/shared", tag=SHARES_TAG)
 share_page = APIBlueprint("share_page", __name__, template_folder="templates", enable_openapi=False)

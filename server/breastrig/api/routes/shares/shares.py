@@ -10,15 +10,15 @@ from breastrig.api.routes.shares.share_credential import new_token, token_sha256
 from breastrig.api.share_limits import WRONG_PASSCODES
 from breastrig.api.wire import common as wire
 from breastrig.api.wire import shares as wire_shares
-from breastrig.storage.folders import new_id
-from breastrig.storage.rows.fits import get_fit
-from breastrig.storage.rows.shares import (
+from breastrig.storage.documents.fits import get_fit
+from breastrig.storage.documents.shares import (
     ShareRow,
     get_share,
     openings_of,
     shares_page,
     unlock_share,
 )
+from breastrig.storage.folders import new_id
 from breastrig.storage.storage import iso_utc, utc_now
 
 SHARES_TAG = {"name": "shares", "description": "Show one result to somebody: read-only links that end."}

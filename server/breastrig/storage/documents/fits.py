@@ -18,8 +18,8 @@ from breastrig.cases.writing import put
 from breastrig.core.errors import BadInput, Conflict, NotFound
 from breastrig.core.picks import Points
 from breastrig.index import questions
+from breastrig.storage.documents.scans import Cuts, cuts_digest, get_cuts
 from breastrig.storage.files import fit_place
-from breastrig.storage.rows.scans import Cuts, cuts_digest, get_cuts
 from breastrig.storage.storage import Storage
 
 
