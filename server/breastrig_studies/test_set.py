@@ -24,7 +24,7 @@ with one landmark 30 mm off, or of scans 1.25 times too large without a question
 *stance*: right, and how many others are said to be unclear.  *mm*: landmarks, all and none given.
 
 """
-ASKED = "Her trunk is"  # begins a question about the patient's size
+ASKED = "The trunk is"  # begins a question about the patient's size
 COLUMNS = (
     "date",
     "commit",

@@ -75,7 +75,7 @@ def test_where_the_signs_say_little_it_is_said_and_asked(monkeypatch: pytest.Mon
         answer, _ = found(scan_without_table(EXAMPLE / stance))
         assert answer.stance == stance
         assert answer.reason.startswith("Without a table it is not clear:")
-        assert answer.reason.endswith(f". If she {asked}, say that she {asked}.")
+        assert answer.reason.endswith(f". If the patient {asked}, say so.")
 
 
 def test_a_table_needs_no_fit() -> None:
@@ -116,14 +116,14 @@ def test_a_wall_close_behind_a_standing_body_is_no_table(behind: float) -> None:
     assert ready.frame.stance == "supine"  # as the plane alone has it
     answer = scan_orientation(read_rig(default_rig_path()), ready, load_recipe("default"))[0]
     assert answer.stance == "standing"
-    assert "a wall. If it is a table, say that she lies." in answer.stance_reason
+    assert "a wall. If it is a table, say that the patient lies." in answer.stance_reason
 
 
 def test_a_table_that_a_scanner_sees_upright_is_a_table() -> None:
     ready = prepared(before_a_plane("supine", 0.0), "auto")
     answer = scan_orientation(read_rig(default_rig_path()), ready, load_recipe("default"))[0]
     assert answer.stance == "supine"
-    assert "a table. If it is a wall, say that she stands." in answer.stance_reason
+    assert "a table. If it is a wall, say that the patient stands." in answer.stance_reason
 
 
 @pytest.mark.parametrize("turn", [np.eye(3), exp_so3(np.array([0.3, -1.1, 0.7]))])

@@ -146,7 +146,7 @@ def test_a_refusal_speaks_of_the_unit_only_where_the_size_is_unusual() -> None:
 
 
 def test_an_unusual_size_is_asked_about_and_only_an_unlikely_one_is_to_be_checked() -> None:
-    tall = Reason("Her trunk is 14 % larger", ("measure her",), note=True)
+    tall = Reason("The trunk is 14 % larger", ("measure her",), note=True)
     assert verdict(RIGHT, Status.CONVERGED, LIMITS, ALL, asked=(tall,)) == Verdict("good", (str(tall),))
     assert verdict(RIGHT, Status.CONVERGED, LIMITS, ALL, asked=(replace(tall, note=False),)).level == "check"
 

@@ -104,7 +104,7 @@ def test_with_stance_auto_the_fit_that_shows_the_stance_is_the_fit(
     assert calls["fits"] == 1
     asked = events_of(bare["standing"], tmp_path / "asked", picks, stance="standing")
     assert auto[0].stance == "standing"
-    assert "looks like a standing patient" in auto[0].stance_reason
+    assert "the patient seems to stand" in auto[0].stance_reason
     assert [each.nodes for each in auto[1:-1]] == [each.nodes for each in asked[1:-1]]
     names = ("surface_distance_mm", "landmark_distance_mm", "parameters", "iterations", "stop_reason")
     assert [auto[-1].result.document()[name] for name in names] == [asked[-1].result.document()[name] for name in names]

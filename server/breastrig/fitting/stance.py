@@ -18,8 +18,14 @@ from breastrig.rig.similarity import body_axes
 from breastrig.rig.skinning import pose
 from breastrig.scan.orient import Frame
 
-WALL = "An upright plane is close behind her, but she stands: a wall. If it is a table, say that she lies."
-TABLE = "An upright plane is close behind her, and she lies: a table. If it is a wall, say that she stands."
+WALL = (
+    "An upright plane is close behind, and the patient seems to stand: a wall. "
+    "If it is a table, say that the patient lies."
+)
+TABLE = (
+    "An upright plane is close behind, and the patient seems to lie: a table. "
+    "If it is a wall, say that the patient stands."
+)
 
 
 def may_be_wall(task: FitTask, frame: Frame) -> bool:
@@ -30,12 +36,18 @@ def may_be_wall(task: FitTask, frame: Frame) -> bool:
     return bool(np.linalg.norm(np.cross(frame.table[0], SCANNERS_UP)) > UPRIGHT and up @ SCANNERS_UP > UPRIGHT)
 
 
-LIES = "There is no table in the scan, but she looks like a lying patient."
-STANDS = "There is no table in the scan, and she looks like a standing patient."
-MAY_LIE = "Without a table it is not clear: she seems to lie. If she stands, say that she stands."
-MAY_STAND = "Without a table it is not clear: she seems to stand. If she lies, say that she lies."
-MAY_HANG = "Only a chest's front is seen, and its breasts may hang to the front: prone. If not, say how she is scanned."
-HANGS = "Only the front of a chest is seen, and its breasts hang to the front: prone. If not, say how she is scanned."
+LIES = "There is no table in the scan, but the patient seems to lie."
+STANDS = "There is no table in the scan, and the patient seems to stand."
+MAY_LIE = "Without a table it is not clear: the patient seems to lie. If the patient stands, say so."
+MAY_STAND = "Without a table it is not clear: the patient seems to stand. If the patient lies, say so."
+MAY_HANG = (
+    "Only a chest's front is seen, and its breasts may hang to the front: prone. "
+    "If not, say how the patient was scanned."
+)
+HANGS = (
+    "Only the front of a chest is seen, and its breasts hang to the front: prone. "
+    "If not, say how the patient was scanned."
+)
 UNCLEAR = (MAY_LIE, MAY_STAND, MAY_HANG)
 REASONS = {STANDING: (MAY_STAND, STANDS), SUPINE: (MAY_LIE, LIES), PRONE: (MAY_HANG, HANGS)}  # unsure, sure
 

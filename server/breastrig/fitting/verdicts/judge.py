@@ -17,7 +17,7 @@ from breastrig.rig.near_breasts import near_breasts
 from breastrig.rig.stance_priors import in_stance
 from breastrig.scan.piece import BallInside
 
-UNCLEAR_STANCE = Reason("The scan does not show clearly whether she stands or lies", ("say which it is",))
+UNCLEAR_STANCE = Reason("The scan does not show clearly whether the patient stands or lies", ("say which it is",))
 CONTRADICTED = Reason(
     "The body looks turned another way round than the file says", ("check left, head and front in the file",)
 )
