@@ -86,7 +86,10 @@ OTHER_STANCE = "How far off a fit of a {} body may be has not been measured"
 LOOK_CLOSELY = "look at it closely"
 FAR = "With what is far from the breasts: "
 SIZE = "The trunk is {:.0f} % {} than most women's: the patient may be {}, or the scan without a true scale"
-MEASURE = "measure on the patient the straight way from {} to {}, {:.0f} cm in this scan, and scale the scan where that is wrong"
+MEASURE = (
+    "measure on the patient the straight way from {} to {}, {:.0f} cm in this scan, "
+    "and scale the scan where that is wrong"
+)
 ADVICE = {
     "compare": "compare model and scan",
     "scan": "check what the scan shows",
