@@ -31,8 +31,6 @@ NEEDED = {
     "breastrig/fitting/presets/default.toml",
     "breastrig/fitting/presets/paper.toml",
     "breastrig/api/openapi.json",
-    "breastrig/storage/migrations/env.py",
-    "breastrig/storage/migrations/versions/r0001_baseline.py",
     "breastrig/py.typed",
 }
 
