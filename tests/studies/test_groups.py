@@ -113,6 +113,7 @@ def of_radii(folder: Path, rig: Rig, read: Read, patch: pytest.MonkeyPatch) -> N
 
     patch.setattr(radii_factors, "scores_of_scan", read.scores)
     patch.setattr(radii_factors, "factors", factors)
+    patch.setattr(radii_factors, "FEW", 1)  # the development half is large enough
     try:
         radii_factors.main([str(folder)], write=True)
     finally:

@@ -160,6 +160,6 @@ def test_other_endings_and_a_missing_extra_are_sentences(
 def test_unsound_tetrahedra_are_said(
     fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("breastrig.volume.tetrahedra.sound", lambda points, *_: -points)
+    monkeypatch.setattr("breastrig.volume.tetrahedra.untangle", lambda points, *_: -points)
     assert main(["volume", str(fits / "standing"), "-o", str(tmp_path / "torso.feb")]) == 3
     assert re.search(r"(\d+) tetrahedra .* \(\1 are inverted\), for the fitted skin is folded", capsys.readouterr().err)
