@@ -163,3 +163,13 @@ def test_a_half_of_few_women_does_not_speak_for_others() -> None:
     assert {woman for woman, at, _ in found if at == "standing"} == {f"{DEVELOPMENT} {k}" for k in range(20)}
     assert len({woman for woman, at, _ in found if at == "prone"}) == 20
     assert len({woman for woman, at, _ in found if at == "supine"}) == 20
+
+
+def test_only_a_stance_of_few_development_patients_is_joined_by_the_validation_half() -> None:
+    def known(half: str, stance: str, patients: int) -> Known:
+        return [(f"{half} {k}", stance, SimpleNamespace()) for k in range(patients)]  # type: ignore[misc]
+
+    many, few = known("a", "standing", radii_factors.FEW), known("a", "prone", radii_factors.FEW - 1)
+    others = known("b", "standing", 3), known("b", "prone", 3)
+    halves = {DEVELOPMENT: many + few, VALIDATION: others[0] + others[1]}
+    assert radii_factors.enough(halves) == many + few + others[1]
