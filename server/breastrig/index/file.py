@@ -83,10 +83,15 @@ def _remove(files: Iterable[Path]) -> None:
         each.unlink(missing_ok=True)
 
 
+def opened(file: Path) -> sqlite3.Connection:
+    """A connection with explicit transactions that takes the file as it is. Raises sqlite3.Error."""
+    address = f"{file.absolute().as_uri()}?mode=rw"
+    return sqlite3.connect(address, uri=True, timeout=BUSY_S, isolation_level=None, check_same_thread=False)
+
+
 def connected(file: Path) -> sqlite3.Connection:
     """A connection with explicit transactions. Raises sqlite3.Error."""
-    address = f"{file.absolute().as_uri()}?mode=rw"
-    rows = sqlite3.connect(address, uri=True, timeout=BUSY_S, isolation_level=None, check_same_thread=False)
+    rows = opened(file)
     try:
         for pragma in PRAGMAS:
             rows.execute(f"PRAGMA {pragma}")

@@ -34,10 +34,7 @@ class Readiness:
 
     def _look(self) -> list[str]:
         found = []
-        try:
-            with self._storage.index.writing() as rows:
-                rows.execute("DELETE FROM meta WHERE key = 'asked'")
-        except (sqlite3.Error, OSError):
+        if not (self._writes() or self._writes()):  # who first writes into a damaged file makes it again
             found.append("The index cannot be written.")
         if not self._storage.has_files():
             found.append("The files cannot be reached.")
@@ -47,3 +44,11 @@ class Readiness:
             f"The processes that {name} do not answer." for name, pool in self._pools.items() if not pool.answer(WAIT_S)
         ]
         return found
+
+    def _writes(self) -> bool:
+        try:
+            with self._storage.index.writing() as rows:
+                rows.execute("DELETE FROM meta WHERE key = 'asked'")
+        except (sqlite3.Error, OSError):
+            return False
+        return True
