@@ -253,9 +253,7 @@ class Index:
                 if not any(self._stamps()):
                     return True  # a new data folder, where nothing was ended yet
                 raise sqlite3.DatabaseError("there is none")
-            with closing(
-                files.opened(before)
-            ) as old:  # an empty file could not be made one with a log while others have it
+            with closing(files.opened(before)) as old:  # as it is: others may hold it
                 if files.installation_of(old) != self._installation():
                     raise sqlite3.DatabaseError("it is of another data folder")
                 copied = {table: _content(old, table) for table in ONLY_HERE}
