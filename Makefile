@@ -80,7 +80,7 @@ browser: page web-packages $(VENV)/.stamp-test
 fuzz: $(VENV)/.stamp-test
 	OPENBLAS_NUM_THREADS=1 BREASTRIG_FUZZ="$${FUZZ:-20}" PYTHONPATH=tests "$(VENV)/bin/python" -m pytest -q -p helpers.fuzz_table \
 	    tests/scan/test_fuzz.py tests/scan/test_fuzz_inside.py tests/scan/test_fuzz_glb.py tests/scan/test_fuzz_places.py \
-	    tests/gltf/test_fuzz_rig.py tests/workflow/test_fuzz_bodies.py tests/api/test_fuzz_http.py tests/fitting/test_robustness.py
+	    tests/gltf/test_fuzz_rig.py tests/use/test_fuzz_bodies.py tests/api/test_fuzz_http.py tests/fitting/test_robustness.py
 
 faults: $(VENV)/.stamp-test
 	OPENBLAS_NUM_THREADS=1 BREASTRIG_KILLS="$${KILLS:-20}" BREASTRIG_FAULT_TABLE=1 "$(VENV)/bin/python" -m pytest -q tests/faults

@@ -7,7 +7,7 @@
     fit.vertices, fit.distances, fit.drawing.lines       # in the scan's unit and frame
     fit.save("out")                                      # what `breastrig fit -o out` writes
 
-The names below come from `breastrig.interface` and `breastrig.core.errors`, and are loaded when they are first used:
+The names below come from `breastrig.use` and `breastrig.core.errors`, and are loaded when they are first used:
 neither `import breastrig` nor `breastrig --version` waits for NumPy.
 """
 
@@ -27,24 +27,24 @@ if TYPE_CHECKING:
         FitFailed,
         TooLarge,
     )
-    from breastrig.interface.cases.case import Case, CaseFit, CaseScan
-    from breastrig.interface.draw import draw, project
-    from breastrig.interface.drawing import Drawing, Lesion, Line
-    from breastrig.interface.example import Example, example
-    from breastrig.interface.fit_result import Fit
-    from breastrig.interface.frame import Frame
-    from breastrig.interface.ink import Ink, InkLine, find_ink
-    from breastrig.interface.landmarks import Proposal, Proposals, propose_landmarks
-    from breastrig.interface.measure import Measure, Number, measure
-    from breastrig.interface.model import Rig, load_model
-    from breastrig.interface.posterior import Posterior
-    from breastrig.interface.predict import predict
-    from breastrig.interface.report import write_report
-    from breastrig.interface.run import FitRun, Iterate, fit, iterates
-    from breastrig.interface.scan import Scan, read_scan
-    from breastrig.interface.transfer import transfer
-    from breastrig.interface.volume import Volume, volume_mesh
     from breastrig.rig.named_parameters import BonePose, Parameters
+    from breastrig.use.cases.case import Case, CaseFit, CaseScan
+    from breastrig.use.draw import draw, project
+    from breastrig.use.example import Example, example
+    from breastrig.use.fit import FitRun, Iterate, fit, iterates
+    from breastrig.use.ink import Ink, InkLine, find_ink
+    from breastrig.use.landmarks import Proposal, Proposals, propose_landmarks
+    from breastrig.use.measure import Measure, Number, measure
+    from breastrig.use.predict import predict
+    from breastrig.use.report import write_report
+    from breastrig.use.scan import Scan, read_scan
+    from breastrig.use.transfer import transfer
+    from breastrig.use.values.drawing import Drawing, Lesion, Line
+    from breastrig.use.values.fit_result import Fit
+    from breastrig.use.values.frame import Frame
+    from breastrig.use.values.model import Rig, load_model
+    from breastrig.use.values.posterior import Posterior
+    from breastrig.use.volume import Volume, volume_mesh
 
 __all__ = [
     "BadDrawing",
@@ -98,24 +98,24 @@ __all__ = [
 
 _MODULES = {
     "core.errors": ("BadDrawing BadInput BadLandmarks BadModel BadScan BadSettings BreastRigError FitFailed TooLarge"),
-    "interface.cases.case": "Case CaseFit CaseScan",
-    "interface.draw": "draw project",
-    "interface.drawing": "Drawing Lesion Line",
-    "interface.example": "Example example",
-    "interface.fit_result": "Fit",
-    "interface.frame": "Frame",
-    "interface.ink": "Ink InkLine find_ink",
-    "interface.landmarks": "Proposal Proposals propose_landmarks",
-    "interface.measure": "Measure Number measure",
-    "interface.model": "Rig load_model",
+    "use.cases.case": "Case CaseFit CaseScan",
+    "use.draw": "draw project",
+    "use.values.drawing": "Drawing Lesion Line",
+    "use.example": "Example example",
+    "use.values.fit_result": "Fit",
+    "use.values.frame": "Frame",
+    "use.ink": "Ink InkLine find_ink",
+    "use.landmarks": "Proposal Proposals propose_landmarks",
+    "use.measure": "Measure Number measure",
+    "use.values.model": "Rig load_model",
     "rig.named_parameters": "BonePose Parameters",
-    "interface.posterior": "Posterior",
-    "interface.predict": "predict",
-    "interface.report": "write_report",
-    "interface.run": "FitRun Iterate fit iterates",
-    "interface.scan": "Scan read_scan",
-    "interface.transfer": "transfer",
-    "interface.volume": "Volume volume_mesh",
+    "use.values.posterior": "Posterior",
+    "use.predict": "predict",
+    "use.report": "write_report",
+    "use.fit": "FitRun Iterate fit iterates",
+    "use.scan": "Scan read_scan",
+    "use.transfer": "transfer",
+    "use.volume": "Volume volume_mesh",
 }
 _PLACES = {name: module for module, names in _MODULES.items() for name in names.split()}
 

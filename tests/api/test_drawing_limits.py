@@ -15,7 +15,7 @@ from breastrig.core.errors import BadDrawing, BadInput
 from breastrig.drawings.drawing_file import checked_drawing, parsed_drawing
 from breastrig.drawings.drawing_schema import BLACK, POINTS, SHAPES
 from breastrig.rig.model import Rig
-from breastrig.workflow.report import drawn_lines
+from breastrig.use.reports.report import drawn_lines
 
 pytestmark = pytest.mark.long
 

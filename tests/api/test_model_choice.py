@@ -12,9 +12,9 @@ from helpers.waiting import ended
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.execution.limits import FitLimits
-from breastrig.interface.model import load_model
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
+from breastrig.use.values.model import load_model
 
 
 @pytest.fixture(scope="module")

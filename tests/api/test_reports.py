@@ -23,8 +23,8 @@ from breastrig.service.reports import TWO_PATIENTS
 from breastrig.service.service import Service
 from breastrig.storage.documents.fits import get_fit
 from breastrig.storage.storage import Storage, utc_now
-from breastrig.workflow.jobs import ReportJob
-from breastrig.workflow.report import report_files, reported
+from breastrig.use.jobs import ReportJob
+from breastrig.use.reports.report import report_files, reported
 
 pytestmark = pytest.mark.long
 

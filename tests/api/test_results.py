@@ -14,7 +14,7 @@ from breastrig.api.share_limits import BIG_BYTES
 from breastrig.files.result import FIT_FILES
 from breastrig.gltf.read_rig import read_rig
 from breastrig.service.service import Service
-from breastrig.workflow.folder.fit_folder import read_fit_folder
+from breastrig.use.folder.fit_folder import read_fit_folder
 
 CONTENT = bytes(range(256)) * (BIG_BYTES // 256 + 1)
 WITHOUT_ADDRESS = {"scan.ply", "fit.log.jsonl"}

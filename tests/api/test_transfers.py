@@ -24,8 +24,8 @@ from breastrig.drawings.line_error import across
 from breastrig.execution.limits import FitLimits
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
-from breastrig.workflow.folder.fit_folder import read_fit_folder
-from breastrig.workflow.report import planned_lines
+from breastrig.use.folder.fit_folder import read_fit_folder
+from breastrig.use.reports.report import planned_lines
 
 pytestmark = pytest.mark.long
 

@@ -19,8 +19,8 @@ from breastrig.batch.task import FitOfBytes, fit_of_bytes
 from breastrig.core.errors import BadSettings
 from breastrig.execution.pool import Lane, Pool
 from breastrig.execution.worker import preload
-from breastrig.workflow.events import Event
-from breastrig.workflow.jobs import FitJob
+from breastrig.use.jobs import FitJob
+from breastrig.use.steps.events import Event
 
 
 @pytest.fixture(scope="module")

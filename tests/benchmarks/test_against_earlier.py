@@ -49,11 +49,11 @@ TASKS = {
         fitted='breastrig.fit(scan, picks).save(out / f"{number}")',
     ),
     "whole job of a service or a batch": IN_MEMORY.format(
-        imported="from breastrig.workflow.jobs import FitJob\nfrom breastrig.workflow.run_fit import run_fit",
+        imported="from breastrig.use.jobs import FitJob\nfrom breastrig.use.run_fit import run_fit",
         fitted="list(run_fit(FitJob(scan=scan, out=out, landmarks_mm=places)))",
     ),
     "row of a batch, with its measures": IN_MEMORY.format(
-        imported="from breastrig.batch import task\nfrom breastrig.workflow.run_fit import run_fit\n"
+        imported="from breastrig.batch import task\nfrom breastrig.use.run_fit import run_fit\n"
         "runner = getattr(task, 'measured_fit', run_fit)  # the earlier one made no measures",
         fitted="task.fit_of_bytes(task.FitOfBytes(scan=scan.read_bytes(), ending='.ply', landmarks=picks.read_bytes(), "
         "landmarks_ending='.json', units='auto', stance='auto', preset='default', preset_file=None, "

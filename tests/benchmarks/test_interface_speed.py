@@ -9,9 +9,9 @@ from typing import Any
 from helpers.example_fit import EXAMPLE
 
 import breastrig
-from breastrig.workflow.jobs import FitJob
-from breastrig.workflow.run_fit import fit_steps
-from breastrig.workflow.scan_fit import Clock, fit_plan, prepare_fit, scan_of_job
+from breastrig.use.jobs import FitJob
+from breastrig.use.run_fit import fit_steps
+from breastrig.use.steps.prepare import Clock, fit_plan, prepare_fit, scan_of_job
 
 ROUNDS = 9
 

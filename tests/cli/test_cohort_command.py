@@ -15,7 +15,7 @@ from breastrig.files.result import BODY, RESULT, ResultFile
 from breastrig.fitting.uncertainty.contribution import built_in
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.cohort_prior import read_prior
-from breastrig.workflow.folder.cohort import cohort_in, cohort_of_folders
+from breastrig.use.folder.cohort import cohort_in, cohort_of_folders
 
 RIG = read_rig(default_rig_path())
 

@@ -12,8 +12,8 @@ from breastrig.cli import landmarks_command
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.interface.landmarks import Proposal, Proposals, propose_landmarks
 from breastrig.scan.landmarks.landmark_files import landmark_confidences, read_landmarks
+from breastrig.use.landmarks import Proposal, Proposals, propose_landmarks
 
 EXAMPLE = asset_folder("example")
 

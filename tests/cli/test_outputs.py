@@ -18,7 +18,7 @@ from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.files.result import FIT_FILES
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.workflow import report
+from breastrig.use.reports import report
 from breastrig_studies.output import publish
 
 pytestmark = pytest.mark.long
@@ -57,7 +57,7 @@ def without_work(monkeypatch: pytest.MonkeyPatch) -> None:
         raise AssertionError("the work began")
 
     monkeypatch.setattr(fit_command, "iterates", work)
-    monkeypatch.setattr("breastrig.interface.report.write_three_files", work)
+    monkeypatch.setattr("breastrig.use.report.write_three_files", work)
     monkeypatch.setattr(landmarks_command, "propose_landmarks", work)
 
 

@@ -11,7 +11,7 @@ import breastrig
 from breastrig.cli.main import main
 from breastrig.files.result import FIT_FILES
 from breastrig.rig.similarity import umeyama
-from breastrig.workflow.folder.fit_folder import read_fit_folder
+from breastrig.use.folder.fit_folder import read_fit_folder
 
 
 @pytest.fixture(scope="module")

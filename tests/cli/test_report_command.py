@@ -25,7 +25,7 @@ from breastrig.core.identity import LETTERS
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.geometry.self_intersections import crossing_faces
 from breastrig.report.table import Value, with_margin
-from breastrig.workflow import report as report_module
+from breastrig.use.reports import report as report_module
 
 pytestmark = pytest.mark.long
 

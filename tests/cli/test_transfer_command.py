@@ -19,8 +19,8 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.drawing_file import parsed_drawing
 from breastrig.drawings.superimposition import gaps
 from breastrig.geometry.normals import vertex_normals
-from breastrig.workflow import report
-from breastrig.workflow.folder.fit_folder import FitFolder, read_fit_folder
+from breastrig.use.folder.fit_folder import FitFolder, read_fit_folder
+from breastrig.use.reports import report
 
 pytestmark = pytest.mark.long
 

@@ -12,7 +12,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadDrawing, BadLandmarks
 from breastrig.drawings.drawing_file import parsed_drawing
 from breastrig.rig.model import Rig
-from breastrig.workflow.scan_fit import checked_landmarks
+from breastrig.use.steps.prepare import checked_landmarks
 
 EXAMPLE = asset_folder("example") / "standing"
 SCAN, PICKS = str(EXAMPLE / "scan.ply"), str(EXAMPLE / "landmarks.json")

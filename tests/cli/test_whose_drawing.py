@@ -14,8 +14,8 @@ import breastrig
 from breastrig.cli.main import main
 from breastrig.core.errors import NeedsYes
 from breastrig.drawings.drawing_schema import GivenDrawing
-from breastrig.workflow.folder.fit_folder import read_fit_folder
-from breastrig.workflow.report import laid_plan
+from breastrig.use.folder.fit_folder import read_fit_folder
+from breastrig.use.reports.report import laid_plan
 
 
 @pytest.fixture(scope="module")

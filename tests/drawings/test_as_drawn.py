@@ -16,7 +16,7 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.skinning import shaped
-from breastrig.workflow.lines.plan_words import planned_items
+from breastrig.use.lines.plan_words import planned_items
 
 NUMBERS = [
     (name, each) for name, kind in PATTERNS.items() for each in parameters_of(kind).values() if each.name != "side"

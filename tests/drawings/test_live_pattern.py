@@ -22,7 +22,7 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.skinning import shaped
-from breastrig.workflow.folder.fit_folder import fit_folder_of
+from breastrig.use.folder.fit_folder import fit_folder_of
 
 pytestmark = pytest.mark.long
 

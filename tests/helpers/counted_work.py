@@ -110,8 +110,8 @@ def command(folder: Path) -> None:
 
 def upload(folder: Path) -> None:
     """What a service does with an uploaded scan."""
-    from breastrig.workflow.jobs import UploadJob
-    from breastrig.workflow.read_upload import read_upload
+    from breastrig.use.jobs import UploadJob
+    from breastrig.use.read_upload import read_upload
 
     count_from_here()
     names = {each: folder / each for each in ("kept", "mesh", "thumbnail")}
@@ -121,7 +121,7 @@ def upload(folder: Path) -> None:
 def batch_row(folder: Path) -> None:
     """The second fit of a worker of a batch: what is derived of the model alone is there."""
     from breastrig.batch.task import FitOfBytes, fit_of_bytes, measured_fit
-    from breastrig.workflow.jobs import DEFAULT, FIRST
+    from breastrig.use.jobs import DEFAULT, FIRST
 
     task = FitOfBytes(
         scan=(EXAMPLE / "scan.ply").read_bytes(),
@@ -154,8 +154,8 @@ def drag(folder: Path) -> None:
     import breastrig
     from breastrig.gltf.pose_nodes import node_poses
     from breastrig.scan.landmarks.landmark_files import read_landmarks
-    from breastrig.workflow.jobs import EarlierFit, FitJob, FollowJob
-    from breastrig.workflow.moving.moved_landmarks import follow_landmarks, moved_landmarks
+    from breastrig.use.jobs import EarlierFit, FitJob, FollowJob
+    from breastrig.use.moving.moved_landmarks import follow_landmarks, moved_landmarks
 
     fit = breastrig.fit(EXAMPLE / "scan.ply", EXAMPLE / "landmarks.json", drawing=None)
     places, _ = read_landmarks(EXAMPLE / "landmarks.json")

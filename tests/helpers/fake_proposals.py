@@ -6,7 +6,7 @@ import time
 from typing import Any
 
 from breastrig.core.errors import FitFailed
-from breastrig.workflow.jobs import ProposeJob
+from breastrig.use.jobs import ProposeJob
 
 
 def at_the_nipple(job: ProposeJob) -> dict[str, Any]:

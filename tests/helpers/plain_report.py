@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from breastrig.rendering.picture import Picture, Scene
-from breastrig.workflow import report
-from breastrig.workflow.jobs import ReportJob, SnapshotJob
-from breastrig.workflow.report import report_pdf_of
-from breastrig.workflow.share_snapshot import write_snapshot
+from breastrig.use.jobs import ReportJob, SnapshotJob
+from breastrig.use.reports import report
+from breastrig.use.reports.report import report_pdf_of
+from breastrig.use.reports.share_snapshot import write_snapshot
 from helpers.remembered_measures import measured_once
 
 

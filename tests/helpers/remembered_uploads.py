@@ -19,7 +19,7 @@ from typing import Any
 
 from breastrig.core.assets import asset_folder
 from breastrig.execution.worker import preload
-from breastrig.workflow.jobs import UploadJob
+from breastrig.use.jobs import UploadJob
 
 FOLDER = "BREASTRIG_REMEMBERED_UPLOADS"  # environment; without it nothing is remembered
 
@@ -60,7 +60,7 @@ def read_upload_once(job: UploadJob) -> dict[str, Any]:
 
 
 def _read(job: UploadJob) -> dict[str, Any]:
-    from breastrig.workflow.read_upload import read_upload
+    from breastrig.use.read_upload import read_upload
 
     return read_upload(job)
 

@@ -9,7 +9,7 @@ import sys
 
 from breastrig.core import assets
 from breastrig.execution.worker import preload
-from breastrig.workflow import tasks
+from breastrig.use import tasks
 from helpers import plain_report, remembered_fits, remembered_proposals
 from helpers.remembered_uploads import remember_uploads
 

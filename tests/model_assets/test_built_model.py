@@ -9,11 +9,11 @@ import pytest
 
 from breastrig.core.assets import packaged_models
 from breastrig.gltf.read_rig import read_rig
-from breastrig.interface.model import load_model
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import shaped
 from breastrig.rig.validation.rules import check_rig
 from breastrig.rig.validation.torso import LANDMARKS
+from breastrig.use.values.model import load_model
 
 BUILD_AGAIN = "run: python model_assets/build.py, then commit all of model_assets/built"
 FLIP = np.array([-1.0, 1.0, 1.0])

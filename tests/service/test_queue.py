@@ -16,8 +16,8 @@ from breastrig.storage.documents.events import events_after
 from breastrig.storage.documents.fits import get_fit
 from breastrig.storage.documents.scans import get_scan
 from breastrig.storage.storage import Storage
-from breastrig.workflow.events import event_json
-from breastrig.workflow.jobs import FitJob
+from breastrig.use.jobs import FitJob
+from breastrig.use.steps.events import event_json
 
 pytestmark = pytest.mark.long
 

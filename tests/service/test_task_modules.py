@@ -7,7 +7,7 @@ from pkgutil import resolve_name
 
 from breastrig.service.fits import fit_worker
 from breastrig.service.task_modules import TASK_MODULES
-from breastrig.workflow import tasks
+from breastrig.use import tasks
 
 LATE = {name: each for name, each in vars(tasks).items() if isinstance(each, partial)}
 

@@ -15,12 +15,12 @@ from breastrig.report.files.exported import enclosed_volume
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.skinning import pose
+from breastrig.use.folder.fit_folder import fit_folder_of
+from breastrig.use.reports.volume import volume_of
 from breastrig.volume.known_volume import known_volume
 from breastrig.volume.tetrahedra import chest_wall, volume_mesh
 from breastrig.volume.untangle import _Shapes
 from breastrig.volume.volume_mesh import REGIONS, VolumeMesh, outer_triangles
-from breastrig.workflow.folder.fit_folder import fit_folder_of
-from breastrig.workflow.volume import volume_of
 
 Fitted = tuple[VolumeMesh, Array]
 

@@ -6,7 +6,7 @@ from typing import Any
 from breastrig.api.app_context import app_context
 from breastrig.storage.documents.patients import get_patient, scans_of_patient
 from breastrig.storage.documents.scans import get_scans
-from breastrig.workflow.folder.whose import asked_about
+from breastrig.use.folder.whose import asked_about
 
 
 def check_whose(document: Mapping[str, Any], patients: Sequence[str], same_patient: bool) -> None:

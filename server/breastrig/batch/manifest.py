@@ -22,8 +22,8 @@ from breastrig.fitting.recipe import load_recipe
 from breastrig.rig.model import Rig
 from breastrig.scan.landmarks.landmark_files import certain_landmarks, landmark_confidences, read_landmarks
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers, checked_answers, segments_of_words
-from breastrig.workflow.jobs import FIRST
-from breastrig.workflow.scan_fit import check_prior, checked_landmarks, named_drawing
+from breastrig.use.jobs import FIRST
+from breastrig.use.steps.prepare import check_prior, checked_landmarks, named_drawing
 
 VOLUME_COLUMNS = ("frame", "segments")  # of a label map: as --frame, and as --segment split by blanks
 COLUMNS = ("scan", "landmarks", "name", "units", "stance", "preset", "drawing", "tumour", "refine", *VOLUME_COLUMNS)

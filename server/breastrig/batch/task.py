@@ -12,10 +12,10 @@ from breastrig.core.scratch import scratch_folder
 from breastrig.scan.landmarks.landmark_files import landmarks_of_file
 from breastrig.scan.read import read_scan
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
-from breastrig.workflow.events import Event
-from breastrig.workflow.jobs import FitJob, ReportJob
-from breastrig.workflow.report import measures_csv_of
-from breastrig.workflow.run_fit import run_fit
+from breastrig.use.jobs import FitJob, ReportJob
+from breastrig.use.reports.report import measures_csv_of
+from breastrig.use.run_fit import run_fit
+from breastrig.use.steps.events import Event
 
 Runner = Callable[[FitJob], Iterator[Event]]
 

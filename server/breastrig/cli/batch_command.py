@@ -140,7 +140,7 @@ def _check_places(options: argparse.Namespace, rows: Sequence[BatchRow], model: 
 def _executor(options: argparse.Namespace, rows: Sequence[BatchRow]) -> Executor:
     limits = FitLimits()
     if options.scheduler is None:
-        preload(["breastrig.batch.task", "breastrig.workflow.default_model"])
+        preload(["breastrig.batch.task", "breastrig.use.default_model"])
         return Pool().lane(options.jobs or limits.workers, limits.memory_bytes)
     pool = DaskPool(options.scheduler, memory_bytes=limits.memory_bytes)
     if not pool.found_workers:

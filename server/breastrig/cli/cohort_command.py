@@ -23,7 +23,7 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.cohort_posterior import FEWEST
 from breastrig.rig.cohort_prior import CohortPrior, merged, read_prior, with_prior
 from breastrig.rig.model import Rig
-from breastrig.workflow.folder.cohort import cohort_of_folders
+from breastrig.use.folder.cohort import cohort_of_folders
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

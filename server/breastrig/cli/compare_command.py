@@ -19,7 +19,7 @@ from breastrig.cli.output_options import (
 )
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import OutputSet, all_or_nothing
-from breastrig.workflow.lines.compare import COMPARE_FILES, COMPARE_RECORD, SCHEMA, CompareJob, compare
+from breastrig.use.lines.compare import COMPARE_FILES, COMPARE_RECORD, SCHEMA, CompareJob, compare
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from breastrig.workflow.folder.earlier_fits import unchecked
+from breastrig.use.folder.earlier_fits import unchecked
 
 
 def say_unchecked(*folders: Path | None) -> None:

@@ -16,8 +16,8 @@ from breastrig.core.assets import model_path
 from breastrig.core.output_files import OutputSet, all_or_nothing
 from breastrig.core.private_files import write_files
 from breastrig.report.files.exported import SET_FORMAT
-from breastrig.workflow.export_fit import EXPORT_FILES, EXPORT_RECORD, export_files
-from breastrig.workflow.lines.transfer import drawing_document
+from breastrig.use.lines.transfer_lines import drawing_document
+from breastrig.use.reports.export_fit import EXPORT_FILES, EXPORT_RECORD, export_files
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

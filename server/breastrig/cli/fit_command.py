@@ -18,11 +18,11 @@ from breastrig.core.stances import STANCES
 from breastrig.drawings.patterns import pattern_help
 from breastrig.files.result import ResultFile, fit_set, patient_of
 from breastrig.fitting.verdicts.verdict import WITH_MARGIN
-from breastrig.interface.fit_result import Fit
-from breastrig.interface.run import FitRun, Iterate, iterates
 from breastrig.report.bands import sure_text
 from breastrig.report.pages.printable import checked_code
-from breastrig.workflow.jobs import FIRST
+from breastrig.use.fit import FitRun, Iterate, iterates
+from breastrig.use.jobs import FIRST
+from breastrig.use.values.fit_result import Fit
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -9,7 +9,7 @@ from breastrig.core.documents import json_bytes
 from breastrig.core.output_files import all_or_nothing, check_output
 from breastrig.core.private_files import write_private
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.interface.ink import find_ink
+from breastrig.use.ink import find_ink
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -10,8 +10,8 @@ from breastrig.cli.scan_options import add_scan_options, scan_of
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.private_files import write_private
-from breastrig.interface.landmarks import propose_landmarks
 from breastrig.scan.landmarks.landmark_files import landmark_file
+from breastrig.use.landmarks import propose_landmarks
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

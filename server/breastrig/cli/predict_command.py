@@ -14,8 +14,8 @@ from breastrig.core.assets import model_path
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.stances import Stance
 from breastrig.files.result import fit_set
-from breastrig.interface.predict import predict
 from breastrig.report.bands import lines_text
+from breastrig.use.predict import predict
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

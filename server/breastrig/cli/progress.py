@@ -4,8 +4,8 @@ import sys
 from collections.abc import Iterator
 
 from breastrig.cli.interruption import raise_if_asked
-from breastrig.interface.fit_result import Fit
-from breastrig.interface.run import FitRun, Iterate, Step
+from breastrig.use.fit import FitRun, Iterate, Step
+from breastrig.use.values.fit_result import Fit
 
 
 def fitted(run: FitRun[Step, Fit], quiet: bool = False) -> Fit:

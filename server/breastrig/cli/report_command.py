@@ -6,7 +6,7 @@ from pathlib import Path
 from breastrig.cli.interruption import raise_if_asked
 from breastrig.cli.output_options import add_output_options, add_same_patient, say_misfits
 from breastrig.core.assets import model_path
-from breastrig.interface.report import write_report
+from breastrig.use.report import write_report
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

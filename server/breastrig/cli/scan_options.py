@@ -5,9 +5,9 @@ import sys
 from pathlib import Path
 
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.interface.scan import Scan, ScanSource, read_coloured
 from breastrig.scan.scan import Scan as ScanInMetres
 from breastrig.scan.volumes.answers import VolumeAnswers, checked_answers, segments_of_words
+from breastrig.use.scan import Scan, ScanSource, read_coloured
 
 
 def add_scan_options(parser: argparse.ArgumentParser) -> None:

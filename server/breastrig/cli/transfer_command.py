@@ -20,7 +20,7 @@ from breastrig.cli.output_options import (
 )
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import all_or_nothing
-from breastrig.interface.transfer import transfer
+from breastrig.use.transfer import transfer
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

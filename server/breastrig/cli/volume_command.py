@@ -10,10 +10,10 @@ from breastrig.cli.output_options import add_output_options, files_of_fit, files
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.private_files import write_private
+from breastrig.use.folder.fit_folder import read_fit_folder
+from breastrig.use.reports.volume import breasts_said, volume_file, volume_of
 from breastrig.volume.mesh_files import check_name
 from breastrig.volume.volume_mesh import REGIONS, SOUND
-from breastrig.workflow.folder.fit_folder import read_fit_folder
-from breastrig.workflow.volume import breasts_said, volume_file, volume_of
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -14,7 +14,7 @@ that what was measured with one rig is never said of another.
     radii.json           distance of bodies from the model beyond a fit's own error fitting/uncertainty/calibration.py
     uncertainty.toml     effect of picks that scatter, and of an unclear start      fitting/uncertainty/calibration.py
     verdict.toml         limits of right fits                                       fitting/verdicts/verdict.py
-    same_body.toml       difference between two fits of one body                    workflow/folder/one_body.py
+    same_body.toml       difference between two fits of one body                    use/folder/one_body.py
     measures.toml        errors of measures of breasts                              report/calibration.py
     volume.json          chest wall and tetrahedra                                  volume/known_volume.py
 """

@@ -21,9 +21,9 @@ from breastrig.storage.documents.fits import FitRow, get_fit
 from breastrig.storage.documents.scans import get_scan
 from breastrig.storage.files import fit_place, scan_place
 from breastrig.storage.storage import Storage
-from breastrig.workflow.events import Done
-from breastrig.workflow.jobs import FollowJob, LengthsQuestion, LiveQuestion
-from breastrig.workflow.tasks import follow_landmarks, live_pattern, moved_landmarks, read_and_live_pattern
+from breastrig.use.jobs import FollowJob, LengthsQuestion, LiveQuestion
+from breastrig.use.steps.events import Done
+from breastrig.use.tasks import follow_landmarks, live_pattern, moved_landmarks, read_and_live_pattern
 
 WALL_S = 90.0  # an answer takes a tenth of a second, the first one; huge scans on a slow or busy machine take many
 

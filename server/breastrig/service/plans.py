@@ -27,8 +27,8 @@ from breastrig.storage.documents.patients import (
 from breastrig.storage.documents.scans import get_scan
 from breastrig.storage.files import fit_place
 from breastrig.storage.storage import Storage
-from breastrig.workflow.jobs import PlanJob, PlannedFit
-from breastrig.workflow.tasks import plan_on_fit
+from breastrig.use.jobs import PlanJob, PlannedFit
+from breastrig.use.tasks import plan_on_fit
 
 UNFITTED = (
     "It was made on a scan that is not fitted yet, or with another version of the model; fit that one to see it here."
@@ -133,7 +133,7 @@ class Plans:
             raise NotFound("This fit has no fitted.glb.")
         with file.open() as opened:
             fitted = opened.read()
-        from breastrig.workflow.lines.planned_glb import planned_glb  # as in api/served_model.py
+        from breastrig.use.lines.planned_glb import planned_glb  # as in api/served_model.py
 
         return planned_glb(fitted, found[0])
 

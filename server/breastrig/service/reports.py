@@ -20,8 +20,8 @@ from breastrig.storage.documents.patients import PatientRow, get_patient, get_pl
 from breastrig.storage.documents.scans import Cuts, cuts_digest, get_scan
 from breastrig.storage.files import fit_place
 from breastrig.storage.storage import Storage
-from breastrig.workflow.jobs import ReportJob
-from breastrig.workflow.tasks import measures_json_of, report_pdf_of, volume_vtu_of
+from breastrig.use.jobs import ReportJob
+from breastrig.use.tasks import measures_json_of, report_pdf_of, volume_vtu_of
 
 MAKERS: dict[str, Callable[[ReportJob], bytes]] = {
     "report.pdf": report_pdf_of,

@@ -30,8 +30,8 @@ from breastrig.storage.documents.scans import ScanRow, cuts_digest, get_cuts, ge
 from breastrig.storage.documents.searches import drop_ink, get_ink, get_proposals, put_ink, put_proposals
 from breastrig.storage.files import scan_place, upload_name
 from breastrig.storage.storage import Storage
-from breastrig.workflow.jobs import InkJob, ProposeJob
-from breastrig.workflow.tasks import find_ink_on_file, keeping
+from breastrig.use.jobs import InkJob, ProposeJob
+from breastrig.use.tasks import find_ink_on_file, keeping
 
 Task = tuple[Callable[[Any], dict[str, Any]], Any]  # a function of a named module, and what it is given
 

@@ -53,8 +53,8 @@ from breastrig.storage.documents.scans import ScanRow
 from breastrig.storage.files import MESH, THUMBNAIL, fit_place, scan_place, upload_name
 from breastrig.storage.folders import new_id
 from breastrig.storage.storage import Storage, Unremoved, utc_now
-from breastrig.workflow.jobs import TransferJob, UploadJob
-from breastrig.workflow.tasks import keeping, propose_on_file, read_upload, run_fit, run_prediction, transfer
+from breastrig.use.jobs import TransferJob, UploadJob
+from breastrig.use.tasks import keeping, propose_on_file, read_upload, run_fit, run_prediction, transfer
 
 CHUNK = 2**20
 HANDS = 4  # patterns or landmarks that are moved at once

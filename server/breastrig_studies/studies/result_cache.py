@@ -93,7 +93,7 @@ def source_digest(question: str) -> str:
         own += ("breastrig/colour",)
     if question in ASKED:
         own += (
-            "breastrig/workflow",
+            "breastrig/use",
             "breastrig_studies/studies/trust/asked.py",
             "breastrig_studies/virtual/as_captured.py",
         )

@@ -13,9 +13,9 @@ from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
-from breastrig.workflow.events import Done
-from breastrig.workflow.jobs import FitJob
-from breastrig.workflow.run_fit import run_fit
+from breastrig.use.jobs import FitJob
+from breastrig.use.run_fit import run_fit
+from breastrig.use.steps.events import Done
 
 pytestmark = pytest.mark.long
 

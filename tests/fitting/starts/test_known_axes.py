@@ -21,12 +21,12 @@ from breastrig.scan.orient import LABEL_MAP_FRAME
 from breastrig.scan.piece import BallInside
 from breastrig.scan.read import read_scan
 from breastrig.scan.stored_scan import STORED, write_stored
-from breastrig.workflow.fit_recorder import FitOutcome
-from breastrig.workflow.jobs import FitSettings
-from breastrig.workflow.kept_scan import prepared_scan
-from breastrig.workflow.propose_on_scan import propose_on_scan
-from breastrig.workflow.run_fit import fit_steps
-from breastrig.workflow.scan_fit import Clock, fit_plan, prepare_fit
+from breastrig.use.jobs import FitSettings
+from breastrig.use.propose_on_scan import propose_on_scan
+from breastrig.use.run_fit import fit_steps
+from breastrig.use.steps.kept_scan import prepared_scan
+from breastrig.use.steps.prepare import Clock, fit_plan, prepare_fit
+from breastrig.use.steps.recorder import FitOutcome
 
 RIG = read_rig(default_rig_path())
 LESION = np.array([0.08, 0.24, 0.1])  # m, inside the left breast of the template

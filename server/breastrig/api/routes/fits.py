@@ -22,7 +22,7 @@ from breastrig.storage.documents.events import event_of_kind
 from breastrig.storage.documents.fits import FitRow, NewFit, Once, fits_page, get_fit, queue_positions
 from breastrig.storage.documents.scans import ScanRow, cuts_digest, get_cuts, get_landmarks, get_scan
 from breastrig.storage.storage import Storage
-from breastrig.workflow.events import Iterated
+from breastrig.use.steps.events import Iterated
 
 MOST_ITERATION = 2**31  # a larger number is no offset for every database
 FITS_TAG = {"name": "fits", "description": "Fit the model to a scan, follow it live, fetch the results."}

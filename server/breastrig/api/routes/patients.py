@@ -35,7 +35,7 @@ from breastrig.storage.documents.patients import (
 )
 from breastrig.storage.documents.scans import get_scans
 from breastrig.storage.storage import iso_utc
-from breastrig.workflow.lines.plan_words import texts_of
+from breastrig.use.lines.plan_words import texts_of
 
 TAG = {"name": "patients", "description": "Patients under codes, their scans, and what is planned on their skin."}
 CHANGED = "Somebody has changed this plan since you read it; read it again, take the change over, and send it again."

@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 from breastrig.core.stances import Stance as OneStance
 from breastrig.drawings.drawing_schema import SCHEMA, SHAPES, DrawnShape, LineUnit, SurfacePoint
 from breastrig.scan.volumes.answers import MOST_CHARACTERS
-from breastrig.workflow.events import FitEvent, IterationNumbers, NodePose
+from breastrig.use.steps.events import FitEvent, IterationNumbers, NodePose
 
 Units = Literal["auto", "m", "dm", "cm", "mm", "in", "ft"]
 StanceWish = Literal["auto", "standing", "supine", "prone"]

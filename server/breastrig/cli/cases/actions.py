@@ -13,8 +13,8 @@ from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput, NotFound
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.private_files import read_ordinary, shown, write_private
-from breastrig.interface.cases.case import Case, CaseScan
 from breastrig.scan.volumes.answers import segments_of_words
+from breastrig.use.cases.case import Case, CaseScan
 
 PLAN_BYTES = 50_000_000
 

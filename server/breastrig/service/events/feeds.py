@@ -19,7 +19,7 @@ from breastrig.core.errors import NotFound
 from breastrig.storage.documents.events import StoredEvent, events_after, log_of
 from breastrig.storage.documents.fits import get_fit, queue_positions
 from breastrig.storage.storage import Storage
-from breastrig.workflow.events import LAST_KINDS
+from breastrig.use.steps.events import LAST_KINDS
 
 LOOK_EVERY_S = 0.02  # an iteration takes about 20 ms: later would show two at once
 DELETED_EVERY_S = 0.5  # how soon it is noticed that another server has deleted a fit

@@ -25,9 +25,9 @@ from breastrig.storage.documents.fits import FitRow, get_fit
 from breastrig.storage.documents.scans import ScanRow, get_scan
 from breastrig.storage.files import fit_place, scan_place, upload_name
 from breastrig.storage.storage import Storage
-from breastrig.workflow.cases.case_work import put_files
-from breastrig.workflow.events import Event, Failed, event_json
-from breastrig.workflow.jobs import EarlierFit, FitJob, PredictionJob
+from breastrig.use.cases.case_work import put_files
+from breastrig.use.jobs import EarlierFit, FitJob, PredictionJob
+from breastrig.use.steps.events import Event, Failed, event_json
 
 Runner = Callable[[FitJob], Generator[Event, None, None]]
 Predictor = Callable[[PredictionJob], Generator[Event, None, None]]

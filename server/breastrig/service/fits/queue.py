@@ -33,8 +33,8 @@ from breastrig.storage.documents.fits import (
     still_queued,
 )
 from breastrig.storage.storage import Storage
-from breastrig.workflow.events import Cancelled, Event, Failed, event_json
-from breastrig.workflow.tasks import keeping
+from breastrig.use.steps.events import Cancelled, Event, Failed, event_json
+from breastrig.use.tasks import keeping
 
 STARTS = 3  # a process may die before it has claimed its fit; then the fit is started again, so often at most
 SETTLE_AGAIN_S = 1.0

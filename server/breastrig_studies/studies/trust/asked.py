@@ -15,10 +15,10 @@ from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.stance import UNCLEAR
 from breastrig.rig.model import Rig
 from breastrig.scan.scan import Scan
-from breastrig.workflow.fit_recorder import FitOutcome
-from breastrig.workflow.jobs import FitSettings
-from breastrig.workflow.run_fit import fit_steps
-from breastrig.workflow.scan_fit import Clock, fit_plan, prepare_fit
+from breastrig.use.jobs import FitSettings
+from breastrig.use.run_fit import fit_steps
+from breastrig.use.steps.prepare import Clock, fit_plan, prepare_fit
+from breastrig.use.steps.recorder import FitOutcome
 from breastrig_studies.studies.case import Scene
 
 RIGHT = 15.0  # mm

@@ -1,0 +1,340 @@
+"""A case for programs: one patient's folder, as the command line and the service use it too."""
+
+import hashlib
+from collections.abc import Generator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from breastrig.cases import layout
+from breastrig.cases.case_folder import CaseFolder, ScanEntry
+from breastrig.cases.documents import FitDocument
+from breastrig.cases.fits import FitEntry, find_fit, fits_of_scan
+from breastrig.cases.of_scans import get_cuts, get_landmarks, put_cuts, put_landmarks
+from breastrig.cases.plans import get_plan, plan_versions, put_plan
+from breastrig.cases.removal import Left, delete_case, delete_scan, move_scan
+from breastrig.core.arrays import Array, frozen
+from breastrig.core.errors import BadInput, Conflict, FitFailed, NotRemoved, unknown_name
+from breastrig.core.one_thread import one_thread
+from breastrig.core.picks import Picks
+from breastrig.core.stances import AUTO, STANCES
+from breastrig.core.units import METRES_PER_UNIT
+from breastrig.drawings.patterns import drawing_with
+from breastrig.drawings.plan_schema import PlanLesion, PlanLine, PlanNote, asked_of, checked_plan
+from breastrig.report.pages.printable import check_printable, checked_code
+from breastrig.scan.hand_cuts import read_cuts
+from breastrig.scan.volumes.answers import checked_answers
+from breastrig.use.cases.case_work import asked_fit, asked_prediction, fit_events, read_into_case
+from breastrig.use.fit import FitRun
+from breastrig.use.folder.whose import asked_about
+from breastrig.use.jobs import FIRST
+from breastrig.use.landmarks import Landmarks, landmarks_in_mm
+from breastrig.use.lines.plan_words import texts_of
+from breastrig.use.scan import Scan, ScanSource, existing, read_coloured, scan_of_stored
+from breastrig.use.steps.events import Event
+from breastrig.use.values.fit_result import Fit
+from breastrig.use.values.model import loaded
+
+
+@dataclass(frozen=True)
+class CaseFit:
+    """One fit of a scan of a case."""
+
+    id: str
+    scan: str
+    asked_at: str  # ISO 8601, UTC
+    state: str  # queued, running, done, failed, cancelled
+    reason: str | None  # why it failed or was cancelled
+    verdict: str | None  # good, uncalibrated, check or unusable; None before the end
+    stance: str | None  # as it was fitted; None before the end
+    folder: Path  # what `breastrig fit` writes is here once it is done
+    predicted_from: str | None = None  # the fit of the scan, where this is another stance than the scan's
+
+
+@dataclass(frozen=True)
+class CaseScan:
+    """One scan of a case."""
+
+    id: str
+    created_at: str  # ISO 8601, UTC
+    sha256: str  # of the file's bytes
+    unit: str
+    triangles: int
+    stance: str  # as its form shows it
+    notes: tuple[str, ...]  # what reading found, one sentence each
+    folder: Path
+
+
+class Case:
+    """One patient under a code: a folder with scans, their landmarks and fits, and the plan with its versions.
+
+    Nothing is remembered: each call looks into the folder, which other programs may change at the same time.  Errors
+    are one sentence: NotFound (a kind of BadInput) for what is gone, BadInput for what can be mended.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        """Opens the case in that folder.  Raises BadInput where there is none."""
+        self._folder = CaseFolder(Path(path))
+
+    @staticmethod
+    def create(path: str | Path, code: str = "") -> "Case":
+        """Makes a case in a new folder, under a code of your own (never a name), or a random one.
+
+        In a data folder, a new folder of its cases.  Raises BadInput where something is already, or nothing can be
+        written.
+        """
+        if (Path(path) / layout.MARK).is_file():
+            path = Path(path) / layout.CASES / layout.new_id()
+        return Case(CaseFolder.create(Path(path), checked_code(code)).path)
+
+    @property
+    def path(self) -> Path:
+        return self._folder.path
+
+    @property
+    def code(self) -> str:
+        """The patient's code. Raises BadInput when the case is gone."""
+        return self._folder.document().code
+
+    def rename(self, code: str) -> None:
+        """Gives the patient another code; a random one where it is empty.  Raises BadInput."""
+        self._folder.rename(checked_code(code))
+
+    @property
+    def scans(self) -> tuple[CaseScan, ...]:
+        """The scans, oldest first."""
+        return tuple(_scan(self._folder, each) for each in self._folder.scans())
+
+    def add_scan(
+        self,
+        file: str | Path,
+        units: str = "auto",
+        *,
+        model: str = "",
+        frame: str | None = None,
+        segments: Mapping[int, str] | None = None,
+        again: bool = False,
+    ) -> str:
+        """Reads a scan's file into the case, without its name and comments; the scan's id.
+
+        `units`, `frame` and `segments` are those of `read_scan`; `model` is the name of the packaged model to fit it
+        with (such as male), empty for the torso.  `again` takes a file that is a scan of this case already.
+        Raises BadScan, TooLarge or another BadInput with one sentence, and then keeps nothing.
+        """
+        source = existing(file)
+        answers = checked_answers(frame, segments)
+        if units != "auto" and units not in METRES_PER_UNIT:
+            raise BadInput(unknown_name("unit", units, ("auto", *METRES_PER_UNIT)))
+        with source.open("rb") as stream, one_thread():
+            digest = hashlib.file_digest(stream, "sha256").hexdigest()
+            return read_into_case(self._folder, source, digest, units, model, answers, again)
+
+    def read_scan(self, scan: str) -> Scan:
+        """The scan as `breastrig.read_scan` gives it: vertices (V, 3) in its own unit and frame.  Raises BadInput."""
+        known = self._folder.scan(scan)
+        file = self._folder.scan_folder(scan) / known.file
+        return scan_of_stored(file) if known.file == layout.STORED else read_coloured(file, known.facts["unit"])
+
+    def landmarks(self, scan: str) -> dict[str, Array]:
+        """Name -> (3,) place in the scan's unit and frame, as a person has placed it.  Raises BadInput."""
+        per_mm = 1e-3 / METRES_PER_UNIT[self._folder.scan(scan).facts["unit"]]
+        return {
+            name: frozen(per_mm * np.array(point))
+            for name, point in get_landmarks(self._folder, scan).points_mm.items()
+        }
+
+    def put_landmarks(self, scan: str, landmarks: Landmarks, certain: Sequence[str] = ()) -> None:
+        """Replaces the scan's landmarks: name -> (3,) place in its unit and frame, or the path of a landmark file.
+
+        Those named in `certain` are always followed.  Raises BadLandmarks or another BadInput.
+        """
+        given = landmarks_in_mm(landmarks, ScanSource(self.read_scan(scan), "auto"), certain)
+        put_landmarks(self._folder, scan, Picks(given.points_mm, given.certain, given.confidence))
+
+    def put_cuts(self, scan: str, cuts: str | Path | Mapping[str, Any]) -> None:
+        """Replaces what is cut away by hand: a file with what `GET /api/scans/ID/cuts` answers, or that itself.
+
+        Raises BadScan or another BadInput.
+        """
+        put_cuts(self._folder, scan, read_cuts(cuts if isinstance(cuts, Mapping) else Path(cuts)))
+
+    def fit(
+        self,
+        scan: str,
+        *,
+        stance: str = "auto",
+        preset: str = "default",
+        drawing: str | None = FIRST,
+        refine: bool = True,
+        model: str | Path | None = None,
+    ) -> Fit:
+        """Fits the model to a scan with its landmarks and cuts, and keeps the fit with its events in the case.
+
+        Arguments are those of `breastrig.fit`; values are in the scan's unit and frame.  Raises FitFailed or BadInput;
+        the case then says why.
+        """
+        return self.fitting(scan, stance=stance, preset=preset, drawing=drawing, refine=refine, model=model).result()
+
+    def fitting(
+        self,
+        scan: str,
+        *,
+        stance: str = "auto",
+        preset: str = "default",
+        drawing: str | None = FIRST,
+        refine: bool = True,
+        model: str | Path | None = None,
+    ) -> FitRun[Event, Fit]:
+        """`fit` step by step: its events (started, iterated, done), each kept in the case before it is handed on.
+
+        The case has the fit from its first event on.  Who leaves the loop and calls `close()` cancels it.
+        """
+        asked = asked_fit(self._folder, scan, stance=stance, preset=preset, drawing=drawing, refine=refine)
+        return self._running(scan, asked, model)
+
+    def predict(self, fit: str, stance: str, *, model: str | Path | None = None) -> Fit:
+        """The patient of a fit, by its id, in another stance; kept in the case as a fit, with its events.
+
+        Values are in the scan's unit and frame, as those of `breastrig.predict`.  Raises BadInput, Conflict for a fit
+        that is not done.
+        """
+        if stance not in STANCES or stance == AUTO:
+            raise BadInput(unknown_name("stance", stance, tuple(each for each in STANCES if each != AUTO)))
+        predicted = asked_prediction(self._folder, fit, stance)
+        return self._running(find_fit(self._folder, fit).scan, predicted, model).result()
+
+    def _running(self, scan: str, asked: FitDocument, model: str | Path | None) -> FitRun[Event, Fit]:
+        rig = None if model is None else Path(model)
+
+        def steps() -> Generator[Event, None, Fit]:
+            fit = yield from fit_events(self._folder, scan, asked, rig)
+            return self.load_fit(fit, rig)
+
+        return FitRun(steps(), 0)
+
+    def fits(self, scan: str) -> tuple[CaseFit, ...]:
+        """The scan's fits, oldest first. Raises BadInput."""
+        return tuple(_fit(self._folder, each) for each in fits_of_scan(self._folder, scan))
+
+    def load_fit(self, fit: str, model: str | Path | None = None) -> Fit:
+        """A fit that is done, in its scan's unit and frame; `model` as in `Fit.load`.  Raises BadInput, FitFailed."""
+        found = _fit(self._folder, find_fit(self._folder, fit))
+        if found.state == "failed":
+            raise FitFailed(found.reason or "This fit failed; start it again.")
+        if found.state != "done":
+            raise Conflict(f"This fit has no result: it is {found.state}.")
+        return Fit.load(found.folder, model)
+
+    def plan(self, version: int | None = None) -> dict[str, Any]:
+        """The plan as a document breastrig/plan@1 with its version, points in mm of the scan that each item names.
+
+        `version` is one of `plan_versions`; None: the plan in force.  Raises BadInput.
+        """
+        document = get_plan(self._folder, version).document
+        named = {item.scan for item in document.items}
+        scans = [
+            {"id": one.id, "stance": one.document.facts["stance"]["proposed"], "sha256": one.document.sha256}
+            for one in self._folder.scans()
+            if one.id in named
+        ]
+        known = {"patient": self.code, "scans": scans}
+        return document.model_dump(mode="json", by_alias=True) | known
+
+    @property
+    def plan_etag(self) -> str:
+        """The ETag of the plan in force: `put_plan` takes it as `seen`. It changes with each change, by whomever."""
+        return get_plan(self._folder).etag
+
+    @property
+    def plan_versions(self) -> list[int]:
+        """The numbers of the stored versions, the newest last; fifty at most."""
+        return plan_versions(self._folder)
+
+    def put_plan(
+        self, document: Mapping[str, Any], seen: str | None = None, *, scan: str = "", same_patient: bool = False
+    ) -> int:
+        """Replaces the plan by a document breastrig/plan@1 or breastrig/drawing@1, in mm; its new version.
+
+        `seen` is the `plan_etag` that was read before: another program may have changed the plan since, which raises
+        Conflict (a kind of BadInput).  `scan` is that of items that name none.  A plan that names another
+        patient's code and scans is refused unless `same_patient`.  Raises BadDrawing or another BadInput.
+        """
+        plan = checked_plan(dict(document))
+        digests = [one.document.sha256 for one in self._folder.scans()]
+        asked_about(plan.model_dump(mode="json"), digests, [self.code], same_patient)
+        items = [item if item.scan else item.model_copy(update={"scan": scan}) for item in plan.items]
+        unnamed = next((item.id for item in items if not item.scan), None)
+        if unnamed is not None:
+            raise BadInput(f'The item "{unnamed}" does not say on which scan it was made; say which with scan.')
+        check_printable(texts_of(items))
+        for item in items:
+            if not isinstance(item, PlanLine | PlanNote | PlanLesion):
+                drawing_with(loaded(None), *asked_of(item))
+        return put_plan(self._folder, items, seen).document.version
+
+    def undo(self, version: int, seen: str | None = None) -> int:
+        """Puts an earlier version of the plan in force, as a new one; its number.  Raises BadInput."""
+        earlier = get_plan(self._folder, version).document
+        return put_plan(self._folder, earlier.items, seen).document.version
+
+    def move_scan(self, scan: str, to: "Case", *, again: bool = False) -> None:
+        """The scan is of the other case from then on, with its fits and what was planned on it.
+
+        A case goes with its last scan.  Raises BadInput, also while a fit of the scan runs.
+        """
+        move_scan(self._folder, scan, to._folder, again)
+
+    def delete_scan(self, scan: str) -> None:
+        """Deletes the scan for good, with all that was made of it; the case with its last scan.
+
+        Raises NotRemoved when it is deleted, and files of it are left.
+        """
+        _all_removed(delete_scan(self._folder, scan))
+
+    def delete(self) -> None:
+        """Deletes the case for good.  Raises NotRemoved when it is deleted, and files of it are left."""
+        _all_removed(delete_case(self._folder))
+
+    def __repr__(self) -> str:
+        return f"<Case {self.code}: {len(self._folder.scan_ids())} scans>"
+
+    def cuts(self, scan: str) -> tuple[dict[str, Any], ...]:
+        """The scan's cuts by hand, oldest first. Raises BadInput."""
+        return get_cuts(self._folder, scan)
+
+
+def _scan(folder: CaseFolder, entry: ScanEntry) -> CaseScan:
+    facts = entry.document.facts
+    return CaseScan(
+        id=entry.id,
+        created_at=entry.document.created_at,
+        sha256=entry.document.sha256,
+        unit=facts["unit"],
+        triangles=facts.get("triangles", 0),
+        stance=facts["stance"]["proposed"],
+        notes=tuple(facts.get("notes", ())),
+        folder=folder.scan_folder(entry.id),
+    )
+
+
+def _fit(folder: CaseFolder, entry: FitEntry) -> CaseFit:
+    last = entry.last or {}
+    result = last.get("result", {})
+    return CaseFit(
+        id=entry.id,
+        scan=entry.scan,
+        asked_at=entry.document.asked_at,
+        state=entry.state,
+        reason=last.get("reason"),
+        verdict=(result.get("verdict") or {}).get("level"),
+        stance=result.get("stance"),
+        folder=folder.path / layout.fit_part(entry.scan, entry.id),
+        predicted_from=entry.document.predicted_from,
+    )
+
+
+def _all_removed(left: Sequence[Left]) -> None:
+    if left:
+        raise NotRemoved(len(left))

@@ -1,0 +1,175 @@
+"""A case at work: a scan read into it, a fit run in it.  Knows neither processes nor the index."""
+
+import json
+from collections.abc import Generator, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any, cast
+
+from breastrig.cases import layout
+from breastrig.cases.case_folder import CaseFolder, sync_file, utc_now
+from breastrig.cases.documents import FitDocument, ScanDocument
+from breastrig.cases.fits import CANCELLED, Claim, added, events_after, find_fit, get_fit
+from breastrig.cases.of_scans import get_cuts, get_landmarks
+from breastrig.cases.plans import put_items_of_scan
+from breastrig.cases.writing import replace
+from breastrig.core.errors import BadInput, BreastRigError, Conflict
+from breastrig.core.model_choice import FACT, model_choice
+from breastrig.core.stances import Stance
+from breastrig.core.units import UNIT_CHOICES
+from breastrig.drawings.plan_schema import PlanLesion
+from breastrig.files.result import RESULT
+from breastrig.scan.limits import TRIANGLES
+from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
+from breastrig.use.jobs import EarlierFit, FitJob, PredictionJob, UploadJob
+from breastrig.use.predictions.run_prediction import run_prediction
+from breastrig.use.read_upload import read_upload
+from breastrig.use.run_fit import run_fit
+from breastrig.use.steps.events import Event, Failed, event_json
+
+BROKE = "The fit broke for a reason inside BreastRig; start the fit again."
+
+
+def read_into_case(
+    case: CaseFolder,
+    file: Path,
+    sha256: str,
+    units: str = "auto",
+    model: str = "",
+    answers: VolumeAnswers = NOTHING_SAID,
+    again: bool = False,
+) -> str:
+    """Reads a scan's file and keeps what was read of it, without names and comments; the scan's id.
+
+    `model` is the name of the packaged model to fit it with, empty for the first.  What a label map shows inside
+    becomes items of the plan.  Raises BadScan, TooLarge, NeedsYes where the case has that file already and nobody said
+    `again`; then nothing is kept.
+    """
+    assert units in UNIT_CHOICES
+    own = model_choice(None)
+    chosen = {FACT: model} if model in own.others else {}
+    with case.incoming() as made:
+        kept, mesh, small = (made / name for name in (layout.STORED, layout.MESH, layout.THUMBNAIL))
+        facts = read_upload(UploadJob(file, units, kept, mesh, small, TRIANGLES, own.of(chosen), answers))
+        lesions: list[dict[str, Any]] = facts.pop("lesions", [])
+        facts.pop("labels", None)  # the file's own words are nowhere kept
+        scan_id = case.add_scan(
+            made, ScanDocument(created_at=utc_now(), sha256=sha256, facts=facts | chosen), again=again
+        )
+    if lesions:
+        items = [PlanLesion.model_validate({"id": layout.new_id(), "scan": scan_id, **each}) for each in lesions]
+        put_items_of_scan(case, scan_id, "lesion", items)
+    return scan_id
+
+
+def asked_fit(case: CaseFolder, scan_id: str, **asked: Any) -> FitDocument:
+    """A fit of the scan to be run, with its landmarks and cuts as they are now.  Raises NotFound."""
+    picks = get_landmarks(case, scan_id)
+    return FitDocument(
+        asked_at=utc_now(),
+        landmarks_mm=picks.points_mm,
+        certain=list(picks.certain),
+        confidence=picks.confidence,
+        cuts=list(get_cuts(case, scan_id)),
+        **asked,
+    )
+
+
+def asked_prediction(case: CaseFolder, fit_id: str, stance: str) -> FitDocument:
+    """The patient of a fit in another stance, to be run as a fit like any other.
+
+    Raises NotFound, Conflict when the fit is not done, BadInput when nothing can be predicted from it.
+    """
+    fit = find_fit(case, fit_id)
+    if fit.document.predicted_from is not None:
+        raise BadInput("This fit is itself predicted; predict from the fit of a scan.")
+    if fit.state != "done" or fit.last is None:
+        raise Conflict(f"This fit is {fit.state}; a stance is predicted from a fit that is done.")
+    if fit.last["result"]["stance"] == stance:
+        raise BadInput(f"The scan is {stance} already; ask for another stance.")
+    asked = {"asked_at": utc_now(), "stance": stance, "predicted_from": fit_id, "start_from": None}
+    return fit.document.model_copy(update=asked)
+
+
+def fit_events(
+    case: CaseFolder, scan_id: str, asked: FitDocument, model: Path | None = None
+) -> Generator[Event, None, str]:
+    """Keeps a fit in the case and runs it: its events, each stored before it is handed on; returns the fit's id.
+
+    `model` is another rig than the scan's.  Nobody else can take the fit up.  Who leaves the generator cancels it.
+    Raises NotFound, the fit's own BreastRigError after it is stored as its end.
+    """
+    with added(case, scan_id, asked) as claim, _ending(claim), case.incoming() as made:
+        for event in _events(_job(case, scan_id, asked, made, model)):
+            if event.kind == "done":
+                put_files(made, claim.folder)
+            if not claim.append(event_json(event)):
+                break  # it was cancelled
+            yield event
+    return claim.fit_id
+
+
+@contextmanager
+def _ending(claim: Claim) -> Iterator[None]:
+    """Stores the end of the fit, whatever ends it, as its last event."""
+    try:
+        yield
+    except BreastRigError as error:
+        claim.end(event_json(Failed(reason=str(error))))
+        raise
+    except (GeneratorExit, KeyboardInterrupt):
+        claim.end(CANCELLED)
+        raise
+    except Exception:
+        with suppress(OSError, BreastRigError):
+            claim.end(event_json(Failed(reason=BROKE)))
+        raise
+
+
+def put_files(made: Path, folder: Path) -> None:
+    """The fit's files in their place, result.json last; the log is there already."""
+    names = {each.name for each in made.iterdir()} - {layout.LOG, RESULT}
+    for name in (*sorted(names), *([RESULT] if (made / RESULT).exists() else [])):
+        sync_file(made / name)
+        replace(made / name, folder / name)
+
+
+def _events(job: FitJob | PredictionJob) -> Generator[Event, None, None]:
+    return run_prediction(job) if isinstance(job, PredictionJob) else run_fit(job)
+
+
+def _job(case: CaseFolder, scan_id: str, asked: FitDocument, out: Path, model: Path | None) -> FitJob | PredictionJob:
+    scan = case.scan(scan_id)
+    facts = scan.facts
+    rig = model or model_choice(None).of(facts)
+    if asked.predicted_from is not None:
+        source = case.path / layout.fit_part(scan_id, asked.predicted_from)
+        return PredictionJob(source, out, cast(Stance, asked.stance), asked.drawing, rig)
+    return FitJob(
+        scan=case.scan_folder(scan_id) / scan.file,
+        out=out,
+        landmarks_mm=asked.landmarks_mm,
+        certain=tuple(asked.certain),
+        landmark_confidence=asked.confidence,
+        units=facts["unit"],
+        file_type=scan.file.partition(".")[2],
+        stance=asked.stance,
+        preset=asked.preset,
+        drawing=asked.drawing,
+        model=rig,
+        refine=asked.refine,
+        orientation=None if asked.cuts else facts.get("orientation"),  # that is of the whole scan
+        cuts=tuple(asked.cuts),
+        earlier=None if asked.start_from is None else _earlier(case, scan_id, asked.start_from),
+    )
+
+
+def _earlier(case: CaseFolder, scan_id: str, fit_id: str) -> EarlierFit:
+    """A fit that is done, as its last iteration stands, to go on from.  Raises NotFound, Conflict."""
+    get_fit(case, scan_id, fit_id)
+    lines = [json.loads(line) for _, line in events_after(case.path / layout.fit_part(scan_id, fit_id))]
+    first = next((event for event in lines if event["kind"] == "started"), None)
+    last = next((event for event in reversed(lines) if event["kind"] == "iterated"), None)
+    if first is None or last is None:
+        raise Conflict("The fit to go on from has not come to a first iteration; start the fit without it.")
+    return EarlierFit(first["stance"], last["nodes"], first["model_sha256"])

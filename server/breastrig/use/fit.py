@@ -1,0 +1,246 @@
+"""Fits of one scan: as a stream of iterates, or at once.
+
+The stream is an iterator and not a callback, as in the rest of the package: whoever stops consuming it has cancelled
+the fit, and an error is raised where the next iterate is asked for.
+"""
+
+from collections.abc import Generator, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Generic, TypeAlias, TypeVar
+
+from breastrig.core.arrays import Array, frozen
+from breastrig.core.errors import BadSettings, FitFailed
+from breastrig.core.one_thread import one_thread
+from breastrig.core.stances import AUTO
+from breastrig.drawings.patterns import tumour_text
+from breastrig.gltf.pose_nodes import node_poses
+from breastrig.rig.named_parameters import Parameters, in_metres, parameters_by_name
+from breastrig.rig.parameters import RigParameters
+from breastrig.rig.skinning import pose
+from breastrig.use.jobs import FIRST, EarlierFit, FitSettings
+from breastrig.use.landmarks import Landmarks, landmarks_in_mm
+from breastrig.use.run_fit import fit_steps
+from breastrig.use.scan import ScanLike, ScanSource
+from breastrig.use.steps.prepare import Clock, ReadyScan, check_prior, fit_plan, prepare_fit
+from breastrig.use.steps.recorder import FitOutcome, RecordedIterate
+from breastrig.use.values.fit_result import Fit, fit_of_outcome
+from breastrig.use.values.model import Model, Rig, files_of, public, with_cohort
+
+Step = TypeVar("Step")
+Result = TypeVar("Result")
+Preset: TypeAlias = str | Mapping[str, Any]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Iterate:
+    """One state of a fit; numbers in mm are means over what is matched at that moment."""
+
+    iteration: int  # 0 is the start
+    stage: str
+    energy: float  # comparable within one iteration only: matches and sigmas change
+    mean_distance_mm: float  # of matched model vertices to the scan
+    landmark_distance_mm: float | None  # of the given landmarks; None without any
+    coverage: float  # share of the model's vertices with an accepted match
+    elapsed_s: float  # since the first iteration
+    model: Rig
+    in_metres: RigParameters  # in the scan's frame
+    metres_per_unit: float
+
+    @cached_property
+    def vertices(self) -> Array:
+        """(V, 3) the model at this moment, in the scan's unit and frame."""
+        vertices: Array = frozen(pose(self.model, self.in_metres) / self.metres_per_unit)
+        return vertices
+
+    @cached_property
+    def parameters(self) -> Parameters:
+        """Pose and shape at this moment, by name, in the scan's unit and frame."""
+        return parameters_by_name(self.model, self.in_metres, self.metres_per_unit)
+
+    def __repr__(self) -> str:
+        return f"<Iterate {self.iteration}: {self.stage}, {self.mean_distance_mm:.2f} mm>"
+
+
+class FitRun(Iterator[Step], Generic[Step, Result]):
+    """The iterates of a fit, one at a time; `result()` is what it ends with.
+
+    Nothing is computed between two iterates.  `iterations_limit` is the most that can come.
+    """
+
+    def __init__(self, steps: Generator[Step, None, Result], iterations_limit: int) -> None:
+        self._steps = steps
+        self._result: Result | None = None
+        self.iterations_limit = iterations_limit
+
+    def __iter__(self) -> "FitRun[Step, Result]":
+        return self
+
+    def __next__(self) -> Step:
+        with one_thread():
+            try:
+                return next(self._steps)
+            except StopIteration as end:
+                self._result = self._result if end.value is None else end.value
+                raise StopIteration from None
+
+    def result(self) -> Result:
+        """The fit's result; runs the remaining iterations. Raises FitFailed, also when it was closed before."""
+        for _ in self:
+            pass
+        if self._result is None:
+            raise FitFailed("This fit was stopped before its end; start it again.")
+        return self._result
+
+    def close(self) -> None:
+        """Cancels what is left."""
+        self._steps.close()
+
+
+def iterates(
+    scan: "ScanLike | ScanSource",
+    landmarks: Landmarks = None,
+    *,
+    certain: Sequence[str] = (),
+    units: str = "auto",
+    stance: str = "auto",
+    preset: Preset = "default",
+    drawing: str | None = FIRST,
+    tumours: Sequence[str] = (),
+    refine: bool = True,
+    start: Fit | Parameters | None = None,
+    locked: Sequence[str] = (),
+    model: Model = None,
+    prior: str | Path | None = None,
+) -> FitRun[Iterate, Fit]:
+    """A fit as an iterator of `Iterate` objects, each with its vertices (V, 3) in the scan's unit and frame::
+
+        run = breastrig.iterates("scan.ply")
+        for iterate in run:
+            print(iterate.iteration, iterate.mean_distance_mm)
+        fit = run.result()
+
+    Arguments and errors are those of `fit`.  Everything up to the first iteration is done by this call; leaving the
+    loop cancels the fit.
+    """
+    clock = Clock()
+    source = scan if isinstance(scan, ScanSource) else ScanSource(scan, units)
+    picks = landmarks_in_mm(landmarks, source, certain)
+    with one_thread():
+        rig = with_cohort(model, prior)
+        settings = FitSettings(
+            stance=stance,
+            preset=preset,
+            drawing="+".join([*filter(None, [drawing]), *(tumour_text(short) for short in tumours)]) or None,
+            landmark_confidence=picks.confidence,
+            certain=picks.certain,
+            refine=refine,
+            earlier=_earlier(start, stance, rig),
+            locked=tuple(locked),
+        )
+        plan = fit_plan(settings, rig, picks.points_mm)
+        check_prior(plan.recipe, prior)
+        ready = prepare_fit(plan, *source.read())
+    own = preset if isinstance(preset, str) and preset.endswith(".toml") else None  # a preset of the user's
+    places = landmarks if isinstance(landmarks, str | Path) else None
+    inputs = (*(Path(file) for file in (source.file, places, own) if file is not None), *files_of(model, prior))
+
+    def steps() -> Generator[Iterate, None, Fit]:
+        for step in fit_steps(ready, clock):
+            if isinstance(step, FitOutcome):
+                return fit_of_outcome(step, inputs)
+            yield _iterate_of(step, ready)
+        raise AssertionError("a fit ends with its outcome")
+
+    return FitRun(steps(), ready.task.recipe.iterations_limit)
+
+
+def fit(
+    scan: ScanLike,
+    landmarks: Landmarks = None,
+    *,
+    certain: Sequence[str] = (),
+    units: str = "auto",
+    stance: str = "auto",
+    preset: Preset = "default",
+    drawing: str | None = FIRST,
+    tumours: Sequence[str] = (),
+    refine: bool = True,
+    start: Fit | Parameters | None = None,
+    locked: Sequence[str] = (),
+    model: Model = None,
+    prior: str | Path | None = None,
+) -> Fit:
+    """Fits the model to one scan, and returns a `Fit` with everything in the scan's unit and frame; writes nothing.
+
+    Args:
+        scan: From `read_scan`, the path of a file, or a trimesh.Trimesh.
+        landmarks: Name -> (3,) place in the scan's unit and frame, or a `Proposal`; or the path of a landmark file
+            (JSON, CSV, .pp, .mrk.json, .fcsv, .pts); None: the scan alone decides.
+        certain: Names of landmarks that are always followed, besides those that the file names so.
+        units: Of a path: auto, m, dm, cm, mm, in, ft.
+        stance: auto, standing, supine or prone (of an MRI).
+        preset: default, paper, the path of a TOML file, or a dict of what differs from the default or from
+            "base", another preset: {"scales": {"sigma": 0.1}, "stages": {"settle": {"iterations": 5}}}
+            (`breastrig presets show default` has the names).
+        drawing: first: the model's first drawing, if it has any (the torso's: lumpectomy); one by its name (anatomy,
+            mastectomy), a pattern in mm (reduction:areola_mm=42), several joined by +, or None.  A pattern that does
+            not fit on this patient is left out, and `fit.drawing_missing` says why.
+        tumours: Circles on the skin, in mm: "L:10,45,12" (side: hour, distance from the nipple, radius), or
+            "at:X,Y,Z,RADIUS" around a place in the scan's frame.
+        refine: Whether a smooth free-form layer follows the skin that the scan shows; the model's own distances are in
+            `fit.result["model_alone"]`.
+        start: A `Fit` of the same scan, or `Parameters` in its unit and frame, to go on from; None: it is found.
+        locked: Blocks that stay where they start: scales, shapes, rotations, translations, the name of a bone or a
+            shape, or one part of a bone (lumbar.scale).
+        model: From `load_model`, or the path of a .glb; None: the torso of the package.
+        prior: A file of `breastrig cohort`, of fits with this model; None: the built-in prior.
+
+    Raises:
+        BadInput: BadScan, BadLandmarks, BadDrawing, BadModel or BadSettings, for what can be mended.
+        FitFailed: When the fit fails.
+    """
+    return iterates(
+        scan,
+        landmarks,
+        certain=certain,
+        units=units,
+        stance=stance,
+        preset=preset,
+        drawing=drawing,
+        tumours=tumours,
+        refine=refine,
+        start=start,
+        locked=locked,
+        model=model,
+        prior=prior,
+    ).result()
+
+
+def _earlier(start: Fit | Parameters | None, stance: str, rig: Rig) -> EarlierFit | None:
+    """The fit to continue from; BadSettings for one of another rig."""
+    if start is None:
+        return None
+    x = in_metres(rig, start.parameters if isinstance(start, Fit) else start)
+    stance = start.stance if isinstance(start, Fit) else stance
+    if stance == AUTO:
+        raise BadSettings("Parameters do not say the stance that they are of; give stance as well.")
+    return EarlierFit(stance, node_poses(rig, x), rig.sha256)
+
+
+def _iterate_of(step: RecordedIterate, ready: ReadyScan) -> Iterate:
+    """A recorded iterate for programs."""
+    event = step.event
+    return Iterate(
+        iteration=event.iteration,
+        stage=event.stage,
+        energy=event.energy,
+        mean_distance_mm=event.mean_distance_mm,
+        landmark_distance_mm=event.landmark_distance_mm,
+        coverage=event.coverage,
+        elapsed_s=event.elapsed_s,
+        model=public(ready.task.rig),
+        in_metres=step.iterate.parameters,
+        metres_per_unit=ready.scan.metres_per_unit,
+    )

@@ -1,0 +1,98 @@
+"""Landmarks as programs give and get them: names with places in the scan's unit and frame."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from breastrig.core.arrays import Array, frozen
+from breastrig.core.errors import BadLandmarks
+from breastrig.core.one_thread import one_thread
+from breastrig.core.picks import Picks
+from breastrig.core.proposed import why_not_proposed
+from breastrig.scan.landmarks.landmark_files import landmarks_of_file
+from breastrig.use.propose_on_scan import propose_on_scan
+from breastrig.use.scan import Scan, ScanSource
+from breastrig.use.values.model import Model, loaded
+
+
+@dataclass(frozen=True, eq=False)
+class Proposal:
+    """A proposed landmark."""
+
+    point: Array  # (3,) in the scan's unit and frame
+    confidence: float  # 0 to 1; a person's own pick is 1
+    on_scan: bool  # on skin that the scan shows; false where a breast or the scan's end hides it, and skin is near
+    error: float | None = None  # in the scan's unit: the radius that holds the true place with 90 %; None: not known
+    reason: str | None = None  # what shows it beside the body's form, as "areola seen"
+
+
+class Proposals(dict[str, Proposal]):
+    """Name -> Proposal; `not_proposed` says of every other landmark of the model why it is not there, in a sentence."""
+
+    def __init__(self, proposed: Mapping[str, Proposal], not_proposed: Mapping[str, str]) -> None:
+        super().__init__(proposed)
+        self.not_proposed = MappingProxyType(dict(not_proposed))
+
+
+Landmarks = Mapping[str, ArrayLike | Proposal] | str | Path | None
+
+
+def propose_landmarks(scan: Scan | str | Path, *, units: str = "auto", model: Model = None) -> Proposals:
+    """A first guess of every landmark that the scan shows, to be checked by a person: name -> Proposal.
+
+    Each `point` (3,) and its `error` are in the scan's unit and frame.  `units` belongs to a path, as in `read_scan`.
+    `fit` takes the answer, whole or in part, as its landmarks, but is not pulled by what is only proposed: it comes
+    from the same scan.  What a person has checked is given as a place: `proposal.point`.
+    The answer's `not_proposed` names the other landmarks, each with a sentence why.
+
+    Raises BadScan or another BadInput with one sentence.
+    """
+    found, _ = ScanSource(scan, units).read()
+    with one_thread():
+        guesses = propose_on_scan(loaded(model), found)
+    why = {name: why_not_proposed(each.to_skin, each.error) for name, each in guesses.items()}
+    proposed = {
+        name: Proposal(
+            frozen(each.point / found.metres_per_unit),
+            each.confidence,
+            each.on_scan,
+            None if each.error is None else each.error / found.metres_per_unit,
+            each.reason,
+        )
+        for name, each in guesses.items()
+        if why[name] is None
+    }
+    return Proposals(proposed, {name: reason for name, reason in why.items() if reason is not None})
+
+
+def landmarks_in_mm(given: Landmarks, scan: ScanSource, certain: Sequence[str] = ()) -> Picks:
+    """Places in mm, the confidences that stand beside them, and what is certain: `certain` and what the file names.
+
+    A file without a unit of its own has the scan's; only then, or for places that a program gives, the scan is read.
+    Raises BadLandmarks.
+    """
+    if isinstance(certain, str):
+        raise BadLandmarks(f'certain must be a list of landmarks\' names, as in ["{certain[:100]}"].')
+    if given is None:
+        return Picks(certain=tuple(certain))
+    if isinstance(given, str | Path):
+        found = landmarks_of_file(Path(given), lambda: scan.read()[0].measured)
+        return replace(found, certain=(*found.certain, *certain))
+    metres = scan.read()[0].metres_per_unit
+    confidences = {name: each.confidence for name, each in given.items() if isinstance(each, Proposal)}
+    places_mm = {name: _in_mm(name, each, 1e3 * metres) for name, each in given.items()}
+    return Picks(places_mm, tuple(certain), confidences)
+
+
+def _in_mm(name: str, given: ArrayLike | Proposal, mm_per_unit: float) -> list[float]:
+    try:
+        place = np.asarray(given.point if isinstance(given, Proposal) else given, dtype=np.float64)
+    except (TypeError, ValueError):
+        place = np.zeros(0)
+    if place.shape != (3,):
+        raise BadLandmarks(f"The landmark {name} needs three finite numbers x y z.")
+    return [mm_per_unit * float(value) for value in place]

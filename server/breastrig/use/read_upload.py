@@ -1,0 +1,83 @@
+"""The worker's side of one upload: read it, say what it is, write what is kept and the mesh for display.
+
+An upload is hostile until it has been read, and holds more of a patient than her skin.  This runs in a process of its
+own with limits of memory and time, gives back nothing but numbers and sentences, and writes a file of our own, from
+which everything later starts; the upload itself is not kept.  How the patient lies in the scan is among the numbers:
+proposals and fits of this scan begin with it.
+"""
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from breastrig.core.errors import BadScan, TooLarge
+from breastrig.core.stances import AUTO
+from breastrig.fitting.hypotheses import scan_orientation
+from breastrig.fitting.recipe import load_recipe
+from breastrig.gltf.mesh_glb import mesh_glb
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.report.pictures import thumbnail_png
+from breastrig.scan.read import read_scan
+from breastrig.scan.stored_scan import write_stored
+from breastrig.scan.units import extent, size_doubt
+from breastrig.use.jobs import UploadJob
+from breastrig.use.steps.kept_scan import prepared_scan
+
+PIECES = 20  # the largest, at most so many, are reported to the page
+
+
+def read_upload(job: UploadJob) -> dict[str, Any]:
+    """The facts of the scan, ready for JSON.  Raises BadScan or TooLarge with a sentence."""
+    try:
+        return _read(job)
+    except MemoryError as error:
+        raise BadScan("Reading this scan needs more memory than it may use; give a smaller file.") from error
+    except RecursionError as error:
+        raise BadScan("This scan's file is nested too deeply to be read.") from error
+
+
+def _read(job: UploadJob) -> dict[str, Any]:
+    scan = read_scan(job.scan, job.scan.suffix.lstrip("."), job.units, answers=job.answers)
+    if len(scan.faces) > job.triangles:
+        raise TooLarge(
+            f"This scan has {len(scan.faces):,} triangles, more than the {job.triangles:,} allowed; simplify it first."
+        )
+    rig = read_rig(job.model or default_rig_path())
+    ready = prepared_scan(scan, AUTO)
+    orientation, _, _ = scan_orientation(rig, ready, load_recipe("default"))
+    body = ready.target.vertices[np.unique(ready.target.faces)]
+    table = ready.target.table
+    mesh = mesh_glb(scan.vertices, scan.faces, colours=scan.colours, uv=scan.uv, texture=scan.texture)
+    job.mesh.write_bytes(mesh)
+    is_whole = ready.target.faces is ready.surface.faces  # no table was cut away
+    rays = ready.target.rays if is_whole else None
+    job.thumbnail.write_bytes(thumbnail_png(ready.surface, orientation.body_frame(), rays))
+    write_stored(scan, job.kept)
+    return {
+        "unit": scan.unit,
+        "unit_reason": scan.unit_reason,
+        "size_doubt": size_doubt(
+            extent(ready.target.vertices[ready.target.faces[:, 0]]), scan.unit, scan.from_label_map
+        ),
+        "vertices": len(scan.vertices),
+        "triangles": len(scan.faces),
+        "bounds_m": {"min": scan.vertices.min(axis=0).tolist(), "max": scan.vertices.max(axis=0).tolist()},
+        "size_m": np.ptp(body @ orientation.start.rotation, axis=0).tolist(),
+        "colours": scan.colour_kind,
+        "reconstructed_from_points": scan.from_points,
+        "notes": [*scan.notes, *ready.surface.notes],
+        "lesions": [
+            {"name": each.name, "center": (1e3 * each.center).tolist(), "radius_mm": 1e3 * each.radius}
+            for each in scan.lesions
+        ],
+        "segments": [{name: fact for name, fact in asdict(each).items() if name != "label"} for each in scan.segments],
+        "labels": [each.label for each in scan.segments],  # for the first answer alone; never kept
+        "cut_away_cm2": round(1e4 * ready.cut_away),
+        "background": [{"normal": normal.tolist(), "height_m": height} for normal, height in ready.frame.background],
+        "table": None if table is None else {"normal": table.normal.tolist(), "height_m": table.height},
+        "other_pieces": [piece.place.tolist() for piece in ready.beside[:PIECES]],
+        "frame": orientation.body_frame(),
+        "stance": {"proposed": orientation.stance, "reason": orientation.stance_reason},
+        "orientation": orientation.facts(),
+    }

@@ -1,0 +1,225 @@
+"""The report of one fit, or of two stances of one patient, from the folders that `breastrig fit` wrote."""
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+from breastrig.colour.areolae import areolae_of
+from breastrig.core.arrays import Array
+from breastrig.core.documents import json_bytes
+from breastrig.core.errors import BadDrawing, BadInput
+from breastrig.core.identity import Identity
+from breastrig.core.private_files import read_ordinary, write_files
+from breastrig.drawings.drawing_file import FILE_BYTES, lines_on_scan, planned_on_scan, rounded_mm
+from breastrig.drawings.line_error import drawn_error
+from breastrig.drawings.plan_schema import PLAN_SCHEMA, checked_plan
+from breastrig.files.result import Distances, ResultFile, damaged, folder_name, joint_covariance
+from breastrig.geometry.polyline import Polyline
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.report.document import PlannedItem, Reported, report_document, stance_names, stance_said
+from breastrig.report.measures import measures
+from breastrig.report.stance import Stance
+from breastrig.report.table import contradictions, csv_bytes, flat_rows
+from breastrig.rig.model import Rig
+from breastrig.use.folder.fit_folder import FitFolder, fit_folder_of, still_visible
+from breastrig.use.folder.one_body import check_one_body, doubts_between
+from breastrig.use.folder.whose import check_whose
+from breastrig.use.jobs import PlanLines, ReportJob
+from breastrig.use.lines.plan_on_fit import plan_document, plan_on_folders
+from breastrig.use.lines.plan_words import NOT_DRAWN, planned_items
+
+REPORT_RECORD = "report.json"
+MEASURES_TABLE = "measures.csv"
+
+
+def drawn_lines(folder: Path, unit: str) -> tuple[Polyline, ...]:
+    """The lines of the folder's drawing.json, in metres, for a scan in this unit; none where there is no such file."""
+    file = folder / "drawing.json"
+    if not os.path.lexists(file):
+        return ()
+    try:
+        return lines_on_scan(read_ordinary(file, FILE_BYTES), unit)
+    except (OSError, BadDrawing) as error:
+        raise BadInput(f"{folder.resolve().name}/drawing.json is damaged; fit the scan again.") from error
+
+
+def laid_plan(
+    rig: Rig, document: dict[str, Any], fits: Sequence[FitFolder], same_patient: bool = False
+) -> tuple[PlanLines, ...]:
+    """The plan on the scan of each of a patient's fits; what names no scan was made on the first one's.
+
+    NeedsYes where two of them do not look like one patient's, unless a person says that they are.
+    """
+    for a, b in combinations(fits, 2):
+        check_one_body(a, b, same_patient)
+    plan = checked_plan(document, fits[0].unit)
+    found = []
+    for place, fit in enumerate(fits):
+        others = [other for other in fits if other is not fit]
+        laid = plan_on_folders(rig, plan, [(each, "") for each in (fit, *others)], home=0 if place == 0 else 1)
+        found.append((plan_document(plan, fit, laid), True))
+    return tuple(found)
+
+
+def planned_lines(folder: Path, unit: str, plan: PlanLines | None) -> tuple[Polyline, ...]:
+    """The lines on a fit's scan: the plan's, and the fit's own drawing where the plan does not include it."""
+    if plan is None:
+        return drawn_lines(folder, unit)
+    document, is_whole = plan
+    planned = planned_on_scan(document)
+    if is_whole:
+        return planned
+    named = {line.name for line in planned}
+    return (*(line for line in drawn_lines(folder, unit) if line.name not in named), *planned)
+
+
+def _without_own_errors(lines: tuple[Polyline, ...], plan: PlanLines | None) -> tuple[Polyline, ...]:
+    """The lines, without errors for those planned on this very scan: only transferred ones have an error there."""
+    shapes = () if plan is None else plan[0]["shapes"]
+    here = {shape["name"] for shape in shapes if not shape.get("carried", True)}
+    return tuple(replace(line, error=None) if line.name in here else line for line in lines)
+
+
+def _in_words(job: ReportJob, plan: PlanLines | None, fit: FitFolder) -> tuple[PlannedItem, ...]:
+    """The plan's items; none where there is no plan."""
+    if plan is None:
+        return ()
+    document = job.plan or {"schema": PLAN_SCHEMA, "unit": "mm", "items": list(job.items)}
+    missing = {each["item"]: str(each["reason"]) for each in plan[0].get("missing", ())}
+    return planned_items(checked_plan(document).items, plan[0], missing, fit)
+
+
+def _lesions(plan: PlanLines | None) -> tuple[dict[str, Any], ...]:
+    return () if plan is None else tuple(plan[0].get("lesions", ()))
+
+
+def stance_of(fit: FitFolder, lines: tuple[Polyline, ...] = ()) -> Stance:
+    """A fit as measures, pictures and exports want it."""
+    return Stance(
+        rig=fit.rig,
+        vertices=fit.vertices,
+        scan_vertices=fit.surface.vertices,
+        scan_faces=fit.surface.faces,
+        name=fit.stance,
+        picked=fit.landmarks,
+        seen=fit.seen,
+        lines=lines,
+        landmark_radii={name: 1e-3 * radius for name, radius in fit.result.landmark_uncertainty_mm.items()},
+        joint=_joint(fit.result),
+        areolae=areolae_of(fit.result, fit.metres_per_unit),
+        radii=fit.radii,
+        predicted=fit.result.predicted,
+    )
+
+
+def _joint(result: ResultFile) -> tuple[tuple[str, ...], Array] | None:
+    names = tuple(result.landmark_uncertainty_mm)
+    found = joint_covariance(result.landmark_covariance_mm2, len(names))
+    return None if found is None else (names, 1e-6 * found)
+
+
+def reported(job: ReportJob, rig: Rig | None = None) -> list[Reported]:
+    """Reads and measures; BadInput says what is wrong with a folder.  `rig` is that of the job, read already."""
+    rig = rig or read_rig(job.model or default_rig_path())
+    folders = [job.fit] if job.other is None else [job.fit, job.other]
+    whole = [fit_folder_of(folder, rig) for folder in folders]
+    if job.plan is not None:
+        check_whose(job.plan, [fit.result for fit in whole], job.same_patient)
+    fits = [still_visible(fit, cuts) for fit, cuts in zip(whole, job.cuts or ((),) * len(whole), strict=True)]
+    plans = (
+        laid_plan(rig, job.plan, fits, job.same_patient) if job.plan is not None else (job.plans or (None,) * len(fits))
+    )
+    for folder, fit in zip(folders, fits, strict=True):
+        _check_distances(folder, fit.result)
+    drawn = [planned_lines(folder, fit.unit, plan) for folder, fit, plan in zip(folders, fits, plans, strict=True)]
+    stances = [
+        stance_of(fit, _without_own_errors(lines, plan)) for fit, lines, plan in zip(fits, drawn, plans, strict=True)
+    ]
+    doubts = (*job.doubts, *(doubts_between(fits[0], fits[1], job.one_patient) if len(fits) == 2 else ()))
+    names = stance_names([stance_said(fit.result) for fit in fits])
+    rows = [measures(stance) for stance in stances]
+    doubts += contradictions(list(zip(names, rows, strict=True)))
+    return [
+        Reported(
+            name,
+            stance,
+            fit.result,
+            measured,
+            _in_words(job, plan, fit),
+            _lesions(plan),
+            doubts,
+            rounded_mm(drawn_error(lines)),
+        )
+        for name, stance, fit, measured, plan, lines in zip(names, stances, fits, rows, plans, drawn, strict=True)
+    ]
+
+
+def _check_distances(folder: Path, result: ResultFile) -> None:
+    """BadInput where a mean stands alone: its page shows the largest and the 95th percentile as well."""
+    for name in ("surface_distance_mm", "scan_to_model_mm"):
+        for said in (result, result.distances):
+            found: Distances = getattr(said, name)
+            if found.mean is not None and None in (found.p95, found.max):
+                raise damaged(folder_name(folder), name)
+    if result.landmark_distance_mm.mean is not None and result.landmark_distance_mm.max is None:
+        raise damaged(folder_name(folder), "landmark_distance_mm")
+
+
+def _pdf(stances: list[Reported], identity: Identity) -> bytes:
+    from breastrig.report.pages.pdf import report_pdf  # the typesetter is 80 MB, and the server makes no PDF itself
+
+    return report_pdf(stances, identity)
+
+
+def report_files(job: ReportJob, pdf_name: str = "report.pdf") -> dict[str, bytes]:
+    """report.json, measures.csv and the PDF."""
+    return _files(reported(job), job.identity, pdf_name)
+
+
+def _files(stances: list[Reported], identity: Identity, pdf_name: str) -> dict[str, bytes]:
+    return {
+        REPORT_RECORD: json_bytes(report_document(stances)),
+        MEASURES_TABLE: _measures_csv(stances),
+        pdf_name: _pdf(stances, identity),
+    }
+
+
+def measures_csv_of(job: ReportJob) -> bytes:
+    """The table of measures alone: what each row of a batch gets."""
+    return _measures_csv(reported(job))
+
+
+def _measures_csv(stances: list[Reported]) -> bytes:
+    verdicts = {each.name: each.result.verdict.level if each.result.verdict else "" for each in stances}
+    return csv_bytes(flat_rows([(each.name, each.rows) for each in stances]), verdicts)
+
+
+def write_three_files(job: ReportJob, folder: Path, pdf_name: str, rig: Rig | None = None) -> tuple[str, ...]:
+    """Writes the three files; returns why patterns and items are not drawn, a sentence each.
+
+    BadInput when the folder cannot be written.
+    """
+    stances = reported(job, rig)
+    write_files(_files(stances, job.identity, pdf_name), folder)
+    planned = (each.text for stance in stances for each in stance.plan if each.text.startswith(NOT_DRAWN))
+    return tuple(dict.fromkeys((*(why for stance in stances for why in stance.result.drawing_missing), *planned)))
+
+
+def report_pdf_of(job: ReportJob) -> bytes:
+    """The PDF alone: what the service's worker makes."""
+    return _within_memory(lambda: _pdf(reported(job), job.identity))
+
+
+def measures_json_of(job: ReportJob) -> bytes:
+    """report.json alone, likewise."""
+    return _within_memory(lambda: json_bytes(report_document(reported(job))))
+
+
+def _within_memory(make: Callable[[], bytes]) -> bytes:
+    try:
+        return make()
+    except MemoryError as error:
+        raise BadInput("The report of this scan needs more memory than it may use; give a smaller scan.") from error

@@ -1,0 +1,1 @@
+"""The steps of one fit: its scan made ready, its iterates recorded, its events."""

@@ -1,0 +1,200 @@
+"""Each iteration of one scan's fit as an event, and what is known at its end.
+
+Nothing is written here: the same outcome becomes a folder of files, an event, or a program's `Fit`.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from breastrig.colour.areolae import ObservedAreola
+from breastrig.colour.features.observation import Observation
+from breastrig.core.arrays import Array
+from breastrig.core.errors import BreastRigError, FitFailed
+from breastrig.correspondence.distances import Comparison, SurfaceDistances
+from breastrig.drawings.line_error import with_errors
+from breastrig.drawings.project_drawing import on_scan
+from breastrig.fitting.body.hidden_skin import skin_behind
+from breastrig.fitting.fit import FitIterate
+from breastrig.fitting.observed.landmarks import followed, observed_areolae
+from breastrig.fitting.picks.issues import unusual
+from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.propose import propose_landmarks
+from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.refine import refined
+from breastrig.fitting.solve import ended
+from breastrig.fitting.stance import UNCLEAR
+from breastrig.fitting.starts.orientation import MIN_LANDMARKS
+from breastrig.fitting.task import PickIssue
+from breastrig.fitting.uncertainty.contribution import contribution
+from breastrig.fitting.uncertainty.radii import HOLDS_90, Radii
+from breastrig.fitting.verdicts.judge import judge
+from breastrig.fitting.verdicts.reasons import GivenLandmarks, picked_names
+from breastrig.fitting.verdicts.verdict import Verdict
+from breastrig.geometry.polyline import Polyline
+from breastrig.gltf.pose_nodes import node_poses
+from breastrig.least_squares.newton import Status
+from breastrig.rig.cohort_posterior import Gaussian
+from breastrig.rig.model import ModelDrawing, Rig
+from breastrig.rig.parameters import RigParameters
+from breastrig.scan.limits import NO_PLACES
+from breastrig.scan.scan import Scan
+from breastrig.use.steps.events import Iterated, NodePose
+from breastrig.use.steps.prepare import Clock, ReadyScan
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedIterate:
+    """One iteration and its event."""
+
+    iterate: FitIterate
+    event: Iterated
+
+
+@dataclass(frozen=True, eq=False)
+class ModelAlone:
+    """The rig as its bones and shapes have it, without the free-form layer."""
+
+    vertices: Array  # (V, 3) m, in the scan's frame
+    distances: SurfaceDistances
+
+
+@dataclass(frozen=True, eq=False)
+class FitOutcome:
+    """The result of a fit, from which its files, a report or a program's `Fit` are made.
+
+    Parameters are in the scan's frame, metres.
+    """
+
+    ready: ReadyScan  # what was fitted, and as what
+    recorded: tuple[RecordedIterate, ...]
+    parameters: RigParameters
+    covariance: Array  # (P, P) of a step from the parameters (fitting/posterior.py)
+    body: Gaussian | None  # what it says of her body (fitting.uncertainty.contribution.py)
+    vertices: Array  # (V, 3) m, the fitted surface in the scan's frame, refined or not
+    model_alone: ModelAlone
+    timing_s: dict[str, float]
+    distances: SurfaceDistances
+    seen: Mapping[str, Observation]  # by name, from colours
+    doubts: tuple[PickIssue, ...]  # picks that are asked about
+    drawing: ModelDrawing | None
+    drawing_missing: tuple[str, ...]  # of each pattern that does not fit on this patient why, a sentence or two
+    lines: tuple[Polyline, ...]
+    radii: Radii | None  # None: nothing is known of this model's errors
+    areolae: Mapping[str, ObservedAreola | None]  # by side, None where none is seen; empty for a scan without texture
+    verdict: Verdict
+
+
+def record(ready: ReadyScan, iterate: FitIterate) -> RecordedIterate:
+    """The iterate with its event; FitFailed when the fit broke down."""
+    if not iterate.is_finite:
+        raise FitFailed(_with_file(_why_failed(iterate, ready.given), ready.scan))
+    return RecordedIterate(iterate, _iterated(ready.task.rig, iterate))
+
+
+def outcome_of(ready: ReadyScan, recorded: Sequence[RecordedIterate], solve_s: float, clock: Clock) -> FitOutcome:
+    """The outcome of a fit from its iterates; FitFailed when this is no torso.
+
+    `solve_s` is the iterations' time, `clock` began with the fit.
+    """
+    last = recorded[-1].iterate
+    task, rig, target = ready.task, ready.task.rig, ready.task.target
+    rejected = (*ready.exchanged, *last.not_followed)
+    posterior = Posterior(ended(task, last), last.parameters)
+    doubtful = (*rejected, *unusual(posterior)) if task.picked else rejected  # nobody can be asked about those
+    vertices = posterior.state.vertices
+    judged = judge(
+        posterior,
+        last.status,
+        ready.given,
+        doubtful,
+        ready.clearness,
+        lesions=ready.scan.lesions,
+        contradicted=ready.contradicted,
+        unclear_stance=ready.stance_reason in UNCLEAR,
+        repeats=partial(_only_repeats, ready),
+    )
+    if not judged.verdict.is_torso:
+        raise FitFailed(_with_file(judged.refusal, ready.scan))
+    timing, compared = ready.timing_s | {"solve": solve_s}, judged.compared
+    if ready.settings.refine:
+        clock.lap()
+        behind = skin_behind(rig, task.stance, target, vertices)
+        vertices = refined(target, vertices, rig.faces, behind).vertices
+        timing["refine"] = clock.lap()
+        compared = Comparison(target, vertices, rig.faces)
+    seen = followed(task, ready.shown, {name for issue in rejected for name in issue.names})
+    known = judged.radii
+    if known is not None and seen:
+        known = replace(known, landmarks=known.landmarks | {name: HOLDS_90 * each.error for name, each in seen.items()})
+    issues = tuple(issue for issue in doubtful if not task.certain.issuperset(issue.names))
+    doubted = {name for issue in issues for name in issue.names}
+    # a pattern begins where measures do: as picked, else as seen, else where the model has it
+    places = {name: each.place for name, each in seen.items()}
+    places |= {name: place for name, place in ready.landmarks.items() if name not in doubted}
+    drawing, missing = ready.drawing.where_it_fits(rig, vertices, places) if ready.drawing else (None, ())
+    lines = on_scan(rig, vertices, drawing, target) if drawing else ()
+    lines = with_errors(rig, compared.search, None if known is None else known.vertices, lines)
+    areolae = observed_areolae(rig, vertices, ready.landmarks, ready.scan, ready.shown)
+    timing["total"] = clock.total()
+    return FitOutcome(
+        ready=ready,
+        recorded=tuple(recorded),
+        parameters=last.parameters,
+        covariance=posterior.covariance(),
+        body=contribution(posterior),
+        vertices=vertices,
+        model_alone=ModelAlone(posterior.state.vertices, judged.compared.distances),
+        timing_s=timing,
+        distances=compared.distances,
+        seen=seen,
+        doubts=issues,
+        drawing=drawing,
+        drawing_missing=missing,
+        lines=lines,
+        radii=known,
+        areolae=areolae,
+        verdict=judged.verdict,
+    )
+
+
+def _only_repeats(ready: ReadyScan) -> bool:
+    """Whether too few landmarks are a person's own; asks for the proposals once more, for nobody hands them on."""
+    task = ready.task
+    try:
+        proposed = propose_landmarks(task.rig, ready.prepared, load_recipe("default"), ready.orientation, ready.scan)
+    except BreastRigError:
+        return False
+    picks = {name: task.given[name].place for name in task.picked}
+    places = {name: each.point for name, each in proposed.items()}
+    return len(picked_names(picks, places)) < MIN_LANDMARKS
+
+
+def _iterated(rig: Rig, iterate: FitIterate) -> Iterated:
+    gap = iterate.landmark_distance
+    return Iterated(
+        iteration=iterate.iteration,
+        stage=iterate.stage,
+        energy=round(float(np.nan_to_num(iterate.energy)), 6),
+        mean_distance_mm=round(1e3 * iterate.mean_distance, 4),
+        landmark_distance_mm=None if gap is None else round(1e3 * gap, 4),
+        coverage=round(iterate.coverage, 4),
+        elapsed_s=round(iterate.elapsed_s, 4),
+        nodes=[NodePose.model_validate(node) for node in node_poses(rig, iterate.parameters)],
+    )
+
+
+def _with_file(sentence: str, scan: Scan) -> str:
+    """The sentence, and what was left out of the file because it is no place."""
+    return " ".join([sentence, *(note for note in scan.notes if NO_PLACES in note)])
+
+
+def _why_failed(iterate: FitIterate, given: GivenLandmarks) -> str:
+    """A sentence on the failure, with advice that was not followed yet."""
+    if iterate.status is Status.NOT_FINITE:
+        advice = given.advice or "check the landmarks"
+        return f"The fit broke down (a number is not finite); {advice}, or try another scan."
+    advice = f"{given.advice}, or check the scan's unit" if given.advice else "check the landmarks and the scan's unit"
+    return f"The model found no skin of the scan near it; {advice}."

@@ -1,0 +1,115 @@
+"""Picks that cannot be right are named in the events, as soon as the fit knows."""
+
+from pathlib import Path
+
+import pytest
+import trimesh
+
+from breastrig.core.assets import asset_folder
+from breastrig.core.errors import BadLandmarks
+from breastrig.scan.landmarks.landmark_files import read_landmarks
+from breastrig.use.jobs import FitJob
+from breastrig.use.run_fit import run_fit
+from breastrig.use.steps.events import Done, Started
+from breastrig.use.steps.prepare import fit_plan, prepare_fit, read_model, scan_of_job
+
+EXAMPLE = asset_folder("example") / "standing"
+OTHER_SIDE = {"_L": "_R", "_R": "_L"}
+
+
+def events(landmarks: dict[str, list[float]], out: Path) -> tuple[Started, Done]:
+    first, *_, last = run_fit(FitJob(scan=EXAMPLE / "scan.ply", out=out, landmarks_mm=landmarks))
+    assert isinstance(first, Started)
+    assert isinstance(last, Done)
+    return first, last
+
+
+@pytest.fixture
+def picks() -> dict[str, list[float]]:
+    places, unit = read_landmarks(EXAMPLE / "landmarks.json")
+    assert unit == "mm"
+    return {name: [float(value) for value in place] for name, place in places.items()}
+
+
+def test_all_sides_exchanged_are_named_before_the_first_step_and_at_the_end(picks, tmp_path: Path) -> None:
+    exchanged = exchanged_sides(picks)
+    started, done = events(exchanged, tmp_path)
+    [doubt] = started.landmarks_not_followed
+    assert doubt.names == list(exchanged)
+    assert "exchanged" in doubt.reason
+    assert done.result.document()["landmarks_not_followed"] == [doubt.model_dump()]
+    said = "12 landmarks look exchanged between left and right; look at what is asked about them."
+    assert said in done.result.document()["verdict"]["reasons"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("middle", [("umbilicus",), ("umbilicus", "suprasternal_notch"), ("umbilicus", "xiphoid")])
+def test_of_few_picks_the_skin_tells(picks, middle, tmp_path: Path) -> None:
+    """Three lie in one plane, whatever their sides."""
+    few = {name: picks[name] for name in ("nipple_L", "nipple_R", *middle)}
+    started, _ = events(exchanged_sides(few), tmp_path / "exchanged")
+    [doubt] = started.landmarks_not_followed
+    assert sorted(doubt.names) == sorted(few)
+    started, done = events(few, tmp_path / "right")
+    assert started.landmarks_not_followed == []
+    assert done.result.document()["landmarks_not_followed"] == []
+
+
+def exchanged_sides(picks: dict[str, list[float]]) -> dict[str, list[float]]:
+    return {name[:-2] + OTHER_SIDE.get(name[-2:], name[-2:]): place for name, place in picks.items()}
+
+
+def test_sides_that_a_person_is_certain_of_are_not_called_exchanged(picks, tmp_path: Path) -> None:
+    exchanged = exchanged_sides(picks)
+    certain = tuple(exchanged)
+    job = FitJob(scan=EXAMPLE / "scan.ply", out=tmp_path, landmarks_mm=exchanged, certain=certain)
+    first = next(run_fit(job))
+    assert isinstance(first, Started)
+    assert first.landmarks_not_followed == []
+
+
+@pytest.mark.slow
+def test_a_certain_pick_of_the_middle_is_followed_when_all_sides_are_exchanged(picks, tmp_path: Path) -> None:
+    exchanged = exchanged_sides(picks)
+    job = FitJob(scan=EXAMPLE / "scan.ply", out=tmp_path, landmarks_mm=exchanged, certain=("umbilicus",))
+    ready = prepare_fit(fit_plan(job, read_model(job), job.landmarks_mm), *scan_of_job(job))
+    [doubt] = ready.started.landmarks_not_followed
+    assert doubt.names == [name for name in exchanged if name != "umbilicus"]
+    assert list(ready.task.picked) == ["umbilicus"]
+    assert ready.task.certain & set(ready.task.picked) == {"umbilicus"}
+
+
+@pytest.mark.parametrize(
+    ("certain", "sentence"), [(("nose",), "names nose, which is not among"), (("xiphoid",), "xiphoid is proposed")]
+)
+def test_what_cannot_be_certain_ends_a_fit_before_it_begins(
+    picks, certain: tuple[str, ...], sentence: str, tmp_path: Path
+) -> None:
+    job = FitJob(
+        scan=EXAMPLE / "scan.ply",
+        out=tmp_path,
+        landmarks_mm=picks,
+        certain=certain,
+        landmark_confidence={"xiphoid": 0.4},
+    )
+    with pytest.raises(BadLandmarks, match=sentence):
+        next(run_fit(job))
+
+
+@pytest.mark.slow
+def test_one_pick_far_off_is_named_at_the_end(picks, tmp_path: Path) -> None:
+    wrong = picks | {"xiphoid": [picks["xiphoid"][0] + 50.0, *picks["xiphoid"][1:]]}
+    started, done = events(wrong, tmp_path)
+    assert started.landmarks_not_followed == []
+    result = done.model_dump(mode="json")["result"]
+    assert result["landmarks_not_followed"] == []
+    assert [doubt["names"] for doubt in result["landmarks_unusual"]] == [["xiphoid"]]
+
+
+def test_few_right_picks_on_a_scan_that_is_inside_out_are_not_called_exchanged(picks, tmp_path: Path) -> None:
+    """Which way skin faces is asked of the scan as it was cleaned."""
+    scan = trimesh.load(EXAMPLE / "scan.ply", process=False)
+    trimesh.Trimesh(scan.vertices, scan.faces[:, ::-1], process=False).export(tmp_path / "scan.ply")
+    few = {name: picks[name] for name in ("nipple_L", "nipple_R", "umbilicus")}
+    job = FitJob(scan=tmp_path / "scan.ply", out=tmp_path, landmarks_mm=few)
+    assert prepare_fit(fit_plan(job, read_model(job), few), *scan_of_job(job)).started.landmarks_not_followed == []
