@@ -21,6 +21,14 @@ from breastrig.rig.model import Rig
 
 ACROSS = 0.71  # of a place's radius: across a line through it (docs/decisions/0018)
 
+FINGER = 0.01  # m, of a line error: a finger's breadth is 20 mm, half of it on each side
+MOST_FINGERS = 3  # "or more": beyond two nobody plans by the difference
+
+
+def fingers(line_error: float) -> int:
+    """The breadth of the band around a line with this error (m) in fingers: 1, 2, or 3 for all that is broader."""
+    return min(max(int(np.ceil(line_error / FINGER)), 1), MOST_FINGERS)
+
 
 def across(radii: Array) -> float:
     """Line error (90 %), measured across a line, from the radii of its points or of a fit's breasts, in their unit."""

@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from breastrig.colour.areolae import ObservedAreola
-from breastrig.core.arrays import Array
+from breastrig.core.arrays import Array, Booleans
 from breastrig.correspondence.match import MatchRules, match
+from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.body.landmark_errors import MIDDLE, NOTCH, XIPHOID, expected_gaps, middle_step
 from breastrig.fitting.fit import FitTask
 from breastrig.fitting.hypotheses import ScanOrientation, orientation_task, scan_orientation
@@ -78,14 +79,7 @@ def propose_landmarks(
     if shown:
         ended, fitted = _fitted(with_observations(task, shown, fitted))
     posterior = Posterior(ended, fitted)
-    normals = rig.landmark_points().positions(posterior.state.normals, rig.faces)
-    places = expected_places(posterior, {name: each.place for name, each in shown.items()})
-    found = match(scan.target, places, normals / np.linalg.norm(normals, axis=1, keepdims=True), ON_SKIN)
-    seen = np.zeros(len(places), dtype=np.bool_)
-    seen[found.vertices] = True
-    by_form = {name for name, each in posterior.relief.items() if each.is_place}
-    laid = [rig.landmark_names[k] not in by_form for k in found.vertices]  # what the form shows stays where it is seen
-    places[found.vertices[laid]] = found.points[laid]
+    places, on_scan = laid_on_scan(posterior, {name: each.place for name, each in shown.items()})
     known = radii(posterior, orientation.margin, expected=True)
     proposals = {}
     for k, name in enumerate(rig.landmark_names):
@@ -95,14 +89,29 @@ def propose_landmarks(
             proposals[name] = Proposal(each.place, sure, True, HOLDS_90 * each.error, each.reason, areola_of(each))
             continue
         observation = posterior.relief.get(name)
-        to_skin = _to_skin(scan, places[k])
-        is_near = to_skin <= ON_SKIN.max_distance  # a shoulder's edge tells of its tip
-        on_scan = is_near if name in by_form else bool(seen[k])
         radius = None if known is None else known.landmarks[name]
         confidence = confidence_of(UNKNOWN if radius is None else radius / HOLDS_90)
         reason = None if observation is None else observation.reason
-        proposals[name] = Proposal(places[k], round(confidence, 2), on_scan, radius, reason, to_skin=to_skin)
+        sure, to_skin = round(confidence, 2), _to_skin(scan.target, places[k])
+        proposals[name] = Proposal(places[k], sure, bool(on_scan[k]), radius, reason, to_skin=to_skin)
     return proposals
+
+
+def laid_on_scan(posterior: Posterior, by_colour: Mapping[str, Array]) -> tuple[Array, Booleans]:
+    """((L, 3) m, where the rig's landmarks are expected on the scan's skin; (L,) which of them the scan shows)."""
+    rig, target = posterior.task.rig, posterior.task.target
+    normals = rig.landmark_points().directions(posterior.state.normals, rig.faces)
+    places = expected_places(posterior, by_colour)
+    found = match(target, places, normals, ON_SKIN)
+    on_scan = np.zeros(len(places), dtype=np.bool_)
+    on_scan[found.vertices] = True
+    by_form = {name for name, each in posterior.relief.items() if each.is_place}
+    laid = [rig.landmark_names[k] not in by_form for k in found.vertices]  # what the form shows stays where it is seen
+    places[found.vertices[laid]] = found.points[laid]
+    for k, name in enumerate(rig.landmark_names):
+        if name in by_form:  # a shoulder's edge tells of its tip
+            on_scan[k] = _to_skin(target, places[k]) <= ON_SKIN.max_distance
+    return places, on_scan
 
 
 def expected_places(posterior: Posterior, by_colour: Mapping[str, Array]) -> Array:
@@ -118,9 +127,9 @@ def expected_places(posterior: Posterior, by_colour: Mapping[str, Array]) -> Arr
     return np.array([*expected.values()])
 
 
-def _to_skin(scan: PreparedScan, place: Array) -> float:
+def _to_skin(target: ScanTarget, place: Array) -> float:
     """m, to the nearest of the scan's vertices."""
-    return float(scan.target.vertex_tree.query(place)[0])
+    return float(target.vertex_tree.query(place)[0])
 
 
 def _fitted(task: FitTask) -> tuple[FitTask, RigParameters]:

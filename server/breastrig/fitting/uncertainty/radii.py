@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from breastrig.core.arrays import Array, Booleans
+from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.stances import split_side
 from breastrig.drawings.line_error import across
 from breastrig.fitting.body.hanging import ptotic_shape_weight
@@ -27,6 +27,9 @@ class Radii:
     vertices: Array  # (V,)
     lines: float  # of nine of ten places of lines on the breast of which less is known, across the line
     joint: Array  # (3 L, 3 L) m², of the landmarks' errors together, a radius being HOLDS_90 deviations
+    seen: Booleans  # (V,) vertices on skin that the scan shows
+    once_picked: Array  # (V,) from deviations to radii as soon as a landmark is picked
+    lost: float  # in all of them: for the chance that the body lies another way
 
 
 PLANNED_ON = "breast"  # beginnings of the names of regions on which lines are planned; of a rig without, all of it
@@ -37,9 +40,14 @@ def line_error(rig: Rig, vertices: Array, seen: Booleans) -> float:
 
     vertices: (V,) m, radii of the model's vertices, (V,) of which are `seen`: lines lie on skin that the scan shows.
     """
+    return max(across(vertices[members]) for members in planned_on(rig, seen))
+
+
+def planned_on(rig: Rig, seen: Booleans) -> list[Integers]:
+    """Vertices of each breast where lines may lie: those of (V,) `seen` ones, without any all of the model."""
     breasts = [np.array(members) for name, members in rig.regions.items() if name.startswith(PLANNED_ON)]
-    shown = [members[seen[members]] for members in breasts or [np.arange(len(vertices))]]
-    return max((across(vertices[members]) for members in shown if len(members)), default=across(vertices))
+    shown = [members[seen[members]] for members in breasts or [np.arange(len(seen))]]
+    return [members for members in shown if len(members)] or [np.arange(len(seen))]
 
 
 def radii(posterior: Posterior, margin: float | None = None, *, expected: bool = False) -> Radii | None:
@@ -52,22 +60,22 @@ def radii(posterior: Posterior, margin: float | None = None, *, expected: bool =
     known = calibration(rig)
     if known is None:
         return None
-    by_colour = task.given.keys() - task.picked
+    by_colour, factors = task.given.keys() - task.picked, known.of_stance(task.stance)
     lost = 0.0 if margin is None or by_colour >= BOTH else HOLDS_90 * known.without_picks.lost(margin)
     scatter, names = scatter_of(posterior), tuple(rig.landmark_names)
     at_given, elsewhere = (known.enlarged(scatter, given=given) for given in (True, False))
-    factors = landmark_factors(posterior, known.of_stance(task.stance), expected=expected)
-    factors *= np.array([at_given if name in task.given else elsewhere for name in names])
-    larger = np.repeat(factors / HOLDS_90, 3)
+    times = landmark_factors(posterior, factors, expected=expected)
+    times *= np.array([at_given if name in task.given else elsewhere for name in names])
+    larger = np.repeat(times / HOLDS_90, 3)
     joint = larger[:, None] * posterior.joint_landmark_covariance(names) * larger
     joint += (lost / HOLDS_90) ** 2 / 3.0 * np.eye(len(joint))  # where else each lies is not known
     at_landmarks = HOLDS_90 * np.sqrt(np.diag(joint).reshape(-1, 3).sum(axis=1))
     seen = seen_vertices(posterior)
-    factors = skin_factors(posterior, known.of_stance(task.stance), seen)
-    factors *= np.where(seen, elsewhere, max(elsewhere, 1.0))
-    at_vertices = np.hypot(factors * np.sqrt(posterior.vertex_variances()), lost)
+    scattered = np.where(seen, elsewhere, max(elsewhere, 1.0))
+    now, once_picked = (scattered * skin_factors(posterior, factors, seen, picked=when) for when in (None, True))
+    at_vertices = np.hypot(now * np.sqrt(posterior.vertex_variances()), lost)
     landmarks = dict(zip(names, at_landmarks.tolist(), strict=True))
-    return Radii(landmarks, at_vertices, line_error(rig, at_vertices, seen), joint)
+    return Radii(landmarks, at_vertices, line_error(rig, at_vertices, seen), joint, seen, once_picked, lost)
 
 
 def landmark_factors(posterior: Posterior, factors: StanceFactors, *, expected: bool = False) -> Array:
@@ -80,9 +88,12 @@ def landmark_factors(posterior: Posterior, factors: StanceFactors, *, expected: 
     return np.array(found)
 
 
-def skin_factors(posterior: Posterior, factors: StanceFactors, seen: Booleans) -> Array:
-    """(V,) of the model's vertices, (V,) of which are `seen`; where regions overlap the largest counts."""
-    rig, picked = posterior.task.rig, posterior.task.picked
+def skin_factors(posterior: Posterior, factors: StanceFactors, seen: Booleans, *, picked: bool | None = None) -> Array:
+    """(V,) of the model's vertices, (V,) of which are `seen`; where regions overlap the largest counts.
+
+    `picked`: whether a person has picked landmarks; None: as the fit has it.
+    """
+    rig, picked = posterior.task.rig, bool(posterior.task.picked) if picked is None else picked
     shown, hidden = (factors.seen, factors.hidden) if picked else (factors.seen_alone, factors.hidden_alone)
     found = np.zeros(len(seen))
     for name, vertices in rig.regions.items():

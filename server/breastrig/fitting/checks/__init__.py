@@ -1,0 +1,1 @@
+"""Which landmarks a person should check, and what that brings."""

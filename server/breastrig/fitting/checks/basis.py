@@ -1,0 +1,115 @@
+"""What is kept of a fit so that checks can be named for lines that are drawn later, without its scan.
+
+In its file: float64, the covariance's upper triangle row by row, the factors from deviations to radii once a landmark
+is picked, two numbers, then NUMBERS for each landmark of the rig; empty where nothing can be checked.
+"""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from breastrig.core.arrays import Array, Integers
+from breastrig.fitting.checks.choose import Gaussian, ModelLine, Observable, Widths
+from breastrig.fitting.checks.observable import Places, observable_landmarks, places_of
+from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.uncertainty.radii import Radii
+from breastrig.rig.model import Rig
+from breastrig.rig.parameters import RigParameters
+from breastrig.rig.state import BodyState
+
+UPPER = np.triu_indices(3)
+NUMBERS = 16  # open, point (3), normal (3), radius, shown, replaced information (6), told of its partner
+
+
+@dataclass(frozen=True, eq=False)
+class CheckBasis:
+    """The posterior, the landmarks that can be checked, and where they are expected."""
+
+    covariance: Array  # (P, P) of a step from the fit's parameters
+    once_picked: Array  # (V,) from a vertex's deviation to its radius as soon as a landmark is picked
+    lost: float  # m, in every radius: for the chance that the body lies another way
+    observable: Observable
+    places: Places
+
+    def gaussian(self, state: BodyState, vertices: Integers) -> Gaussian:
+        """Where the rig's landmarks and these (N,) vertices lie together, around a fit's state."""
+        rig, axes = state.rig, np.eye(3)
+        points = rig.landmark_points()
+        corners = rig.faces[points.faces].ravel()
+        ways = [state.posed.rows(corners, (points.barycentric[:, :, None] * axis).reshape(-1, 3)) for axis in axes]
+        landmarks = np.stack([rows[0::3] + rows[1::3] + rows[2::3] for rows in ways], axis=1)  # (L, 3, P)
+        moved = np.stack([state.posed.rows(vertices, np.tile(axis, (len(vertices), 1))) for axis in axes], axis=1)
+        of_landmarks = landmarks.reshape(-1, landmarks.shape[2])
+        spread = np.asarray(moved @ self.covariance)  # (N, 3, P)
+        return Gaussian(
+            of_landmarks @ self.covariance @ of_landmarks.T,
+            spread @ of_landmarks.T,
+            np.einsum("nip,nip->n", spread, moved),
+        )
+
+    def widths(self, lines: Sequence[ModelLine]) -> tuple[Integers, Widths]:
+        """((N,) vertices of the model on which the lines lie, the widths of the lines on these)."""
+        vertices = np.unique(np.concatenate([line.corners.ravel() for line in lines]))
+        own = [replace(line, corners=np.searchsorted(vertices, line.corners)) for line in lines]
+        return vertices, Widths(own, self.once_picked[vertices], self.lost)
+
+
+def check_basis(
+    posterior: Posterior, known: Radii, seen: Mapping[str, Array], checked: Collection[str], margin: float | None
+) -> CheckBasis | None:
+    """The basis of a finished fit; None for a model without a calibration.
+
+    `seen`: places ((3,) m) that the colours show; `checked`: landmarks that nobody needs to look at; `margin`: as in
+    `radii`.
+    """
+    places = places_of(posterior, seen, margin)
+    if places is None:
+        return None
+    observable = observable_landmarks(posterior, places.shown, checked)
+    return CheckBasis(posterior.covariance(), known.once_picked, known.lost, observable, places)
+
+
+def on_vertices(vertices: Integers) -> ModelLine:
+    """A line whose places are these (M,) vertices of the model."""
+    return ModelLine(np.repeat(vertices[:, None], 3, axis=1), np.tile([1.0, 0.0, 0.0], (len(vertices), 1)))
+
+
+def basis_bytes(basis: CheckBasis | None) -> bytes:
+    """The file."""
+    if basis is None:
+        return b""
+    observable, places = basis.observable, basis.places
+    rows = np.zeros((len(observable.names), NUMBERS))
+    rows[:, 0], rows[:, 1:4], rows[:, 4:7] = observable.open, places.points, places.normals
+    rows[:, 7], rows[:, 8] = places.radii, places.shown
+    rows[:, 9:15] = observable.replaced[:, UPPER[0], UPPER[1]]
+    for index, (_, told) in observable.partners.items():
+        rows[index, 15] = told
+    covariance = basis.covariance[np.triu_indices(len(basis.covariance))]
+    single = np.array([basis.lost, observable.pick])
+    return np.concatenate([covariance, basis.once_picked, single, rows.ravel()]).astype("<f8").tobytes()
+
+
+def read_basis(content: bytes, rig: Rig, x: RigParameters) -> CheckBasis | None:
+    """The file's basis; None for an empty file, one of another rig, or one that no fit wrote."""
+    names, size = tuple(rig.landmark_names), x.dof
+    counts = np.cumsum([size * (size + 1) // 2, len(rig.template), 2, NUMBERS * len(names)])
+    if len(content) != 8 * counts[-1]:
+        return None
+    upper, once_picked, single, rows = np.split(np.frombuffer(content, dtype="<f8").astype(np.float64), counts[:-1])
+    rows = rows.reshape(len(names), NUMBERS)
+    if not np.isfinite(np.concatenate([upper, once_picked, single, rows.ravel()])).all():
+        return None
+    covariance = np.zeros((size, size))
+    covariance[np.triu_indices(size)] = upper
+    covariance += np.triu(covariance, 1).T
+    replaced = np.zeros((len(names), 3, 3))
+    replaced[:, UPPER[0], UPPER[1]] = replaced[:, UPPER[1], UPPER[0]] = rows[:, 9:15]
+    mirror = {landmark.name: names.index(landmark.mirror) for landmark in rig.landmarks}
+    partners = {
+        index: (mirror[name], float(rows[index, 15])) for index, name in enumerate(names) if rows[index, 15] > 0.0
+    }
+    observable = Observable(names, rows[:, 0] > 0.0, float(single[1]), replaced, partners)
+    places = Places(rows[:, 1:4], rows[:, 4:7], rows[:, 7], rows[:, 8] > 0.0)
+    return CheckBasis(covariance, once_picked, float(single[0]), observable, places)
