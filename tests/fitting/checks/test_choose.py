@@ -58,17 +58,17 @@ class Toy:
 
     def solved_again(self, picks: list[int]) -> Gaussian:
         """With these picks as rows of the normal equations, and what they tell of their partners."""
-        hessian, told = self.hessian, None
+        hessian, shared = self.hessian, None
         for index in picks:
             rows = self.rows(index)
             replaced = self.replaced[index]
             if index in (0, 1):
                 other = self.rows(1 - index)
-                if told is None:
-                    told = other.T @ other / 0.002**2
-                    hessian = hessian + told
+                if shared is None:
+                    shared = other.T @ other / 0.002**2
+                    hessian = hessian + shared
                 else:
-                    hessian = hessian - told
+                    hessian = hessian - shared
             hessian = hessian + rows.T @ (PICK * np.eye(3) - replaced) @ rows
         return self.gaussian(hessian)
 
@@ -82,7 +82,7 @@ def close(found: Gaussian, wanted: Gaussian) -> None:
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("picks", [[0], [2], [4, 2], [0, 1], [1, 2, 0]])
 def test_an_observed_landmark_leaves_what_normal_equations_with_it_leave(seed: int, picks: list[int]) -> None:
-    """Whether it replaces an observation, tells of its partner, or was told of by it."""
+    """Whether it replaces an observation, tells of its partner, or knew of it."""
     toy = Toy(seed)
     known, observable = toy.gaussian(), toy.observable
     for index in picks:

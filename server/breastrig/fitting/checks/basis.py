@@ -19,7 +19,7 @@ from breastrig.rig.parameters import RigParameters
 from breastrig.rig.state import BodyState
 
 UPPER = np.triu_indices(3)
-NUMBERS = 16  # open, point (3), normal (3), radius, shown, replaced information (6), told of its partner
+NUMBERS = 16  # open, point (3), normal (3), radius, shown, replaced information (6), known of its partner
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,8 +84,8 @@ def basis_bytes(basis: CheckBasis | None) -> bytes:
     rows[:, 0], rows[:, 1:4], rows[:, 4:7] = observable.open, places.points, places.normals
     rows[:, 7], rows[:, 8] = places.radii, places.shown
     rows[:, 9:15] = observable.replaced[:, UPPER[0], UPPER[1]]
-    for index, (_, told) in observable.partners.items():
-        rows[index, 15] = told
+    for index, (_, shared) in observable.partners.items():
+        rows[index, 15] = shared
     covariance = basis.covariance[np.triu_indices(len(basis.covariance))]
     single = np.array([basis.lost, observable.pick])
     return np.concatenate([covariance, basis.once_picked, single, rows.ravel()]).astype("<f8").tobytes()

@@ -53,9 +53,9 @@ class Observable:
         added, replaced, still = np.zeros_like(self.replaced), self.replaced.copy(), self.open.copy()
         added[index] = self.pick * np.eye(3) - replaced[index]
         replaced[index], still[index] = 0.0, False
-        partner, told = self.partners.get(index, (index, 0.0))
-        added[partner] += told * np.eye(3)
-        replaced[partner] += told * np.eye(3)
+        partner, shared = self.partners.get(index, (index, 0.0))
+        added[partner] += shared * np.eye(3)
+        replaced[partner] += shared * np.eye(3)
         left = {which: each for which, each in self.partners.items() if index not in (which, each[0])}
         joint = np.zeros((3 * len(added), 3 * len(added)))
         for k, block in enumerate(added):

@@ -58,8 +58,8 @@ def observable_landmarks(posterior: Posterior, shown: Booleans, checked: Collect
     if stage.looks_at_form or task.stance == PRONE:
         for name, each in posterior.relief.items():
             replaced[index[name]] += np.linalg.inv(each.covariance) / (temperature * recipe.observed.form) ** 2
-    told = {each.name: np.linalg.inv(each.covariance) / temperature**2 for each in posterior.partners or ()}
-    for name, information in told.items():
+    shared = {each.name: np.linalg.inv(each.covariance) / temperature**2 for each in posterior.partners or ()}
+    for name, information in shared.items():
         replaced[index[name]] += information
     partners = {}
     for landmark in rig.landmarks if stage.looks_at_form or task.stance == PRONE else ():
@@ -67,7 +67,7 @@ def observable_landmarks(posterior: Posterior, shown: Booleans, checked: Collect
         if alike is None or other == landmark.name or other in task.landmarks:
             continue
         error = math.hypot(alike, 0.0 if shown[index[other]] else UNSHOWN_ERROR)
-        more = 1.0 / (temperature * error) ** 2 - np.trace(told.get(other, np.zeros((3, 3)))) / 3.0
+        more = 1.0 / (temperature * error) ** 2 - np.trace(shared.get(other, np.zeros((3, 3)))) / 3.0
         partners[index[landmark.name]] = index[other], max(float(more), 0.0)
     still = np.array([name not in checked for name in names]) & shown
     return Observable(names, still, 1.0 / (temperature * recipe.observed.landmark) ** 2, replaced, partners)
