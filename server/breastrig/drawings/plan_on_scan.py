@@ -13,6 +13,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.clock import FittedSkin
+from breastrig.drawings.inks import PLAN
 from breastrig.drawings.inside.lesions import LesionsOnScan, PlacedLesion, distances_to_lines
 from breastrig.drawings.line_error import with_errors
 from breastrig.drawings.on_skin import check_on_skin
@@ -24,8 +25,6 @@ from breastrig.drawings.transfer import transferred
 from breastrig.geometry.polyline import Polyline
 from breastrig.rig.model import Rig
 from breastrig.rig.near_breasts import OUTSIDE
-
-NOTE_COLOR = "#2c5282"
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +121,7 @@ def _lines(skin: FittedSkin, scan: FittedScan, item: PlanItem) -> list[tuple[Pol
     if isinstance(item, PlanLesion):
         return []  # its projection is drawn on each scan anew, over where it lies there
     if isinstance(item, PlanNote):
-        return [] if item.point is None else [(_on_skin(item.id, False, NOTE_COLOR, [item.point]), "")]
+        return [] if item.point is None else [(_on_skin(item.id, False, PLAN, [item.point]), "")]
     rig, drawing = skin.rig, drawing_with(skin.rig, *asked_of(item)).on_skin(skin)
     found = with_errors(rig, scan.search(rig), scan.radii, on_scan(rig, scan.vertices, drawing, scan.target))
     return [(line, line.name) for line in found]

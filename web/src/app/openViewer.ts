@@ -1,7 +1,7 @@
 // Makes the 3D view and keeps it up to date; without WebGL the page says so and the rest of it goes on working.
 import { CornerPins } from "../drawing/pen/CornerPins";
 import { LesionBalls } from "../drawing/lesions/LesionBalls";
-import { ErrorBands } from "../drawing/lines/ErrorBands";
+import { Halos } from "../drawing/lines/Halos";
 import { MirrorOverlay } from "../drawing/mirror/MirrorOverlay";
 import { OwnLines } from "../drawing/lines/OwnLines";
 import { PatternHandles } from "../drawing/patterns/PatternHandles";
@@ -19,6 +19,7 @@ import { listenToLandmarkKeys } from "../landmarks/canvasKeys";
 import { followWanted } from "../landmarks/questions/closeUp";
 import { listenToDrags } from "../landmarks/dragPins";
 import { listenToFingers } from "../landmarks/fingers";
+import { LandmarkDiscs } from "../landmarks/LandmarkDiscs";
 import { LandmarkPins } from "../landmarks/LandmarkPins";
 import { ModelPicture } from "../landmarks/ModelPicture";
 import { ProposalPins } from "../landmarks/proposals/ProposalPins";
@@ -79,6 +80,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
   const torso = new TorsoModel(viewer, ready("model", fitErrors.model));
   const fitted = new FittedSurface(viewer, ready("distances", fitErrors.surface));
   const pins = new LandmarkPins(viewer, scan);
+  const discs = new LandmarkDiscs(viewer, scan);
   const proposed = new ProposalPins(viewer, scan);
   const own = new OwnLines(viewer, scan);
   const corners = new CornerPins(viewer, scan);
@@ -94,13 +96,14 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     fitted,
     new MirrorOverlay(viewer, fitted, (asymmetry) => queueMicrotask(() => store.set({ asymmetry }))), // a listener may not set
     new ReferenceLines(viewer, scan, torso, fitted),
-    new ErrorBands(viewer, scan, fitted, stage.canvas),
+    new Halos(viewer, scan, fitted, stage.canvas),
     own,
     corners,
     new PatternHandles(viewer, scan, actions.drawing, actions.handles, stages.main.canvas),
     new TapeLines(viewer, scan),
     new MeasureLines(viewer, false),
     { update: (state) => pins.update(state, isFree(state)) },
+    { update: (state) => discs.update(state, isFree(state)) },
     new HoverValue(viewer, fitted, stage.canvas),
     new SideLetters(viewer),
     new Ruler(viewer),

@@ -9,7 +9,7 @@ import type { Panel } from "../ui/Panel";
 import type { DrawingActions } from "./actions";
 import { lengthOf, ownColour, type OwnLine } from "./lines/lines";
 import { mirrorPlane } from "./mirror/mirror";
-import { ALL_BANDS, BANDS, type DrawingSlice, type Layer, layerKey, shownPatterns } from "./state";
+import { type DrawingSlice, type Layer, layerKey, shownPatterns } from "./state";
 import * as text from "./text";
 
 const words = text.drawing;
@@ -63,15 +63,9 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
   const none = el("p", { class: "muted small" }, words.none);
   const reference = group("reference");
   const carried = group("carried");
-  const bands = el("input", { type: "checkbox", "aria-describedby": "bands-legend", onchange: () => drawing.show("band", [ALL_BANDS], bands.checked) });
-  const ofBands = el(
-    "div",
-    { class: "toggle", hidden: true },
-    el("label", { class: "check" }, bands, el("span", { class: "stroke stroke-band", "aria-hidden": "true" }), el("span", {}, text.bands.label)),
-    el("p", { id: "bands-legend" }, text.bands.legend),
-  );
+  const legend = el("p", { class: "muted small", hidden: true }, text.bands.legend);
   const dashed = el("p", { class: "muted small", hidden: true }, words.dashed);
-  const element = el("div", { class: "panel" }, ofHere, none, reference.element, own, carried.element, ofBands, dashed);
+  const element = el("div", { class: "panel" }, ofHere, none, reference.element, own, carried.element, legend, dashed);
 
   function group(layer: Layer) {
     const title = el("p", { class: "label", hidden: true });
@@ -166,8 +160,7 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
       show(ofHere, lines.present.length > 0 || label !== "" || brought.length === 0);
       show(none, lines.present.length === 0 && label === "" && brought.length === 0);
       carried.set(brought.length > 0 ? words.carried(from!.from) : "", itemsOf(brought, asRow, (kind) => plannedLabel(kind, "", labels)), hidden);
-      show(ofBands, [...(patterns?.shapes ?? []), ...brought].some((shape) => shape.error_mm?.some((mm) => mm !== null)));
-      bands.checked = !hidden.has(BANDS);
+      show(legend, (patterns?.shapes.length ?? 0) + brought.length > 0);
       const hasBridge = [...(patterns?.shapes ?? []), ...brought, ...lines.present].some((shape) => shape.bridged?.includes(true));
       show(dashed, hasBridge);
     },

@@ -117,11 +117,8 @@ export interface DrawnState {
   readonly contested: Pick<PlanStep, "drawing" | "depthMm"> | null; // as they were changed elsewhere while they were changed here in another way
 }
 
-export type Layer = "reference" | "own" | "carried" | "band";
+export type Layer = "reference" | "own" | "carried";
 export const layerKey = (layer: Layer, name: string): string => `${layer}/${name}`;
-/** The bands of all lines are switched as one. */
-export const ALL_BANDS = "all";
-export const BANDS = layerKey("band", ALL_BANDS);
 
 export interface DrawingSlice {
   readonly drawn: DrawnState;
@@ -150,7 +147,7 @@ export function startDrawn(lines: readonly OwnLine[] = [], words: Words = { note
     depthMm: words.depthMm,
     lesions: words.lesions,
     decided: null,
-    hidden: new Set([BANDS]), // on demand: they bury small patterns
+    hidden: new Set(),
     onScan: null,
     live: null,
     another: null,

@@ -15,8 +15,7 @@ const several = (names: readonly string[]): string => (names.length > 3 ? plural
 export const bands = {
   error: (mm: string) => `±\u00a0${mm} mm`,
   of: "the line's true place, 90 %",
-  label: "How sure each place is",
-  legend: "The line's true place lies within the band in 90 of 100 cases; point at it for the millimetres.",
+  legend: "The grey band holds the true line nine times in ten; hatched where it is not known. Point at it for the millimetres.",
 };
 
 const mm = (length: number | null, hasHole: boolean): string => length === null ? "…" : `${hasHole ? "≈\u00a0" : ""}${formatMmWhole(length)}\u00a0mm`;

@@ -1,13 +1,14 @@
 // The pane of the stance that waits: a view of its own, made when it is first wanted, whose camera goes with the other's.
 import type { Matrix4 } from "three";
 import { LesionBalls } from "../drawing/lesions/LesionBalls";
-import { ErrorBands } from "../drawing/lines/ErrorBands";
+import { Halos } from "../drawing/lines/Halos";
 import { OwnLines } from "../drawing/lines/OwnLines";
 import { ReferenceLines } from "../drawing/lines/ReferenceLines";
 import type { DrawingSlice } from "../drawing/state";
 import { FittedSurface } from "../fit/distances/FittedSurface";
 import { type FitSlice, hasModelShown } from "../fit/state";
 import { TorsoModel } from "../fit/TorsoModel";
+import { LandmarkDiscs } from "../landmarks/LandmarkDiscs";
 import { LandmarkPins } from "../landmarks/LandmarkPins";
 import type { LandmarksSlice } from "../landmarks/state";
 import { ScanMesh } from "../scan/ScanMesh";
@@ -62,7 +63,7 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
     scan = new ScanMesh(made, ready, foundLoose);
     const torso = new TorsoModel(made, ready);
     const fitted = new FittedSurface(made, ready);
-    const [body, pins] = [scan, new LandmarkPins(made, scan)];
+    const [body, pins, discs] = [scan, new LandmarkPins(made, scan), new LandmarkDiscs(made, scan)];
     const skin = { get mesh() { return body.mesh ?? fitted.mesh; } }; // a predicted body has no scan
     const balls = new LesionBalls(made);
     parts = [
@@ -71,10 +72,11 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
       torso,
       fitted,
       new ReferenceLines(made, scan, torso, fitted),
-      new ErrorBands(made, scan, fitted, stage.canvas),
+      new Halos(made, scan, fitted, stage.canvas),
       new OwnLines(made, skin),
       new MeasureLines(made, true),
       { update: (state) => pins.update(state, state.drawn.tool === "none") },
+      { update: (state) => discs.update(state, state.drawn.tool === "none") },
       new SideLetters(made),
     ];
     main.turned.add(() => follow(main, made));

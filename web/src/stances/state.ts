@@ -77,8 +77,7 @@ export function workspaceOf({ scan, picks, certain, drawn, proposals, skipped, s
 
 /** Beside a scan: its prediction in another stance.  It has no skin of a scan, and nothing is made on it: all of the plan is carried there. */
 export function predictedOf(from: Workspace, fit: FitState): Workspace {
-  const drawn = { ...startDrawn(), hidden: new Set<string>() }; // with the bands: how sure it is belongs to it
-  return { ...from, scan: from.scan && { ...from.scan, mesh: null }, picks: startHistory({}), certain: {}, proposals: null, skipped: new Set(), stance: "auto", drawing: "", drawn, fit: { ...fit, distances: null } };
+  return { ...from, scan: from.scan && { ...from.scan, mesh: null }, picks: startHistory({}), certain: {}, proposals: null, skipped: new Set(), stance: "auto", drawing: "", drawn: startDrawn(), fit: { ...fit, distances: null } };
 }
 
 export const isPredicted = ({ fit }: Pick<Workspace, "fit">): boolean => fit?.predictedFrom !== undefined;

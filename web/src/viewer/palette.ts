@@ -1,7 +1,7 @@
 // The colours of the 3D view.  They are CSS variables like all others, so that the style sheet alone decides the look.
 import { Color } from "three";
 
-const NAMES = ["canvas", "scan", "scan-edge", "clay", "line", "line-outline", "ink", "ink-outline", "ruler", "unknown", "band"] as const;
+const NAMES = ["canvas", "scan", "scan-edge", "clay", "ink", "ink-outline", "lesion", "ruler", "unknown"] as const;
 export type Palette = Record<(typeof NAMES)[number], Color>;
 
 /** Asks the browser what each variable comes to in the theme that holds. */

@@ -9,7 +9,7 @@ import { fromDrawing, readDrawing, toDrawing, toText, UnreadableDrawing } from "
 import { drawingKey } from "../../src/drawing/keys";
 import { lengthOf } from "../../src/drawing/lines/lines";
 import { skinOf } from "../../src/drawing/lines/skin";
-import { BANDS, layerKey } from "../../src/drawing/state";
+import { layerKey } from "../../src/drawing/state";
 
 const skin = (() => {
   const geometry = new PlaneGeometry(0.4, 0.4, 20, 20); // 400 mm square in z = 0
@@ -185,7 +185,7 @@ test("a line is switched off and on without a step of the history", async () => 
   actions.drawing.show("own", ["Line 1"], false);
   expect(store.get().drawn.hidden.has(layerKey("own", "Line 1"))).toBe(true);
   actions.drawing.show("own", ["Line 1"], true);
-  expect([...store.get().drawn.hidden]).toEqual([BANDS]);
+  expect([...store.get().drawn.hidden]).toEqual([]);
   expect(store.get().drawn.lines.past).toBe(past);
 });
 

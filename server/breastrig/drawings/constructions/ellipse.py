@@ -9,11 +9,11 @@ from pydantic import Field
 from breastrig.core.stances import OUTWARDS, SIDES, sides_of
 from breastrig.drawings.clock import FittedSkin, on_clock
 from breastrig.drawings.constructions.written_numbers import OnBreasts
+from breastrig.drawings.inks import PLAN
 from breastrig.geometry.geodesic import MARGIN
 from breastrig.geometry.surface_points import joined
 from breastrig.rig.model import DrawnShape
 
-COLOR = "#c53030"
 STEPS = 48  # points of the ellipse
 
 
@@ -48,5 +48,5 @@ class MastectomyEllipse(OnBreasts):
             along, across = np.cos(angles) / self.length_mm, np.sin(angles) / self.width_mm
             radii = 0.5e-3 / np.hypot(along, across)
             rim = on_clock(skin, nipples[side], radii, axis + angles)
-            shapes.append(DrawnShape(f"mastectomy_{side}", f"ellipse of the {SIDES[side]} side", True, COLOR, rim))
+            shapes.append(DrawnShape(f"mastectomy_{side}", f"ellipse of the {SIDES[side]} side", True, PLAN, rim))
         return tuple(shapes)

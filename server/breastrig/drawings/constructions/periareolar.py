@@ -12,11 +12,11 @@ from pydantic import Field, model_validator
 from breastrig.core.stances import SIDES, sides_of
 from breastrig.drawings.clock import FittedSkin, circle_around, on_clock
 from breastrig.drawings.constructions.written_numbers import AroundAreola
+from breastrig.drawings.inks import PLAN
 from breastrig.geometry.geodesic import MARGIN
 from breastrig.geometry.surface_points import joined
 from breastrig.rig.model import DrawnShape
 
-CUT = "#2c5282"
 STEPS = 36  # points of the outer ring
 
 
@@ -50,7 +50,7 @@ class Periareolar(AroundAreola):
             ring = on_clock(skin, nipples[side], radii, angles)
             kept = circle_around(skin, nipples[side], 0.5e-3 * self.areola_mm)
             shapes += [
-                DrawnShape(f"periareolar_{side}", f"{word} outer ring", True, CUT, ring),
-                DrawnShape(f"areola_{side}", f"{word} areola to keep", True, CUT, kept),
+                DrawnShape(f"periareolar_{side}", f"{word} outer ring", True, PLAN, ring),
+                DrawnShape(f"areola_{side}", f"{word} areola to keep", True, PLAN, kept),
             ]
         return tuple(shapes)

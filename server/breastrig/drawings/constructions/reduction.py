@@ -20,12 +20,12 @@ from breastrig.core.stances import SIDES, sides_of
 from breastrig.drawings.clock import FittedSkin, circle_around, on_clock
 from breastrig.drawings.constructions.new_fold import fold_line
 from breastrig.drawings.constructions.written_numbers import AroundAreola
+from breastrig.drawings.inks import PLAN
 from breastrig.geometry.geodesic import MARGIN
 from breastrig.geometry.polyline import length, resampled
 from breastrig.geometry.surface_points import SurfacePoints, joined
 from breastrig.rig.model import DrawnShape
 
-CUT, FOLD = "#2c5282", "#b83280"
 MARK = 0.003  # m, radius of the small circle that marks the new nipple
 ARC_STEPS = 24  # of the keyhole
 ARC_ROUNDS = 3  # of adjusting its radius; each leaves about a tenth of the difference
@@ -86,10 +86,10 @@ class Reduction(AroundAreola):
             rim = 0.5e-3 * self.areola_mm
             kept, mark = circle_around(skin, breast.nipple, rim), circle_around(skin, breast.new, MARK)
             shapes += [
-                DrawnShape(f"wise_{side}", label, False, CUT, *breast.cut(skin)),
-                DrawnShape(f"wise_fold_{side}", f"{word} fold", False, FOLD, breast.fold),
-                DrawnShape(f"areola_{side}", f"{word} areola to keep", True, CUT, kept),
-                DrawnShape(f"new_nipple_{side}", f"new place of the {word} nipple", True, FOLD, mark),
+                DrawnShape(f"wise_{side}", label, False, PLAN, *breast.cut(skin)),
+                DrawnShape(f"wise_fold_{side}", f"{word} fold", False, PLAN, breast.fold),
+                DrawnShape(f"areola_{side}", f"{word} areola to keep", True, PLAN, kept),
+                DrawnShape(f"new_nipple_{side}", f"new place of the {word} nipple", True, PLAN, mark),
             ]
         return tuple(shapes)
 

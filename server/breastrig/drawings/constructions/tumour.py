@@ -10,10 +10,10 @@ from breastrig.core.stances import SIDES
 from breastrig.core.units import BEYOND, distance_text
 from breastrig.drawings.clock import FittedSkin, angle_of, circle_around, on_clock
 from breastrig.drawings.constructions.written_numbers import WrittenNumbers
+from breastrig.drawings.inks import LESION
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import DrawnShape
 
-COLOR = "#c53030"
 OFF_BREAST = 0.03  # m beyond the base of the breast; its axillary tail reaches so far
 OFF_SKIN = 0.03  # m from a given point to the fitted skin; more is another frame or unit
 RADIUS: float = Field(
@@ -88,4 +88,4 @@ class PickedTumour(WrittenNumbers):
 def circle(skin: FittedSkin, centre: SurfacePoints, radius: float, side: str) -> DrawnShape:
     """The points at `radius` (m) along the skin."""
     rim = circle_around(skin, centre, radius)
-    return DrawnShape(f"tumour_{side}", f"tumour of the {SIDES[side]} breast", True, COLOR, rim)
+    return DrawnShape(f"tumour_{side}", f"tumour of the {SIDES[side]} breast", True, LESION, rim)

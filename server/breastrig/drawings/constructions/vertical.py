@@ -14,8 +14,6 @@ from breastrig.core.errors import BadDrawing
 from breastrig.core.stances import SIDES, sides_of
 from breastrig.drawings.clock import FittedSkin, circle_around
 from breastrig.drawings.constructions.reduction import (
-    CUT,
-    FOLD,
     MARK,
     NIPPLE_ABOVE_FOLD,
     NIPPLE_OUTWARD,
@@ -24,6 +22,7 @@ from breastrig.drawings.constructions.reduction import (
     ends,
 )
 from breastrig.drawings.constructions.written_numbers import AroundAreola
+from breastrig.drawings.inks import PLAN
 from breastrig.geometry.polyline import length, point_along, resampled
 from breastrig.geometry.surface_points import SurfacePoints, joined
 from breastrig.rig.model import DrawnShape
@@ -52,9 +51,9 @@ class Vertical(AroundAreola):
             kept, mark = circle_around(skin, breast.nipple, rim), circle_around(skin, breast.new, MARK)
             word = SIDES[side]
             shapes += [
-                DrawnShape(f"vertical_{side}", f"{word} keyhole and limbs", True, CUT, cut, corners),
-                DrawnShape(f"areola_{side}", f"{word} areola to keep", True, CUT, kept),
-                DrawnShape(f"new_nipple_{side}", f"new place of the {word} nipple", True, FOLD, mark),
+                DrawnShape(f"vertical_{side}", f"{word} keyhole and limbs", True, PLAN, cut, corners),
+                DrawnShape(f"areola_{side}", f"{word} areola to keep", True, PLAN, kept),
+                DrawnShape(f"new_nipple_{side}", f"new place of the {word} nipple", True, PLAN, mark),
             ]
         return tuple(shapes)
 

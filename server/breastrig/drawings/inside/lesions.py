@@ -21,6 +21,7 @@ from breastrig.core.errors import BadDrawing
 from breastrig.core.stances import SIDES, split_side
 from breastrig.drawings.clock import FittedSkin
 from breastrig.drawings.constructions.tumour import Tumour
+from breastrig.drawings.inks import LESION
 from breastrig.drawings.line_error import carried_errors, radii_at
 from breastrig.drawings.plan_schema import PlanItem, PlanLesion, PlanTumour, asked_of
 from breastrig.drawings.project_drawing import on_scan
@@ -35,7 +36,6 @@ from breastrig.rig.near_breasts import near_breasts
 
 Kind = Literal["skin", "nipple", "chest_wall", "line"]
 
-COLOR = "#b83280"
 BALL = float(np.sqrt(chdtri(3, 0.1)))  # standard deviations: radius of the ball that holds nine of ten points
 LINE = float(ndtri(0.95))  # half of the interval that holds nine of ten numbers
 RIM = 48  # points of the outline on the skin
@@ -199,7 +199,7 @@ class LesionsOnScan:
         angles = np.linspace(0.0, 2.0 * np.pi, RIM, endpoint=False)[:, None]
         radius = 1e-3 * lesion.item.radius_mm
         rim = middle + radius * (np.cos(angles) * side + np.sin(angles) * np.cross(outwards, side))
-        shape = DrawnShape(lesion.item.name, lesion.item.name, True, COLOR, self._skin.nearest(rim))
+        shape = DrawnShape(lesion.item.name, lesion.item.name, True, LESION, self._skin.nearest(rim))
         (line,) = on_scan(self._rig, self._scan.vertices, ModelDrawing("lesion", "lesion", (shape,)), self._scan.target)
         return replace(line, error=None if lesion.error is None else np.full(len(line.points), lesion.error))
 

@@ -1,9 +1,9 @@
 // The surgeon's lines on the scan: in their colour, else black with a white outline; dashed over holes.  What was carried here from the other
-// stance is drawn the same way: lines in ink, patterns in theirs.
+// stance is drawn the same way, and dashed on a body that nobody has scanned.
 import type { Vector } from "../../api/types";
 import { type FitSlice, isPosedByHand } from "../../fit/state";
 import { isUnit, mmFrom } from "../../ui/units";
-import { FatLines, type Polyline } from "../../viewer/lines/FatLines";
+import { allGuessed, FatLines, type Polyline } from "../../viewer/lines/FatLines";
 import type { Surface } from "../../viewer/picking";
 import { smoothed } from "../../viewer/smooth";
 import type { ViewSlice } from "../../viewer/state";
@@ -18,28 +18,28 @@ type Shown = Pick<ViewSlice & FitSlice & DrawingSlice, "overlay" | "fit" | "hand
 export class OwnLines implements Part<Shown> {
   private readonly own = new FatLines();
   private readonly carried = new FatLines();
-  private readonly patterns = new FatLines(); // carried too, in the colour of patterns
   private readonly live = new FatLines(); // apart, so that a moving hand writes one line and not all
   private drawn: unknown[] = [];
   private state: DrawnState | null = null;
   private isShown = false;
+  private isPredicted = false;
   private instead: string | null = null;
 
   constructor(
     private readonly viewer: Viewer,
     private readonly scan: Pick<Surface, "mesh">,
   ) {
-    viewer.body.add(this.own.group, this.carried.group, this.patterns.group, this.live.group);
+    viewer.body.add(this.own.group, this.carried.group, this.live.group);
     viewer.beforeFrame.add(() => {
-      for (const each of [this.own, this.carried, this.patterns, this.live]) each.approach(viewer.depthUnits);
+      for (const each of [this.own, this.carried, this.live]) each.approach(viewer.depthUnits);
     });
   }
 
   update(state: Shown): void {
     const { palette } = this.viewer;
     for (const each of [this.own, this.carried, this.live]) each.paint(palette.ink, palette["ink-outline"]);
-    this.patterns.paint(palette.line, palette["line-outline"]);
     this.state = state.drawn;
+    this.isPredicted = state.fit?.result?.predicted ?? false;
     this.isShown = this.scan.mesh !== null && !(state.overlay === "model" && isPosedByHand(state)); // the fitted model lies on the same skin
     const { lines, hidden, onScan } = state.drawn;
     const now = [lines.present, hidden, onScan, this.isShown];
@@ -71,9 +71,8 @@ export class OwnLines implements Part<Shown> {
     this.own.set(this.isShown ? own.map(laid) : []);
     const unit = state.onScan?.carried.unit;
     const carried = state.onScan?.carried.shapes.filter(({ name }) => isOn("carried", name)) ?? [];
-    const laidHere = (isLine: boolean): Polyline[] => (this.isShown && isUnit(unit) ? carried.filter(({ kind }) => (kind === "line") === isLine).map((shape) => smoothed(polyline(shape, mmFrom(1, unit)))) : []);
-    this.carried.set(laidHere(true));
-    this.patterns.set(laidHere(false));
+    const laidHere = this.isShown && isUnit(unit) ? carried.map((shape) => smoothed(polyline(shape, mmFrom(1, unit)))) : [];
+    this.carried.set(this.isPredicted ? laidHere.map(allGuessed) : laidHere);
     this.viewer.invalidate();
   }
 }

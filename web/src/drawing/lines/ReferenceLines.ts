@@ -7,7 +7,7 @@ import { type FitSlice, isAtRest, isPosedByHand, modelOf, type Shown, shownPoses
 import type { TorsoModel } from "../../fit/TorsoModel";
 import type { ScanMesh } from "../../scan/ScanMesh";
 import { mmFrom } from "../../ui/units";
-import { FatLines, type Polyline } from "../../viewer/lines/FatLines";
+import { allGuessed, FatLines, type Polyline } from "../../viewer/lines/FatLines";
 import { smoothed } from "../../viewer/smooth";
 import type { ViewSlice } from "../../viewer/state";
 import { surfacePosition, type VertexAt } from "../../viewer/lines/surfacePoints";
@@ -35,7 +35,7 @@ export class ReferenceLines implements Part<State> {
 
   update(state: State): void {
     const { palette } = this.viewer;
-    this.lines.paint(palette.line, palette["line-outline"]);
+    this.lines.paint(palette.ink, palette["ink-outline"]);
     const fit = state.fit;
     const side = modelOf(state)?.side ?? null;
     const drawing = shownPatterns(state);
@@ -50,7 +50,7 @@ export class ReferenceLines implements Part<State> {
     const source = isOnScan ? [drawing, skin.bvh, hidden] : isOnModel ? [asked, shownPoses(state), hidden] : [];
     if (source.length === this.drawn.length && source.every((each, i) => each === this.drawn[i])) return;
     this.drawn = source;
-    if (isOnScan) this.lines.set(onScan(drawing.shapes.filter(isOn), mmFrom(1, drawing.unit), skin).map(smoothed));
+    if (isOnScan) this.lines.set(onScan(drawing.shapes.filter(isOn), mmFrom(1, drawing.unit), skin).map(smoothed).map(fit.result?.predicted ? allGuessed : (line) => line));
     else if (isOnModel) this.lines.set(onModel(shapes.filter(isOn), this.torso, vertexAt));
     else this.lines.set([]);
     this.viewer.invalidate();

@@ -24,7 +24,7 @@ export interface OwnLine extends Readonly<Required<Pick<DrawnShape, "name" | "cl
 export const newId = (): string => crypto.randomUUID();
 
 export const INK = "#101010";
-export const TUMOUR_INK = "#c53030";
+export const TUMOUR_INK = "#f3c400"; // as lesions are
 
 /** `wanted`, or `wanted 2`, `wanted 3` … : the first that no other line has. */
 export function freeName(lines: readonly OwnLine[], wanted: string): string {

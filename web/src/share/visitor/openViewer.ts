@@ -1,6 +1,6 @@
 // The shared body: the same parts as the page's own view, without any that change something.
 import { LesionBalls } from "../../drawing/lesions/LesionBalls";
-import { ErrorBands } from "../../drawing/lines/ErrorBands";
+import { Halos } from "../../drawing/lines/Halos";
 import { ReferenceLines } from "../../drawing/lines/ReferenceLines";
 import { FittedSurface } from "../../fit/distances/FittedSurface";
 import { HoverValue } from "../../fit/distances/HoverValue";
@@ -32,7 +32,7 @@ export function openSharedViewer(store: Store<VisitorState>, stage: Stage, lookF
     { update: (state) => scan.update(state, hasModelShown(state)) },
     fitted,
     new ReferenceLines(viewer, scan, torso, fitted),
-    new ErrorBands(viewer, scan, fitted, stage.canvas),
+    new Halos(viewer, scan, fitted, stage.canvas),
     new SideLetters(viewer),
     new HoverValue(viewer, fitted, stage.canvas),
     new OrientationCube(viewer, lookFrom),

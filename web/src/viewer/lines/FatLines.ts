@@ -19,6 +19,9 @@ const OUTLINE = 1.2; // pixels on each side
 const GUESSED = 0.7; // opacity where the scan shows no skin: dashed and paler, as a guess is
 const TOWARDS_EYE = 0.012; // metres: over the noise of scan and fit, not through a limb
 
+/** All of it as a guess: of a body that no scan shows. */
+export const allGuessed = (line: Polyline): Polyline => ({ ...line, bridged: Array.from({ length: line.points.length / 3 }, () => true) });
+
 /** From which point of which line to which the segments lead that are bridged, or those that are not. */
 function* steps(lines: readonly Polyline[], wantBridged: boolean): Generator<readonly [line: Polyline, from: number, to: number]> {
   for (const line of lines) {
