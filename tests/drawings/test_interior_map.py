@@ -9,7 +9,7 @@ from helpers.surfaces import sphere
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.drawings.inside.lesions import COLOR
+from breastrig.drawings.inks import LESION
 from breastrig.drawings.plan_on_scan import PlannedScan, plan_on_scan
 from breastrig.drawings.plan_schema import PlanLesion
 from breastrig.drawings.skin_maps.interior_map import InteriorMap
@@ -138,7 +138,7 @@ def test_a_plan_carries_its_lesions_and_draws_each_on_the_skin_next_to_it(ball: 
         "far comes to lie 200 mm outside the skin; check its frame and unit.",
     )
     for line in found.lines:
-        assert (line.line.closed, line.line.color, line.part) == (True, COLOR, "projection")
+        assert (line.line.closed, line.line.color, line.part) == (True, LESION, "projection")
         (nearest,) = b.target.search.query(places[line.item.id].center[None]).points
         gaps = np.linalg.norm(line.line.points - nearest, axis=1)
         np.testing.assert_allclose(gaps, 0.008, atol=2e-4)

@@ -5,7 +5,7 @@ from typing import Any
 
 from breastrig.core.srgb import rgb
 from breastrig.drawings.drawing_file import lesions_on_scan, planned_on_scan
-from breastrig.drawings.inside.lesions import COLOR
+from breastrig.drawings.inks import LESION
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.lines.lines_glb import Ball, with_lines
 
@@ -17,7 +17,7 @@ def planned_glb(fitted: bytes, plan: Mapping[str, Any], own: Sequence[Polyline] 
     lines = [(line.name, line.points, line.closed, rgb(line.color)) for line in (*own, *planned_on_scan(dict(plan)))]
     balls = [
         Ball(
-            f"lesion_{each['name']}", center, radius, rgb(COLOR), {"kind": "lesion"} | {key: each[key] for key in SAID}
+            f"lesion_{each['name']}", center, radius, rgb(LESION), {"kind": "lesion"} | {key: each[key] for key in SAID}
         )
         for each, center, radius in lesions_on_scan(plan)
     ]
