@@ -18,7 +18,7 @@ from breastrig.core.stances import STANCES
 from breastrig.drawings.patterns import pattern_help
 from breastrig.files.result import ResultFile, fit_set, patient_of
 from breastrig.fitting.verdicts.verdict import WITH_MARGIN
-from breastrig.report.bands import sure_text
+from breastrig.report.bands import margin_text, sure_text
 from breastrig.report.pages.printable import checked_code
 from breastrig.use.fit import FitRun, Iterate, iterates
 from breastrig.use.jobs import FIRST
@@ -135,6 +135,7 @@ def run(options: argparse.Namespace) -> int:
         *(pick.reason for pick in result.landmarks_not_followed),
         *(_to_check(pick.reason) for pick in result.landmarks_unusual),
         *result.drawing_missing,
+        *_worth_a_check(fit),
     ]
     for sentence in said:
         print(f"breastrig: {sentence}", file=sys.stderr)
@@ -143,6 +144,17 @@ def run(options: argparse.Namespace) -> int:
     if verdict.level == "unusable":
         return UNUSABLE
     return MISFIT if fit.drawing_missing else 0
+
+
+def _worth_a_check(fit: Fit) -> tuple[str, ...]:
+    """A sentence on the landmarks that would make lines surer by a finger; empty where none would."""
+    found = fit.checks()
+    if not found.worth_it:
+        return ()
+    *first, last = (f"the {each.label}" for each in found.checks)
+    which = f"{', '.join(first)} and {last}" if first else last
+    now, then = margin_text(found.line_error_mm), margin_text(found.expected_line_error_mm)
+    return (f"With {which} placed by hand lines would be sure to about {then} instead of {now}.",)
 
 
 def _mm(distance: float | None) -> str:

@@ -26,6 +26,7 @@ from breastrig.core.stances import Stance
 RESULT = "result.json"
 DRAWING = "drawing.json"
 UNCERTAINTY = "uncertainty.bin"
+CHECKS = "checks.bin"  # of which landmarks a person should check follows (fitting/checks/basis.py)
 BODY = "body.bin"  # what the fit says of scales and shapes, for a cohort (fitting.uncertainty.contribution.py)
 RESULT_SCHEMA = "breastrig/result@1"
 RESULT_BYTES = 4_000_000  # a result.json has some ten thousand
@@ -37,10 +38,11 @@ FIT_FILES = (
     "distances.bin",
     UNCERTAINTY,
     BODY,
+    CHECKS,
     "fit.log.jsonl",
     RESULT,  # the last one: where it stands, the others are there
 )
-HASHED = ("scan.ply", "fitted.ply", "drawing.json", "distances.bin", UNCERTAINTY, BODY)  # what is read again
+HASHED = ("scan.ply", "fitted.ply", "drawing.json", "distances.bin", UNCERTAINTY, BODY, CHECKS)  # read again
 EDITED = 16  # hexadecimal digits of a field's hash: against mistakes, not against intent
 
 Unit = Literal["m", "dm", "cm", "mm", "in", "ft"]

@@ -36,6 +36,7 @@ from breastrig.service.failed_tasks import FULL, explained
 from breastrig.service.fits.fit_worker import Predictor, Runner, Runners
 from breastrig.service.fits.queue import FitQueue, WaitingCap
 from breastrig.service.kept_models import KeptModels
+from breastrig.service.line_checks import LineChecks
 from breastrig.service.moving import Moving
 from breastrig.service.plans import Plans
 from breastrig.service.readiness import Readiness
@@ -112,6 +113,7 @@ class Service:
         self.plans = Plans(storage, self._others, self.models)
         self.moving = Moving(storage, hands, self.models)
         self.skin_checks = SkinChecks(storage, hands)
+        self.line_checks = LineChecks(storage, hands, self.plans, self.models)
         self.reports = Reports(storage, self._others, self.plans, self.models)
         self.shares = ShareSnapshots(storage, self._others, self.plans, self.reports, self.models)
         self._notifier = Notifier(storage)
@@ -215,6 +217,7 @@ class Service:
             self.pool.drop(fit_id)
         self.pool.drop(scan_id)
         self.plans.forget()
+        self.line_checks.forget()
         self.reports.forget()
         self._notifier.look_again()
         if left:

@@ -163,6 +163,15 @@ PlanLines = tuple[dict[str, Any], bool]  # a document breastrig/drawing@1 on the
 
 
 @dataclass(frozen=True)
+class ChecksJob:
+    """A fit whose landmarks may be checked."""
+
+    fit: Path  # folder of a fit
+    plan: PlanLines | None = None  # its lines, and whether they are all that is wanted; None: the fit's own drawing
+    model: Path | None = None  # None: the torso of the package
+
+
+@dataclass(frozen=True)
 class ReportJob:
     """A report of one fit or of two."""
 

@@ -38,9 +38,7 @@ def fitted(torso: Rig) -> Posterior:
 def basis_of(posterior: Posterior) -> CheckBasis:
     known = radii(posterior)
     assert known is not None
-    found = check_basis(posterior, known, {}, posterior.task.picked, None)
-    assert found is not None
-    return found
+    return check_basis(posterior, known, {}, posterior.task.picked)
 
 
 @pytest.mark.parametrize("name", ["nipple_L", "midclavicle_L", "xiphoid", "inframammary_fold_R", "acromion_R"])

@@ -279,6 +279,7 @@ export type FitLinks = {
   drawing: string;
   distances: string;
   uncertainty: string;
+  checks: string;
   plan: string;
   report: string;
   measures: string;
@@ -452,6 +453,26 @@ export type IterationNumbers = {
   elapsed_s: number;
 };
 
+/** A landmark to look at. */
+export type LandmarkCheck = {
+  name: string;
+  label: string;
+  /** the patient's; null on the midline */
+  side: "L" | "R" | null;
+  /** mm, in the scan's frame, on its skin: where the landmark is expected */
+  place: [number, number, number];
+  /** unit vector out of the skin there */
+  normal: [number, number, number];
+  /** holds the true place with 90 % */
+  radius_mm: number;
+  /** the landmark on the model */
+  point: ModelPoint;
+  /** of the lines, expected after this check and those before */
+  line_error_mm: number;
+  /** breadth of the band around the lines: 1 to 20 mm across (± 10), 2 to 40, 3 beyond */
+  fingers: number;
+};
+
 export type LandmarkDistances = {
   mean: number | null;
   std: number | null;
@@ -536,6 +557,24 @@ export type Limits = {
   triangles: number;
   /** scans are deleted so many days after their upload; null: never */
   keep_days: number | null;
+};
+
+/** How sure the lines on a scan are, and the landmarks whose check makes them surer. */
+export type LineChecks = {
+  /** whose error it is: of the plan on this scan, of the fit's own drawing, of lines on the breasts */
+  lines: "plan" | "drawing" | "breasts";
+  /** line error (90 %), the largest of the lines; null: not known */
+  line_error_mm: number | null;
+  fingers: number | null;
+  /** after all checks; null without any */
+  expected_line_error_mm: number | null;
+  expected_fingers: number | null;
+  /** whether the checks make the lines surer by at least one finger */
+  worth_it: boolean;
+  /** at most three, in this order: each narrows the lines most after those before it */
+  checks: LandmarkCheck[];
+  /** why there are no checks, one sentence */
+  reason: string | null;
 };
 
 /** One measure of one stance, or its change from the first stance to the second; sided, or one value for both. */
@@ -667,6 +706,14 @@ export type ModelDrawnShape = {
   closed: boolean;
   color: string;
   surface_points: SurfacePoint[];
+};
+
+/** A point on the model's surface. */
+export type ModelPoint = {
+  /** of the model's triangles */
+  face: number;
+  /** weights of its corners */
+  barycentric: [number, number, number];
 };
 
 /** The model's side file with the drawings merged in; further fields as in the file. */

@@ -226,6 +226,7 @@ def fit_links(fit_id: str) -> wire.FitLinks:
         drawing=f"{place}/drawing.json",
         distances=f"{place}/distances.bin",
         uncertainty=f"{place}/uncertainty.bin",
+        checks=f"{place}/checks",
         plan=f"{place}/plan.json",
         report=f"{place}/report.pdf",
         measures=f"{place}/measures.json",

@@ -5,7 +5,7 @@ import shutil
 import tempfile
 import zipfile
 from contextlib import ExitStack
-from typing import IO
+from typing import IO, Any
 
 from apiflask import APIBlueprint
 from flask import Response
@@ -13,6 +13,7 @@ from flask import Response
 from breastrig.api.answers import BINARY, GLB, JSON, ZIP, file_of, in_memory, opened
 from breastrig.api.app_context import app_context
 from breastrig.api.routes.fits import FITS_TAG
+from breastrig.api.wire import checks as wire
 from breastrig.core.errors import Conflict, NotFound
 from breastrig.drawings.drawing_schema import DrawingFile
 from breastrig.files.result import FIT_FILES, ResultFile
@@ -99,6 +100,19 @@ def show_distances(fit_id: str) -> Response:
 def show_uncertainty(fit_id: str) -> Response:
     """The 90 % radius of each model vertex, mm"""
     return _result_file(fit_id, "uncertainty.bin")
+
+
+@results.get("/<fit_id>/checks")
+@results.output(wire.LineChecks)
+@results.doc(operation_id="getChecks", responses={409: "Not done"})
+def show_checks(fit_id: str) -> dict[str, Any]:
+    """The landmarks to check: those whose true place makes the lines surest
+
+    At most three that the scan shows and nobody has placed, chosen one after another from the fit's posterior, for the
+    patient's plan on this scan, else the fit's own drawing, else lines on the breasts. A landmark that was looked at is
+    given to the next fit with a `confidence` of 1: otherwise one at its proposed place counts as only agreed to.
+    """
+    return app_context().service.line_checks.on_fit(_done(fit_id).id)
 
 
 @results.get("/<fit_id>/result.zip")

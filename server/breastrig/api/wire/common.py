@@ -345,6 +345,7 @@ class FitLinks(Wire):
     drawing: str
     distances: str
     uncertainty: str
+    checks: str
     plan: str
     report: str
     measures: str

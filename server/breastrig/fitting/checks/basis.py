@@ -1,7 +1,8 @@
 """What is kept of a fit so that checks can be named for lines that are drawn later, without its scan.
 
-In its file: float64, the covariance's upper triangle row by row, the factors from deviations to radii once a landmark
-is picked, two numbers, then NUMBERS for each landmark of the rig; empty where nothing can be checked.
+In its file: float64, the covariance's upper triangle row by row, for each vertex the factor from its deviation to its
+radius once a landmark is picked, and whether it is seen, two numbers, then NUMBERS for each landmark of the rig; empty
+where nothing can be checked.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -9,7 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from breastrig.core.arrays import Array, Integers
+from breastrig.colour.features.observation import Observation
+from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.fitting.checks.choose import Gaussian, ModelLine, Observable, Widths
 from breastrig.fitting.checks.observable import Places, observable_landmarks, places_of
 from breastrig.fitting.posterior import Posterior
@@ -28,6 +30,7 @@ class CheckBasis:
 
     covariance: Array  # (P, P) of a step from the fit's parameters
     once_picked: Array  # (V,) from a vertex's deviation to its radius as soon as a landmark is picked
+    seen: Booleans  # (V,) vertices on skin that the scan shows
     lost: float  # m, in every radius: for the chance that the body lies another way
     observable: Observable
     places: Places
@@ -56,18 +59,15 @@ class CheckBasis:
 
 
 def check_basis(
-    posterior: Posterior, known: Radii, seen: Mapping[str, Array], checked: Collection[str], margin: float | None
-) -> CheckBasis | None:
-    """The basis of a finished fit; None for a model without a calibration.
+    posterior: Posterior, known: Radii, seen: Mapping[str, Observation], checked: Collection[str]
+) -> CheckBasis:
+    """The basis of a finished fit with its `known` radii and the landmarks that were `seen` in the colours.
 
-    `seen`: places ((3,) m) that the colours show; `checked`: landmarks that nobody needs to look at; `margin`: as in
-    `radii`.
+    `checked`: landmarks that nobody needs to look at.
     """
-    places = places_of(posterior, seen, margin)
-    if places is None:
-        return None
+    places = places_of(posterior, known, seen)
     observable = observable_landmarks(posterior, places.shown, checked)
-    return CheckBasis(posterior.covariance(), known.once_picked, known.lost, observable, places)
+    return CheckBasis(posterior.covariance(), known.once_picked, known.seen, known.lost, observable, places)
 
 
 def on_vertices(vertices: Integers) -> ModelLine:
@@ -88,19 +88,21 @@ def basis_bytes(basis: CheckBasis | None) -> bytes:
         rows[index, 15] = shared
     covariance = basis.covariance[np.triu_indices(len(basis.covariance))]
     single = np.array([basis.lost, observable.pick])
-    return np.concatenate([covariance, basis.once_picked, single, rows.ravel()]).astype("<f8").tobytes()
+    return np.concatenate([covariance, basis.once_picked, basis.seen, single, rows.ravel()]).astype("<f8").tobytes()
 
 
 def read_basis(content: bytes, rig: Rig, x: RigParameters) -> CheckBasis | None:
     """The file's basis; None for an empty file, one of another rig, or one that no fit wrote."""
     names, size = tuple(rig.landmark_names), x.dof
-    counts = np.cumsum([size * (size + 1) // 2, len(rig.template), 2, NUMBERS * len(names)])
+    vertices = len(rig.template)
+    counts = np.cumsum([size * (size + 1) // 2, vertices, vertices, 2, NUMBERS * len(names)])
     if len(content) != 8 * counts[-1]:
         return None
-    upper, once_picked, single, rows = np.split(np.frombuffer(content, dtype="<f8").astype(np.float64), counts[:-1])
-    rows = rows.reshape(len(names), NUMBERS)
-    if not np.isfinite(np.concatenate([upper, once_picked, single, rows.ravel()])).all():
+    numbers = np.frombuffer(content, dtype="<f8").astype(np.float64)
+    if not np.isfinite(numbers).all():
         return None
+    upper, once_picked, seen, single, rows = np.split(numbers, counts[:-1])
+    rows = rows.reshape(len(names), NUMBERS)
     covariance = np.zeros((size, size))
     covariance[np.triu_indices(size)] = upper
     covariance += np.triu(covariance, 1).T
@@ -112,4 +114,4 @@ def read_basis(content: bytes, rig: Rig, x: RigParameters) -> CheckBasis | None:
     }
     observable = Observable(names, rows[:, 0] > 0.0, float(single[1]), replaced, partners)
     places = Places(rows[:, 1:4], rows[:, 4:7], rows[:, 7], rows[:, 8] > 0.0)
-    return CheckBasis(covariance, once_picked, float(single[0]), observable, places)
+    return CheckBasis(covariance, once_picked, seen > 0.0, float(single[0]), observable, places)

@@ -15,7 +15,7 @@ from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.drawings.line_error import FINGER, across, fingers
 
 MOST = 3  # landmarks that a person is asked to look at
-WORTH = 0.0005  # m; a landmark that narrows the lines by less is not asked for: the number shown stays the same
+WORTH = 0.0005  # m; what narrows the lines by less is not asked for: the number that is shown stays the same
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,20 +132,15 @@ class Checks:
 
 
 def asked_checks(now: float, steps: Iterator[Check]) -> Checks:
-    """The first of `steps` that are worth a look, at most MOST: no more of them than the fingers that are gained take.
+    """The first of `steps` that are worth a look, at most MOST: no more than gain fingers, or else half a millimetre.
 
     now: m, the lines' error.
     """
-    asked: list[Check] = []
-    before = now
-    for step in islice(steps, MOST):
-        if before - step.width < WORTH:
-            break
-        asked.append(step)
-        before = step.width
-    gained = [fewer_fingers(now, each.width) for each in asked]
-    count = gained.index(max(gained)) + 1 if any(gained) else len(asked)
-    return Checks(now, tuple(asked[:count]), any(gained))
+    asked = tuple(islice(steps, MOST))
+    widths = [now, *(each.width for each in asked)]
+    gained = [fewer_fingers(now, width) for width in widths]
+    enough = gained.index(max(gained)) or next(k for k, width in enumerate(widths) if width - widths[-1] < WORTH)
+    return Checks(now, asked[:enough], any(gained))
 
 
 def fewer_fingers(before: float, after: float) -> int:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from breastrig.colour.features.observation import Observation
 from breastrig.core.arrays import Array, Booleans
 from breastrig.core.stances import PRONE, split_side
 from breastrig.fitting.body.mirrored_landmarks import UNSHOWN_ERROR
@@ -17,7 +18,7 @@ from breastrig.fitting.checks.choose import Observable
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.problem import along
 from breastrig.fitting.propose import laid_on_scan
-from breastrig.fitting.uncertainty.radii import radii
+from breastrig.fitting.uncertainty.radii import HOLDS_90, Radii, radii
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,19 +31,16 @@ class Places:
     shown: Booleans  # (L,) which of them the scan shows
 
 
-def places_of(posterior: Posterior, seen: Mapping[str, Array], margin: float | None) -> Places | None:
-    """The places, of landmarks (`seen` ones, (3,) m, that the colours show); None for a model without a calibration.
-
-    `margin`: as in `radii`.
-    """
-    known = radii(posterior, margin, expected=True)
-    if known is None:
-        return None
-    target = posterior.task.target
-    points, shown = laid_on_scan(posterior, seen)
+def places_of(posterior: Posterior, known: Radii, seen: Mapping[str, Observation]) -> Places:
+    """The places of landmarks around which a person looks for them; `known` radii of the fit, `seen` in the colours."""
+    target, around = posterior.task.target, radii(posterior, expected=True)
+    assert around is not None
+    sizes = {name: float(np.hypot(radius, known.lost)) for name, radius in around.landmarks.items()}
+    sizes |= {name: HOLDS_90 * each.error for name, each in seen.items()}
+    points, shown = laid_on_scan(posterior, {name: each.place for name, each in seen.items()})
     nearest = target.search.query(points)
     normals = target.face_normals[nearest.faces]
-    return Places(nearest.points, normals, np.array([*known.landmarks.values()]), shown)
+    return Places(nearest.points, normals, np.array([*sizes.values()]), shown)
 
 
 def observable_landmarks(posterior: Posterior, shown: Booleans, checked: Collection[str]) -> Observable:

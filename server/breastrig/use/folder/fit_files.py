@@ -25,6 +25,7 @@ from breastrig.drawings.drawing_file import rounded_mm, shape_document
 from breastrig.drawings.line_error import drawn_error
 from breastrig.files.result import (
     BODY,
+    CHECKS,
     FIT_FILES,
     RESULT,
     UNCERTAINTY,
@@ -40,6 +41,7 @@ from breastrig.files.result import (
     Unit,
     Verdict,
 )
+from breastrig.fitting.checks.basis import basis_bytes
 from breastrig.fitting.stance import UNCLEAR
 from breastrig.fitting.task import PickIssue
 from breastrig.fitting.uncertainty.contribution import contribution_bytes
@@ -243,6 +245,7 @@ MAKERS: dict[str, Callable[[FitOutcome], bytes]] = {
     "distances.bin": distances_bin,
     UNCERTAINTY: uncertainty_bin,
     BODY: lambda outcome: contribution_bytes(outcome.body),
+    CHECKS: lambda outcome: basis_bytes(outcome.checks),
     "fit.log.jsonl": _log,
     RESULT: lambda outcome: result_of(outcome).content(),  # alone: hashes of the others come when all are written
 }

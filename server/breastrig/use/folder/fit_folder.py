@@ -21,6 +21,7 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.files.result import (
     BODY,
+    CHECKS,
     FIT_FILES,
     RESULT,
     UNCERTAINTY,
@@ -32,6 +33,7 @@ from breastrig.files.result import (
     read_result,
     result_text,
 )
+from breastrig.fitting.checks.basis import CheckBasis, read_basis
 from breastrig.fitting.uncertainty.contribution import read_contribution
 from breastrig.geometry.rotations import rotation_from_quaternion
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -59,6 +61,7 @@ class FitFolder:
     parameters: RigParameters
     radii: Array | None = None  # (V,) m, each holds the vertex's true place with 90 %; None: an older fit
     body: Gaussian | None = None  # scales and weights, under the built-in prior; None: an older fit, or nothing is said
+    checks: CheckBasis | None = None  # None: an older fit, or nothing can be checked
 
     @property
     def unit(self) -> str:
@@ -87,8 +90,14 @@ def fit_folder_of(folder: Path, rig: Rig) -> FitFolder:
     shown = folder_name(folder)
     result = checked_result(folder)
     found = _fit(result, lambda name, unit: _mesh_file(folder / name, unit), rig, shown)
-    radii, body = (_content(folder / name) for name in (UNCERTAINTY, BODY))
-    return replace(found, radii=_radii(radii, rig), body=read_contribution(body, rig))
+    return _with_posterior(found, lambda name: _content(folder / name))
+
+
+def _with_posterior(found: FitFolder, content: Callable[[str], bytes]) -> FitFolder:
+    """The fit with what its files of these names say of its errors; empty ones say nothing."""
+    radii, body = _radii(content(UNCERTAINTY), found.rig), read_contribution(content(BODY), found.rig)
+    checks = read_basis(content(CHECKS), found.rig, found.parameters)
+    return replace(found, radii=radii, body=body, checks=checks)
 
 
 def _content(file: Path) -> bytes:
@@ -144,8 +153,7 @@ def fit_of_files(files: Mapping[str, bytes], rig: Rig, shown: str) -> FitFolder:
     result = parsed_result(files[RESULT], shown)
     result.check_files(files.get, shown)
     found = _fit(result, mesh, rig, shown)
-    body = read_contribution(files.get(BODY, b""), rig)
-    return replace(found, radii=_radii(files.get(UNCERTAINTY, b""), rig), body=body)
+    return _with_posterior(found, lambda name: files.get(name, b""))
 
 
 def _fit(result: ResultFile, mesh: Callable[[str, str], tuple[Array, Integers]], rig: Rig, shown: str) -> FitFolder:
@@ -168,6 +176,7 @@ def fitted(
     vertices: Array,
     parameters: RigParameters,
     radii: Array | None = None,
+    checks: CheckBasis | None = None,
     shown: str = "this fit",
 ) -> FitFolder:
     """A fit with the landmarks that its result names; BadInput where the rig has none of that name."""
@@ -188,6 +197,7 @@ def fitted(
         metres_per_unit=per_unit,
         parameters=parameters,
         radii=radii,
+        checks=checks,
     )
 
 

@@ -21,6 +21,7 @@ from breastrig.drawings.drawing_file import lines_on_scan, rounded_mm, shape_doc
 from breastrig.drawings.line_error import drawn_error, with_errors
 from breastrig.files.result import (
     BODY,
+    CHECKS,
     FIT_FILES,
     RESULT,
     UNCERTAINTY,
@@ -81,6 +82,7 @@ def prediction(rig: Rig, folder: Path, goal: Stance) -> dict[str, bytes]:
         "distances.bin": np.full(len(moves), np.nan, "<f4").tobytes(),
         UNCERTAINTY: (1e3 * radii).astype("<f4").tobytes(),
         BODY: contribution_bytes(None if fit.stance == PRONE else fit.body),  # of a trunk that was seen
+        CHECKS: b"",  # nobody can look at what no scan shows
         "fit.log.jsonl": b"",
     }
     made[RESULT] = result.beside(made).content()

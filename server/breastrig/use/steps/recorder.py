@@ -17,6 +17,7 @@ from breastrig.correspondence.distances import Comparison, SurfaceDistances
 from breastrig.drawings.line_error import with_errors
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.fitting.body.hidden_skin import skin_behind
+from breastrig.fitting.checks.basis import CheckBasis, check_basis
 from breastrig.fitting.fit import FitIterate
 from breastrig.fitting.observed.landmarks import followed, observed_areolae
 from breastrig.fitting.picks.issues import unusual
@@ -85,6 +86,7 @@ class FitOutcome:
     radii: Radii | None  # None: nothing is known of this model's errors
     areolae: Mapping[str, ObservedAreola | None]  # by side, None where none is seen; empty for a scan without texture
     verdict: Verdict
+    checks: CheckBasis | None  # None: nothing is known of this model's errors
 
 
 def record(ready: ReadyScan, iterate: FitIterate) -> RecordedIterate:
@@ -137,6 +139,8 @@ def outcome_of(ready: ReadyScan, recorded: Sequence[RecordedIterate], solve_s: f
     drawing, missing = ready.drawing.where_it_fits(rig, vertices, places) if ready.drawing else (None, ())
     lines = on_scan(rig, vertices, drawing, target) if drawing else ()
     lines = with_errors(rig, compared.search, None if known is None else known.vertices, lines)
+    sure = task.picked - {*ready.agreed}
+    checks = None if known is None else check_basis(posterior, known, seen, sure | doubted)
     areolae = observed_areolae(rig, vertices, ready.landmarks, ready.scan, ready.shown)
     timing["total"] = clock.total()
     return FitOutcome(
@@ -157,6 +161,7 @@ def outcome_of(ready: ReadyScan, recorded: Sequence[RecordedIterate], solve_s: f
         radii=known,
         areolae=areolae,
         verdict=judged.verdict,
+        checks=checks,
     )
 
 

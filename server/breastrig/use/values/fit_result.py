@@ -41,7 +41,7 @@ from breastrig.scan.clean import Surface
 from breastrig.use.folder.fit_files import fit_file, result_of
 from breastrig.use.folder.fit_folder import FitFolder, fit_of_files, fitted, read_fit_files
 from breastrig.use.steps.recorder import FitOutcome
-from breastrig.use.values.drawing import Drawing, Lesion, drawing_of
+from breastrig.use.values.drawing import Drawing, Lesion, Line, document_of, drawing_of
 from breastrig.use.values.frame import Frame, frame_of
 from breastrig.use.values.model import Model, Rig, loaded, public
 from breastrig.use.values.posterior import Posterior, posterior_of
@@ -49,6 +49,8 @@ from breastrig.use.values.posterior import Posterior, posterior_of
 if TYPE_CHECKING:
     import trimesh
     from PIL.Image import Image
+
+    from breastrig.use.lines.line_checks import LineChecks
 
 
 class FitFiles:
@@ -220,6 +222,25 @@ class Fit:
             raise BadDrawing("drawing.json of this fit is damaged; fit the scan again.") from error
         return drawing_of(document, self.inputs)
 
+    def checks(self, drawing: Drawing | Sequence[Line] | None = None) -> "LineChecks":
+        """The landmarks that a person should look at to make lines surer, by the fit's posterior.
+
+        Args:
+            drawing: Lines on this scan, in its unit and frame, drawn on it or transferred to it; None: the fit's own
+                drawing. Where there are none, lines count that would lie on the breasts.
+
+        Raises:
+            BadDrawing: For lines that are not on a scan.
+        """
+        from breastrig.drawings.drawing_file import lines_on_scan
+        from breastrig.use.lines.line_checks import line_checks  # skin maps and plans, as for lesions
+
+        shown = self.drawing if drawing is None else drawing
+        lines, document = (shown.lines, shown.document) if isinstance(shown, Drawing) else (shown, document_of(shown))
+        carried = [line.distance_from_mm is not None for line in lines if len(line.points)]
+        with one_thread():
+            return line_checks(self.in_metres, lines_on_scan(document, self.unit), carried)
+
     @cached_property
     def lesions(self) -> tuple[Lesion, ...]:
         """The lesions of the label map that was fitted, with depth and distances; `transfer` takes them."""
@@ -237,9 +258,9 @@ class Fit:
     def save(self, folder: str | Path, *, force: bool = False) -> None:
         """Writes the files of `breastrig fit -o FOLDER`, all of them or none, for their owner only.
 
-        result.json, scan.ply, fitted.ply, fitted.glb, drawing.json, distances.bin, uncertainty.bin, body.bin and
-        fit.log.jsonl; each says its unit or has the scan's.  Replaces an earlier fit's files; others with `force` only,
-        and files that the fit was made from never.  Raises BadInput.
+        result.json, scan.ply, fitted.ply, fitted.glb, drawing.json, distances.bin, uncertainty.bin, body.bin,
+        checks.bin and fit.log.jsonl; each says its unit or has the scan's.  Replaces an earlier fit's files; others
+        with `force` only, and files that the fit was made from never.  Raises BadInput.
         """
         output = FolderOutput(Path(folder), (fit_set(Path()),), self.inputs, force)
         with all_or_nothing(output) as staging:
@@ -292,6 +313,7 @@ def fit_of_outcome(outcome: FitOutcome, inputs: tuple[Path, ...]) -> Fit:
             outcome.vertices,
             outcome.parameters,
             None if radii is None else radii.vertices,
+            outcome.checks,
         )
         files = FitFiles({}, outcome, result)
         posterior = posterior_of(rig, outcome.parameters, outcome.covariance)
