@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from breastrig.use.fit import FitRun, Iterate, fit, iterates
     from breastrig.use.ink import Ink, InkLine, find_ink
     from breastrig.use.landmarks import Proposal, Proposals, propose_landmarks
+    from breastrig.use.lines.line_checks import LandmarkCheck, LineChecks
     from breastrig.use.measure import Measure, Number, measure
     from breastrig.use.predict import predict
     from breastrig.use.report import write_report
@@ -67,8 +68,10 @@ __all__ = [
     "Ink",
     "InkLine",
     "Iterate",
+    "LandmarkCheck",
     "Lesion",
     "Line",
+    "LineChecks",
     "Measure",
     "Number",
     "Parameters",
@@ -106,6 +109,7 @@ _MODULES = {
     "use.values.frame": "Frame",
     "use.ink": "Ink InkLine find_ink",
     "use.landmarks": "Proposal Proposals propose_landmarks",
+    "use.lines.line_checks": "LandmarkCheck LineChecks",
     "use.measure": "Measure Number measure",
     "use.values.model": "Rig load_model",
     "rig.named_parameters": "BonePose Parameters",

@@ -73,7 +73,7 @@ def test_the_checks_follow_the_plan_and_end_with_true_places(real: tuple[Service
     own = {"name": "own", "points": (times * np.array(line["points"])).tolist()}
     item = {"kind": "line", "id": "own", "scan": scan["id"], **own}
     plan = {"schema": "breastrig/plan@1", "unit": "mm", "items": [item]}
-    assert client.put(f"{scan['links']['patient']}/plan", json=plan).status_code == 200
+    assert client.put(f"{scan['links']['patient']}/plan", json=plan, headers={"If-Match": '"0"'}).status_code == 200
     planned = client.get(first["checks"]).json
     assert planned["lines"] == "plan"
     assert planned["line_error_mm"] == pytest.approx(line["line_error_mm"], abs=0.2)

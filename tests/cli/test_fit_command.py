@@ -58,6 +58,7 @@ def test_its_files_are_there_and_nothing_else(fitted: Path) -> None:
         "distances.bin",
         "uncertainty.bin",
         "body.bin",
+        "checks.bin",
         "fit.log.jsonl",
     }
 
@@ -97,6 +98,21 @@ def test_on_a_terminal_the_verdict_and_how_sure_it_is_come_before_any_distance(f
     unsure = result | guess | {"verdict": {"level": "check", "reasons": []}, "drawn_line_error_mm": 14.6}
     start = "a fit to check: drawn lines ± 15 mm, landmarks ± 12 mm, 1 not known; "
     assert summary(ResultFile.model_validate(unsure)).startswith(start)
+
+
+def test_landmarks_that_would_make_lines_surer_by_a_finger_are_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scan, out = breastrig.example("supine").scan, tmp_path / "out"
+    assert main(["fit", str(scan), "-o", str(out)]) == 0
+    [said] = [line for line in capsys.readouterr().err.splitlines() if "placed by hand" in line]
+    found = breastrig.Fit.load(out).checks()
+    assert found.worth_it
+    assert found.expected_line_error_mm is not None
+    for each in found.checks:
+        assert f"the {each.label}" in said
+    assert f"± {found.expected_line_error_mm:.0f} mm" in said
+    assert f"± {found.line_error_mm:.0f} mm" in said
 
 
 def test_a_fit_that_is_not_usable_is_written_and_has_an_exit_code_of_its_own(

@@ -32,6 +32,7 @@ FILES = (
     "distances.bin",
     "uncertainty.bin",
     "body.bin",
+    "checks.bin",
     "fit.log.jsonl",
     "measures.csv",
 )

@@ -84,7 +84,9 @@ def test_bodies_that_are_drawn_keep_limits_and_joints_and_come_again_with_their_
             assert np.linalg.norm(ends[0] - ends[1]) < 1e-9
 
 
-def test_the_posterior_has_mean_covariance_and_names_and_stays_with_the_fit(fit: breastrig.Fit, tmp_path: Path) -> None:
+def test_the_posterior_has_mean_covariance_and_names_and_stays_with_the_fit_and_its_files(
+    fit: breastrig.Fit, tmp_path: Path
+) -> None:
     known, rig = fit.posterior, fit.model
     unknowns = 9 * len(rig.bones) + len(rig.shapes)
     assert known.mean.shape == (unknowns,)
@@ -99,7 +101,11 @@ def test_the_posterior_has_mean_covariance_and_names_and_stays_with_the_fit(fit:
     assert 1e-4 < np.linalg.norm(drawn, axis=1).mean() < 0.02
     assert pickle.loads(pickle.dumps(fit)).posterior.mean.shape == known.mean.shape
     fit.save(tmp_path / "out")
-    with pytest.raises(breastrig.BadInput, match="in no file of a fit"):
+    loaded = breastrig.Fit.load(tmp_path / "out").posterior
+    np.testing.assert_array_equal(loaded.covariance, known.covariance)
+    np.testing.assert_allclose(loaded.mean, known.mean, atol=1e-8)
+    (tmp_path / "out" / "checks.bin").unlink()
+    with pytest.raises(breastrig.BadInput, match="in no file of this fit"):
         _ = breastrig.Fit.load(tmp_path / "out").posterior
 
 

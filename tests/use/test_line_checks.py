@@ -1,4 +1,4 @@
-"""The landmarks that a fit wants checked, by Python, file and task: the same; for which lines; and why there are none."""
+"""Landmarks that a fit wants checked, the same by Python, file and task; for which lines, and why there are none."""
 
 from dataclasses import replace
 from pathlib import Path

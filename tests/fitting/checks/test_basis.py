@@ -47,7 +47,8 @@ def test_a_pick_leaves_what_the_posterior_has_with_it(name: str, torso: Rig, fit
     basis = basis_of(fitted)
     vertices = np.arange(0, len(torso.template), 7)
     index = torso.landmark_names.index(name)
-    after = basis.gaussian(fitted.state, vertices).with_information(basis.observable.picked(index)[1])
+    _, added, _ = basis.observable.picked(index)
+    after = basis.gaussian(fitted.state, vertices).with_information(added)
     place = torso.landmark_points((name,)).positions(fitted.state.vertices, torso.faces)[0]
     picks = fitted.task.landmarks | {name: place}
     relief = {seen: each for seen, each in (fitted.task.relief or {}).items() if seen != name}
@@ -98,6 +99,7 @@ def test_the_file_gives_the_basis_back_and_nothing_where_it_is_another_rigs_or_d
     for part in ("points", "normals", "radii", "shown"):
         np.testing.assert_array_equal(getattr(back.places, part), getattr(basis.places, part))
     np.testing.assert_allclose(back.observable.replaced, basis.observable.replaced, rtol=1e-12, atol=1e-6)
+    np.testing.assert_allclose(back.observable.beside, basis.observable.beside, rtol=1e-9, atol=1e-18)
     assert back.observable.partners == {k: each for k, each in basis.observable.partners.items() if each[1] > 0.0}
     assert (back.lost, back.observable.pick) == (basis.lost, basis.observable.pick)
     assert basis_bytes(None) == b""

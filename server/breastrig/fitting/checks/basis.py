@@ -21,7 +21,7 @@ from breastrig.rig.parameters import RigParameters
 from breastrig.rig.state import BodyState
 
 UPPER = np.triu_indices(3)
-NUMBERS = 16  # open, point (3), normal (3), radius, shown, replaced information (6), known of its partner
+NUMBERS = 22  # open, point (3), normal (3), radius, shown, replaced information (6), known of its partner, beside (6)
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +84,7 @@ def basis_bytes(basis: CheckBasis | None) -> bytes:
     rows[:, 0], rows[:, 1:4], rows[:, 4:7] = observable.open, places.points, places.normals
     rows[:, 7], rows[:, 8] = places.radii, places.shown
     rows[:, 9:15] = observable.replaced[:, UPPER[0], UPPER[1]]
+    rows[:, 16:22] = observable.beside[:, UPPER[0], UPPER[1]]
     for index, (_, shared) in observable.partners.items():
         rows[index, 15] = shared
     covariance = basis.covariance[np.triu_indices(len(basis.covariance))]
@@ -106,12 +107,13 @@ def read_basis(content: bytes, rig: Rig, x: RigParameters) -> CheckBasis | None:
     covariance = np.zeros((size, size))
     covariance[np.triu_indices(size)] = upper
     covariance += np.triu(covariance, 1).T
-    replaced = np.zeros((len(names), 3, 3))
-    replaced[:, UPPER[0], UPPER[1]] = replaced[:, UPPER[1], UPPER[0]] = rows[:, 9:15]
+    replaced, beside = np.zeros((2, len(names), 3, 3))
+    for matrices, upper in ((replaced, rows[:, 9:15]), (beside, rows[:, 16:22])):
+        matrices[:, UPPER[0], UPPER[1]] = matrices[:, UPPER[1], UPPER[0]] = upper
     mirror = {landmark.name: names.index(landmark.mirror) for landmark in rig.landmarks}
     partners = {
         index: (mirror[name], float(rows[index, 15])) for index, name in enumerate(names) if rows[index, 15] > 0.0
     }
-    observable = Observable(names, rows[:, 0] > 0.0, float(single[1]), replaced, partners)
+    observable = Observable(names, rows[:, 0] > 0.0, float(single[1]), replaced, partners, beside)
     places = Places(rows[:, 1:4], rows[:, 4:7], rows[:, 7], rows[:, 8] > 0.0)
     return CheckBasis(covariance, once_picked, seen > 0.0, float(single[0]), observable, places)

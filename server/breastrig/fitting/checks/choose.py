@@ -2,7 +2,9 @@
 
 An observed landmark adds its information to a Gaussian and takes away what it replaces (Woodbury); how much lines
 narrow follows without a fit. Each next landmark is the one that leaves the least mean square radius (greedy choice for
-the trace of a covariance: A-optimal design). Radii are those of uncertainty/radii.py, so the width is line_error_mm.
+the trace of a covariance: A-optimal design), each observed as well as bodies have it where the model has it: one that
+lies anywhere on bodies says little of lines. The width that is stated after it is the fit's, which follows a pick
+exactly: line_error_mm with the radii of uncertainty/radii.py. docs/decisions/0032 has what it is worth.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -10,6 +12,7 @@ from dataclasses import dataclass, replace
 from itertools import islice
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.drawings.line_error import FINGER, across, fingers
@@ -47,9 +50,10 @@ class Observable:
     pick: float  # 1/m² on each axis, of a person's pick
     replaced: Array  # (L, 3, 3) 1/m², what else was observed of each and a pick replaces
     partners: Mapping[int, tuple[int, float]]  # of each that tells of its partner: which, and 1/m² on each axis
+    beside: Array  # (L, 3, 3) m², of bodies' landmarks beside the model's
 
-    def picked(self, index: int) -> tuple["Observable", Array]:
-        """(what is left to check after this pick, (3 L, 3 L) 1/m² that it adds)."""
+    def picked(self, index: int) -> tuple["Observable", Array, Array]:
+        """What is left to check after this pick; the (3 L, 3 L) 1/m² that it adds, as fits count it, and on bodies."""
         added, replaced, still = np.zeros_like(self.replaced), self.replaced.copy(), self.open.copy()
         added[index] = self.pick * np.eye(3) - replaced[index]
         replaced[index], still[index] = 0.0, False
@@ -57,10 +61,9 @@ class Observable:
         added[partner] += shared * np.eye(3)
         replaced[partner] += shared * np.eye(3)
         left = {which: each for which, each in self.partners.items() if index not in (which, each[0])}
-        joint = np.zeros((3 * len(added), 3 * len(added)))
-        for k, block in enumerate(added):
-            joint[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] = block
-        return replace(self, open=still, replaced=replaced, partners=left), joint
+        on_bodies = added.copy()
+        on_bodies[index] += np.linalg.inv(np.eye(3) / self.pick + self.beside[index]) - self.pick * np.eye(3)
+        return replace(self, open=still, replaced=replaced, partners=left), block_diag(*added), block_diag(*on_bodies)
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,13 +115,15 @@ def mean_square(radii: Sequence[Array]) -> float:
 
 def next_checks(known: Gaussian, observable: Observable, widths: Widths) -> Iterator[Check]:
     """The landmarks that narrow the lines most, each after those before, as long as there are any."""
+    on_bodies = known
     while observable.open.any():
         ways = []
         for index in np.flatnonzero(observable.open).tolist():
-            left, added = observable.picked(index)
-            after = known.with_information(added)
-            ways.append((mean_square(widths.radii(after.vertices)), index, left, after))
-        _, index, observable, known = min(ways, key=lambda way: way[:2])
+            left, added, as_seen = observable.picked(index)
+            after = on_bodies.with_information(as_seen)
+            ways.append((mean_square(widths.radii(after.vertices)), index, left, added, after))
+        _, index, observable, added, on_bodies = min(ways, key=lambda way: way[:2])
+        known = known.with_information(added)
         yield Check(index, widest(widths.radii(known.vertices)))
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from breastrig.colour.features.observation import Observation
 from breastrig.core.arrays import Array, Booleans
 from breastrig.core.stances import PRONE, split_side
+from breastrig.fitting.body.landmark_errors import expected_gaps
 from breastrig.fitting.body.mirrored_landmarks import UNSHOWN_ERROR
 from breastrig.fitting.checks.choose import Observable
 from breastrig.fitting.posterior import Posterior
@@ -67,5 +68,7 @@ def observable_landmarks(posterior: Posterior, shown: Booleans, checked: Collect
         error = math.hypot(alike, 0.0 if shown[index[other]] else UNSHOWN_ERROR)
         more = 1.0 / (temperature * error) ** 2 - np.trace(shared.get(other, np.zeros((3, 3)))) / 3.0
         partners[index[landmark.name]] = index[other], max(float(more), 0.0)
+    gaps = expected_gaps(posterior.state, task.stance)
+    beside = np.array([gaps[name].covariance for name in names])
     still = np.array([name not in checked for name in names]) & shown
-    return Observable(names, still, 1.0 / (temperature * recipe.observed.landmark) ** 2, replaced, partners)
+    return Observable(names, still, 1.0 / (temperature * recipe.observed.landmark) ** 2, replaced, partners, beside)

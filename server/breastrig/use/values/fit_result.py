@@ -208,10 +208,13 @@ class Fit:
 
     @property
     def posterior(self) -> Posterior:
-        """The posterior of pose and shape. Raises BadInput for a fit that was loaded: no file has it."""
-        if self.known_posterior is None:
-            raise BadInput("The posterior is in no file of a fit; fit the scan again to have it.")
-        return self.known_posterior
+        """The posterior of pose and shape. Raises BadInput for a loaded fit without a usable checks.bin."""
+        if self.known_posterior is not None:
+            return self.known_posterior
+        found = self.in_metres
+        if found.checks is None:
+            raise BadInput("The posterior is in no file of this fit; fit the scan again to have it.")
+        return posterior_of(found.rig, found.parameters, found.checks.covariance)
 
     @cached_property
     def drawing(self) -> Drawing:
