@@ -1,29 +1,23 @@
 """Which landmarks of a fit a person should check, for the lines that lie on its scan."""
 
 from collections.abc import Sequence
-from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
-from typing import Any, Literal
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from breastrig.core.arrays import Array, frozen
-from breastrig.core.errors import BadInput
 from breastrig.core.stances import split_side
-from breastrig.drawings.drawing_file import lines_on_scan, planned_on_scan, rounded_mm
-from breastrig.drawings.line_error import drawn_error, fingers, radii_at, with_errors
+from breastrig.drawings.drawing_file import rounded_mm
+from breastrig.drawings.line_error import drawn_error, radii_at, with_errors
 from breastrig.drawings.skin_maps.settings import skin_map_settings
-from breastrig.files.result import DRAWING
 from breastrig.fitting.checks.basis import CheckBasis, on_vertices
 from breastrig.fitting.checks.choose import Check, ModelLine, asked_checks, next_checks
 from breastrig.fitting.uncertainty.radii import line_error, planned_on
 from breastrig.geometry.polyline import Polyline
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.known import NOT_CALIBRATED
 from breastrig.rig.state import BodyState
-from breastrig.use.folder.fit_folder import FitFolder, fit_folder_of
-from breastrig.use.jobs import ChecksJob
-from breastrig.use.lines.transfer_lines import drawing_document
+from breastrig.use.folder.fit_folder import FitFolder
 
 PREDICTED = "No scan shows this predicted body; check landmarks on the scan that it was predicted from."
 UNUSABLE = "This fit cannot be used: {}"
@@ -67,22 +61,6 @@ class LineChecks:
     def expected_line_error_mm(self) -> float | None:
         """The lines' error that is expected after all checks; None without any."""
         return self.checks[-1].line_error_mm if self.checks else None
-
-
-def checks_on_fit(job: ChecksJob) -> dict[str, Any]:
-    """The answer of api/wire/checks.py, places in mm.  Raises BadInput for what is no fit."""
-    fit = fit_folder_of(job.fit, read_rig(job.model or default_rig_path()))
-    own: Sequence[Polyline] = ()
-    with suppress(BadInput):
-        own = lines_on_scan(drawing_document(job.fit / DRAWING), fit.unit)
-    if job.plan is None:
-        return _document(fit, line_checks(fit, own))
-    document, is_whole = job.plan
-    planned = planned_on_scan(document)
-    carried = [bool(shape.get("carried")) for shape in document["shapes"] if shape["points"]]
-    beside = () if is_whole else own
-    found = line_checks(fit, (*planned, *beside), (*carried, *(False for _ in beside)))
-    return _document(fit, replace(found, lines="plan") if planned and found.lines == "drawing" else found)
 
 
 def line_checks(fit: FitFolder, lines: Sequence[Polyline] = (), carried: Sequence[bool] | None = None) -> LineChecks:
@@ -150,30 +128,3 @@ def _landmark(fit: FitFolder, basis: CheckBasis, check: Check) -> LandmarkCheck:
         barycentric=landmark.barycentric,
         line_error_mm=round(1e3 * check.width, 1),
     )
-
-
-def _document(fit: FitFolder, found: LineChecks) -> dict[str, Any]:
-    def numbers(values: Array, digits: int) -> list[float]:
-        return [round(float(value), digits) for value in values]
-
-    checks = [
-        {name: value for name, value in asdict(each).items() if name not in ("face", "barycentric")}
-        | {
-            "place": numbers(1e3 * fit.metres_per_unit * each.place, 3),
-            "normal": numbers(each.normal, 6),
-            "point": {"face": each.face, "barycentric": numbers(each.barycentric, 9)},
-            "fingers": fingers(1e-3 * each.line_error_mm),
-        }
-        for each in found.checks
-    ]
-    now, expected = found.line_error_mm, found.expected_line_error_mm
-    return {
-        "lines": found.lines,
-        "line_error_mm": now,
-        "fingers": None if now is None else fingers(1e-3 * now),
-        "expected_line_error_mm": expected,
-        "expected_fingers": None if expected is None else fingers(1e-3 * expected),
-        "worth_it": found.worth_it,
-        "checks": checks,
-        "reason": found.reason,
-    }
