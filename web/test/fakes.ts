@@ -33,6 +33,7 @@ export function fitLinks(id: string) {
     drawing: at("drawing.json"),
     distances: at("distances.bin"),
     uncertainty: at("uncertainty.bin"),
+    checks: at("checks"),
     plan: at("plan.json"),
     measures: at("measures.json"),
     cancel: at("cancel"),

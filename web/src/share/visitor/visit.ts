@@ -95,4 +95,4 @@ export async function readShared(shared: SharedResult): Promise<VisitorState> {
   };
 }
 
-const initialLinks = { self: "", events: "", result: "", result_zip: "", fitted_glb: "", fitted_ply: "", drawing: "", distances: "", uncertainty: "", plan: "", report: "", measures: "", cancel: "", moved: "", shares: "", predictions: "" };
+const initialLinks = { self: "", events: "", result: "", result_zip: "", fitted_glb: "", fitted_ply: "", drawing: "", distances: "", uncertainty: "", checks: "", plan: "", report: "", measures: "", cancel: "", moved: "", shares: "", predictions: "" };
