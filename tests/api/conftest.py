@@ -87,6 +87,19 @@ def service(tmp_path_factory: pytest.TempPathFactory, config: Config) -> Iterato
         yield service
 
 
+@pytest.fixture
+def lose_index(service: Service) -> Iterator[Callable[[], None]]:
+    """As when somebody removes the files of the index; sessions of before it are good again at the end of the test."""
+
+    def lose() -> None:
+        for file in service.storage.root.glob("index-*"):
+            file.unlink(missing_ok=True)
+
+    yield lose
+    with service.storage.index.writing() as rows:
+        rows.execute("DELETE FROM meta WHERE key = 'sessions_from'")
+
+
 @pytest.fixture(scope="session")
 def app(config: Config, service: Service) -> APIFlask:
     return testable(create_app(config, service))

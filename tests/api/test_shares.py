@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from flask.testing import FlaskClient
 from helpers import fake_fit
-from helpers.on_disk import bytes_below, lose_index
+from helpers.on_disk import bytes_below
 from helpers.problems import problem
 from helpers.shares import expire, shown_files
 from helpers.toy_rig import toy_rig
@@ -482,11 +482,11 @@ def test_an_ended_link_opens_nothing_and_says_why(
 
 @pytest.mark.slow
 def test_a_link_whose_secret_was_lost_with_the_index_is_over_and_its_owner_sees_that(
-    client: FlaskClient, visitor: FlaskClient, service: Service, fit_id: str, share
+    client: FlaskClient, visitor: FlaskClient, lose_index, fit_id: str, share
 ) -> None:
     made = share()
     assert opened(visitor, made).status_code == 200
-    lose_index(service.storage.root)
+    lose_index()
     problem(visitor.get(f"/api/shared/{made['id']}/result.json"), 401)
     problem(opened(visitor, made), 404)
     [listed] = client.get(f"/api/fits/{fit_id}/shares").json["shares"]

@@ -8,7 +8,7 @@ from datetime import UTC, datetime, timedelta
 import itsdangerous.timed
 import pytest
 from flask.testing import FlaskClient
-from helpers.on_disk import bytes_below, lose_index
+from helpers.on_disk import bytes_below
 from helpers.problems import problem
 from limits import RateLimitItemPerMinute
 
@@ -202,7 +202,7 @@ def test_a_copied_cookie_is_worth_nothing_after_signing_out(
 
 
 def test_cookies_of_before_a_lost_index_open_nothing(
-    browser: FlaskClient, client_for, config: Config, service: Service, scan_id: str, monkeypatch: pytest.MonkeyPatch
+    browser: FlaskClient, client_for, config: Config, lose_index, scan_id: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Which of them had been left is not known any more.  A data folder without patients had no index to lose."""
     colleague = client_for(replace(config, host="0.0.0.0", token=TOKEN))
@@ -215,7 +215,7 @@ def test_cookies_of_before_a_lost_index_open_nothing(
     assert cookie is not None
     browser.post("/sign-out")
     browser.set_cookie(session.COOKIE, cookie.value)
-    lose_index(service.storage.root)
+    lose_index()
     for one in (browser, colleague):
         problem(one.get("/api/meta"), 401)
         sign_in(one)

@@ -9,13 +9,14 @@ import sys
 from pathlib import Path
 
 from breastrig.cases.case_folder import CaseFolder
-from breastrig.cases.fits import claimed, fits_of_scan, get_fit
+from breastrig.cases.documents import FitDocument
+from breastrig.cases.fits import added, claimed, fits_of_scan, get_fit
 from breastrig.cases.layout import CASES
 from breastrig.cases.plans import get_plan, put_plan
 from breastrig.cases.removal import delete_scan, move_scan
 from breastrig.cases.writing import Changed
 from breastrig.core.errors import BadInput, Conflict, NotFound
-from helpers.cases import new_case, new_fit, new_scan, note
+from helpers.cases import new_case, new_scan, note
 
 
 def say(*words: object) -> None:
@@ -49,7 +50,8 @@ def act(cases: Path, chance: random.Random) -> None:
         plan = put_plan(case, [*items, note(scan, f"TEXT-{scan}")], seen.etag)
         say("plan", case.id, plan.document.version)
     elif what < 0.75:
-        say("fit", case.id, scan, new_fit(case, scan))
+        with added(case, scan, FitDocument(asked_at="2026-01-02T00:00:00.000Z")) as asked:
+            say("fit", case.id, scan, asked.fit_id)
     elif what < 0.85:
         for fit in fits_of_scan(case, scan):
             with claimed(case, scan, fit.id) as claim:

@@ -42,6 +42,7 @@ def new_fit(case: CaseFolder, scan: str) -> str:
     with case.incoming() as made:
         put(made, layout.FIT, content_of(FitDocument(asked_at="2026-01-02T00:00:00.000Z")))
         with case.writing():
+            case.check_scan(scan)  # else this would make the folder of one that another writer has deleted
             case.put_folder(made, layout.fit_part(scan, fit))
     return fit
 

@@ -37,12 +37,6 @@ def overwrite(file: Path, first: int, last: int) -> None:
     subprocess.run([sys.executable, "-c", write], check=True)
 
 
-def lose_index(root: Path) -> None:
-    """As when somebody removes the files of the index of a service that runs."""
-    for file in root.glob("index-*"):
-        file.unlink(missing_ok=True)
-
-
 def kept_below(root: Path) -> bytes:
     """Everything that is kept, names and contents."""
     return b" ".join(str(path).encode() for path in root.rglob("*")) + bytes_below(root)

@@ -9,6 +9,7 @@ from helpers.waiting import ask_for_fit, ended, until
 
 from breastrig.core.assets import asset_folder
 from breastrig.service.service import Service
+from breastrig.storage.documents.fits import get_fit
 from breastrig.storage.documents.scans import ScanRow
 
 pytestmark = pytest.mark.long
@@ -81,7 +82,7 @@ def test_a_cancelled_fit_takes_its_process_along_and_the_next_one_starts_elsewhe
         scan = uploaded(service, "standing")
         reader = process_of(service, scan)
         fit = ask_for_fit(service, scan.id)
-        until(lambda: scan.id not in service.pool.kept_keys, "the fit in the scan's process")
+        until(lambda: get_fit(service.storage, fit).state == "running", "a fit that hangs in the scan's process")
         assert service.cancel_fit(fit).state == "cancelled"
         until(lambda: not is_alive(reader), "the end of the process")
         again = ask_for_fit(service, scan.id)
