@@ -23,11 +23,10 @@ import numpy as np
 from breastrig.core.errors import FitFailed
 from breastrig.core.private_files import write_private
 from breastrig.core.stances import STANDING
-from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.posterior import Posterior, contribution, contribution_bytes, parsed_contribution
 from breastrig.fitting.recipe import Recipe, load_recipe
-from breastrig.fitting.solve import checked_iterates, ended
-from breastrig.fitting.task import FitTask
-from breastrig.fitting.uncertainty.contribution import contribution, contribution_bytes, parsed_contribution
+from breastrig.fitting.solve import checked_iterates
+from breastrig.fitting.task import FitTask, ended
 from breastrig.fitting.uncertainty.radii import radii
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.cohort_prior import CohortPrior, no_cohort, with_prior

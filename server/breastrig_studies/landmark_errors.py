@@ -1,4 +1,4 @@
-"""Writes the offsets of bodies' landmarks from the model's (fitting/body/landmark_errors.py).
+"""Writes the offsets of bodies' landmarks from the model's (fitting/body/landmarks.py).
 
 python -m breastrig_studies.landmark_errors COHORT... [--write]
 
@@ -20,13 +20,12 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.stances import split_side
-from breastrig.fitting.body.hanging import outwards
-from breastrig.fitting.body.landmark_errors import FILE, SCHEMA
+from breastrig.fitting.body.landmarks import FILE, SCHEMA
 from breastrig.fitting.posterior import LeaveOneOut, Posterior
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
-from breastrig.rig.similarity import body_axes
+from breastrig.rig.similarity import body_axes, outwards
 from breastrig_studies.cohort import Case, read_cohort
 from breastrig_studies.radii_factors import fitted
 from breastrig_studies.studies.case import read_scene

@@ -18,9 +18,9 @@ from tqdm import tqdm
 
 from breastrig.core.errors import BadInput
 from breastrig.correspondence.distances import Comparison
-from breastrig.fitting.body.landmark_errors import FILE as LANDMARKS
+from breastrig.fitting.body.landmarks import FILE as LANDMARKS
 from breastrig.fitting.recipe import Recipe, load_recipe
-from breastrig.fitting.uncertainty.calibration import Calibration
+from breastrig.fitting.uncertainty.radii import Calibration
 from breastrig.fitting.verdicts.fit_signals import FitSignals, fit_signals
 from breastrig.fitting.verdicts.verdict import VerdictLimits, verdict_limits
 from breastrig.gltf.known_files import bind_known
@@ -142,7 +142,7 @@ def _length(rig: Rig) -> float:
 
 
 def _uncertainty(rig: Rig, found: Found) -> dict[str, Any]:
-    """The document of fitting/uncertainty/calibration.py."""
+    """The document of fitting/uncertainty/radii.py."""
     scatters = [each.scatter for _, _, each in found.known if each.picks]
     right, wrong = found.margins[True], found.margins[False]
     clear = max(0.7 * min(right, default=0.0), 1.3 * max(wrong, default=0.0), 0.01)  # all of these lay right

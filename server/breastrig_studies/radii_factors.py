@@ -25,11 +25,19 @@ from breastrig.fitting.body.hanging import ptotic_shape_weight
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.propose import expected_places
 from breastrig.fitting.recipe import Recipe, load_recipe
-from breastrig.fitting.solve import checked_iterates, ended
+from breastrig.fitting.solve import checked_iterates
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS
-from breastrig.fitting.task import FitTask
-from breastrig.fitting.uncertainty.calibration import NO_PICKS, Calibration, Scatter, calibration, factor_of
-from breastrig.fitting.uncertainty.radii import OTHER, scatter_of, seen_vertices
+from breastrig.fitting.task import FitTask, ended
+from breastrig.fitting.uncertainty.radii import (
+    NO_PICKS,
+    OTHER,
+    Calibration,
+    Scatter,
+    calibration,
+    factor_of,
+    scatter_of,
+    seen_vertices,
+)
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters

@@ -7,10 +7,10 @@ from flask.testing import FlaskClient
 from helpers.waiting import until
 
 from breastrig.api.routes.scans import cut_facts
-from breastrig.service.fits.fit_worker import fit_job
+from breastrig.cases.fits import find_fit
 from breastrig.service.service import Service
-from breastrig.storage.documents.fits import get_fit
-from breastrig.storage.documents.scans import ScanRow, get_scan
+from breastrig.storage.documents.scans import ScanRow
+from breastrig.use.cases.case_work import job_of
 
 PICTURE = [5.0, 0, 0, 0, 0, 5.0, 0, 0, 0, 0, -1.0, 0, 0, 0, 0, 1.0]
 CUT = {"to_picture": PICTURE, "lasso": [[0.1, -0.2], [0.4, -0.2], [0.25, 0.123456789012]]}
@@ -80,8 +80,8 @@ def test_a_fit_says_with_which_cuts_it_was_made(
     client.put(place, json={"cuts": []})
     assert client.get(f"/api/fits/{before}").json["cuts"] == ""
     assert client.get(f"/api/fits/{after}").json["cuts"] == digest
-    row = get_fit(service.storage, after)
-    job = fit_job(get_scan(service.storage, scan_id), row, tmp_path, tmp_path, None)
+    case, scan = service.storage.case_of_fit(after)
+    job = job_of(case, scan, find_fit(case, after).document, tmp_path, None)
     assert job.cuts == (CUT,)
     assert job.orientation is None, "that was found with what is cut"
     until(lambda: client.get(f"/api/fits/{after}").json["state"] == "done", "the fit")

@@ -23,8 +23,7 @@ from breastrig.service.reports import TWO_PATIENTS
 from breastrig.service.service import Service
 from breastrig.storage.documents.fits import get_fit
 from breastrig.storage.storage import Storage, utc_now
-from breastrig.use.jobs import ReportJob
-from breastrig.use.reports.report import report_files, reported
+from breastrig.use.reports.report import ReportJob, report_files, reported
 
 pytestmark = pytest.mark.long
 

@@ -129,7 +129,7 @@ def test_a_scan_in_the_wrong_unit_is_refused(client: FlaskClient) -> None:
 
 
 def test_too_many_triangles_are_refused(client: FlaskClient, service: Service, monkeypatch) -> None:
-    monkeypatch.setattr(service, "_uploads", replace(service._uploads, triangles=1000))
+    monkeypatch.setattr(service.uploads, "_limits", replace(service.uploads._limits, triangles=1000))
     assert "3,072 triangles" in problem(upload(client, torso_ply()), 413)
 
 

@@ -7,6 +7,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.scan.volumes.answers import VolumeAnswers
+from breastrig.use.steps.settings import FitSettings
 
 EXAMPLE = asset_folder("example") / "standing"
 
@@ -49,17 +50,16 @@ def test_every_column_is_read_and_paths_are_relative_to_the_manifest(folder: Pat
         scan=folder / "a.ply",
         landmarks=folder / "picks.json",
         units="mm",
-        stance="supine",
-        preset="paper",
-        drawing="anatomy+tumour:L,10,45,12+tumour:R,3,30,8",
-        refine=False,
+        settings=FitSettings(
+            stance="supine", preset="paper", drawing="anatomy+tumour:L,10,45,12+tumour:R,3,30,8", refine=False
+        ),
     )
-    assert second == BatchRow("0002-b", folder / "b.ply", None, "auto", "auto", "default", None, True)
+    assert second == BatchRow("0002-b", folder / "b.ply", None, "auto", FitSettings(drawing=None))
 
 
 def test_what_a_row_does_not_say_is_as_in_fit(folder: Path, rig: Rig) -> None:
     (row,) = rows(folder, rig, "scan", "a.ply")
-    assert row == BatchRow("0001-a", folder / "a.ply", None, "auto", "auto", "default", "lumpectomy", True)
+    assert row == BatchRow("0001-a", folder / "a.ply", None, "auto", FitSettings(drawing="lumpectomy"))
 
 
 @pytest.mark.parametrize("split", [";", "\t"])

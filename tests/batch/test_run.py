@@ -19,8 +19,8 @@ from breastrig.batch.task import FitOfBytes, fit_of_bytes
 from breastrig.core.errors import BadSettings
 from breastrig.execution.pool import Lane, Pool
 from breastrig.execution.worker import preload
-from breastrig.use.jobs import FitJob
 from breastrig.use.steps.events import Event
+from breastrig.use.steps.settings import FitJob, FitSettings
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +35,7 @@ def batch_of(folder: Path, scans: dict[str, str]) -> Batch:
     rows = []
     for name, content in scans.items():
         (folder / f"{name}.ply").write_text(content)
-        rows.append(BatchRow(name, folder / f"{name}.ply", None, "auto", "auto", "default", None, False))
+        rows.append(BatchRow(name, folder / f"{name}.ply", None, "auto", FitSettings(drawing=None, refine=False)))
     (folder / "out").mkdir(exist_ok=True)
     return Batch(rows, folder / "out", "0" * 64, runner=fake_batch.scripted_fit, wall_s=2.0)
 
@@ -70,7 +70,7 @@ def test_what_a_landmark_file_calls_certain_reaches_the_fit() -> None:
 
     picks = b'{"unit": "mm", "landmarks": {"xiphoid": [1, 2, 3], "umbilicus": [4, 5, 6]}, "certain": ["umbilicus"]}'
     for landmarks, expected in ((picks, b"umbilicus"), (picks.replace(b'"umbilicus"]', b"]"), b""), (None, b"")):
-        task = FitOfBytes(b"", ".ply", landmarks, "", "mm", "auto", "default", None, None, False)
+        task = FitOfBytes(b"", ".ply", landmarks, "", FitSettings(), units="mm")
         assert fit_of_bytes(task, runner) == {"certain": expected}
 
 

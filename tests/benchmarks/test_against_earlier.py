@@ -43,21 +43,30 @@ PROGRAMS = {
     "import of a command": ("-c", "import breastrig.cli.fit_command"),
     "breastrig fit": ("-m", "breastrig.cli.entry", *FIT),
 }
+RUN_FIT = """
+try:
+    from breastrig.use.fit import run_fit
+    from breastrig.use.steps.settings import FitJob, FitSettings
+    asked = dict(settings=FitSettings())
+except ImportError:  # as the earlier one calls them
+    from breastrig.workflow.jobs import FitJob
+    from breastrig.workflow.run_fit import run_fit
+    asked = dict(units='auto', stance='auto', preset='default', preset_file=None, drawing='lumpectomy', refine=True)
+"""
 TASKS = {
     "from a program, with its files": IN_MEMORY.format(
         imported="import breastrig",
         fitted='breastrig.fit(scan, picks).save(out / f"{number}")',
     ),
     "whole job of a service or a batch": IN_MEMORY.format(
-        imported="from breastrig.use.jobs import FitJob\nfrom breastrig.use.run_fit import run_fit",
+        imported=RUN_FIT,
         fitted="list(run_fit(FitJob(scan=scan, out=out, landmarks_mm=places)))",
     ),
     "row of a batch, with its measures": IN_MEMORY.format(
-        imported="from breastrig.batch import task\nfrom breastrig.use.run_fit import run_fit\n"
+        imported=f"from breastrig.batch import task\n{RUN_FIT}\n"
         "runner = getattr(task, 'measured_fit', run_fit)  # the earlier one made no measures",
         fitted="task.fit_of_bytes(task.FitOfBytes(scan=scan.read_bytes(), ending='.ply', landmarks=picks.read_bytes(), "
-        "landmarks_ending='.json', units='auto', stance='auto', preset='default', preset_file=None, "
-        "drawing='lumpectomy', refine=True), runner)",
+        "landmarks_ending='.json', **asked), runner)",
     ),
 }
 

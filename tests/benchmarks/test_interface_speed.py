@@ -9,9 +9,10 @@ from typing import Any
 from helpers.example_fit import EXAMPLE
 
 import breastrig
-from breastrig.use.jobs import FitJob
-from breastrig.use.run_fit import fit_steps
-from breastrig.use.steps.prepare import Clock, fit_plan, prepare_fit, scan_of_job
+from breastrig.core.clock import Clock
+from breastrig.use.fit import fit_steps
+from breastrig.use.steps.prepare import fit_plan, prepare_fit, scan_of_job
+from breastrig.use.steps.settings import FitJob
 
 ROUNDS = 9
 
@@ -37,7 +38,8 @@ def test_fit_from_a_program(
     inner = scan_of_job(job)
 
     def bare() -> Any:
-        *_, outcome = fit_steps(prepare_fit(fit_plan(job, model, {}), *inner), Clock())
+        clock = Clock()
+        *_, outcome = fit_steps(prepare_fit(fit_plan(job, model, {}), inner, clock), clock)
         return outcome
 
     yardstick = in_turn(bare)

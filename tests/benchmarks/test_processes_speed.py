@@ -22,8 +22,8 @@ ONE_BY_ONE = """
 import sys
 from pathlib import Path
 from threadpoolctl import threadpool_limits
-from breastrig.use.jobs import FitJob
-from breastrig.use.run_fit import run_fit
+from breastrig.use.steps.settings import FitJob
+from breastrig.use.fit import run_fit
 
 def resident():
     return int(Path("/proc/self/statm").read_text().split()[1]) * 4096 / 1e6

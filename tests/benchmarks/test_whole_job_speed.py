@@ -11,8 +11,8 @@ from helpers.example_fit import EXAMPLE, indexed_scan
 
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.scan.landmarks.landmark_files import read_landmarks
-from breastrig.use.jobs import FitJob
-from breastrig.use.run_fit import run_fit
+from breastrig.use.fit import run_fit
+from breastrig.use.steps.settings import FitJob
 
 ROUNDS = 7
 ITERATIONS = 10  # of the default preset on this scan, about

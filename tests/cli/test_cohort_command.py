@@ -12,7 +12,7 @@ from helpers.results import result_document
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.files.result import BODY, RESULT, ResultFile
-from breastrig.fitting.uncertainty.contribution import built_in
+from breastrig.fitting.posterior import built_in
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.cohort_prior import read_prior
 from breastrig.use.folder.cohort import cohort_in, cohort_of_folders

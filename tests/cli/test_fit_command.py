@@ -26,7 +26,7 @@ from breastrig.fitting.task import PickIssue
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.pictures.companions import NO_MATERIAL
-from breastrig.use import run_fit
+from breastrig.use import fit as run_fit
 
 pytestmark = pytest.mark.long
 

@@ -25,8 +25,8 @@ class Interrupting(importlib.abc.MetaPathFinder):
 sys.meta_path.insert(0, Interrupting())
 """
 SIGNAL_AT_EVENT = """
-import breastrig.fitting.stance, breastrig.use.run_fit, gc, os, signal, sys
-original = breastrig.use.run_fit.checked_iterates
+import breastrig.fitting.hypotheses, breastrig.use.fit, gc, os, signal, sys
+original = breastrig.use.fit.checked_iterates
 
 def swallowing():
     try:
@@ -42,7 +42,7 @@ def interrupted(*given, **named):
             {act}
         yield iterate
 
-breastrig.use.run_fit.checked_iterates = breastrig.fitting.stance.checked_iterates = interrupted
+breastrig.use.fit.checked_iterates = breastrig.fitting.hypotheses.checked_iterates = interrupted
 """
 
 
@@ -60,7 +60,7 @@ def run(before: str, out: Path) -> subprocess.CompletedProcess[str]:
     [
         ("argparse", "SIGINT", 130),
         ("numpy", "SIGINT", 130),
-        ("breastrig.use.run_fit", "SIGTERM", 143),
+        ("breastrig.use.fit", "SIGTERM", 143),
     ],
 )
 def test_a_signal_while_modules_load_ends_the_program_with_one_line(

@@ -18,7 +18,7 @@ from helpers.waiting import PATIENCE_S
 from breastrig.core.errors import BadScan
 from breastrig.service.fits.queue import DIED, UNWRITTEN, _why
 from breastrig.service.scan_search import Proposals
-from breastrig.service.service import Service
+from breastrig.service.uploads import Uploads
 
 NIPPLE_MM = [70.0, 350.0, 120.0]
 FULL = OSError(errno.ENOSPC, "No space left on device", "/somewhere/secret/scan.bin")
@@ -32,9 +32,9 @@ class Broken:
 
 
 def test_a_reader_that_has_no_room_is_not_the_scans_fault() -> None:
-    reading = object.__new__(Service)
-    reading._readers = Broken()  # type: ignore[assignment]
-    reading._uploads = type("Limits", (), {"wall_s": 1.0})()
+    reading = object.__new__(Uploads)
+    reading._processes = Broken()  # type: ignore[assignment]
+    reading._limits = type("Limits", (), {"wall_s": 1.0})()
     with pytest.raises(OSError, match="No space left"):
         reading._read("scan", None)  # type: ignore[arg-type]
 

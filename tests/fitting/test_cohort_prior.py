@@ -11,16 +11,9 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.energies.body_prior import BodyPrior
 from breastrig.fitting.body.expected_body import cohort_posterior, expected_body, prior_terms
 from breastrig.fitting.fit import FitIterate, fit_iterates
-from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.posterior import Posterior, built_in, contribution, contribution_bytes, parsed_contribution
 from breastrig.fitting.recipe import load_recipe
-from breastrig.fitting.solve import ended
-from breastrig.fitting.task import FitTask
-from breastrig.fitting.uncertainty.contribution import (
-    built_in,
-    contribution,
-    contribution_bytes,
-    parsed_contribution,
-)
+from breastrig.fitting.task import FitTask, ended
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.cohort_prior import CohortPrior, Sums, cohort_of_scans, no_cohort, with_prior
 from breastrig.rig.model import Rig

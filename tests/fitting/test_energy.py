@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from helpers.example_fit import example_task
 
-from breastrig.fitting.fit import fit_iterates
-from breastrig.fitting.problem import ScanProblem
+from breastrig.fitting.fit import ScanProblem, fit_iterates
 from breastrig.fitting.task import FitTask
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.state import BodyState

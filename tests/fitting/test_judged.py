@@ -19,12 +19,11 @@ from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.task import PickIssue
 from breastrig.fitting.uncertainty.radii import radii
-from breastrig.fitting.verdicts import judge as judge_module
+from breastrig.fitting.verdicts import verdict as judge_module
 from breastrig.fitting.verdicts import verdict as verdict_module
 from breastrig.fitting.verdicts.fit_signals import HANGS, FitSignals
-from breastrig.fitting.verdicts.judge import judge
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, of_doubts
-from breastrig.fitting.verdicts.verdict import Verdict, unusual_size, verdict, verdict_limits
+from breastrig.fitting.verdicts.verdict import Verdict, judge, unusual_size, verdict, verdict_limits
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
 from breastrig.rig.model import Rig

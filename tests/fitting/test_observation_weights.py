@@ -12,8 +12,7 @@ from breastrig.core.arrays import Array
 from breastrig.correspondence.distances import ACCEPTED
 from breastrig.correspondence.match import match
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.fit import FitTask, fit_iterates
-from breastrig.fitting.problem import observation_weights
+from breastrig.fitting.fit import FitTask, fit_iterates, observation_weights
 from breastrig.fitting.recipe import Observations, Recipe, load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.geometry.normals import face_areas

@@ -11,7 +11,7 @@ from breastrig.core.errors import BadSettings
 from breastrig.correspondence.match import Correspondences
 from breastrig.energies.point_to_point import PointToPoint
 from breastrig.fitting import recipe
-from breastrig.fitting.problem import ScanProblem, projected
+from breastrig.fitting.fit import ScanProblem, projected
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.task import FitTask

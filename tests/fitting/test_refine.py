@@ -5,7 +5,7 @@ import pytest
 from helpers.surfaces import sphere
 
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.refine import BENDING, _Systems, refined, stiffness_and_area
+from breastrig.fitting.body.refine import BENDING, _Systems, refined, stiffness_and_area
 from breastrig.geometry.normals import face_normals, vertex_normals
 from breastrig.scan.clean import compact
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from helpers.surfaces import sphere
 
-from breastrig.fitting import refine
-from breastrig.fitting.refine import _Systems, stiffness_and_area
+from breastrig.fitting.body import refine
+from breastrig.fitting.body.refine import _Systems, stiffness_and_area
 
 
 @pytest.mark.parametrize("band_work", [refine.BAND_WORK, 0.0])

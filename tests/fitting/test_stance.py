@@ -11,12 +11,11 @@ from breastrig.core.arrays import Array
 from breastrig.core.assets import asset_folder
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting import stance as stance_module
+from breastrig.fitting import hypotheses as stance_module
 from breastrig.fitting.fit import FitTask
-from breastrig.fitting.hypotheses import scan_orientation
+from breastrig.fitting.hypotheses import HANGS, MAY_HANG, STANDS, FoundStance, found_stance, scan_orientation
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import load_recipe
-from breastrig.fitting.stance import HANGS, MAY_HANG, STANDS, FoundStance, found_stance
 from breastrig.fitting.starts import stance_signs as signs_module
 from breastrig.fitting.starts.orientation import best_start
 from breastrig.fitting.starts.stance_signs import LikelyStance, stance_signs

@@ -8,8 +8,8 @@ import pytest
 
 from breastrig.cli.main import main
 from breastrig.core.errors import BadModel
-from breastrig.fitting.body.hidden_skin import hidden_skin, trunk_depth
-from breastrig.fitting.uncertainty.calibration import calibration
+from breastrig.fitting.body.refine import hidden_skin, trunk_depth
+from breastrig.fitting.uncertainty.radii import calibration
 from breastrig.fitting.verdicts.verdict import verdict_limits
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.write_rig import write_rig

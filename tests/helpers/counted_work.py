@@ -69,7 +69,7 @@ def count_from_here() -> None:
     from scipy.spatial import cKDTree
 
     from breastrig.correspondence.match import match
-    from breastrig.fitting.problem import ScanProblem
+    from breastrig.fitting.fit import ScanProblem
     from breastrig.geometry.closest_point import ClosestPointSearch
     from breastrig.geometry.rays import RayCaster
     from breastrig.least_squares.newton import assemble
@@ -110,8 +110,7 @@ def command(folder: Path) -> None:
 
 def upload(folder: Path) -> None:
     """What a service does with an uploaded scan."""
-    from breastrig.use.jobs import UploadJob
-    from breastrig.use.read_upload import read_upload
+    from breastrig.use.read_upload import UploadJob, read_upload
 
     count_from_here()
     names = {each: folder / each for each in ("kept", "mesh", "thumbnail")}
@@ -121,19 +120,14 @@ def upload(folder: Path) -> None:
 def batch_row(folder: Path) -> None:
     """The second fit of a worker of a batch: what is derived of the model alone is there."""
     from breastrig.batch.task import FitOfBytes, fit_of_bytes, measured_fit
-    from breastrig.use.jobs import DEFAULT, FIRST
+    from breastrig.use.steps.settings import FitSettings
 
     task = FitOfBytes(
         scan=(EXAMPLE / "scan.ply").read_bytes(),
         ending=".ply",
         landmarks=(EXAMPLE / "landmarks.json").read_bytes(),
         landmarks_ending=".json",
-        units="auto",
-        stance="auto",
-        preset=DEFAULT,
-        preset_file=None,
-        drawing=FIRST,
-        refine=True,
+        settings=FitSettings(),
     )
     fit_of_bytes(task, measured_fit)
     count_from_here()
@@ -154,8 +148,8 @@ def drag(folder: Path) -> None:
     import breastrig
     from breastrig.gltf.pose_nodes import node_poses
     from breastrig.scan.landmarks.landmark_files import read_landmarks
-    from breastrig.use.jobs import EarlierFit, FitJob, FollowJob
     from breastrig.use.moving.moved_landmarks import follow_landmarks, moved_landmarks
+    from breastrig.use.steps.settings import EarlierFit, FitJob
 
     fit = breastrig.fit(EXAMPLE / "scan.ply", EXAMPLE / "landmarks.json", drawing=None)
     places, _ = read_landmarks(EXAMPLE / "landmarks.json")
@@ -163,7 +157,7 @@ def drag(folder: Path) -> None:
     found = fit.in_metres
     earlier = EarlierFit(fit.stance, node_poses(found.rig, found.parameters), found.rig.sha256)
     job = FitJob(EXAMPLE / "scan.ply", folder, picks, stance=fit.stance, drawing=None, earlier=earlier)
-    follow_landmarks("fit", FollowJob(job, ()), picks)
+    follow_landmarks("fit", job, (), picks)
     count_from_here()
     picks["nipple_L"][0] += 4.0
     assert moved_landmarks("fit", picks) is not None

@@ -19,8 +19,8 @@ from breastrig.cli import batch_command
 from breastrig.cli.main import main
 from breastrig.core.errors import FitFailed
 from breastrig.files.result import ResultFile
-from breastrig.use.jobs import FitJob
 from breastrig.use.steps.events import Done, Event
+from breastrig.use.steps.settings import FitJob
 from helpers.results import result_document
 
 FILES = (

@@ -22,8 +22,8 @@ from breastrig.rig.skinning import Posed
 from breastrig.scan.clean import clean
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
-from breastrig.use.jobs import FitJob
 from breastrig.use.steps.events import Done, Event, Iterated, NodePose, Started
+from breastrig.use.steps.settings import FitJob
 from helpers.results import NOTHING, TO_LANDMARKS, result_document
 from helpers.toy_rig import toy_rig
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from breastrig.fitting.uncertainty.contribution import built_in
+from breastrig.fitting.posterior import built_in
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.cohort_prior import CohortPrior, Sums, cohort_of_scans
 

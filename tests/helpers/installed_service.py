@@ -12,9 +12,9 @@ from werkzeug.test import TestResponse
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.execution.limits import FitLimits
-from breastrig.service.fits.fit_worker import Runner
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
+from breastrig.use.cases.case_work import Runner
 from helpers import fake_fit, fake_proposals
 from helpers.installations import Installation
 

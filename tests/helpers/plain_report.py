@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 
 from breastrig.rendering.picture import Picture, Scene
-from breastrig.use.jobs import ReportJob, SnapshotJob
 from breastrig.use.reports import report
-from breastrig.use.reports.report import report_pdf_of
-from breastrig.use.reports.share_snapshot import write_snapshot
+from breastrig.use.reports.report import ReportJob, report_pdf_of
+from breastrig.use.reports.share_snapshot import SnapshotJob, write_snapshot
 from helpers.remembered_measures import measured_once
 
 

@@ -18,8 +18,8 @@ from pathlib import Path
 from pydantic import TypeAdapter
 
 from breastrig.core.assets import asset_folder
-from breastrig.use.jobs import FitJob
 from breastrig.use.steps.events import Event, FitEvent
+from breastrig.use.steps.settings import FitJob
 from helpers.remembered_uploads import FOLDER
 
 EVENT: TypeAdapter[Event] = TypeAdapter(FitEvent)
@@ -27,7 +27,7 @@ EVENT: TypeAdapter[Event] = TypeAdapter(FitEvent)
 
 def run_fit_once(job: FitJob) -> Iterator[Event]:
     """As `run_fit`."""
-    from breastrig.use.run_fit import run_fit
+    from breastrig.use.fit import run_fit
 
     if FOLDER not in os.environ:
         yield from run_fit(job)

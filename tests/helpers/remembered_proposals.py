@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.core.assets import asset_folder
-from breastrig.use.jobs import ProposeJob
+from breastrig.use.propose_on_scan import ProposeJob
 from helpers.remembered_uploads import FOLDER
 
 

@@ -19,30 +19,30 @@ from typing import Any
 
 from breastrig.core.assets import asset_folder
 from breastrig.execution.worker import preload
-from breastrig.use.jobs import UploadJob
+from breastrig.use.read_upload import UploadJob
 
 FOLDER = "BREASTRIG_REMEMBERED_UPLOADS"  # environment; without it nothing is remembered
 
 
 def remember_uploads() -> None:
     """For all services of this process from now on."""
-    from breastrig.service import service
+    from breastrig.service import uploads
 
-    service.read_upload = read_upload_once
+    uploads.read_upload = read_upload_once
     preload([__name__])
 
 
 @contextmanager
 def remembering_uploads() -> Iterator[None]:
     """The same inside the block."""
-    from breastrig.service import service
+    from breastrig.service import uploads
 
-    before = service.read_upload
+    before = uploads.read_upload
     remember_uploads()
     try:
         yield
     finally:
-        service.read_upload = before
+        uploads.read_upload = before
 
 
 def read_upload_once(job: UploadJob) -> dict[str, Any]:

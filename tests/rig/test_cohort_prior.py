@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from breastrig.core.errors import BadInput
-from breastrig.fitting.uncertainty.contribution import FARTHEST, built_in, parsed_contribution
+from breastrig.fitting.posterior import FARTHEST, built_in, parsed_contribution
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.cohort_posterior import Gaussian, posterior_of
 from breastrig.rig.cohort_prior import CohortPrior, Sums, cohort_of, no_cohort, parsed_prior, with_prior

@@ -24,7 +24,7 @@ from breastrig.gltf.read_rig import default_rig_path
 from breastrig.storage.documents.events import events_after
 from breastrig.storage.documents.fits import get_fit
 from breastrig.storage.storage import Storage
-from breastrig.use.run_fit import run_fit
+from breastrig.use.fit import run_fit
 
 pytestmark = pytest.mark.long
 

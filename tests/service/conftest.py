@@ -8,12 +8,12 @@ import pytest
 from helpers.fake_proposals import at_the_nipple
 
 from breastrig.execution.limits import FitLimits, UploadLimits
-from breastrig.service.fits.fit_worker import Runner
 from breastrig.service.scan_search import Proposer
 from breastrig.service.service import Service
 from breastrig.storage.documents.scans import ScanRow, add_scan
 from breastrig.storage.folders import new_id
 from breastrig.storage.storage import Storage, utc_now
+from breastrig.use.cases.case_work import Runner
 
 FACTS = {"unit": "mm", "bounds_m": {"min": [0, 0, 0], "max": [1, 1, 1]}}
 MakeService = Callable[..., AbstractContextManager[Service]]

@@ -8,16 +8,17 @@ from helpers.on_disk import bytes_below
 from helpers.rows import add_waiting_fit, append, named
 from helpers.waiting import ask_for_fit, ended, stored_events, until
 
-from breastrig.cases.fits import OTHER_MODEL, TOO_OFTEN, claimed
+from breastrig.cases.fits import OTHER_MODEL, TOO_OFTEN, claimed, find_fit
 from breastrig.core.errors import Conflict, NotFound
 from breastrig.service.fits import queue
-from breastrig.service.fits.fit_worker import UNSEEN, fit_job
+from breastrig.service.fits.fit_worker import UNSEEN
 from breastrig.storage.documents.events import events_after
 from breastrig.storage.documents.fits import get_fit
 from breastrig.storage.documents.scans import get_scan
 from breastrig.storage.storage import Storage
-from breastrig.use.jobs import FitJob
+from breastrig.use.cases.case_work import job_of
 from breastrig.use.steps.events import event_json
+from breastrig.use.steps.settings import FitJob
 
 pytestmark = pytest.mark.long
 
@@ -163,7 +164,8 @@ def test_a_fit_that_is_started_again_has_the_stance_that_was_asked_for(serving, 
     append(storage, named("interrupted"), {"kind": "started", "stance": "supine", "model_sha256": "0" * 64})
     fit = get_fit(storage, named("interrupted"))
     assert (fit.stance, fit.asked_stance) == ("supine", "auto")
-    assert fit_job(get_scan(storage, scan_id), fit, Path(), Path(), None).stance == "auto"
+    case, scan = storage.case_of_fit(fit.id)
+    assert job_of(case, scan, find_fit(case, fit.id).document, Path(), None).stance == "auto"
 
 
 def test_a_worker_that_does_not_see_the_data_says_so_and_makes_none_up(

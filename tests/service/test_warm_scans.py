@@ -19,7 +19,7 @@ STANCES = ("standing", "supine")
 
 def uploaded(service: Service, stance: str) -> ScanRow:
     with (asset_folder("example") / stance / "scan.ply").open("rb") as source:
-        row, _ = service.add_scan(source, "ply", "auto")
+        row, _ = service.uploads.add(source, "ply", "auto")
     assert row.id in service.pool.kept_keys
     return row
 

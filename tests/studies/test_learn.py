@@ -10,7 +10,7 @@ from helpers.forearm import posed_forearm, write_bodies, write_forearm
 import breastrig
 from breastrig.cli.main import main
 from breastrig.core.errors import BadInput
-from breastrig.fitting.uncertainty.calibration import calibration
+from breastrig.fitting.uncertainty.radii import calibration
 from breastrig.fitting.verdicts.fit_signals import FitSignals
 from breastrig.fitting.verdicts.verdict import verdict_limits
 from breastrig.gltf.read_rig import read_rig

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from breastrig.fitting.uncertainty.calibration import NO_PICKS, Calibration, Scatter
+from breastrig.fitting.uncertainty.radii import NO_PICKS, Calibration, Scatter
 from breastrig_studies import radii_factors
 from breastrig_studies.cohort import DEVELOPMENT, VALIDATION
 from breastrig_studies.radii_factors import OTHER, Known, Score, factors, quantile, scores_of, table

@@ -13,9 +13,9 @@ from helpers.coarse_example import coarse_example
 
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.use import default_model
-from breastrig.use.jobs import FitJob
-from breastrig.use.run_fit import run_fit
+from breastrig.use.fit import run_fit
 from breastrig.use.steps.prepare import read_model
+from breastrig.use.steps.settings import FitJob
 
 
 def _caches() -> dict[str, "_lru_cache_wrapper[object]"]:

@@ -6,12 +6,14 @@ import pytest
 import trimesh
 
 from breastrig.core.assets import asset_folder
+from breastrig.core.clock import Clock
 from breastrig.core.errors import BadLandmarks
 from breastrig.scan.landmarks.landmark_files import read_landmarks
-from breastrig.use.jobs import FitJob
-from breastrig.use.run_fit import run_fit
+from breastrig.use.fit import run_fit
 from breastrig.use.steps.events import Done, Started
+from breastrig.use.steps.outcome import started
 from breastrig.use.steps.prepare import fit_plan, prepare_fit, read_model, scan_of_job
+from breastrig.use.steps.settings import FitJob
 
 EXAMPLE = asset_folder("example") / "standing"
 OTHER_SIDE = {"_L": "_R", "_R": "_L"}
@@ -72,11 +74,11 @@ def test_sides_that_a_person_is_certain_of_are_not_called_exchanged(picks, tmp_p
 def test_a_certain_pick_of_the_middle_is_followed_when_all_sides_are_exchanged(picks, tmp_path: Path) -> None:
     exchanged = exchanged_sides(picks)
     job = FitJob(scan=EXAMPLE / "scan.ply", out=tmp_path, landmarks_mm=exchanged, certain=("umbilicus",))
-    ready = prepare_fit(fit_plan(job, read_model(job), job.landmarks_mm), *scan_of_job(job))
-    [doubt] = ready.started.landmarks_not_followed
+    ready = prepare_fit(fit_plan(job, read_model(job), job.landmarks_mm), scan_of_job(job), Clock())
+    [doubt] = started(ready).landmarks_not_followed
     assert doubt.names == [name for name in exchanged if name != "umbilicus"]
-    assert list(ready.task.picked) == ["umbilicus"]
-    assert ready.task.certain & set(ready.task.picked) == {"umbilicus"}
+    assert list(ready.hypothesis.task.picked) == ["umbilicus"]
+    assert ready.hypothesis.task.certain & set(ready.hypothesis.task.picked) == {"umbilicus"}
 
 
 @pytest.mark.parametrize(
@@ -112,4 +114,5 @@ def test_few_right_picks_on_a_scan_that_is_inside_out_are_not_called_exchanged(p
     trimesh.Trimesh(scan.vertices, scan.faces[:, ::-1], process=False).export(tmp_path / "scan.ply")
     few = {name: picks[name] for name in ("nipple_L", "nipple_R", "umbilicus")}
     job = FitJob(scan=tmp_path / "scan.ply", out=tmp_path, landmarks_mm=few)
-    assert prepare_fit(fit_plan(job, read_model(job), few), *scan_of_job(job)).started.landmarks_not_followed == []
+    ready = prepare_fit(fit_plan(job, read_model(job), few), scan_of_job(job), Clock())
+    assert started(ready).landmarks_not_followed == []

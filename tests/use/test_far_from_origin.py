@@ -11,9 +11,9 @@ from helpers.gltf_evaluator import GltfScene
 from breastrig.core.assets import asset_folder
 from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
-from breastrig.use.jobs import FitJob
+from breastrig.use.fit import run_fit
 from breastrig.use.reports.export_fit import export_files
-from breastrig.use.run_fit import run_fit
+from breastrig.use.steps.settings import FitJob
 
 EXAMPLE = asset_folder("example") / "standing"
 FAR = np.array([10_000.0, -3_000.0, 7_000.0])  # m

@@ -6,8 +6,8 @@ import pytest
 from helpers.forearm import forearm_rig
 
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.use.jobs import FIRST, FitSettings
 from breastrig.use.steps.prepare import fit_plan, named_drawing
+from breastrig.use.steps.settings import FIRST, FitSettings
 
 
 @pytest.mark.parametrize(

@@ -13,10 +13,9 @@ from helpers.random_pose import random_parameters
 from breastrig.core.errors import BadSettings
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting import hypotheses
-from breastrig.fitting.hypotheses import ScanOrientation, with_stance
+from breastrig.fitting.hypotheses import FoundStance, ScanOrientation, with_stance
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import load_recipe
-from breastrig.fitting.stance import FoundStance
 from breastrig.fitting.task import FitTask
 from breastrig.gltf.pose_nodes import node_poses, posed_by_nodes
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -26,9 +25,9 @@ from breastrig.rig.similarity import Similarity
 from breastrig.rig.skinning import pose
 from breastrig.scan.clean import Surface
 from breastrig.scan.orient import LABEL_MAP_FRAME
-from breastrig.use.jobs import EarlierFit, FitJob
-from breastrig.use.run_fit import run_fit
+from breastrig.use.fit import run_fit
 from breastrig.use.steps.events import Event
+from breastrig.use.steps.settings import EarlierFit, FitJob
 
 PICKS = json.loads((EXAMPLE / "landmarks.json").read_text())["landmarks"]
 

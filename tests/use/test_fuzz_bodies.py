@@ -25,8 +25,8 @@ from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.clean import clean
 from breastrig.scan.read import read_scan
-from breastrig.use.jobs import FitJob
-from breastrig.use.run_fit import run_fit
+from breastrig.use.fit import run_fit
+from breastrig.use.steps.settings import FitJob
 
 pytestmark = pytest.mark.long
 

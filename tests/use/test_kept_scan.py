@@ -11,14 +11,14 @@ from helpers.example_patient import EXAMPLE
 
 from breastrig.core.assets import asset_folder
 from breastrig.core.stances import AUTO
+from breastrig.fitting import prepare_scan as kept_scan
+from breastrig.fitting.prepare_scan import keeping, prepared_scan
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
-from breastrig.use.jobs import FitJob, ProposeJob, UploadJob
-from breastrig.use.propose_on_scan import propose_on_file
-from breastrig.use.read_upload import read_upload
-from breastrig.use.run_fit import run_fit
-from breastrig.use.steps import kept_scan
-from breastrig.use.steps.kept_scan import keeping, prepared_scan
+from breastrig.use.fit import run_fit
+from breastrig.use.propose_on_scan import ProposeJob, propose_on_file
+from breastrig.use.read_upload import UploadJob, read_upload
+from breastrig.use.steps.settings import FitJob
 
 pytestmark = pytest.mark.long
 

@@ -12,8 +12,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.drawings.line_error import ACROSS, fingers
 from breastrig.files.result import CHECKS, FIT_FILES, ResultFile
 from breastrig.scan.landmarks.landmark_files import read_landmarks
-from breastrig.use.jobs import ChecksJob
-from breastrig.use.lines.checks_on_fit import checks_on_fit
+from breastrig.use.lines.checks_on_fit import ChecksJob, checks_on_fit
 from breastrig.use.lines.line_checks import EARLIER, NO_GAIN, NONE_LEFT, PREDICTED, UNKNOWN, line_checks
 
 SCAN = asset_folder("example") / "supine" / "scan.ply"

@@ -12,10 +12,10 @@ from breastrig.drawings.plan_on_scan import PlannedScan, plan_on_scan
 from breastrig.drawings.plan_schema import PlanPattern
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.landmarks.landmark_files import read_landmarks
+from breastrig.use.fit import run_fit
 from breastrig.use.folder.fit_folder import fit_folder_of
-from breastrig.use.jobs import FitJob
-from breastrig.use.run_fit import run_fit
 from breastrig.use.steps.events import Done
+from breastrig.use.steps.settings import FitJob
 
 EXAMPLE = asset_folder("example") / "standing"
 BESIDE = np.array([6.0, 5.0, 0.0])  # mm from the example's own pick, along the front; the model follows half of the way

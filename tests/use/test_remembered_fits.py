@@ -12,9 +12,9 @@ from helpers.toy_rig import toy_rig
 from helpers.uploads import torso
 
 from breastrig.gltf.write_rig import write_rig
-from breastrig.use import run_fit as run_fit_module
-from breastrig.use.jobs import FitJob
+from breastrig.use import fit as run_fit_module
 from breastrig.use.steps.events import Event
+from breastrig.use.steps.settings import FitJob
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from helpers.remembered_proposals import propose_once
 from helpers.remembered_uploads import FOLDER
 
 from breastrig.use import propose_on_scan
-from breastrig.use.jobs import ProposeJob
+from breastrig.use.propose_on_scan import ProposeJob
 
 
 def test_the_same_scan_has_the_same_proposals_and_another_one_its_own(

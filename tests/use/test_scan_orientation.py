@@ -10,13 +10,13 @@ from helpers.bare_example import write_bare_example
 from helpers.example_patient import EXAMPLE
 from helpers.toy_rig import toy_rig
 
-import breastrig.fitting.stance as stance_module
 import breastrig.fitting.starts.orientation as orientation_module
+import breastrig.use.fit as run_fit_module
 import breastrig.use.read_upload as read_upload_module
-import breastrig.use.run_fit as run_fit_module
 from breastrig.core.assets import asset_folder
 from breastrig.execution.limits import FitLimits
 from breastrig.fitting import hypotheses, prepare_scan, propose, solve
+from breastrig.fitting import prepare_scan as kept_scan
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.geometry.rays import RayCaster
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -28,12 +28,11 @@ from breastrig.scan.hand_cuts import HandCut, cut_triangles
 from breastrig.scan.read import read_scan
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
-from breastrig.use.jobs import FitJob, ProposeJob, UploadJob
-from breastrig.use.propose_on_scan import propose_on_file
-from breastrig.use.read_upload import read_upload
-from breastrig.use.run_fit import run_fit
-from breastrig.use.steps import kept_scan, prepare
+from breastrig.use.fit import run_fit
+from breastrig.use.propose_on_scan import ProposeJob, propose_on_file
+from breastrig.use.read_upload import UploadJob, read_upload
 from breastrig.use.steps.events import Event
+from breastrig.use.steps.settings import FitJob
 
 pytestmark = pytest.mark.long
 
@@ -70,7 +69,7 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
         count["starts"] += 1
         return of_start(*args)
 
-    for module in (stance_module, run_fit_module, prepare):
+    for module in (hypotheses, run_fit_module):
         monkeypatch.setattr(module, "checked_iterates", fitted)
     monkeypatch.setattr(propose, "iterates_with_second_start", fitted)
     for module in (prepare_scan, background):
@@ -115,7 +114,7 @@ def test_the_time_that_finding_the_stance_takes_is_time_of_solving(
 ) -> None:
     """A clock that goes on by one at each look shows where the fit's looks are booked."""
     now = iter(range(10**6))
-    monkeypatch.setattr("breastrig.use.steps.prepare.time.perf_counter", lambda: float(next(now)))
+    monkeypatch.setattr("breastrig.core.clock.time.perf_counter", lambda: float(next(now)))
     done = events_of(EXAMPLE / "scan.ply", tmp_path, PICKS)[-1]
     timing = done.result.document()["timing_s"]
     assert set(timing) == {"read", "prepare", "align", "solve", "refine", "total"}

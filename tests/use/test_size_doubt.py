@@ -8,8 +8,7 @@ from helpers.scan_files import ply_text
 
 from breastrig.core.assets import asset_folder
 from breastrig.scan.read import read_scan
-from breastrig.use.jobs import UploadJob
-from breastrig.use.read_upload import read_upload
+from breastrig.use.read_upload import UploadJob, read_upload
 
 EXAMPLE = asset_folder("example") / "standing" / "scan.ply"
 

@@ -22,8 +22,8 @@ from breastrig.fitting.recipe import load_recipe
 from breastrig.rig.model import Rig
 from breastrig.scan.landmarks.landmark_files import certain_landmarks, landmark_confidences, read_landmarks
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers, checked_answers, segments_of_words
-from breastrig.use.jobs import FIRST
 from breastrig.use.steps.prepare import check_prior, checked_landmarks, named_drawing
+from breastrig.use.steps.settings import FIRST, FitSettings
 
 VOLUME_COLUMNS = ("frame", "segments")  # of a label map: as --frame, and as --segment split by blanks
 COLUMNS = ("scan", "landmarks", "name", "units", "stance", "preset", "drawing", "tumour", "refine", *VOLUME_COLUMNS)
@@ -53,11 +53,14 @@ class BatchRow:
     scan: Path
     landmarks: Path | None
     units: str
-    stance: str
-    preset: str  # a name, or the path of a TOML file
-    drawing: str | None
-    refine: bool
+    settings: FitSettings
     answers: VolumeAnswers = NOTHING_SAID  # of a label map
+
+    @property
+    def preset_file(self) -> Path | None:
+        """A preset of the user's own."""
+        preset = str(self.settings.preset)
+        return Path(preset) if preset.endswith(".toml") else None
 
 
 def read_manifest(
@@ -163,11 +166,13 @@ def _row(
         scan=scan,
         landmarks=landmarks,
         units=_one_of("unit", cells.get("units") or "auto", ("auto", *METRES_PER_UNIT)),
-        stance=_one_of("stance", cells.get("stance") or "auto", STANCES),
-        preset=preset,
-        drawing=drawing,
+        settings=FitSettings(
+            stance=_one_of("stance", cells.get("stance") or "auto", STANCES),
+            preset=preset,
+            drawing=drawing,
+            refine=YES_NO[_one_of("value of refine", cells.get("refine", "").lower(), tuple(YES_NO))],
+        ),
         answers=checked_answers(cells.get("frame"), segments_of_words(cells.get("segments", "").split())),
-        refine=YES_NO[_one_of("value of refine", cells.get("refine", "").lower(), tuple(YES_NO))],
     )
 
 

@@ -12,10 +12,10 @@ from breastrig.core.scratch import scratch_folder
 from breastrig.scan.landmarks.landmark_files import landmarks_of_file
 from breastrig.scan.read import read_scan
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
-from breastrig.use.jobs import FitJob, ReportJob
-from breastrig.use.reports.report import measures_csv_of
-from breastrig.use.run_fit import run_fit
+from breastrig.use.fit import run_fit
+from breastrig.use.reports.report import ReportJob, measures_csv_of
 from breastrig.use.steps.events import Event
+from breastrig.use.steps.settings import FitJob, FitSettings
 
 Runner = Callable[[FitJob], Iterator[Event]]
 
@@ -28,12 +28,9 @@ class FitOfBytes:
     ending: str  # of the scan's name, as in .ply
     landmarks: bytes | None
     landmarks_ending: str
-    units: str
-    stance: str
-    preset: str
-    preset_file: bytes | None  # a preset of the user's own
-    drawing: str | None
-    refine: bool
+    settings: FitSettings
+    preset_file: bytes | None = None  # a preset of the user's own
+    units: str = "auto"
     model: str | None = None  # a packaged one's name or a path on this machine; None: the torso
     prior: bytes | None = None  # a file of `breastrig cohort`
     answers: VolumeAnswers = NOTHING_SAID  # of a label map
@@ -59,25 +56,20 @@ def fit_of_bytes(task: FitOfBytes, runner: Runner) -> dict[str, bytes]:
     with scratch_folder() as folder:
         scan = folder / f"scan{task.ending}"
         scan.write_bytes(task.scan)
-        preset = task.preset
-        if task.preset_file is not None:
-            preset = str(folder / "preset.toml")
-            (folder / "preset.toml").write_bytes(task.preset_file)
         picks = task.picks()
+        own = {"landmark_confidence": picks.confidence, "certain": picks.certain}
+        if task.preset_file is not None:
+            (folder / "preset.toml").write_bytes(task.preset_file)
+            own["preset"] = str(folder / "preset.toml")
         job = FitJob(
             scan=scan,
             out=folder / "out",
             landmarks_mm=picks.points_mm,
-            landmark_confidence=picks.confidence,
-            certain=picks.certain,
             units=task.units,
-            stance=task.stance,
-            preset=preset,
-            drawing=task.drawing,
-            refine=task.refine,
             model=None if task.model is None else model_path(task.model),
             prior=task.prior,
             answers=task.answers,
+            **vars(task.settings) | own,
         )
         for _ in runner(job):
             pass  # the files say it all

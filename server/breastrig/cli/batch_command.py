@@ -123,7 +123,7 @@ def _in_order(rows: Sequence[BatchRow], done: dict[str, Outcome]) -> list[Outcom
 
 def _check_places(options: argparse.Namespace, rows: Sequence[BatchRow], model: Path | None) -> None:
     """Raises BadInput when the table of results or a result would replace what must stay."""
-    presets = {Path(row.preset) for row in rows if row.preset.endswith(".toml")}
+    presets = {row.preset_file for row in rows if row.preset_file}
     read = [
         options.manifest,
         *files_of_model(model),

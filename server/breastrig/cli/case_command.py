@@ -11,7 +11,7 @@ from breastrig.cli.cases import actions as actions_of
 from breastrig.cli.scan_options import add_scan_options
 from breastrig.core.assets import packaged_models
 from breastrig.core.stances import AUTO, STANCES
-from breastrig.use.jobs import FIRST
+from breastrig.use.steps.settings import FIRST
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

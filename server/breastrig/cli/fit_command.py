@@ -21,7 +21,7 @@ from breastrig.fitting.verdicts.verdict import WITH_MARGIN
 from breastrig.report.bands import margin_text, sure_text
 from breastrig.report.pages.printable import checked_code
 from breastrig.use.fit import FitRun, Iterate, iterates
-from breastrig.use.jobs import FIRST
+from breastrig.use.steps.settings import FIRST
 from breastrig.use.values.fit_result import Fit
 
 

@@ -11,9 +11,9 @@ from breastrig.core.errors import BadInput, BadModel
 from breastrig.core.stances import STANCES
 from breastrig.drawings.skin_maps.lying_motion import lying_motion
 from breastrig.drawings.skin_maps.settings import skin_map_settings
-from breastrig.fitting.body.hidden_skin import hidden_skin, trunk_depth
-from breastrig.fitting.body.landmark_errors import landmark_errors
-from breastrig.fitting.uncertainty.calibration import calibration
+from breastrig.fitting.body.landmarks import landmark_errors
+from breastrig.fitting.body.refine import hidden_skin, trunk_depth
+from breastrig.fitting.uncertainty.radii import calibration
 from breastrig.fitting.verdicts.verdict import verdict_limits
 from breastrig.gltf.known_files import bind_known, known_words
 from breastrig.gltf.read_rig import default_rig_path, read_rig, unread_keys

@@ -26,7 +26,7 @@ from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
-from breastrig.use.tasks import run_fit
+from breastrig.use.fit import run_fit
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -15,11 +15,13 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from contextvars import ContextVar
 from itertools import count
-from typing import Any
+from typing import Any, TypeVar
 
 from breastrig.core.errors import BreastRigError, TooMany
 from breastrig.execution.executor import STOPPED, Task, nothing
 from breastrig.execution.worker import Answer, NotBegun, Worker, packed
+
+Result = TypeVar("Result")
 
 client_key: ContextVar[str | None] = ContextVar("client_key", default=None)
 """For whom the work at hand is done; set at the beginning of each request.  None is the program itself."""
@@ -51,8 +53,8 @@ class Lane:
         self.turns: dict[str, int] = {}  # when each client was last served, while others wait
 
     def schedule(
-        self, function: Callable[..., Any], args: tuple[Any, ...], timeout: float, key: str | None = None
-    ) -> "Future[Any]":
+        self, function: Callable[..., Result], args: tuple[Any, ...], timeout: float, key: str | None = None
+    ) -> "Future[Result]":
         """Runs a task as Executor.schedule; `timeout` counts from the start of the task.
 
         Raises TooMany when the client that asks has as many tasks in this lane as one may have.
@@ -60,8 +62,8 @@ class Lane:
         return self._scheduled(client_key.get(), function, args, timeout, key)
 
     def result(
-        self, function: Callable[..., Any], args: tuple[Any, ...], timeout: float, key: str | None = None
-    ) -> Any:
+        self, function: Callable[..., Result], args: tuple[Any, ...], timeout: float, key: str | None = None
+    ) -> Result:
         """The task's result; blocks."""
         return self.schedule(function, args, timeout, key).result()
 

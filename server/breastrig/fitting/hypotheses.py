@@ -1,4 +1,8 @@
-"""A fit's start and stance: found from landmarks and scan, or taken over from an earlier fit.
+"""A fit's hypothesis: its start and stance, found from landmarks and scan, or taken over from an earlier fit.
+
+A table decides whether a patient lies (scan/orient.py), unless plane and body are both upright in the scanner's axes.
+Without one a fit as standing shows the stance (starts/stance_signs.py); an unclear answer asks the user, and is a
+reason in the verdict.
 
 Findings from the scan alone, once, at the upload, are then known to proposals and fits: in the scan's own frame and as
 plain numbers, so that they are stored with the scan. The place of the model's rest pose belongs to one model; for
@@ -9,19 +13,25 @@ with picks moved by 10 mm).
 """
 
 import json
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any, cast
 
 import numpy as np
 
-from breastrig.core.stances import AUTO, PRONE
+from breastrig.colour.features.observation import LOOKED_FOR, Observation
+from breastrig.core.clock import Clock
+from breastrig.core.stances import AUTO, PRONE, STANDING, SUPINE
 from breastrig.fitting.body.hanging import hanging_shapes
+from breastrig.fitting.observed.landmarks import colour_observations, with_observations
 from breastrig.fitting.prepare_scan import PreparedScan
-from breastrig.fitting.recipe import Recipe
-from breastrig.fitting.stance import FoundStance, found_stance
+from breastrig.fitting.recipe import Recipe, load_recipe
+from breastrig.fitting.solve import checked_iterates
+from breastrig.fitting.starts.hypotheses import Opening
 from breastrig.fitting.starts.orientation import (
     MIN_LANDMARKS,
     SURE_LANDMARKS,
+    Start,
     agree,
     best_start,
     contradicted,
@@ -30,14 +40,91 @@ from breastrig.fitting.starts.orientation import (
     start_from_scan,
 )
 from breastrig.fitting.starts.rigid_search import OBLIQUE, turned_from
-from breastrig.fitting.task import FitIterate, FitTask
+from breastrig.fitting.starts.stance_signs import SCANNERS_UP, UPRIGHT, likely_stance, measured_signs
+from breastrig.fitting.task import FitIterate, FitTask, ended
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.similarity import Similarity, body_axes, similar_parameters
 from breastrig.rig.skinning import pose
 from breastrig.scan.orient import Frame
+from breastrig.scan.scan import Scan
 
 SURE_MARGIN = 0.3  # of start_from_scan; whole scans have 0.28 to 1.1
+
+WALL = (
+    "An upright plane is close behind, and the patient seems to stand: a wall. "
+    "If it is a table, say that the patient lies."
+)
+TABLE = (
+    "An upright plane is close behind, and the patient seems to lie: a table. "
+    "If it is a wall, say that the patient stands."
+)
+
+
+def may_be_wall(task: FitTask, frame: Frame) -> bool:
+    """Whether the plane behind the body is upright in the scanner's own axes, and the body at its start as well."""
+    if frame.table is None:
+        return False
+    up = body_axes(task.rig, pose(task.rig, task.start))[:, 1]
+    return bool(np.linalg.norm(np.cross(frame.table[0], SCANNERS_UP)) > UPRIGHT and up @ SCANNERS_UP > UPRIGHT)
+
+
+LIES = "There is no table in the scan, but the patient seems to lie."
+STANDS = "There is no table in the scan, and the patient seems to stand."
+MAY_LIE = "Without a table it is not clear: the patient seems to lie. If the patient stands, say so."
+MAY_STAND = "Without a table it is not clear: the patient seems to stand. If the patient lies, say so."
+MAY_HANG = (
+    "Only a chest's front is seen, and its breasts may hang to the front: prone. "
+    "If not, say how the patient was scanned."
+)
+HANGS = (
+    "Only the front of a chest is seen, and its breasts hang to the front: prone. "
+    "If not, say how the patient was scanned."
+)
+UNCLEAR = (MAY_LIE, MAY_STAND, MAY_HANG)
+REASONS = {STANDING: (MAY_STAND, STANDS), SUPINE: (MAY_LIE, LIES), PRONE: (MAY_HANG, HANGS)}  # unsure, sure
+
+
+@dataclass(frozen=True, eq=False)
+class FoundStance:
+    """A stance, why, and the fit that showed it: all iterates of the task in it, none where no fit was needed."""
+
+    stance: str  # standing | supine | prone
+    reason: str
+    iterates: tuple[FitIterate, ...] = ()
+    start: Start | None = None  # where the stance has one of its own
+
+
+def found_stance(task: FitTask, frame: Frame, known_opening: Opening | None = None) -> FoundStance:
+    """For a task whose start is right and whose stance does not matter yet; `known_opening` was fitted to find it.
+
+    Whoever fits the task next goes on from the iterates, so that nothing is fitted twice.
+    """
+    wall = may_be_wall(task, frame)
+    is_said = frame.stance == PRONE or (frame.stance == SUPINE and not wall)
+    if is_said or not any(shape.kind == "gravity" for shape in task.rig.shapes):
+        return FoundStance(frame.stance, frame.stance_reason)
+    task = replace(task, stance=STANDING)
+    standing = tuple(checked_iterates(task, _same(known_opening, task)))
+    likely = likely_stance(measured_signs(task, standing[-1]))
+    if wall:
+        return FoundStance(STANDING, WALL, standing) if likely.stance == STANDING else FoundStance(SUPINE, TABLE)
+    reason = REASONS[likely.stance][likely.sure]
+    if likely.stance == STANDING:
+        return FoundStance(STANDING, reason, standing)
+    task = replace(task, stance=likely.stance)
+    if likely.stance == SUPINE:
+        return FoundStance(SUPINE, reason, tuple(checked_iterates(task)))
+    start = prone_start(task.rig, task.target, frame)
+    task = replace(task, start=start.parameters)
+    return FoundStance(PRONE, reason, () if task.landmarks else tuple(checked_iterates(task)), start)
+
+
+def _same(opening: Opening | None, task: FitTask) -> Opening | None:
+    """The opening, if it is this task's."""
+    if opening is None or task.landmarks:
+        return None
+    return opening if opening.task.stance == task.stance and opening.task.recipe is task.recipe else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,3 +267,84 @@ def continued(task: FitTask, stance: str, earlier: str, start: RigParameters) ->
         found = FoundStance(stance, "As asked for.")
     hanging = hanging_shapes(task.rig, start, task.recipe)
     return replace(task, start=start, recipe=task.recipe.continued, stance=found.stance, hanging=hanging), found
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """A fit before its first iteration: its task, with start and stance, and what was found on the way there."""
+
+    task: FitTask
+    stance_reason: str
+    clearness: float | None  # of the start, where the scan alone placed it
+    shown: Mapping[str, Observation] | None  # what colours show of the landmarks; None: not looked at
+    iterates: tuple[FitIterate, ...] = ()  # all iterates of the task's fit, where they were needed to find the stance
+
+
+def found_hypothesis(
+    task: FitTask, prepared: PreparedScan, scan: Scan, stance: str, orientation: ScanOrientation | None, clock: Clock
+) -> Hypothesis:
+    """The task with a start and with landmarks that the colours show, in the stance that was asked for or found.
+
+    `orientation` is that of the scan when it is known already; `clock` counts `align` and what the stance takes.
+    """
+    task, clearness = with_start(task, prepared, orientation)
+    clock.lap("align")
+    task, found = with_stance(task, stance, prepared, orientation)
+    clearness = clearness if found.start is None else found.start.margin
+    known = orientation is not None and orientation.stance == task.stance and task.recipe is load_recipe("default")
+    fitted = orientation.fitted if orientation is not None and known else None
+    task, iterates, shown = _with_colour(task, found.iterates, fitted, clearness, scan)
+    clock.lap("solve")
+    return Hypothesis(task, found.reason, clearness, shown, iterates)
+
+
+def continued_hypothesis(
+    task: FitTask, scan: Scan, stance: str, earlier: str, start: RigParameters, clock: Clock
+) -> Hypothesis:
+    """The task going on from the `start` at which a fit in an `earlier` stance ended; else as `found_hypothesis`."""
+    task, found = continued(task, stance, earlier, start)
+    clock.lap("align")
+    shown = None
+    if _looks_at_colour(task, scan):
+        with_colour, shown = _observed_from(task, task, task.start, None, scan)
+        task = replace(with_colour, recipe=task.recipe)  # which goes on already
+    clock.lap("solve")
+    return Hypothesis(task, found.reason, None, shown)
+
+
+def _with_colour(
+    task: FitTask,
+    known_iterates: tuple[FitIterate, ...],
+    fitted: RigParameters | None,
+    clearness: float | None,
+    scan: Scan,
+) -> tuple[FitTask, tuple[FitIterate, ...], Mapping[str, Observation] | None]:
+    """The task with landmarks that the colours show, its iterates as far as they are known, and what is shown.
+
+    `fitted` is where the task without landmarks is known to end.  Beside picks the form is fitted with them first: it
+    knows better than without where to look for the others, which the colours show as they did before.
+    """
+    if not _looks_at_colour(task, scan):
+        return task, known_iterates, None
+    known = task
+    if task.given or fitted is None:
+        last = (known_iterates or tuple(checked_iterates(task)))[-1]
+        if not last.is_finite:
+            return task, known_iterates, {}
+        fitted = last.parameters
+        known = ended(task, last) if task.given else task
+    going_on, shown = _observed_from(task, known, fitted, clearness, scan)
+    return going_on, known_iterates if going_on is task else (), shown
+
+
+def _looks_at_colour(task: FitTask, scan: Scan) -> bool:
+    """Whether colours can show a landmark that is not given."""
+    return scan.shows_colour and bool((LOOKED_FOR & {*task.rig.landmark_names}) - task.given.keys())
+
+
+def _observed_from(
+    task: FitTask, known: FitTask, fitted: RigParameters, clearness: float | None, scan: Scan
+) -> tuple[FitTask, Mapping[str, Observation]]:
+    """The task that goes on from where it `fitted` as far as it is `known`, and what the colours show from there."""
+    shown = colour_observations(known, fitted, clearness, scan)
+    return with_observations(task, shown, fitted), shown

@@ -2,6 +2,11 @@
 
 The covariance of the unknowns is the inverse of Gauss-Newton's H. It includes the scan's noise and the priors, not that
 the model cannot show every body; that misfit is added where it is used.
+
+A fit's contribution to a cohort is the patient's body under the built-in prior (decision 0027): the posterior of scales
+and weights, pose integrated out, is the scan's likelihood times the prior that the fit had; that one is divided out and
+the built-in one put in. In its file: float32, the mean, then the covariance's upper triangle row by row; empty where
+there is no contribution.
 """
 
 from collections.abc import Collection
@@ -11,12 +16,18 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.energies.landmarks import LandmarkObservation
-from breastrig.fitting.body.landmark_errors import expected_gaps
-from breastrig.fitting.problem import ScanProblem
+from breastrig.fitting.body.expected_body import built_in_body
+from breastrig.fitting.body.landmarks import expected_gaps
+from breastrig.fitting.fit import ScanProblem
+from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.task import FitTask
+from breastrig.least_squares.problem import log_student
 from breastrig.least_squares.quadratic_program import cholesky, solve_lower
+from breastrig.rig.cohort_posterior import Gaussian
+from breastrig.rig.cohort_prior import Sums
+from breastrig.rig.model import Rig
 from breastrig.rig.normal_equations import vertex_variances
-from breastrig.rig.parameters import RigParameters
+from breastrig.rig.parameters import BONE_DOFS, RigParameters
 from breastrig.rig.state import BodyState
 
 OF_BODIES = ("body_prior", "scale_prior", "shape_prior")
@@ -82,9 +93,6 @@ class Posterior:
         """(P,) a step drawn from the posterior."""
         draw = rng.standard_normal(len(self._factor))
         return solve_lower(self._factor, draw, transposed=True)
-
-
-FREEDOM = 4.0  # degrees, of a Student t, as landmarks' errors were estimated with (docs/decisions/0028)
 
 
 class LeaveOneOut:
@@ -164,11 +172,6 @@ def along_skin(gap: Array, covariance: Array, normal: Array) -> float:
     return float(np.sqrt(flat @ np.linalg.solve(spread, flat)))
 
 
-def log_student(deviations: Array | float, axes: int) -> Array:
-    """Nats, of a Student t over so many axes, beside its density at the mean."""
-    return np.asarray(-0.5 * (FREEDOM + axes) * np.log1p(np.square(deviations) / FREEDOM))
-
-
 def evidence_along_skin(gap: Array, covariance: Array, normal: Array) -> float:
     """Nats, the log density (1/m²) of a gap as `on_skin` has it, by a Student t."""
     at_mean = -np.log(2.0 * np.pi) - 0.5 * np.linalg.slogdet(on_skin(gap, covariance, normal)[1])[1]
@@ -182,3 +185,78 @@ def meant_evidence(posterior: Posterior, pick: LandmarkObservation, name: str) -
     covariance = posterior.landmark_covariances((name,))[0] + body.covariance + pick.covariance
     gap = point.positions(state.vertices, rig.faces)[0] + body.mean - pick.place
     return evidence_along_skin(gap, covariance, point.positions(state.normals, rig.faces)[0])
+
+
+BUILT_IN = "default"  # the preset whose prior is the built-in one
+FARTHEST = 2.0  # times the built-in prior's root mean square, over all directions; a woman beyond counts as if there
+
+
+def built_in(rig: Rig, stance: str) -> Gaussian | None:
+    """The prior without any cohort; None for a rig without statistics of bodies."""
+    recipe = load_recipe(BUILT_IN)
+    return None if recipe.body is None else built_in_body(rig, recipe.shapes, recipe.body, stance)
+
+
+def contribution(posterior: Posterior) -> Gaussian | None:
+    """The contribution; None for a rig without statistics of bodies, or where the numbers break down."""
+    task, state = posterior.task, posterior.state
+    own, kept = built_in(task.rig, task.stance), body_places(task.rig)
+    if own is None:
+        return None
+    body = np.concatenate([state.x.scales.ravel(), state.x.weights])
+    precision = np.linalg.inv(posterior.covariance()[np.ix_(kept, kept)])
+    pull = precision @ body
+    for term in posterior.expected:
+        of_prior = term.linearise(state)
+        slope = of_prior.jacobian[:, kept]
+        precision -= slope.T @ slope
+        pull -= slope.T @ (slope @ body - of_prior.residual)
+    before = np.linalg.inv(own.covariance)
+    precision += before
+    covariance = np.linalg.inv(0.5 * (precision + precision.T))
+    mean = covariance @ (pull + before @ own.mean)
+    found = Gaussian(mean, 0.5 * (covariance + covariance.T))
+    return found if np.isfinite(mean).all() and np.linalg.eigvalsh(found.covariance)[0] > 0.0 else None
+
+
+def body_places(rig: Rig) -> Array:
+    """(N,) indices of the scales of all bones, then of the weights, among the unknowns."""
+    first = BONE_DOFS * len(rig.bones)
+    scales = np.arange(first).reshape(-1, BONE_DOFS)[:, 6:9].ravel()
+    return np.concatenate([scales, np.arange(first, first + len(rig.shapes))])
+
+
+def contribution_bytes(found: Gaussian | None) -> bytes:
+    """The file."""
+    if found is None:
+        return b""
+    upper = found.covariance[np.triu_indices(len(found.mean))]
+    return np.concatenate([found.mean, upper]).astype("<f4").tobytes()
+
+
+def read_contribution(content: bytes, rig: Rig) -> Gaussian | None:
+    """The file's Gaussian; None for an empty file, or one of another rig."""
+    size = 3 * len(rig.bones) + len(rig.shapes)
+    if len(content) != 4 * (size + size * (size + 1) // 2):
+        return None
+    numbers = np.frombuffer(content, dtype="<f4").astype(np.float64)
+    if not np.isfinite(numbers).all():
+        return None
+    covariance = np.zeros((size, size))
+    covariance[np.triu_indices(size)] = numbers[size:]
+    return Gaussian(numbers[:size], covariance + np.triu(covariance, 1).T)
+
+
+def parsed_contribution(content: bytes, rig: Rig, stance: str) -> Sums | None:
+    """The patient's sums, bounded; None for an empty file, or one of another rig."""
+    own, found = built_in(rig, stance), read_contribution(content, rig)
+    if own is None or found is None:
+        return None
+    root = np.linalg.cholesky(own.covariance)
+    away = np.linalg.solve(root, found.mean - own.mean)
+    inside = np.linalg.eigvalsh(np.linalg.solve(root, np.linalg.solve(root, found.covariance).T))
+    if not (inside[0] > -1e-3 and inside[-1] < 1.0 + 1e-3):  # no posterior is wider than what it began with
+        return None
+    bound = FARTHEST * np.sqrt(len(away))
+    share = min(1.0, bound / max(float(np.linalg.norm(away)), 1e-12))
+    return Sums.of_woman(own.mean + root @ (share * away), found.covariance)

@@ -1,11 +1,17 @@
-"""Prepares a cleaned scan for a fit: cuts floors, walls, other people's hands and the table under a patient away.
+"""Prepares a scan for a fit: cleans it, cuts floors, walls, other people's hands and the table under a patient away.
 
 Upload, proposals, fits and evaluations all use it, so that they look at the same skin. The scan's directions found at
 the upload are passed on with the scan and not searched again.
+
+A process that serves one scan alone keeps what was cleaned and indexed for its next tasks: it does so when it is called
+by `keeping`; elsewhere nothing is kept.  What is kept serves a scan that has the very same vertices and triangles,
+compared number by number, so that a result never depends on what was kept.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -15,9 +21,10 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.normals import face_areas
 from breastrig.geometry.plane import Plane
 from breastrig.scan.background import cut_background, without_background
-from breastrig.scan.clean import MIN_TRIANGLES, Surface, compact, large_pieces
-from breastrig.scan.orient import Frame, propose_frame
+from breastrig.scan.clean import MIN_TRIANGLES, Surface, clean, compact, large_pieces
+from breastrig.scan.orient import LABEL_MAP_FRAME, Frame, propose_frame
 from breastrig.scan.other_pieces import Piece, without_other_pieces
+from breastrig.scan.scan import Scan
 from breastrig.scan.table import Table, found_table
 
 
@@ -120,3 +127,59 @@ def _note(is_room: bool, pieces: int, area: float) -> str:
         return f"A floor or wall and what stood by it were cut away: {1e4 * area:,.0f} cm²."
     which = "A piece beside the body was" if pieces == 1 else f"{pieces} pieces beside the body were"
     return f"{which} cut away: {1e4 * area:,.0f} cm²."
+
+
+@dataclass
+class _Kept:
+    """The cached data of the last scan."""
+
+    keeps: bool = False
+    read: tuple[Array, Integers] | None = None  # the scan's own vertices and triangles
+    surface: Surface | None = None  # of these
+    target: ScanTarget | None = None  # with all that was built on it
+
+
+_kept = _Kept()
+
+
+def keeping(function: Callable[..., Any], *given: Any) -> Any:
+    """The function's result, in a process that from now on caches the data of one scan."""
+    _kept.keeps = True
+    return function(*given)
+
+
+def prepared_scan(scan: Scan, stance: str, frame: Frame | None = None) -> PreparedScan:
+    """The scan cleaned and prepared; `frame` when it is known already.  Raises BadScan with a sentence."""
+    ready = prepared(_cleaned(scan), stance, frame or (LABEL_MAP_FRAME if scan.from_label_map else None))
+    if not _kept.keeps:
+        return ready
+    if _kept.target is None or not _same_target(_kept.target, ready.target):
+        _kept.target = ready.target
+    return replace(ready, target=_kept.target)
+
+
+def _cleaned(scan: Scan) -> Surface:
+    if not _kept.keeps:
+        return clean(scan)
+    read = (scan.vertices, scan.faces)
+    before = _kept.read
+    same = before is not None and all(np.array_equal(*both) for both in zip(before, read, strict=True))
+    if _kept.surface is None or not same:
+        _kept.surface, _kept.target = clean(scan), None
+        _kept.read = read
+    return _kept.surface
+
+
+def _same_target(one: ScanTarget, other: ScanTarget) -> bool:
+    return (
+        _same_plane(one.table, other.table)
+        and one.use_rays == other.use_rays
+        and (one.vertices is other.vertices or np.array_equal(one.vertices, other.vertices))
+        and (one.faces is other.faces or np.array_equal(one.faces, other.faces))
+    )
+
+
+def _same_plane(one: Plane | None, other: Plane | None) -> bool:
+    if one is None or other is None:
+        return one is other
+    return np.array_equal(one.normal, other.normal) and one.height == other.height

@@ -15,7 +15,7 @@ from breastrig.colour.areolae import ObservedAreola
 from breastrig.core.arrays import Array, Booleans
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.body.landmark_errors import MIDDLE, NOTCH, XIPHOID, expected_gaps, middle_step
+from breastrig.fitting.body.landmarks import MIDDLE, NOTCH, XIPHOID, expected_gaps, middle_step
 from breastrig.fitting.fit import FitTask
 from breastrig.fitting.hypotheses import ScanOrientation, orientation_task, scan_orientation
 from breastrig.fitting.observed.landmarks import areola_of, colour_observations, with_observations

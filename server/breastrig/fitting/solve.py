@@ -10,13 +10,12 @@ from collections.abc import Generator, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from breastrig.fitting.body.hanging import hanging_shapes, hanging_start, opening_of, unexplained_overhang
-from breastrig.fitting.fit import InitialPoint, iterates
+from breastrig.fitting.fit import InitialPoint, ScanProblem, iterates
 from breastrig.fitting.picks.issues import mistaken
-from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.recipe import Recipe, Stage
 from breastrig.fitting.starts.hypotheses import Opening
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS
-from breastrig.fitting.task import FitIterate, FitTask, PickIssue
+from breastrig.fitting.task import FitIterate, FitTask, without
 from breastrig.least_squares.newton import Status
 from breastrig.rig.state import BodyState
 
@@ -106,16 +105,6 @@ def checked_iterates(task: FitTask, known_opening: Opening | None = None) -> Ite
             elapsed_s=halfway.elapsed_s + iterate.elapsed_s,
             not_followed=doubts,
         )
-
-
-def without(task: FitTask, doubts: Sequence[PickIssue]) -> FitTask:
-    """The task without the rejected picks."""
-    return task.without({name for doubt in doubts if not doubt.followed for name in doubt.names})
-
-
-def ended(task: FitTask, last: FitIterate) -> FitTask:
-    """The task as its fit ended: without the rejected picks, with the relief observations."""
-    return replace(without(task, last.not_followed), relief=last.relief, hanging=last.hanging)
 
 
 def _parts(recipe: Recipe) -> tuple[Recipe | None, Recipe | None]:

@@ -1,7 +1,7 @@
 """Input and output of a fit: one task in, a stream of frozen iterates out."""
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -61,20 +61,15 @@ class FitTask:
     hanging: tuple[str, ...] = ()  # shapes by which breasts were seen to hang (body/hanging.py)
     locked: tuple[str, ...] = ()  # blocks of the unknowns that stay where they start, see rig/blocks.py
 
-    @property
-    def landmarks(self) -> dict[str, Array]:
-        """Name -> (3,) m of the given landmarks."""
-        return {name: each.place for name, each in self.given.items()}
+    landmarks: dict[str, Array] = field(init=False)  # name -> (3,) m of the given landmarks
+    picked: frozenset[str] = field(init=False)  # the names of those that a person has placed
+    certain: frozenset[str] = field(init=False)  # the names of those that are always followed
 
-    @property
-    def picked(self) -> frozenset[str]:
-        """The names of the given landmarks that a person has placed."""
-        return frozenset(name for name, each in self.given.items() if each.source == "pick")
-
-    @property
-    def certain(self) -> frozenset[str]:
-        """The names of the given landmarks that are always followed."""
-        return frozenset(name for name, each in self.given.items() if not each.outlier)
+    def __post_init__(self) -> None:
+        given = self.given.items()
+        object.__setattr__(self, "landmarks", {name: each.place for name, each in given})
+        object.__setattr__(self, "picked", frozenset(name for name, each in given if each.source == "pick"))
+        object.__setattr__(self, "certain", frozenset(name for name, each in given if not each.outlier))
 
     def beyond_click(self, name: str) -> float:
         """Error (m, each axis) of the given landmark of this name beyond a click's."""
@@ -99,3 +94,13 @@ class FitTask:
             for name, place in landmarks.items()
         }
         return replace(self, given=given)
+
+
+def without(task: FitTask, doubts: Sequence[PickIssue]) -> FitTask:
+    """The task without the rejected picks."""
+    return task.without({name for doubt in doubts if not doubt.followed for name in doubt.names})
+
+
+def ended(task: FitTask, last: FitIterate) -> FitTask:
+    """The task as its fit ended: without the rejected picks, with the relief observations."""
+    return replace(without(task, last.not_followed), relief=last.relief, hanging=last.hanging)

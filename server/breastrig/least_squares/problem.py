@@ -90,3 +90,11 @@ def mixture_cost(r: Array, even: float | None) -> Array:
 def outlier_cost(even: float) -> float:
     """The cost of a rejected observation."""
     return float(np.logaddexp(0.0, -0.5 * even * even)) + 0.5 * even * even
+
+
+FREEDOM = 4.0  # degrees, of a Student t, as landmarks' errors were estimated with (docs/decisions/0028)
+
+
+def log_student(deviations: Array | float, axes: int) -> Array:
+    """Nats, of a Student t over so many axes, beside its density at the mean."""
+    return np.asarray(-0.5 * (FREEDOM + axes) * np.log1p(np.square(deviations) / FREEDOM))

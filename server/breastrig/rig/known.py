@@ -5,14 +5,14 @@ that what was measured with one rig is never said of another.
 
     bodies.json          mean and covariance of scales and shapes over bodies       rig/body_statistics.py
     priors_STANCE.toml   shapes and joints where a stance differs from the rig     rig/stance_priors.py
-    landmark_errors.json  landmarks of bodies beside the model's                    fitting/body/landmark_errors.py
-    hidden_STANCE.json   depth of skin that no scan shows                           fitting/body/hidden_skin.py
-    trunk_depth.json     its additional depth under a high belly                    fitting/body/hidden_skin.py
+    landmark_errors.json  landmarks of bodies beside the model's                    fitting/body/landmarks.py
+    hidden_STANCE.json   depth of skin that no scan shows                           fitting/body/refine.py
+    trunk_depth.json     its additional depth under a high belly                    fitting/body/refine.py
     lying_motion.json    motion of the skin between standing and supine             drawings/skin_maps/lying_motion.py
     gravity.json         effect of gravity on breasts in all stances                volume/predicted.py
     skin_map.toml        differences from the common settings of the skin map       drawings/skin_maps/settings.py
-    radii.json           distance of bodies from the model beyond a fit's own error fitting/uncertainty/calibration.py
-    uncertainty.toml     effect of picks that scatter, and of an unclear start      fitting/uncertainty/calibration.py
+    radii.json           distance of bodies from the model beyond a fit's own error fitting/uncertainty/radii.py
+    uncertainty.toml     effect of picks that scatter, and of an unclear start      fitting/uncertainty/radii.py
     verdict.toml         limits of right fits                                       fitting/verdicts/verdict.py
     same_body.toml       difference between two fits of one body                    use/folder/one_body.py
     measures.toml        errors of measures of breasts                              report/calibration.py

@@ -12,6 +12,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import BadLandmarks
+from breastrig.core.stances import OUTWARDS, split_side
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
 
@@ -123,3 +124,8 @@ def body_axes(rig: Rig, vertices: Array) -> Array:
     """(3, 3) columns: the body's left, up and front in the frame of its (V, 3) m vertices."""
     points = rig.landmark_points()
     return umeyama(points.positions(rig.template, rig.faces), points.positions(vertices, rig.faces)).rotation
+
+
+def outwards(name: str) -> Array:
+    """(3,) signs that turn a left landmark's shift, in the body's axes, into this landmark's."""
+    return np.array([OUTWARDS.get(split_side(name)[1], 1.0), 1.0, 1.0])

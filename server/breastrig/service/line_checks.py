@@ -12,8 +12,7 @@ from breastrig.service.plans import Plans
 from breastrig.service.remembered import Remembered
 from breastrig.storage.files import fit_place
 from breastrig.storage.storage import Storage
-from breastrig.use.jobs import ChecksJob
-from breastrig.use.tasks import checks_on_fit
+from breastrig.use.lines.checks_on_fit import ChecksJob, checks_on_fit
 
 WALL_S = 60.0  # a tenth of a second, of a huge scan on a busy machine many times that
 REMEMBERED = 128  # of a kilobyte each
@@ -41,5 +40,4 @@ class LineChecks:
             self._models.of_fits([fit_id]) as model,
         ):
             job = ChecksJob(self._storage.files.folder(fit_place(fit_id)), plan, model)
-            found: dict[str, Any] = self._processes.result(checks_on_fit, (job,), WALL_S)
-        return found
+            return self._processes.result(checks_on_fit, (job,), WALL_S)

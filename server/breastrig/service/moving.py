@@ -7,23 +7,20 @@ or a plan like any other, which is requested when it has ended.
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from typing import Any
 
+from breastrig.cases.fits import FitEntry, find_fit
 from breastrig.core.errors import BadInput, Conflict, NotFound
 from breastrig.core.picks import Points
 from breastrig.execution.pool import Lane
 from breastrig.service.failed_tasks import explained
-from breastrig.service.fits.fit_worker import earlier_fit, fit_job
 from breastrig.service.kept_models import KeptModels
-from breastrig.storage.documents.events import event_of_kind
 from breastrig.storage.documents.fits import FitRow, get_fit
-from breastrig.storage.documents.scans import get_scan
-from breastrig.storage.files import fit_place, scan_place
+from breastrig.storage.files import fit_place
 from breastrig.storage.storage import Storage
-from breastrig.use.jobs import FollowJob, LengthsQuestion, LiveQuestion
-from breastrig.use.steps.events import Done
-from breastrig.use.tasks import follow_landmarks, live_pattern, moved_landmarks, read_and_live_pattern
+from breastrig.use.cases.case_work import job_of
+from breastrig.use.moving.live_pattern import LengthsQuestion, LiveQuestion, live_pattern, read_and_live_pattern
+from breastrig.use.moving.moved_landmarks import follow_landmarks, moved_landmarks
 
 WALL_S = 90.0  # an answer takes a tenth of a second, the first one; huge scans on a slow or busy machine take many
 
@@ -41,13 +38,12 @@ class Moving:
         """
         self._done(fit_id, "patterns and lengths need fits that are done")
         with explained("Drawing this pattern", WALL_S, "give a smaller scan", self._storage, [fit_id]):
-            found: dict[str, Any] | None = self._processes.result(live_pattern, (fit_id, question), WALL_S, fit_id)
+            found = self._processes.result(live_pattern, (fit_id, question), WALL_S, fit_id)
             if found is not None:
                 return found
             with self.dropped_if_deleted(fit_id), self._models.of_fits([fit_id]) as model:
                 job = (fit_id, self._storage.files.folder(fit_place(fit_id)), model, question)
-                read: dict[str, Any] = self._processes.result(read_and_live_pattern, job, WALL_S, fit_id)
-                return read
+                return self._processes.result(read_and_live_pattern, job, WALL_S, fit_id)
 
     def landmarks(self, fit_id: str, landmarks: Points) -> dict[str, Any]:
         """The pose of a fit's model with landmarks (mm, scan frame) that were moved.
@@ -58,29 +54,22 @@ class Moving:
         if fit.predicted_from is not None:
             raise BadInput("This body is predicted: move landmarks of the scan that it comes from, and predict again.")
         with explained("Following this landmark", WALL_S, "fit anew instead", self._storage, [fit_id]):
-            found: dict[str, Any] | None = self._processes.result(moved_landmarks, (fit_id, landmarks), WALL_S, fit_id)
+            found = self._processes.result(moved_landmarks, (fit_id, landmarks), WALL_S, fit_id)
             if found is not None:
                 return found
-            scan = get_scan(self._storage, fit.scan)
-            folder = self._storage.files.folder(scan_place(scan.id))
+            case, scan_id = self._storage.case_of_fit(fit_id)
+            entry = find_fit(case, fit_id)
+            going_on = {"stance": fit.stance, "drawing": None, "start_from": fit_id}
             with self.dropped_if_deleted(fit_id), self._models.of_fits([fit_id]) as model:
-                job = fit_job(scan, fit, folder, folder, model)
-                job = replace(job, stance=fit.stance, drawing=None, earlier=earlier_fit(self._storage, fit_id))
-                asked = (fit_id, FollowJob(job, self._not_followed(fit)), landmarks)
-                read: dict[str, Any] = self._processes.result(follow_landmarks, asked, WALL_S, fit_id)
-                return read
+                job = job_of(case, scan_id, entry.document.model_copy(update=going_on), case.path, model)
+                asked = (fit_id, job, _not_followed(entry), landmarks)
+                return self._processes.result(follow_landmarks, asked, WALL_S, fit_id)
 
     def _done(self, fit_id: str, why: str) -> FitRow:
         fit = get_fit(self._storage, fit_id)
         if fit.state != "done":
             raise Conflict(f"The fit {fit.id} is {fit.state}; {why}.")
         return fit
-
-    def _not_followed(self, fit: FitRow) -> tuple[str, ...]:
-        done = event_of_kind(self._storage, fit.id, "done")
-        assert done is not None
-        result = Done.model_validate_json(done.json).result
-        return tuple(name for each in result.landmarks_not_followed for name in each.names)
 
     @contextmanager
     def dropped_if_deleted(self, fit_id: str) -> Iterator[None]:
@@ -93,3 +82,9 @@ class Moving:
             except NotFound:
                 self._processes.pool.drop(fit_id)
                 raise
+
+
+def _not_followed(fit: FitEntry) -> tuple[str, ...]:
+    """The picks that a fit that is done has left out."""
+    left_out = (fit.last or {}).get("result", {}).get("landmarks_not_followed", [])
+    return tuple(name for each in left_out for name in each["names"])

@@ -27,8 +27,7 @@ from breastrig.storage.documents.patients import (
 from breastrig.storage.documents.scans import get_scan
 from breastrig.storage.files import fit_place
 from breastrig.storage.storage import Storage
-from breastrig.use.jobs import PlanJob, PlannedFit
-from breastrig.use.tasks import plan_on_fit
+from breastrig.use.lines.plan_on_fit import PlanJob, PlannedFit, plan_on_fit
 
 UNFITTED = (
     "It was made on a scan that is not fitted yet, or with another version of the model; fit that one to see it here."

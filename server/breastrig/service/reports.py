@@ -6,7 +6,6 @@ it is remembered by.
 """
 
 from collections.abc import Callable, Hashable, Sequence
-from dataclasses import replace
 
 from breastrig.core import wall_clock
 from breastrig.core.identity import SAYS_NOTHING, Identity, file_name
@@ -20,8 +19,8 @@ from breastrig.storage.documents.patients import PatientRow, get_patient, get_pl
 from breastrig.storage.documents.scans import Cuts, cuts_digest, get_scan
 from breastrig.storage.files import fit_place
 from breastrig.storage.storage import Storage
-from breastrig.use.jobs import ReportJob
-from breastrig.use.tasks import measures_json_of, report_pdf_of, volume_vtu_of
+from breastrig.use.reports.report import ReportJob, measures_json_of, report_pdf_of
+from breastrig.use.reports.volume import volume_vtu_of
 
 MAKERS: dict[str, Callable[[ReportJob], bytes]] = {
     "report.pdf": report_pdf_of,
@@ -104,22 +103,20 @@ class Reports:
         ):
             folders = [self._storage.files.folder(fit_place(one)) for one in ids]
             fits = [get_fit(self._storage, one) for one in ids]
-            two = () if len({self._patient(fit).id for fit in fits}) == 1 else (TWO_PATIENTS,)
+            shows_plan, is_alone = name in PLANNED, len(ids) == 1
+            doubts = () if len({self._patient(fit).id for fit in fits}) == 1 else (TWO_PATIENTS,)
             job = ReportJob(
                 folders[0],
-                None if len(ids) == 1 else folders[1],
+                None if is_alone else folders[1],
                 model,
+                plans=tuple(self._plans.lines_on_fit(one) for one in ids) if shows_plan else (),
+                items=self._plans.of_fit(ids[0]).plan.items if shows_plan else (),
                 identity=self.identity(fits),
-                doubts=two,
+                doubts=self._plans.doubts_of(ids[0]) if shows_plan and is_alone else doubts,
                 one_patient=self._is_said(ids),
                 cuts=cuts,
             )
-            if name in PLANNED:
-                plans = tuple(self._plans.lines_on_fit(one) for one in ids)
-                job = replace(job, plans=plans, items=self._plans.of_fit(ids[0]).plan.items)
-                if len(ids) == 1:
-                    job = replace(job, doubts=self._plans.doubts_of(ids[0]))
-            content: bytes = self._processes.result(MAKERS[name], (job,), WALL_S)
+            content = self._processes.result(MAKERS[name], (job,), WALL_S)
         for one in ids:
             get_fit(self._storage, one)  # NotFound when it was deleted meanwhile
         return content

@@ -23,6 +23,7 @@ from breastrig.core.errors import BadScan, BreastRigError, FitFailed, NotFound
 from breastrig.core.model_choice import ModelChoice
 from breastrig.core.picks import Picks
 from breastrig.execution.executor import Executor
+from breastrig.fitting.prepare_scan import keeping
 from breastrig.scan.hand_cuts import are_cut
 from breastrig.scan.piece import COLOURLESS
 from breastrig.service.failed_tasks import FULL
@@ -30,8 +31,8 @@ from breastrig.storage.documents.scans import ScanRow, cuts_digest, get_cuts, ge
 from breastrig.storage.documents.searches import drop_ink, get_ink, get_proposals, put_ink, put_proposals
 from breastrig.storage.files import scan_place, upload_name
 from breastrig.storage.storage import Storage
-from breastrig.use.jobs import InkJob, ProposeJob
-from breastrig.use.tasks import find_ink_on_file, keeping
+from breastrig.use.lines.find_ink_on_scan import InkJob, find_ink_on_file
+from breastrig.use.propose_on_scan import ProposeJob
 
 Task = tuple[Callable[[Any], dict[str, Any]], Any]  # a function of a named module, and what it is given
 

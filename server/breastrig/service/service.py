@@ -9,31 +9,23 @@ A process stays a while for each scan in work and for each fit on which somethin
 Pairs, transfers and reports read more than one, so each has a process of its own.
 """
 
-import hashlib
-import json
 import logging
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
-from breastrig.core.assets import asset_folder
-from breastrig.core.errors import BadInput, BadScan, Conflict, NotFound, NotRemoved, unknown_name
+from breastrig.core.errors import BadInput, Conflict, NotFound, NotRemoved
 from breastrig.core.model_choice import model_choice
-from breastrig.core.picks import Points
 from breastrig.core.stances import Stance
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits, UploadLimits
 from breastrig.execution.pool import Pool
 from breastrig.execution.worker import preload
-from breastrig.scan.stored_scan import STORED
-from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 from breastrig.service.bring_over import take_over
 from breastrig.service.events.feeds import Notifier, StreamItem, follow
-from breastrig.service.failed_tasks import FULL, explained
-from breastrig.service.fits.fit_worker import Predictor, Runner, Runners
+from breastrig.service.failed_tasks import explained
 from breastrig.service.fits.queue import FitQueue, WaitingCap
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.line_checks import LineChecks
@@ -46,16 +38,18 @@ from breastrig.service.share_snapshots import ShareSnapshots
 from breastrig.service.skin_checks import SkinChecks
 from breastrig.service.sweep import KEEP_DAYS, Sweep
 from breastrig.service.task_modules import TASK_MODULES
+from breastrig.service.uploads import Uploads
 from breastrig.storage.deletion import delete_empty_case, delete_scan, finish_deletions
-from breastrig.storage.documents import scans as scan_rows
 from breastrig.storage.documents.fits import FitRow, NewFit, Once, add_fit, fits_of_scan, get_fit, made_before
-from breastrig.storage.documents.patients import get_patient, put_items_of_scan, said_same, scans_of_patient
-from breastrig.storage.documents.scans import ScanRow
-from breastrig.storage.files import MESH, THUMBNAIL, fit_place, scan_place, upload_name
+from breastrig.storage.documents.patients import said_same, scans_of_patient
+from breastrig.storage.files import fit_place
 from breastrig.storage.folders import new_id
 from breastrig.storage.storage import Storage, Unremoved, utc_now
-from breastrig.use.jobs import TransferJob, UploadJob
-from breastrig.use.tasks import keeping, propose_on_file, read_upload, run_fit, run_prediction, transfer
+from breastrig.use.cases.case_work import Predictor, Runner, Runners
+from breastrig.use.fit import run_fit
+from breastrig.use.lines.transfer_lines import TransferJob, transfer
+from breastrig.use.predictions.run_prediction import run_prediction
+from breastrig.use.propose_on_scan import propose_on_file
 
 CHUNK = 2**20
 HANDS = 4  # patterns or landmarks that are moved at once
@@ -63,14 +57,6 @@ KEPT = 8  # processes that rest: of a patient's two scans and their fits, each s
 TRANSFER_WALL_S = 180.0  # a transfer takes a second or two; a slow or busy machine with huge scans may take many
 
 log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True)
-class Example:
-    name: str
-    label: str
-    scan: Path
-    landmarks: Path
 
 
 class Service:
@@ -93,13 +79,13 @@ class Service:
     ) -> None:
         self.storage = storage
         self.streams = threading.BoundedSemaphore(streams)
-        self._uploads = uploads or UploadLimits()
+        limits = uploads or UploadLimits()
         fit_limits = fits or FitLimits()
         preload(TASK_MODULES)
         self.pool = Pool(KEPT)
         self._readers, self._others, hands = (
-            self.pool.lane(places, self._uploads.memory_bytes, self._uploads.waiting_per_client)
-            for places in (self._uploads.workers, self._uploads.workers, HANDS)
+            self.pool.lane(places, limits.memory_bytes, limits.waiting_per_client)
+            for places in (limits.workers, limits.workers, HANDS)
         )
         self._workers = executor or self.pool.lane(fit_limits.workers, fit_limits.memory_bytes)
         runners = Runners(runner, predictor)
@@ -107,8 +93,8 @@ class Service:
         self._queue = FitQueue(storage, self._workers, fit_limits, runners, self._choice)
         self.readiness = Readiness(storage, {"read uploads": self._readers, "fit": self._workers})
         self._waiting = WaitingCap(storage, fit_limits.waiting_per_client)
-        self.proposals = Proposals(storage, self._others, self._uploads.wall_s, proposer, self._choice)
-        self.ink = InkSearch(storage, self._others, self._uploads.wall_s)
+        self.proposals = Proposals(storage, self._others, limits.wall_s, proposer, self._choice)
+        self.ink = InkSearch(storage, self._others, limits.wall_s)
         self.models = KeptModels(storage, model)
         self.plans = Plans(storage, self._others, self.models)
         self.moving = Moving(storage, hands, self.models)
@@ -118,7 +104,7 @@ class Service:
         self.shares = ShareSnapshots(storage, self._others, self.plans, self.reports, self.models)
         self._notifier = Notifier(storage)
         self._sweep = Sweep(storage, self.delete_scan, keep_days, self.shares.end_expired)
-        self._examples = examples
+        self.uploads = Uploads(storage, self._readers, limits, self.models, self._choice, examples)
 
     @contextmanager
     def started(self) -> Iterator["Service"]:
@@ -159,50 +145,6 @@ class Service:
         """Ends every open stream, so that the server's threads are free to go."""
         self._notifier.stop()
 
-    def add_scan(
-        self,
-        source: IO[bytes],
-        file_type: str,
-        units: str,
-        patient: str | None = None,
-        model: str | None = None,
-        answers: VolumeAnswers = NOTHING_SAID,
-        again: bool = False,
-    ) -> tuple[ScanRow, list[str]]:
-        """Reads an upload and keeps what was read of it, without names, comments and picture metadata.
-
-        It is a scan of that patient, or of a new one, to be fitted with the model of that name.  With it comes what a
-        label map's file calls its segments, which is not kept.  Raises BadScan or TooLarge with a sentence, of BadScan
-        NeedsAnswer where a person has to say something, NeedsYes for a file that is a scan of that patient unless
-        `again`, or NotFound for an unknown patient or model, and then keeps nothing.
-        """
-        chosen = self.models.facts_of(model)
-        if patient is not None:
-            get_patient(self.storage, patient)
-        scan_id = new_id()
-        place = scan_place(scan_id)
-        try:
-            self.storage.files.make(place)
-            folder = self.storage.files.made(place)
-            upload, kept = folder / upload_name(file_type), folder / upload_name(STORED)
-            sha256 = _keep(source, upload)
-            model_file, triangles = self._choice.of(chosen), self._uploads.triangles
-            job = UploadJob(upload, units, kept, folder / MESH, folder / THUMBNAIL, triangles, model_file, answers)
-            facts = self._read(scan_id, job)
-            upload.unlink()
-            lesions: list[dict[str, Any]] = facts.pop("lesions", [])
-            labels: list[str] = facts.pop("labels", [])
-            row = ScanRow(scan_id, utc_now(), STORED, sha256, facts | chosen)
-            scan_rows.add_scan(self.storage, row, patient, again)
-            if lesions:
-                items = [{"kind": "lesion", "id": new_id(), "scan": scan_id, **each} for each in lesions]
-                put_items_of_scan(self.storage, scan_id, "lesion", items)
-        except BaseException:
-            self.pool.drop(scan_id)
-            self.storage.discard(place)
-            raise
-        return row, labels
-
     def delete_scan(self, scan_id: str) -> None:
         """Removes the scan, its landmarks and its fits.  No such scan is no error.
 
@@ -223,15 +165,6 @@ class Service:
         if left:
             _log_unremoved(left)
             raise NotRemoved(len(left))
-
-    def examples(self) -> tuple[Example, ...]:
-        """The packaged example scans, in the order standing, supine, others."""
-        folder = self._examples or asset_folder("example")
-        names = sorted(scan.parent.name for scan in folder.glob("*/scan.ply"))
-        return tuple(
-            Example(name, f"Example patient, {name}", folder / name / "scan.ply", folder / name / "landmarks.json")
-            for name in names
-        )
 
     def delete_patient(self, patient_id: str) -> None:
         """Removes all scans of the patient with all that was made of them.  No such patient is no error.
@@ -254,18 +187,6 @@ class Service:
         delete_empty_case(self.storage, patient_id)
         if left:
             raise NotRemoved(left)
-
-    def add_example(self, name: str) -> tuple[ScanRow, Points]:
-        """Opens an example like an upload; also its landmarks in mm.  Raises NotFound."""
-        examples = {example.name: example for example in self.examples()}
-        if not examples:
-            raise NotFound("This copy of BreastRig holds no examples.")
-        if name not in examples:
-            raise NotFound(unknown_name("example", name, tuple(examples)))
-        example = examples[name]
-        with example.scan.open("rb") as source:
-            row, _ = self.add_scan(source, "ply", "auto")
-        return row, json.loads(example.landmarks.read_text(encoding="utf-8"))["landmarks"]
 
     def add_fit(self, new_fit: NewFit, once: Once | None = None, client: str | None = None) -> str:
         """Puts a fit into the queue; its id.
@@ -366,34 +287,7 @@ class Service:
             carried: dict[str, Any] = self._others.result(transfer, (job,), TRANSFER_WALL_S)
         return carried | ({"doubts": []} if is_said else {})
 
-    def _read(self, scan_id: str, job: UploadJob) -> dict[str, Any]:
-        try:
-            task = (read_upload, job)
-            facts: dict[str, Any] = self._readers.result(keeping, task, self._uploads.wall_s, scan_id)
-        except TimeoutError as error:
-            raise BadScan(
-                f"Reading this scan took longer than {self._uploads.wall_s:g} s; simplify it first."
-            ) from error
-        except (OSError, RuntimeError) as error:
-            if getattr(error, "errno", None) in FULL:
-                raise  # the disk's fault, not the scan's
-            log.warning("the process that read an upload died: %r", error)
-            raise BadScan("Reading this scan needs more memory or time than it may use; simplify it first.") from error
-        return facts
-
 
 def _log_unremoved(left: list[Unremoved]) -> None:
     reasons = ", ".join(sorted({one.reason for one in left}))
     log.error("%d folders of deleted scans cannot be removed (%s); `breastrig purge` lists them", len(left), reasons)
-
-
-def _keep(source: IO[bytes], path: Path) -> str:
-    """Writes the bytes to the file; their sha256.  Raises BadScan when there are none."""
-    digest = hashlib.sha256()
-    with path.open("xb") as target:
-        while chunk := source.read(CHUNK):
-            digest.update(chunk)
-            target.write(chunk)
-        if target.tell() == 0:
-            raise BadScan("This file is empty; export the scan again.")
-    return digest.hexdigest()

@@ -30,8 +30,7 @@ from breastrig.storage.documents.shares import (
 from breastrig.storage.files import fit_place, scan_place, share_place, upload_name
 from breastrig.storage.folders import new_id
 from breastrig.storage.storage import Storage, utc_now
-from breastrig.use.jobs import SnapshotJob
-from breastrig.use.tasks import write_snapshot
+from breastrig.use.reports.share_snapshot import SnapshotJob, write_snapshot
 
 WALL_S = 180.0  # the example takes three seconds, most for the report; a slow or busy machine with huge scans many
 

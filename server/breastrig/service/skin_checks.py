@@ -13,8 +13,7 @@ from breastrig.storage.documents.patients import get_plan, patient_of_scan
 from breastrig.storage.documents.scans import ScanRow, get_scan
 from breastrig.storage.files import scan_place, upload_name
 from breastrig.storage.storage import Storage
-from breastrig.use.jobs import SkinJob
-from breastrig.use.tasks import check_lines_on_skin
+from breastrig.use.lines.lines_on_skin import SkinJob, check_lines_on_skin
 
 WALL_S = 90.0  # half a second for the first line, of a huge scan on a busy machine many
 SHOWN = 40  # characters of a note in a sentence

@@ -1,5 +1,21 @@
 """Names of modules that the fork server imports before any task; a cluster's worker needs them in its children."""
 
-from breastrig.use.tasks import MODULES
-
-TASK_MODULES = ("breastrig.service.fits.fit_worker", *MODULES, "scipy.interpolate")  # which reports need
+TASK_MODULES = (
+    "breastrig.service.fits.fit_worker",
+    "breastrig.use.default_model",  # which also makes the model ready
+    *(
+        f"breastrig.use.{name}"
+        for name in (
+            "propose_on_scan",
+            "lines.checks_on_fit",
+            "lines.find_ink_on_scan",
+            "lines.lines_on_skin",
+            "lines.plan_on_fit",
+            "moving.live_pattern",
+            "moving.moved_landmarks",
+            "reports.share_snapshot",
+            "reports.volume",
+        )
+    ),
+    "scipy.interpolate",  # which reports need
+)

@@ -14,12 +14,11 @@ from breastrig.core.stances import AUTO, STANCES
 from breastrig.drawings.skin_maps.lying_motion import lying_motion
 from breastrig.energies.folding import pressed_edges
 from breastrig.fitting.body.expected_body import body_terms
-from breastrig.fitting.body.hidden_skin import hidden_skin, trunk_depth
-from breastrig.fitting.body.landmark_errors import landmark_errors
-from breastrig.fitting.problem import observation_weights
+from breastrig.fitting.body.landmarks import landmark_errors
+from breastrig.fitting.body.refine import hidden_skin, precompute_layers, trunk_depth
+from breastrig.fitting.fit import observation_weights
 from breastrig.fitting.recipe import load_recipe
-from breastrig.fitting.refine import precompute_layers
-from breastrig.fitting.uncertainty.calibration import calibration
+from breastrig.fitting.uncertainty.radii import calibration
 from breastrig.fitting.verdicts.verdict import verdict_limits
 from breastrig.gltf.lines.ribbon import ribbons
 from breastrig.gltf.read_rig import default_rig_path, read_rig

@@ -1,36 +1,77 @@
-"""Fits of one scan: as a stream of iterates, or at once.
+"""One fit: `read -> prepare -> hypothesis -> solve -> judge -> write`, as a stream of iterates, or at once.
 
-The stream is an iterator and not a callback, as in the rest of the package: whoever stops consuming it has cancelled
-the fit, and an error is raised where the next iterate is asked for.
+What can be wrong with a request is found before the scan is read (steps/prepare.py), which is then cleaned and indexed
+and gets its start and stance (fitting/hypotheses.py); fitting/solve.py yields iterates, steps/outcome.py judges where
+they end, folder/fit_files.py writes.  Command line, batch, service and programs consume the same iterates.  Whoever
+stops consuming a generator cancels the fit; nothing is written then but what was already there.
 """
 
-from collections.abc import Generator, Iterator, Mapping, Sequence
+import inspect
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, wraps
 from pathlib import Path
-from typing import Any, Generic, TypeAlias, TypeVar
+from typing import Any, Generic, ParamSpec, TypeAlias, TypeVar
 
 from breastrig.core.arrays import Array, frozen
+from breastrig.core.clock import Clock
 from breastrig.core.errors import BadSettings, FitFailed
 from breastrig.core.one_thread import one_thread
 from breastrig.core.stances import AUTO
 from breastrig.drawings.patterns import tumour_text
+from breastrig.fitting.solve import checked_iterates
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.rig.named_parameters import Parameters, in_metres, parameters_by_name
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
-from breastrig.use.jobs import FIRST, EarlierFit, FitSettings
+from breastrig.use.folder.fit_files import write_fit_files
 from breastrig.use.landmarks import Landmarks, landmarks_in_mm
-from breastrig.use.run_fit import fit_steps
 from breastrig.use.scan import ScanLike, ScanSource
-from breastrig.use.steps.prepare import Clock, ReadyScan, check_prior, fit_plan, prepare_fit
-from breastrig.use.steps.recorder import FitOutcome, RecordedIterate
+from breastrig.use.steps.events import Done, Event
+from breastrig.use.steps.outcome import FitOutcome, RecordedIterate, outcome_of, record, started
+from breastrig.use.steps.prepare import ReadyScan, check_prior, fit_plan, prepare_fit, read_model, scan_of_job
+from breastrig.use.steps.settings import FIRST, EarlierFit, FitJob, FitSettings
 from breastrig.use.values.fit_result import Fit, fit_of_outcome
 from breastrig.use.values.model import Model, Rig, files_of, public, with_cohort
 
 Step = TypeVar("Step")
 Result = TypeVar("Result")
+Given = ParamSpec("Given")
 Preset: TypeAlias = str | Mapping[str, Any]
+
+
+def fit_steps(ready: ReadyScan, clock: Clock) -> Iterator[RecordedIterate | FitOutcome]:
+    """Every iterate of the fit, then its outcome; FitFailed when there is none.  `clock` began with the fit."""
+    found, recorded = ready.hypothesis, list[RecordedIterate]()
+    iterates = iter(found.iterates) if found.iterates else checked_iterates(found.task)
+    while True:
+        clock.lap()  # without the consumer's time
+        iterate = next(iterates, None)
+        clock.lap("solve")
+        if iterate is None:
+            break
+        recorded.append(record(ready, iterate))
+        yield recorded[-1]
+    yield outcome_of(ready, recorded, clock)
+
+
+def run_fit(job: FitJob) -> Generator[Event, None, None]:
+    """Started, Iterated …, Done; a BreastRigError instead when it cannot be done.
+
+    Writes all FIT_FILES (files/result.py) into job.out before Done.
+    """
+    clock = Clock()
+    plan = fit_plan(job, read_model(job), job.landmarks_mm)
+    clock.lap()
+    scan = scan_of_job(job)
+    clock.lap("read")
+    ready = prepare_fit(plan, scan, clock)
+    yield started(ready)
+    for step in fit_steps(ready, clock):
+        if isinstance(step, FitOutcome):
+            yield Done(result=write_fit_files(step, job.out))
+        else:
+            yield step.event
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -98,6 +139,21 @@ class FitRun(Iterator[Step], Generic[Step, Result]):
         self._steps.close()
 
 
+def to_its_end(
+    run: Callable[Given, FitRun[Step, Result]], name: str, returns: object, doc: str
+) -> Callable[Given, Result]:
+    """A function of the same arguments as `run`, that returns the result of its FitRun."""
+
+    @wraps(run)
+    def ended(*args: Given.args, **kwargs: Given.kwargs) -> Result:
+        return run(*args, **kwargs).result()
+
+    ended.__name__, ended.__qualname__, ended.__doc__ = name, run.__qualname__.replace(run.__name__, name), doc
+    ended.__annotations__ = run.__annotations__ | {"return": returns}
+    ended.__signature__ = inspect.signature(run).replace(return_annotation=returns)  # type: ignore[attr-defined]
+    return ended
+
+
 def iterates(
     scan: "ScanLike | ScanSource",
     landmarks: Landmarks = None,
@@ -141,7 +197,8 @@ def iterates(
         )
         plan = fit_plan(settings, rig, picks.points_mm)
         check_prior(plan.recipe, prior)
-        ready = prepare_fit(plan, *source.read())
+        read, clock.seconds["read"] = source.read()
+        ready = prepare_fit(plan, read, clock)
     own = preset if isinstance(preset, str) and preset.endswith(".toml") else None  # a preset of the user's
     places = landmarks if isinstance(landmarks, str | Path) else None
     inputs = (*(Path(file) for file in (source.file, places, own) if file is not None), *files_of(model, prior))
@@ -153,69 +210,43 @@ def iterates(
             yield _iterate_of(step, ready)
         raise AssertionError("a fit ends with its outcome")
 
-    return FitRun(steps(), ready.task.recipe.iterations_limit)
+    return FitRun(steps(), ready.hypothesis.task.recipe.iterations_limit)
 
 
-def fit(
-    scan: ScanLike,
-    landmarks: Landmarks = None,
-    *,
-    certain: Sequence[str] = (),
-    units: str = "auto",
-    stance: str = "auto",
-    preset: Preset = "default",
-    drawing: str | None = FIRST,
-    tumours: Sequence[str] = (),
-    refine: bool = True,
-    start: Fit | Parameters | None = None,
-    locked: Sequence[str] = (),
-    model: Model = None,
-    prior: str | Path | None = None,
-) -> Fit:
+fit = to_its_end(
+    iterates,
+    "fit",
+    Fit,
     """Fits the model to one scan, and returns a `Fit` with everything in the scan's unit and frame; writes nothing.
 
-    Args:
-        scan: From `read_scan`, the path of a file, or a trimesh.Trimesh.
-        landmarks: Name -> (3,) place in the scan's unit and frame, or a `Proposal`; or the path of a landmark file
-            (JSON, CSV, .pp, .mrk.json, .fcsv, .pts); None: the scan alone decides.
-        certain: Names of landmarks that are always followed, besides those that the file names so.
-        units: Of a path: auto, m, dm, cm, mm, in, ft.
-        stance: auto, standing, supine or prone (of an MRI).
-        preset: default, paper, the path of a TOML file, or a dict of what differs from the default or from
-            "base", another preset: {"scales": {"sigma": 0.1}, "stages": {"settle": {"iterations": 5}}}
-            (`breastrig presets show default` has the names).
-        drawing: first: the model's first drawing, if it has any (the torso's: lumpectomy); one by its name (anatomy,
-            mastectomy), a pattern in mm (reduction:areola_mm=42), several joined by +, or None.  A pattern that does
-            not fit on this patient is left out, and `fit.drawing_missing` says why.
-        tumours: Circles on the skin, in mm: "L:10,45,12" (side: hour, distance from the nipple, radius), or
-            "at:X,Y,Z,RADIUS" around a place in the scan's frame.
-        refine: Whether a smooth free-form layer follows the skin that the scan shows; the model's own distances are in
-            `fit.result["model_alone"]`.
-        start: A `Fit` of the same scan, or `Parameters` in its unit and frame, to go on from; None: it is found.
-        locked: Blocks that stay where they start: scales, shapes, rotations, translations, the name of a bone or a
-            shape, or one part of a bone (lumbar.scale).
-        model: From `load_model`, or the path of a .glb; None: the torso of the package.
-        prior: A file of `breastrig cohort`, of fits with this model; None: the built-in prior.
+Args:
+    scan: From `read_scan`, the path of a file, or a trimesh.Trimesh.
+    landmarks: Name -> (3,) place in the scan's unit and frame, or a `Proposal`; or the path of a landmark file
+        (JSON, CSV, .pp, .mrk.json, .fcsv, .pts); None: the scan alone decides.
+    certain: Names of landmarks that are always followed, besides those that the file names so.
+    units: Of a path: auto, m, dm, cm, mm, in, ft.
+    stance: auto, standing, supine or prone (of an MRI).
+    preset: default, paper, the path of a TOML file, or a dict of what differs from the default or from
+        "base", another preset: {"scales": {"sigma": 0.1}, "stages": {"settle": {"iterations": 5}}}
+        (`breastrig presets show default` has the names).
+    drawing: first: the model's first drawing, if it has any (the torso's: lumpectomy); one by its name (anatomy,
+        mastectomy), a pattern in mm (reduction:areola_mm=42), several joined by +, or None.  A pattern that does
+        not fit on this patient is left out, and `fit.drawing_missing` says why.
+    tumours: Circles on the skin, in mm: "L:10,45,12" (side: hour, distance from the nipple, radius), or
+        "at:X,Y,Z,RADIUS" around a place in the scan's frame.
+    refine: Whether a smooth free-form layer follows the skin that the scan shows; the model's own distances are in
+        `fit.result["model_alone"]`.
+    start: A `Fit` of the same scan, or `Parameters` in its unit and frame, to go on from; None: it is found.
+    locked: Blocks that stay where they start: scales, shapes, rotations, translations, the name of a bone or a
+        shape, or one part of a bone (lumbar.scale).
+    model: From `load_model`, or the path of a .glb; None: the torso of the package.
+    prior: A file of `breastrig cohort`, of fits with this model; None: the built-in prior.
 
-    Raises:
-        BadInput: BadScan, BadLandmarks, BadDrawing, BadModel or BadSettings, for what can be mended.
-        FitFailed: When the fit fails.
-    """
-    return iterates(
-        scan,
-        landmarks,
-        certain=certain,
-        units=units,
-        stance=stance,
-        preset=preset,
-        drawing=drawing,
-        tumours=tumours,
-        refine=refine,
-        start=start,
-        locked=locked,
-        model=model,
-        prior=prior,
-    ).result()
+Raises:
+    BadInput: BadScan, BadLandmarks, BadDrawing, BadModel or BadSettings, for what can be mended.
+    FitFailed: When the fit fails.
+    """,
+)
 
 
 def _earlier(start: Fit | Parameters | None, stance: str, rig: Rig) -> EarlierFit | None:
@@ -240,7 +271,7 @@ def _iterate_of(step: RecordedIterate, ready: ReadyScan) -> Iterate:
         landmark_distance_mm=event.landmark_distance_mm,
         coverage=event.coverage,
         elapsed_s=event.elapsed_s,
-        model=public(ready.task.rig),
+        model=public(ready.plan.rig),
         in_metres=step.iterate.parameters,
         metres_per_unit=ready.scan.metres_per_unit,
     )

@@ -4,11 +4,14 @@
 untrusted; it gives back nothing but names and numbers.
 """
 
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from breastrig.core.errors import BadScan
 from breastrig.core.stances import AUTO
 from breastrig.fitting.hypotheses import ScanOrientation, orientation_from
+from breastrig.fitting.prepare_scan import prepared_scan
 from breastrig.fitting.propose import Proposal, propose_landmarks
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -16,8 +19,18 @@ from breastrig.rig.model import Rig
 from breastrig.scan.hand_cuts import without_hand_cuts
 from breastrig.scan.read import coloured_scan
 from breastrig.scan.scan import Scan
-from breastrig.use.jobs import ProposeJob
-from breastrig.use.steps.kept_scan import prepared_scan
+
+
+@dataclass(frozen=True)
+class ProposeJob:
+    """A scan to be searched for landmarks."""
+
+    scan: Path
+    file_type: str
+    units: str
+    model: Path | None = None  # None: the torso of the package
+    orientation: dict[str, Any] | None = None  # what the upload has found, see fitting/hypotheses.py
+    cuts: tuple[dict[str, Any], ...] = ()  # by hand, see scan/hand_cuts.py
 
 
 def propose_on_scan(rig: Rig, scan: Scan, orientation: ScanOrientation | None = None) -> dict[str, Proposal]:

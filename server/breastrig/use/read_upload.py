@@ -6,7 +6,8 @@ which everything later starts; the upload itself is not kept.  How the patient l
 proposals and fits of this scan begin with it.
 """
 
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ import numpy as np
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.core.stances import AUTO
 from breastrig.fitting.hypotheses import scan_orientation
+from breastrig.fitting.prepare_scan import prepared_scan
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -21,8 +23,22 @@ from breastrig.report.pictures import thumbnail_png
 from breastrig.scan.read import read_scan
 from breastrig.scan.stored_scan import write_stored
 from breastrig.scan.units import extent, size_doubt
-from breastrig.use.jobs import UploadJob
-from breastrig.use.steps.kept_scan import prepared_scan
+from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
+
+
+@dataclass(frozen=True)
+class UploadJob:
+    """An upload to be read."""
+
+    scan: Path  # the uploaded bytes; the suffix gives the type
+    units: str
+    kept: Path  # where the scan itself is written, as a STORED file
+    mesh: Path  # where the mesh for display is written
+    thumbnail: Path  # where a small picture is written
+    triangles: int  # at most
+    model: Path | None = None  # that the service fits with; None: the torso of the package
+    answers: VolumeAnswers = NOTHING_SAID  # of a label map
+
 
 PIECES = 20  # the largest, at most so many, are reported to the page
 

@@ -13,9 +13,8 @@ from breastrig.files.result import FIT_FILES, ResultFile, ResultPatient, read_re
 from breastrig.report.document import SCHEMA
 from breastrig.report.pages.printable import checked_code
 from breastrig.use.folder.earlier_fits import unchecked
-from breastrig.use.jobs import ReportJob
 from breastrig.use.lines.transfer_lines import drawing_document
-from breastrig.use.reports.report import MEASURES_TABLE, REPORT_RECORD, write_three_files
+from breastrig.use.reports.report import MEASURES_TABLE, REPORT_RECORD, ReportJob, write_three_files
 from breastrig.use.transfer import folder_of
 from breastrig.use.values.drawing import Drawing
 from breastrig.use.values.fit_result import Fit

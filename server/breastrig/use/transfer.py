@@ -13,8 +13,7 @@ from breastrig.drawings.plan_schema import PLAN_SCHEMA
 from breastrig.files.result import BODY, FIT_FILES, RESULT, UNCERTAINTY
 from breastrig.rig.model import Rig
 from breastrig.use.draw import Drawn, items_of
-from breastrig.use.jobs import TransferJob
-from breastrig.use.lines.transfer_lines import drawing_document, transfer_with
+from breastrig.use.lines.transfer_lines import TransferJob, drawing_document, transfer_with
 from breastrig.use.values.drawing import Drawing, Lesion, Line, document_of, drawing_of
 from breastrig.use.values.fit_result import Fit
 from breastrig.use.values.model import Model, loaded

@@ -20,7 +20,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Booleans
-from breastrig.fitting.body.hidden_skin import SCHEMA, HiddenSkin
+from breastrig.fitting.body.refine import SCHEMA, HiddenSkin
 from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.boundary import boundary_vertices
 from breastrig.geometry.normals import vertex_normals

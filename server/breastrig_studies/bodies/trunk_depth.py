@@ -4,7 +4,7 @@
     python -m breastrig_studies.bodies.trunk_depth DIR/warped
 
 Both halves are used, because few patients are deep: each half alone has one or two of them. The gain was measured on
-each patient with the others' bodies only (fitting/body/hidden_skin.py). The bodies are fitted without landmarks; every
+each patient with the others' bodies only (fitting/body/refine.py). The bodies are fitted without landmarks; every
 patient counts alike, however many bodies were made of one, and each body counts as it is and mirrored. For a body whose
 belly lies a beyond ORDINARY, with hidden skin h above the model and the expectation over all bodies (hidden_skin.py),
 the slope of a place is Σ a h / (Σ a² + DAMPING²). It goes through zero at ORDINARY, so that it does not depend on the
@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from breastrig.core.arrays import Array, Booleans
-from breastrig.fitting.body.hidden_skin import DEPTH_SCHEMA, hidden_skin
+from breastrig.fitting.body.refine import DEPTH_SCHEMA, hidden_skin
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig

@@ -18,12 +18,12 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.correspondence.distances import ACCEPTED, summary_mm
 from breastrig.correspondence.match import match
 from breastrig.correspondence.target import ScanTarget
+from breastrig.fitting.hypotheses import found_stance
 from breastrig.fitting.picks.issues import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import Recipe
-from breastrig.fitting.solve import checked_iterates, ended
-from breastrig.fitting.stance import found_stance
+from breastrig.fitting.solve import checked_iterates
 from breastrig.fitting.starts.orientation import (
     MIN_LANDMARKS,
     SURE_LANDMARKS,
@@ -32,7 +32,7 @@ from breastrig.fitting.starts.orientation import (
     prone_start,
     start_from_scan,
 )
-from breastrig.fitting.task import FitTask, PickIssue
+from breastrig.fitting.task import FitTask, PickIssue, ended
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
 from breastrig.rig.model import Rig

@@ -10,8 +10,8 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.distances import summary_mm
-from breastrig.fitting.picks.issues import partner, sides_exchanged
 from breastrig.fitting.recipe import Recipe
+from breastrig.fitting.starts.orientation import partner, sides_exchanged
 from breastrig.rig.model import Rig
 from breastrig_studies.studies.case import Scene
 

@@ -11,12 +11,11 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.body.hidden_skin import skin_behind
+from breastrig.fitting.body.refine import refined, skin_behind
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
-from breastrig.fitting.refine import refined
-from breastrig.fitting.solve import checked_iterates, ended
-from breastrig.fitting.task import FitTask
+from breastrig.fitting.solve import checked_iterates
+from breastrig.fitting.task import FitTask, ended
 from breastrig.fitting.uncertainty.radii import Radii, radii
 from breastrig.report.measures import measures
 from breastrig.report.stance import Stance

@@ -10,8 +10,8 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
+from breastrig.fitting.body.refine import refined
 from breastrig.fitting.recipe import Recipe
-from breastrig.fitting.refine import refined
 from breastrig.fitting.solve import checked_iterates
 from breastrig.fitting.task import FitTask
 from breastrig.rig.model import Rig

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from breastrig.correspondence.distances import landmark_summary_mm, summary_mm, surface_distances, surface_summary_mm
-from breastrig.fitting.body.hidden_skin import skin_behind
+from breastrig.fitting.body.refine import refined, skin_behind
 from breastrig.fitting.recipe import Recipe
-from breastrig.fitting.refine import refined
 from breastrig.geometry.normals import turned_triangles
 from breastrig.rig.model import Rig
 from breastrig_studies.cohort import Case

@@ -29,8 +29,7 @@ from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.drawings.transfer import points_carried
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
-from breastrig.fitting.solve import without
-from breastrig.fitting.task import FitTask
+from breastrig.fitting.task import FitTask, without
 from breastrig.fitting.uncertainty.radii import radii
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.surface_points import SurfacePoints

@@ -19,9 +19,9 @@ from breastrig.fitting.picks.issues import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import Recipe, load_recipe
-from breastrig.fitting.solve import checked_iterates, ended, iterates_with_second_start
+from breastrig.fitting.solve import checked_iterates, iterates_with_second_start
 from breastrig.fitting.starts.orientation import start_from_scan
-from breastrig.fitting.task import FitTask
+from breastrig.fitting.task import FitTask, ended
 from breastrig.fitting.verdicts.fit_signals import fit_signals
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status

@@ -7,8 +7,7 @@ import pytest
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.body.hidden_skin import HiddenSkin, hidden_skin
-from breastrig.fitting.refine import refined
+from breastrig.fitting.body.refine import HiddenSkin, hidden_skin, refined
 from breastrig.geometry.normals import vertex_normals
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig

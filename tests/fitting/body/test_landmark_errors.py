@@ -9,7 +9,7 @@ import pytest
 from helpers.toy_rig import toy_rig
 
 from breastrig.core.stances import split_side
-from breastrig.fitting.body.landmark_errors import (
+from breastrig.fitting.body.landmarks import (
     MIDDLE,
     NOTCH,
     UNKNOWN,

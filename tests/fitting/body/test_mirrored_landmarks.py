@@ -11,14 +11,13 @@ from breastrig.core.arrays import Array
 from breastrig.core.stances import split_side
 from breastrig.correspondence.target import ScanTarget
 from breastrig.energies.landmarks import LandmarkObservation
-from breastrig.fitting.body.mirrored_landmarks import mirrored_landmarks
-from breastrig.fitting.fit import fit_iterates
+from breastrig.fitting.body.landmarks import mirrored_landmarks
+from breastrig.fitting.fit import ScanProblem, fit_iterates
 from breastrig.fitting.posterior import Posterior
-from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.recipe import load_recipe
-from breastrig.fitting.solve import checked_iterates, ended
+from breastrig.fitting.solve import checked_iterates
 from breastrig.fitting.starts.orientation import start_from_landmarks
-from breastrig.fitting.task import FitIterate, FitTask
+from breastrig.fitting.task import FitIterate, FitTask, ended
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import assemble

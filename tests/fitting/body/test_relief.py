@@ -15,9 +15,9 @@ from breastrig.fitting.hypotheses import scan_orientation
 from breastrig.fitting.posterior import LeaveOneOut, Posterior
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import load_recipe
-from breastrig.fitting.solve import checked_iterates, ended
+from breastrig.fitting.solve import checked_iterates
 from breastrig.fitting.starts.orientation import start_from_landmarks
-from breastrig.fitting.task import FitIterate, FitTask
+from breastrig.fitting.task import FitIterate, FitTask, ended
 from breastrig.fitting.uncertainty.radii import radii
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.skinning import pose

@@ -7,7 +7,7 @@ import pytest
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.body.hidden_skin import TrunkDepth, hidden_skin, skin_behind, trunk_depth
+from breastrig.fitting.body.refine import TrunkDepth, hidden_skin, skin_behind, trunk_depth
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.plane import Plane
 from breastrig.gltf.read_rig import default_rig_path, read_rig

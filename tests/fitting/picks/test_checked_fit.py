@@ -9,9 +9,9 @@ from breastrig.fitting.fit import FitTask, fit_iterates
 from breastrig.fitting.picks.issues import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import load_recipe
-from breastrig.fitting.solve import checked_iterates, without
+from breastrig.fitting.solve import checked_iterates
 from breastrig.fitting.starts.orientation import start_from_landmarks
-from breastrig.fitting.task import FitIterate
+from breastrig.fitting.task import FitIterate, without
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
 from breastrig.rig.model import Rig

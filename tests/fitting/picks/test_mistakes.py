@@ -7,11 +7,12 @@ from helpers.rig_patient import patient
 from breastrig.core.arrays import Array
 from breastrig.fitting.fit import fit_iterates
 from breastrig.fitting.picks.issues import mistaken
-from breastrig.fitting.posterior import LeaveOneOut, Posterior, evidence_along_skin, log_student, meant_evidence
+from breastrig.fitting.posterior import LeaveOneOut, Posterior, evidence_along_skin, meant_evidence
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.task import FitTask
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.least_squares.problem import log_student
 from breastrig.rig.parameters import RigParameters
 
 

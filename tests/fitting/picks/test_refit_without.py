@@ -12,8 +12,9 @@ from breastrig.fitting.picks.issues import from_observation, on_smooth_skin, ref
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import load_recipe
-from breastrig.fitting.solve import checked_iterates, ended
+from breastrig.fitting.solve import checked_iterates
 from breastrig.fitting.starts.orientation import start_from_landmarks
+from breastrig.fitting.task import ended
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.skinning import pose
 from breastrig.scan.clean import clean

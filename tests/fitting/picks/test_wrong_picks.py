@@ -8,14 +8,14 @@ import trimesh
 
 from breastrig.core.assets import asset_folder
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.picks.issues import sides_exchanged
 from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.starts.orientation import sides_exchanged
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
-from breastrig.use.jobs import FitJob
-from breastrig.use.run_fit import run_fit
+from breastrig.use.fit import run_fit
 from breastrig.use.steps.events import Done
+from breastrig.use.steps.settings import FitJob
 
 pytestmark = pytest.mark.long
 

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from helpers.label_maps import front_labels, in_lps
 
-from breastrig.fitting.picks.issues import sides_exchanged
+from breastrig.core.clock import Clock
+from breastrig.fitting.prepare_scan import prepared_scan
 from breastrig.fitting.recipe import load_recipe
-from breastrig.fitting.starts.orientation import best_start, contradicted
+from breastrig.fitting.starts.orientation import best_start, contradicted, sides_exchanged
 from breastrig.fitting.starts.rigid_search import OBLIQUE, turned_from
 from breastrig.fitting.verdicts.reasons import of_lesions
 from breastrig.geometry.rotations import exp_so3
@@ -21,12 +22,11 @@ from breastrig.scan.orient import LABEL_MAP_FRAME
 from breastrig.scan.piece import BallInside
 from breastrig.scan.read import read_scan
 from breastrig.scan.stored_scan import STORED, write_stored
-from breastrig.use.jobs import FitSettings
+from breastrig.use.fit import fit_steps
 from breastrig.use.propose_on_scan import propose_on_scan
-from breastrig.use.run_fit import fit_steps
-from breastrig.use.steps.kept_scan import prepared_scan
-from breastrig.use.steps.prepare import Clock, fit_plan, prepare_fit
-from breastrig.use.steps.recorder import FitOutcome
+from breastrig.use.steps.outcome import FitOutcome
+from breastrig.use.steps.prepare import fit_plan, prepare_fit
+from breastrig.use.steps.settings import FitSettings
 
 RIG = read_rig(default_rig_path())
 LESION = np.array([0.08, 0.24, 0.1])  # m, inside the left breast of the template
@@ -135,8 +135,8 @@ def test_a_fit_with_a_lesion_outside_says_so_and_knows_no_place(tmp_path: Path) 
     assert len(scan.lesions) == 1
     for moved, lines_known in ((0.0, True), (-0.3, False)):
         ball = replace(scan.lesions[0], center=scan.lesions[0].center + np.array([0.0, moved, 0.0]))
-        ready = prepare_fit(plan, replace(scan, lesions=(ball,)), 0.0)
-        *_, outcome = fit_steps(ready, Clock())
+        clock = Clock()
+        *_, outcome = fit_steps(prepare_fit(plan, replace(scan, lesions=(ball,)), clock), clock)
         assert isinstance(outcome, FitOutcome)
         said = " ".join(outcome.verdict.reasons)
         assert ("outside the fitted skin" in said) != lines_known

@@ -12,14 +12,21 @@ from helpers.forearm import forearm_rig, posed_forearm
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.line_error import ACROSS
-from breastrig.fitting.fit import FitTask, fit_iterates
+from breastrig.fitting.fit import FitTask, ScanProblem, fit_iterates
 from breastrig.fitting.posterior import Posterior
-from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.uncertainty import radii as radii_module
-from breastrig.fitting.uncertainty.calibration import NO_PICKS, Calibration, Scatter
-from breastrig.fitting.uncertainty.radii import HOLDS_90, Radii, radii, scatter_of, seen_vertices
+from breastrig.fitting.uncertainty.radii import (
+    HOLDS_90,
+    NO_PICKS,
+    Calibration,
+    Radii,
+    Scatter,
+    radii,
+    scatter_of,
+    seen_vertices,
+)
 from breastrig.rig.model import Rig
 from breastrig_studies.studies.trust.laplace import rises
 

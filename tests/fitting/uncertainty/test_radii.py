@@ -13,8 +13,7 @@ from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.uncertainty import radii as radii_module
-from breastrig.fitting.uncertainty.calibration import Calibration, calibration
-from breastrig.fitting.uncertainty.radii import line_error, radii, seen_vertices, skin_factors
+from breastrig.fitting.uncertainty.radii import Calibration, calibration, line_error, radii, seen_vertices, skin_factors
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose

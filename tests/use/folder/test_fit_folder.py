@@ -19,10 +19,10 @@ from breastrig.rig.skinning import pose
 from breastrig.scan.clean import clean
 from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
+from breastrig.use.fit import run_fit
 from breastrig.use.folder.fit_folder import read_fit_folder
-from breastrig.use.jobs import FitJob
-from breastrig.use.run_fit import run_fit
 from breastrig.use.steps.events import Done
+from breastrig.use.steps.settings import FitJob
 
 EXAMPLE = asset_folder("example") / "standing"
 

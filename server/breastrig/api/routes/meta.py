@@ -59,7 +59,9 @@ def about(query_data: wire_meta.MetaQuery) -> wire_meta.Meta:
 @meta.doc(operation_id="listExamples")
 def list_examples() -> wire_meta.Examples:
     """The example patient's scans"""
-    return wire_meta.Examples(examples=[wire_meta.ExampleEntry.of(one) for one in app_context().service.examples()])
+    return wire_meta.Examples(
+        examples=[wire_meta.ExampleEntry.of(one) for one in app_context().service.uploads.examples()]
+    )
 
 
 @meta.post("/api/examples/<name>")
@@ -67,7 +69,7 @@ def list_examples() -> wire_meta.Examples:
 @meta.doc(operation_id="openExample")
 def open_example(name: str) -> tuple[wire_meta.ExampleScan, int, dict[str, str]]:
     """Open an example as if it had been uploaded"""
-    row, points_mm = app_context().service.add_example(name)
+    row, points_mm = app_context().service.uploads.add_example(name)
     scan = scan_answer(row)
     landmarks = wire.LandmarkFile(landmarks=points_mm)
     answer = wire_meta.ExampleScan(**scan.model_dump(), example_landmarks=landmarks)

@@ -9,7 +9,7 @@ from breastrig.api.wire import patterns as wire
 from breastrig.drawings.patterns import pattern_of
 from breastrig.storage.documents.fits import get_fit
 from breastrig.storage.documents.scans import get_scan
-from breastrig.use.jobs import LengthsQuestion, LiveQuestion
+from breastrig.use.moving.live_pattern import LengthsQuestion, LiveQuestion
 
 patterns = APIBlueprint("patterns", __name__, url_prefix="/api/fits", tag=FITS_TAG)
 

@@ -70,7 +70,7 @@ def upload_scan(files_data: wire.ScanUpload) -> tuple[wire.Scan, int, dict[str, 
     file_type = ending.lstrip(".") if ending in ENDINGS else UNKNOWN
     answers = checked_answers(files_data.frame, segments_of_json(files_data.segments))
     patient, model = files_data.patient or None, files_data.model or None
-    row, labels = app_context().service.add_scan(
+    row, labels = app_context().service.uploads.add(
         files_data.file.stream, file_type, files_data.units, patient, model, answers, files_data.again
     )
     answer = scan_answer(row)

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Integers
-from breastrig.core.stances import OUTWARDS, SIDES, split_side
+from breastrig.core.stances import SIDES, split_side
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.recipe import Hanging, Recipe, Stage
 from breastrig.geometry.normals import vertex_normals
@@ -16,11 +16,6 @@ from breastrig.rig.parameters import RigParameters
 from breastrig.rig.similarity import umeyama
 from breastrig.rig.skinning import pose
 from breastrig.rig.state import BodyState
-
-
-def outwards(name: str) -> Array:
-    """(3,) signs that turn a left landmark's shift, in the body's axes, into this landmark's."""
-    return np.array([OUTWARDS.get(split_side(name)[1], 1.0), 1.0, 1.0])
 
 
 def hanging_weight(state: BodyState, recipe: Recipe, landmark: str) -> float:

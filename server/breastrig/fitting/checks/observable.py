@@ -1,7 +1,7 @@
 """What a finished fit's landmarks would tell if a person checked them: the input of choose.py.
 
 A pick replaces what colours, form or its partner showed of the landmark, and tells of its own partner on the other side
-(fitting/body/mirrored_landmarks.py), as in the fit that would follow.
+(fitting/body/landmarks.py), as in the fit that would follow.
 """
 
 import math
@@ -13,11 +13,10 @@ import numpy as np
 from breastrig.colour.features.observation import Observation
 from breastrig.core.arrays import Array, Booleans
 from breastrig.core.stances import PRONE, split_side
-from breastrig.fitting.body.landmark_errors import expected_gaps
-from breastrig.fitting.body.mirrored_landmarks import UNSHOWN_ERROR
+from breastrig.fitting.body.landmarks import UNSHOWN_ERROR, expected_gaps
 from breastrig.fitting.checks.choose import Observable
+from breastrig.fitting.fit import along
 from breastrig.fitting.posterior import Posterior
-from breastrig.fitting.problem import along
 from breastrig.fitting.propose import laid_on_scan
 from breastrig.fitting.uncertainty.radii import HOLDS_90, Radii, radii
 

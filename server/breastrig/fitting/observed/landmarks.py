@@ -2,7 +2,7 @@
 
 The form is fitted first and says where each landmark is expected, and how well it knows.  What colour shows near there
 enters the normal equations as picks do, but with an error of its own: that of the observation, and that of the model,
-whose landmark need not lie where a real body has it (body/landmark_errors.py).  So an areola moves the model's nipple
+whose landmark need not lie where a real body has it (body/landmarks.py).  So an areola moves the model's nipple
 there without bending the rest, and form that says otherwise more clearly keeps its place.
 
 Areolae are also observed for the measures, whether or not they placed the nipples, on scans with a texture: colours of
@@ -19,7 +19,7 @@ from breastrig.colour.features.observation import Expectation, Observation
 from breastrig.core.arrays import Array
 from breastrig.core.stances import SIDES
 from breastrig.energies.landmarks import LandmarkObservation
-from breastrig.fitting.body.landmark_errors import expected_gaps
+from breastrig.fitting.body.landmarks import expected_gaps
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii

@@ -3,8 +3,8 @@
 Mistakes are sides exchanged, or another landmark's place.  What was meant is asked by evidence: where the picks'
 landmarks are expected as they are named and as they may have been meant, or anywhere; the density is a Student t's,
 for some bodies are unlike all others.  A pick is rejected only where one other meaning is nearly certain.  Whether all
-sides are exchanged is seen in the picks alone, before anything is fitted; others show at the fitted model, as long as
-its stages doubt picks.  Decision 0011.
+sides are exchanged is seen in the picks alone, before anything is fitted (starts/orientation.py); other mistakes show
+at the fitted model, as long as its stages doubt picks.  Decision 0011.
 
 Picks that were followed although all else expects them elsewhere are judged by a fit that goes on for a few iterations
 without the pick, and by what the skin shows to it: leave-one-out residuals (posterior.py) are first order, which is
@@ -19,53 +19,18 @@ import numpy as np
 from scipy.spatial.distance import cdist
 from scipy.special import softmax
 
-from breastrig.core.arrays import Array
-from breastrig.correspondence.target import ScanTarget
 from breastrig.energies.landmarks import LandmarkObservation
 from breastrig.fitting.fit import fit_iterates
 from breastrig.fitting.picks.moved_landmarks import settled
-from breastrig.fitting.posterior import LeaveOneOut, Posterior, along_skin, log_student, meant_evidence
-from breastrig.fitting.recipe import Outliers
-from breastrig.fitting.starts.orientation import MIN_LANDMARKS, trusted_similarity
+from breastrig.fitting.posterior import LeaveOneOut, Posterior, along_skin, meant_evidence
+from breastrig.fitting.starts.orientation import partner
 from breastrig.fitting.task import FitTask, PickIssue
-from breastrig.geometry.normals import face_normals, unit_vectors
+from breastrig.geometry.normals import unit_vectors
 from breastrig.relief.limits import relief
 from breastrig.relief.observe import Expected, is_on_smooth_skin
-from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.similarity import body_axes
 from breastrig.rig.skinning import pose
-
-FRAME = 10.0  # nats, times the cosine of the turn from known axes: 30 degrees cost 1.3, the wrong way round 20
-
-
-def partner(rig: Rig, name: str) -> str:
-    """The landmark on the other side."""
-    return next(landmark.mirror for landmark in rig.landmarks if landmark.name == name)
-
-
-def sides_exchanged(
-    rig: Rig, landmarks: dict[str, Array], target: ScanTarget, outliers: Outliers, known: Array | None = None
-) -> bool:
-    """Whether the picks ((3,) m by name) as a whole make sense only with left and right exchanged.
-
-    Few picks nearly in one plane fit the model's back as well as its front; which way the skin under them faces tells,
-    and (3, 3) `known` axes of the body.
-    """
-    names = tuple(landmarks)
-    if len(names) < MIN_LANDMARKS:
-        return False
-    picked = np.array([landmarks[name] for name in names])
-    skin, normals = target.normals[target.vertex_tree.query(picked)[1]], face_normals(rig.template, rig.faces)
-    nats = []
-    for order in (names, tuple(partner(rig, name) for name in names)):
-        points = rig.landmark_points(order)
-        found, away = trusted_similarity(points.positions(rig.template, rig.faces), picked)
-        cosines = np.einsum("mi,mi->m", normals[points.faces] @ found.rotation.T, skin)
-        nats.append(float(log_student(away / outliers.template, 3).sum() + outliers.facing * cosines.sum()))
-        if known is not None:
-            nats[-1] += FRAME * 0.5 * (float(np.sum(found.rotation * known)) - 1.0)
-    return bool(softmax([nats[0], np.log(outliers.slip) + nats[1]])[1] > outliers.sure)
 
 
 def mistaken(task: FitTask, x: RigParameters, most: int) -> tuple[PickIssue, ...]:

@@ -10,8 +10,7 @@ import numpy as np
 
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.body.hanging import opening_of
-from breastrig.fitting.fit import InitialPoint, iterates
-from breastrig.fitting.problem import ScanProblem
+from breastrig.fitting.fit import InitialPoint, ScanProblem, iterates
 from breastrig.fitting.recipe import Recipe, Stage, load_recipe
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.rig.model import Rig

@@ -11,13 +11,17 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import softmax
 
 from breastrig.core.arrays import Array
 from breastrig.core.stances import PRONE
 from breastrig.correspondence.target import ScanTarget
+from breastrig.fitting.recipe import Outliers
 from breastrig.fitting.starts.hypotheses import Opening, ranked
 from breastrig.fitting.starts.rigid_search import OBLIQUE, rest_place, turned_from, turns_about, turns_beside, turns_to
+from breastrig.geometry.normals import face_normals
 from breastrig.geometry.rotations import exp_so3
+from breastrig.least_squares.problem import log_student
 from breastrig.relief.prone import seen_from
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
@@ -188,3 +192,35 @@ def agree(rig: Rig, x: RigParameters, landmarks: Mapping[str, Array]) -> bool:
     """Whether landmarks ((3,) m by name, one or more) are about where the body posed by `x` has them."""
     places = rig.landmark_points(tuple(landmarks)).positions(pose(rig, x), rig.faces)
     return bool(np.linalg.norm(places - np.array([*landmarks.values()]), axis=1).mean() < AGREED)
+
+
+FRAME = 10.0  # nats, times the cosine of the turn from known axes: 30 degrees cost 1.3, the wrong way round 20
+
+
+def partner(rig: Rig, name: str) -> str:
+    """The landmark on the other side."""
+    return next(landmark.mirror for landmark in rig.landmarks if landmark.name == name)
+
+
+def sides_exchanged(
+    rig: Rig, landmarks: dict[str, Array], target: ScanTarget, outliers: Outliers, known: Array | None = None
+) -> bool:
+    """Whether the picks ((3,) m by name) as a whole make sense only with left and right exchanged.
+
+    Few picks nearly in one plane fit the model's back as well as its front; which way the skin under them faces tells,
+    and (3, 3) `known` axes of the body.
+    """
+    names = tuple(landmarks)
+    if len(names) < MIN_LANDMARKS:
+        return False
+    picked = np.array([landmarks[name] for name in names])
+    skin, normals = target.normals[target.vertex_tree.query(picked)[1]], face_normals(rig.template, rig.faces)
+    nats = []
+    for order in (names, tuple(partner(rig, name) for name in names)):
+        points = rig.landmark_points(order)
+        found, away = trusted_similarity(points.positions(rig.template, rig.faces), picked)
+        cosines = np.einsum("mi,mi->m", normals[points.faces] @ found.rotation.T, skin)
+        nats.append(float(log_student(away / outliers.template, 3).sum() + outliers.facing * cosines.sum()))
+        if known is not None:
+            nats[-1] += FRAME * 0.5 * (float(np.sum(found.rotation * known)) - 1.0)
+    return bool(softmax([nats[0], np.log(outliers.slip) + nats[1]])[1] > outliers.sure)

@@ -7,39 +7,19 @@ A fit whose worker was lost with its machine or its server is started again, and
 fits are deterministic, so the events that are stored already are only counted.
 """
 
-import json
 import logging
 import shutil
-from collections.abc import Callable, Generator, Iterator
-from contextlib import closing, contextmanager
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from breastrig.cases.fits import Claim, claimed
 from breastrig.core.errors import BadSettings, BreastRigError, NotFound
 from breastrig.core.model_choice import ModelChoice
-from breastrig.core.stances import Stance
-from breastrig.storage.documents.events import event_of_kind
-from breastrig.storage.documents.fits import FitRow, get_fit
-from breastrig.storage.documents.scans import ScanRow, get_scan
-from breastrig.storage.files import fit_place, scan_place, upload_name
 from breastrig.storage.storage import Storage
-from breastrig.use.cases.case_work import put_files
-from breastrig.use.jobs import EarlierFit, FitJob, PredictionJob
-from breastrig.use.steps.events import Event, Failed, event_json
-
-Runner = Callable[[FitJob], Generator[Event, None, None]]
-Predictor = Callable[[PredictionJob], Generator[Event, None, None]]
-
-
-@dataclass(frozen=True)
-class Runners:
-    """The functions that run a fit and a prediction; importable by name in a worker."""
-
-    fit: Runner
-    prediction: Predictor
-
+from breastrig.use.cases.case_work import Runners, stored_events
+from breastrig.use.steps.events import Failed, event_json
 
 UNWRITTEN = "What this fit found could not be stored, perhaps because the server's disk was full; start the fit again."
 
@@ -58,24 +38,20 @@ def execute_fit(root: Path, fit_id: str, runners: Runners, models: ModelChoice) 
         case, scan_id = storage.case_of_fit(fit_id)
         with claimed(case, scan_id, fit_id) as claim:
             if claim is not None:
-                _run(storage, claim, runners, models)
+                _run(claim, runners, models)
     except (FileNotFoundError, NotFound):
         log.info("fit %s was deleted before it ran", fit_id)
     finally:
         storage.close()
 
 
-def _run(storage: Storage, claim: Claim, runners: Runners, models: ModelChoice) -> None:
+def _run(claim: Claim, runners: Runners, models: ModelChoice) -> None:
     fit_id = claim.fit_id
     try:
         with scratch_in(claim.folder) as made:
-            job = _job(storage, get_fit(storage, fit_id), made, models)
-            with closing(_events(runners, job)) as events:
-                for event in events:
-                    if event.kind == "done":
-                        put_files(made, claim.folder)  # before the event that says that they are there
-                    if not claim.append(event_json(event)):
-                        return  # it was cancelled
+            model = models.of(claim.case.scan(claim.scan_id).facts)
+            for _ in stored_events(claim, made, model, runners):
+                pass  # who follows the fit reads them from its log
     except NotFound:
         raise
     except BreastRigError as error:
@@ -104,49 +80,3 @@ def scratch_in(folder: Path) -> Iterator[Path]:
         yield made
     finally:
         shutil.rmtree(made, ignore_errors=True)
-
-
-def _events(runners: Runners, job: FitJob | PredictionJob) -> Generator[Event, None, None]:
-    return runners.prediction(job) if isinstance(job, PredictionJob) else runners.fit(job)
-
-
-def _job(storage: Storage, fit: FitRow, out: Path, models: ModelChoice) -> FitJob | PredictionJob:
-    """The fit's task, with its scan at hand; of a prediction the fit that it comes from."""
-    scan = get_scan(storage, fit.scan)
-    model = models.of(scan.facts)
-    if fit.predicted_from is not None:
-        folder, stance = storage.files.folder(fit_place(fit.predicted_from)), cast(Stance, fit.asked_stance)
-        return PredictionJob(folder, out, stance, fit.drawing, model)
-    folder = storage.files.folder(scan_place(scan.id))
-    earlier = None if fit.start_from is None else earlier_fit(storage, fit.start_from)
-    return replace(fit_job(scan, fit, folder, out, model), earlier=earlier)
-
-
-def earlier_fit(storage: Storage, fit_id: str) -> EarlierFit:
-    """A finished fit at its last iteration, to continue from."""
-    earlier = get_fit(storage, fit_id)
-    first = event_of_kind(storage, earlier.id, "started")
-    last = event_of_kind(storage, earlier.id, "iterated", earlier.iterations - 1)
-    assert first is not None
-    assert last is not None
-    return EarlierFit(earlier.stance, json.loads(last.json)["nodes"], json.loads(first.json)["model_sha256"])
-
-
-def fit_job(scan: ScanRow, fit: FitRow, folder: Path, out: Path, model: Path | None) -> FitJob:
-    """The runner's job. The unit is the one that was decided, and shown, at the upload."""
-    return FitJob(
-        scan=folder / upload_name(scan.file_type),
-        out=out,
-        landmarks_mm=fit.landmarks_mm,
-        certain=fit.certain,
-        landmark_confidence=fit.confidence,
-        units=scan.facts["unit"],
-        file_type=scan.file_type,
-        stance=fit.asked_stance,
-        preset=fit.preset,
-        drawing=fit.drawing,
-        model=model,
-        refine=fit.refine,
-        orientation=None if fit.cuts else scan.facts.get("orientation"),  # that is of the whole scan
-        cuts=fit.cuts,
-    )

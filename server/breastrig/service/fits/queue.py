@@ -20,9 +20,10 @@ from breastrig.core.errors import BreastRigError, Conflict, NotFound, TooMany
 from breastrig.core.model_choice import ModelChoice
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
+from breastrig.fitting.prepare_scan import keeping
 from breastrig.index.questions import note_state
 from breastrig.service.failed_tasks import FULL
-from breastrig.service.fits.fit_worker import UNWRITTEN, Runners, execute_fit
+from breastrig.service.fits.fit_worker import UNWRITTEN, execute_fit
 from breastrig.storage.documents.fits import (
     FitRow,
     fits_in_state,
@@ -33,8 +34,8 @@ from breastrig.storage.documents.fits import (
     still_queued,
 )
 from breastrig.storage.storage import Storage
+from breastrig.use.cases.case_work import Runners
 from breastrig.use.steps.events import Cancelled, Event, Failed, event_json
-from breastrig.use.tasks import keeping
 
 STARTS = 3  # a process may die before it has claimed its fit; then the fit is started again, so often at most
 SETTLE_AGAIN_S = 1.0

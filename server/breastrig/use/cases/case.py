@@ -29,11 +29,11 @@ from breastrig.scan.volumes.answers import checked_answers
 from breastrig.use.cases.case_work import asked_fit, asked_prediction, fit_events, read_into_case
 from breastrig.use.fit import FitRun
 from breastrig.use.folder.whose import asked_about
-from breastrig.use.jobs import FIRST
 from breastrig.use.landmarks import Landmarks, landmarks_in_mm
 from breastrig.use.lines.plan_words import texts_of
 from breastrig.use.scan import Scan, ScanSource, existing, read_coloured, scan_of_stored
 from breastrig.use.steps.events import Event
+from breastrig.use.steps.settings import FIRST
 from breastrig.use.values.fit_result import Fit
 from breastrig.use.values.model import loaded
 

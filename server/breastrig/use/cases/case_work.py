@@ -1,8 +1,9 @@
 """A case at work: a scan read into it, a fit run in it.  Knows neither processes nor the index."""
 
 import json
-from collections.abc import Generator, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Generator, Iterator
+from contextlib import closing, contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
@@ -21,11 +22,11 @@ from breastrig.drawings.plan_schema import PlanLesion
 from breastrig.files.result import RESULT
 from breastrig.scan.limits import TRIANGLES
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
-from breastrig.use.jobs import EarlierFit, FitJob, PredictionJob, UploadJob
-from breastrig.use.predictions.run_prediction import run_prediction
-from breastrig.use.read_upload import read_upload
-from breastrig.use.run_fit import run_fit
+from breastrig.use.fit import run_fit
+from breastrig.use.predictions.run_prediction import PredictionJob, run_prediction
+from breastrig.use.read_upload import UploadJob, read_upload
 from breastrig.use.steps.events import Event, Failed, event_json
+from breastrig.use.steps.settings import EarlierFit, FitJob
 
 BROKE = "The fit broke for a reason inside BreastRig; start the fit again."
 
@@ -91,6 +92,18 @@ def asked_prediction(case: CaseFolder, fit_id: str, stance: str) -> FitDocument:
     return fit.document.model_copy(update=asked)
 
 
+Runner = Callable[[FitJob], Generator[Event, None, None]]
+Predictor = Callable[[PredictionJob], Generator[Event, None, None]]
+
+
+@dataclass(frozen=True)
+class Runners:
+    """The functions that run a fit and a prediction."""
+
+    fit: Runner = run_fit
+    prediction: Predictor = run_prediction
+
+
 def fit_events(
     case: CaseFolder, scan_id: str, asked: FitDocument, model: Path | None = None
 ) -> Generator[Event, None, str]:
@@ -100,13 +113,24 @@ def fit_events(
     Raises NotFound, the fit's own BreastRigError after it is stored as its end.
     """
     with added(case, scan_id, asked) as claim, _ending(claim), case.incoming() as made:
-        for event in _events(_job(case, scan_id, asked, made, model)):
+        yield from stored_events(claim, made, model or model_choice(None).of(case.scan(scan_id).facts), Runners())
+    return claim.fit_id
+
+
+def stored_events(claim: Claim, made: Path, model: Path | None, run: Runners) -> Generator[Event, None, None]:
+    """Runs the fit of the claim, or the prediction: its events, each stored before it is handed on.
+
+    Files are made in the folder `made`, and are in the fit's before the event that says so.  Ends early when the fit
+    was cancelled.
+    """
+    job = job_of(claim.case, claim.scan_id, claim.document, made, model)
+    with closing(run.prediction(job) if isinstance(job, PredictionJob) else run.fit(job)) as events:
+        for event in events:
             if event.kind == "done":
                 put_files(made, claim.folder)
             if not claim.append(event_json(event)):
-                break  # it was cancelled
+                return
             yield event
-    return claim.fit_id
 
 
 @contextmanager
@@ -134,17 +158,16 @@ def put_files(made: Path, folder: Path) -> None:
         replace(made / name, folder / name)
 
 
-def _events(job: FitJob | PredictionJob) -> Generator[Event, None, None]:
-    return run_prediction(job) if isinstance(job, PredictionJob) else run_fit(job)
+def job_of(case: CaseFolder, scan_id: str, asked: FitDocument, out: Path, model: Path | None) -> FitJob | PredictionJob:
+    """The job of a fit or prediction as it was asked for, with its scan at hand.  Raises NotFound, Conflict.
 
-
-def _job(case: CaseFolder, scan_id: str, asked: FitDocument, out: Path, model: Path | None) -> FitJob | PredictionJob:
+    The unit is the one that was decided, and shown, at the upload.
+    """
     scan = case.scan(scan_id)
     facts = scan.facts
-    rig = model or model_choice(None).of(facts)
     if asked.predicted_from is not None:
         source = case.path / layout.fit_part(scan_id, asked.predicted_from)
-        return PredictionJob(source, out, cast(Stance, asked.stance), asked.drawing, rig)
+        return PredictionJob(source, out, cast(Stance, asked.stance), asked.drawing, model)
     return FitJob(
         scan=case.scan_folder(scan_id) / scan.file,
         out=out,
@@ -156,7 +179,7 @@ def _job(case: CaseFolder, scan_id: str, asked: FitDocument, out: Path, model: P
         stance=asked.stance,
         preset=asked.preset,
         drawing=asked.drawing,
-        model=rig,
+        model=model,
         refine=asked.refine,
         orientation=None if asked.cuts else facts.get("orientation"),  # that is of the whole scan
         cuts=tuple(asked.cuts),

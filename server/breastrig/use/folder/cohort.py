@@ -10,7 +10,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadInput
 from breastrig.core.private_files import read_ordinary
 from breastrig.files.result import BODY, RESULT, ResultFile, folder_name
-from breastrig.fitting.uncertainty.contribution import parsed_contribution
+from breastrig.fitting.posterior import parsed_contribution
 from breastrig.rig.cohort_prior import CohortPrior, Sums, cohort_of_scans, scan_hash
 from breastrig.rig.model import Rig
 from breastrig.use.folder.fit_folder import checked_result

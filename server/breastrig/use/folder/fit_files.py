@@ -42,16 +42,16 @@ from breastrig.files.result import (
     Verdict,
 )
 from breastrig.fitting.checks.basis import basis_bytes
-from breastrig.fitting.stance import UNCLEAR
+from breastrig.fitting.hypotheses import UNCLEAR
+from breastrig.fitting.posterior import contribution_bytes
 from breastrig.fitting.task import PickIssue
-from breastrig.fitting.uncertainty.contribution import contribution_bytes
 from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.replay import fitted_glb
 from breastrig.least_squares.newton import Status
 from breastrig.report.body_frame import body_frame
 from breastrig.report.files.geometry_files import surface_ply
 from breastrig.rig.known import NOT_CALIBRATED
-from breastrig.use.steps.recorder import FitOutcome
+from breastrig.use.steps.outcome import FitOutcome
 
 
 def _rounded(values: Array, digits: int = 6) -> list[float]:
@@ -80,7 +80,8 @@ def library_versions() -> dict[str, str]:
 def result_of(outcome: FitOutcome) -> ResultFile:
     """The fit's result.json."""
     ready, x, last = outcome.ready, outcome.parameters, outcome.recorded[-1].iterate
-    task, rig, scan = ready.task, ready.task.rig, ready.scan
+    plan, found, scan = ready.plan, ready.hypothesis, ready.scan
+    task, rig = found.task, plan.rig
     per_unit = scan.metres_per_unit
     model_landmarks, alone_landmarks = (
         dict(zip(rig.landmark_names, rig.landmark_points().positions(vertices, rig.faces), strict=True))
@@ -97,10 +98,10 @@ def result_of(outcome: FitOutcome) -> ResultFile:
             unit=cast(Unit, scan.unit),
             unit_reason=scan.unit_reason,
             sha256=scan.sha256,
-            table_triangles=ready.table_triangles,
+            table_triangles=ready.prepared.table_triangles,
             cut_by_hand_triangles=scan.cut_by_hand,
             reconstructed_from_points=scan.from_points,
-            cut_away_cm2=round(1e4 * ready.cut_away),
+            cut_away_cm2=round(1e4 * ready.prepared.cut_away),
         ),
         model=ModelSummary(
             name=rig.name,
@@ -110,17 +111,17 @@ def result_of(outcome: FitOutcome) -> ResultFile:
             blendshapes=len(rig.shapes),
         ),
         stance=cast(Stance, task.stance),
-        stance_reason=ready.stance_reason,
-        stance_asked=ready.stance_reason in UNCLEAR,
+        stance_reason=found.stance_reason,
+        stance_asked=found.stance_reason in UNCLEAR,
         preset=task.recipe.name,
-        refined=ready.settings.refine,
+        refined=plan.settings.refine,
         converged=last.status is Status.CONVERGED,
         stop_reason=last.status.value,
         verdict=Verdict(level=outcome.verdict.level, reasons=outcome.verdict.reasons),
         iterations=last.iteration,
         timing_s={name: round(seconds, 4) for name, seconds in outcome.timing_s.items()},
-        **_distances(outcome.distances, model_landmarks, ready.landmarks),
-        model_alone=ModelAlone(**_distances(outcome.model_alone.distances, alone_landmarks, ready.landmarks)),
+        **_distances(outcome.distances, model_landmarks, plan.landmarks),
+        model_alone=ModelAlone(**_distances(outcome.model_alone.distances, alone_landmarks, plan.landmarks)),
         landmarks_not_followed=[_doubted(doubt) for doubt in outcome.doubts if not doubt.followed],
         landmarks_unusual=[_doubted(doubt) for doubt in outcome.doubts if doubt.followed],
         not_calibrated=None if outcome.radii else f"{NOT_CALIBRATED}: how far off its fits are is not known.",
@@ -129,10 +130,10 @@ def result_of(outcome: FitOutcome) -> ResultFile:
         landmark_covariance_mm2=[] if outcome.radii is None else _upper_mm2(outcome.radii.joint),
         line_error_mm=None if outcome.radii is None else rounded_mm(outcome.radii.lines),
         drawn_line_error_mm=rounded_mm(drawn_error(outcome.lines)),
-        landmarks_agreed=list(ready.agreed),
+        landmarks_agreed=list(plan.unsure),
         landmarks={name: _rounded(place / per_unit) for name, place in (model_landmarks | seen).items()},
         landmarks_seen={name: each.reason for name, each in outcome.seen.items()},
-        landmarks_picked={name: _rounded(place / per_unit) for name, place in ready.landmarks.items()},
+        landmarks_picked={name: _rounded(place / per_unit) for name, place in plan.landmarks.items()},
         areolae=areolae_document(outcome.areolae, per_unit),
         lesions=[
             ResultLesion(name=each.name, center=_rounded(each.center / per_unit), radius_mm=round(1e3 * each.radius, 3))
@@ -166,7 +167,7 @@ def _distances(found: FoundDistances, model: Mapping[str, Array], picked: Mappin
 
 
 def _median_plane(outcome: FitOutcome) -> MedianPlane:
-    frame = body_frame(outcome.ready.task.rig, outcome.vertices)
+    frame = body_frame(outcome.ready.plan.rig, outcome.vertices)
     normal = frame.axes[:, 0]
     offset = float(normal @ frame.middle) / outcome.ready.scan.metres_per_unit
     return MedianPlane(normal=_rounded(normal, 9), offset=round(offset, 6))
@@ -216,17 +217,17 @@ def write_fit_files(outcome: FitOutcome, folder: Path) -> ResultFile:
 
 def _scan_ply(outcome: FitOutcome) -> bytes:
     """The cleaned scan, in its own frame and unit."""
-    target = outcome.ready.task.target
+    target = outcome.ready.prepared.target
     return surface_ply(target.vertices, target.faces, outcome.ready.scan.metres_per_unit)
 
 
 def _fitted_ply(outcome: FitOutcome) -> bytes:
-    return surface_ply(outcome.vertices, outcome.ready.task.rig.faces, outcome.ready.scan.metres_per_unit)
+    return surface_ply(outcome.vertices, outcome.ready.plan.rig.faces, outcome.ready.scan.metres_per_unit)
 
 
 def _fitted_glb(outcome: FitOutcome) -> bytes:
-    task = outcome.ready.task
-    surface = outcome.vertices if outcome.ready.settings.refine else None
+    task = outcome.ready.hypothesis.task
+    surface = outcome.vertices if outcome.ready.plan.settings.refine else None
     history = [each.iterate.parameters for each in outcome.recorded]
     times_s = [each.iterate.elapsed_s for each in outcome.recorded]
     return fitted_glb(task.rig, history, times_s, outcome.drawing, {"preset": task.recipe.name}, surface)

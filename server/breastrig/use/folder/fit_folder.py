@@ -34,7 +34,7 @@ from breastrig.files.result import (
     result_text,
 )
 from breastrig.fitting.checks.basis import CheckBasis, read_basis
-from breastrig.fitting.uncertainty.contribution import read_contribution
+from breastrig.fitting.posterior import read_contribution
 from breastrig.geometry.rotations import rotation_from_quaternion
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.cohort_posterior import Gaussian

@@ -2,7 +2,8 @@
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 from typing import Any
 
 from breastrig.core.arrays import Array
@@ -13,9 +14,18 @@ from breastrig.files.result import DRAWING
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.use.folder.fit_folder import FitFolder, fit_folder_of
-from breastrig.use.jobs import ChecksJob
 from breastrig.use.lines.line_checks import LineChecks, line_checks
+from breastrig.use.lines.plan_on_fit import PlanLines
 from breastrig.use.lines.transfer_lines import drawing_document
+
+
+@dataclass(frozen=True)
+class ChecksJob:
+    """A fit whose landmarks may be checked."""
+
+    fit: Path  # folder of a fit
+    plan: PlanLines | None = None  # its lines, and whether they are all that is wanted; None: the fit's own drawing
+    model: Path | None = None  # None: the torso of the package
 
 
 def checks_on_fit(job: ChecksJob) -> dict[str, Any]:

@@ -5,16 +5,26 @@ picture are untrusted; the picture is decoded there, once.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from breastrig.core.errors import BadScan
 from breastrig.drawings.drawing_file import shape_document
 from breastrig.drawings.drawing_schema import SCHEMA
 from breastrig.scan.read import read_scan
-from breastrig.use.jobs import InkJob
 
 if TYPE_CHECKING:
     from breastrig.colour.ink.find_ink import InkLine
+
+
+@dataclass(frozen=True)
+class InkJob:
+    """A scan to be searched for ink."""
+
+    scan: Path
+    file_type: str
+    units: str
 
 
 def find_ink_on_file(job: InkJob) -> dict[str, Any]:

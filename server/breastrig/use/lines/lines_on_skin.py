@@ -3,15 +3,26 @@
 It reads the whole scan, so the service runs it in a process of its own, where the skin stays for the next lines.
 """
 
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from breastrig.core.errors import BadInput
 from breastrig.drawings.drawing_file import lines_on_scan
 from breastrig.drawings.on_skin import check_on_skin
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.scan.read import read_scan
-from breastrig.use.jobs import SkinJob
+
+
+@dataclass(frozen=True)
+class SkinJob:
+    """Lines and places that are to be kept, which must lie on a scan's skin."""
+
+    scan: Path
+    file_type: str
+    units: str
+    shapes: tuple[dict[str, Any], ...]  # of breastrig/drawing@1, mm
 
 
 def check_lines_on_skin(job: SkinJob) -> None:

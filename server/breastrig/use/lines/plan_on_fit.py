@@ -5,7 +5,8 @@ It reads one or more scans, and carries from each of them, so the service runs i
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -30,8 +31,29 @@ from breastrig.rig.model import Rig
 from breastrig.use.folder.fit_folder import FitFolder, fit_folder_of
 from breastrig.use.folder.one_body import body_doubt
 from breastrig.use.folder.whose import made_on
-from breastrig.use.jobs import PlanJob
 from breastrig.volume.tetrahedra import chest_wall
+
+PlanLines = tuple[dict[str, Any], bool]  # a document breastrig/drawing@1 on the fit's scan
+
+
+@dataclass(frozen=True)
+class PlannedFit:
+    """The fit of a scan that a plan names."""
+
+    folder: Path
+    scan: str = ""  # as the plan's items name it; empty: found by the plan's table of scans, or by the stance
+    one_patient: bool = False  # a person has said that this scan and the job's are, whatever their bodies say
+
+
+@dataclass(frozen=True)
+class PlanJob:
+    """A plan to be laid on a scan."""
+
+    plan: dict[str, Any]  # a document breastrig/plan@1, or breastrig/drawing@1
+    fit: PlannedFit
+    others: tuple[PlannedFit, ...] = ()  # of the same patient's other scans, where items were made
+    model: Path | None = None  # None: the torso of the package
+
 
 NOT_CARRIED = "It was made on a scan that does not look like this patient's; say whether it is, to see it here."
 

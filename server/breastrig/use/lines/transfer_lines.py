@@ -6,6 +6,7 @@ process of its own, as it does with everything that reads scans.
 
 import json
 from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -30,8 +31,22 @@ from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.use.folder.fit_folder import FitFolder, fit_folder_of
 from breastrig.use.folder.one_body import check_one_body, doubts_between
 from breastrig.use.folder.whose import check_whose, made_on
-from breastrig.use.jobs import TransferJob
 from breastrig.use.lines.plan_on_fit import items_of, plan_document, plan_on_folders, scan_of_plan
+
+
+@dataclass(frozen=True)
+class TransferJob:
+    """A drawing on the scan of one fit, wanted on that of another."""
+
+    from_fit: Path  # folder of a fit
+    to_fit: Path
+    drawing: (
+        dict[str, Any] | None
+    )  # a document breastrig/drawing@1 or breastrig/plan@1; None: the drawing that the first fit left
+    other_patient: bool = False  # the scans are of two patients: the model decides which skin is which
+    model: Path | None = None  # None: the torso of the package
+    same_patient: bool = False  # a person has said that the drawing is this patient's, whatever its file says
+    one_patient: bool = False  # and that both scans are of one, whatever their bodies say
 
 
 def drawing_document(file: Path) -> dict[str, Any]:

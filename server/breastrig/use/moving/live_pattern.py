@@ -4,6 +4,7 @@ The first question reads the fit's folder, half a second of work; what was read 
 the next ones take a tenth of it.  The process serves one fit and ends with its deletion (execution/kept_processes.py).
 """
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,24 @@ from breastrig.drawings.handles.live_pattern import Drag, HandleOnScan, LivePatt
 from breastrig.geometry.polyline import length
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.use.folder.fit_folder import fit_folder_of
-from breastrig.use.jobs import LengthsQuestion, LiveQuestion
+
+
+@dataclass(frozen=True)
+class LiveQuestion:
+    """A pattern that follows a hand; places are mm in the scan's frame."""
+
+    name: str
+    parameters: Mapping[str, float | str]
+    side: str | None = None  # L, R: that one alone
+    handle: str | None = None  # which is dragged
+    to_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class LengthsQuestion:
+    """The request for lengths along the skin, from each place to the next; mm in the scan's frame."""
+
+    places_mm: tuple[tuple[float, float, float], ...]
 
 
 @dataclass(frozen=True)

@@ -6,19 +6,20 @@ process's memory, so that the next ones cost a few iterations. The process serve
 """
 
 import time
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.core.clock import Clock
 from breastrig.core.errors import FitFailed
 from breastrig.fitting.picks.moved_landmarks import FittedScan
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.rig.model import Rig
-from breastrig.use.jobs import FollowJob
 from breastrig.use.steps.prepare import checked_landmarks, fit_plan, prepare_fit, read_model, scan_of_job
+from breastrig.use.steps.settings import FitJob
 
 LOST = "The model lost the scan at these landmarks; put the moved one back, or fit anew."
 
@@ -39,12 +40,17 @@ def moved_landmarks(fit: str, landmarks_mm: dict[str, list[float]]) -> dict[str,
     return None if prepared is None else _answer(prepared, landmarks_mm)
 
 
-def follow_landmarks(fit: str, job: FollowJob, landmarks_mm: dict[str, list[float]]) -> dict[str, Any]:
-    """The answer of `moved_landmarks` after reading the fit's scan. Raises BadInput with a sentence."""
-    rig = read_model(job.fit)
-    plan = fit_plan(job.fit, rig, job.fit.landmarks_mm)
-    task = prepare_fit(plan, *scan_of_job(job.fit)).task
-    left_out = plan.proposed | {name: plan.landmarks[name] for name in job.not_followed if name in plan.landmarks}
+def follow_landmarks(
+    fit: str, job: FitJob, not_followed: Collection[str], landmarks_mm: dict[str, list[float]]
+) -> dict[str, Any]:
+    """The answer of `moved_landmarks` after reading the fit's scan. Raises BadInput with a sentence.
+
+    `job` goes on from the fit (`earlier`), which has left out the picks `not_followed`.
+    """
+    rig = read_model(job)
+    plan = fit_plan(job, rig, job.landmarks_mm)
+    task = prepare_fit(plan, scan_of_job(job), Clock()).hypothesis.task
+    left_out = plan.proposed | {name: plan.landmarks[name] for name in not_followed if name in plan.landmarks}
     _prepared.clear()
     _prepared[fit] = _Prepared(rig, FittedScan(task), left_out)
     return _answer(_prepared[fit], landmarks_mm)

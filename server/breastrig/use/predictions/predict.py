@@ -30,7 +30,7 @@ from breastrig.files.result import (
     Verdict,
     joint_covariance,
 )
-from breastrig.fitting.uncertainty.contribution import contribution_bytes
+from breastrig.fitting.posterior import contribution_bytes
 from breastrig.fitting.uncertainty.radii import HOLDS_90, line_error
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.gltf.replay import fitted_glb

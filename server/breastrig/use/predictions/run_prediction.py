@@ -1,16 +1,29 @@
-"""A prediction as a stream of events, from files to files, as use/run_fit.py has fits.
+"""A prediction as a stream of events, from files to files, as use/fit.py has fits.
 
 Whoever stops consuming the generator cancels it; nothing is written then.
 """
 
 from collections.abc import Generator
+from dataclasses import dataclass
+from pathlib import Path
 
 from breastrig.core.private_files import write_files
+from breastrig.core.stances import Stance
 from breastrig.files.result import RESULT, parsed_result, read_result
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.use.jobs import PredictionJob
 from breastrig.use.predictions.predict import prediction
 from breastrig.use.steps.events import Done, Event, Started
+
+
+@dataclass(frozen=True)
+class PredictionJob:
+    """A stance that was not scanned, from files to files."""
+
+    fit: Path  # folder of a fit
+    out: Path
+    stance: Stance
+    drawing: str | None = None  # that the fit was asked for
+    model: Path | None = None  # None: the torso of the package
 
 
 def run_prediction(job: PredictionJob) -> Generator[Event, None, None]:

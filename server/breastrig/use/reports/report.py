@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ from breastrig.colour.areolae import areolae_of
 from breastrig.core.arrays import Array
 from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadDrawing, BadInput
-from breastrig.core.identity import Identity
+from breastrig.core.identity import UNNAMED, Identity
 from breastrig.core.private_files import read_ordinary, write_files
 from breastrig.drawings.drawing_file import FILE_BYTES, lines_on_scan, planned_on_scan, rounded_mm
 from breastrig.drawings.line_error import drawn_error
@@ -27,9 +27,26 @@ from breastrig.rig.model import Rig
 from breastrig.use.folder.fit_folder import FitFolder, fit_folder_of, still_visible
 from breastrig.use.folder.one_body import check_one_body, doubts_between
 from breastrig.use.folder.whose import check_whose
-from breastrig.use.jobs import PlanLines, ReportJob
-from breastrig.use.lines.plan_on_fit import plan_document, plan_on_folders
+from breastrig.use.lines.plan_on_fit import PlanLines, plan_document, plan_on_folders
 from breastrig.use.lines.plan_words import NOT_DRAWN, planned_items
+
+
+@dataclass(frozen=True)
+class ReportJob:
+    """A report of one fit or of two."""
+
+    fit: Path  # folder of a fit
+    other: Path | None = None  # of the same patient in another stance
+    model: Path | None = None  # None: the torso of the package
+    plans: tuple[PlanLines | None, ...] = ()  # of each fit: its lines, and whether they are all that is wanted
+    plan: dict[str, Any] | None = None  # or the plan itself (breastrig/plan@1 or drawing@1), to be laid on each scan
+    same_patient: bool = False  # a person has said that plan and scans are one patient's, whatever file and bodies say
+    one_patient: bool = False  # that was said of these two scans, and is remembered: no doubt is left
+    items: tuple[dict[str, Any], ...] = ()  # of the plan of which `plans` are the lines
+    identity: Identity = UNNAMED
+    doubts: tuple[str, ...] = ()  # whether both fits are of one patient
+    cuts: tuple[tuple[dict[str, Any], ...], ...] = ()  # of each fit's scan, made by hand: what is not shown any more
+
 
 REPORT_RECORD = "report.json"
 MEASURES_TABLE = "measures.csv"

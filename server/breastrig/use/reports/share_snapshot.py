@@ -8,6 +8,8 @@ was picked on it, and the plan's lines where they lie on that model.
 
 import json
 from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,6 +17,7 @@ import numpy as np
 from breastrig.core.arrays import Array, Booleans
 from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput, BreastRigError
+from breastrig.core.identity import Identity
 from breastrig.core.private_files import read_ordinary, write_private
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.drawing_file import FILE_BYTES, planned_on_scan
@@ -28,9 +31,26 @@ from breastrig.rig.skinning import in_pose
 from breastrig.scan.hand_cuts import are_cut
 from breastrig.scan.read import read_scan
 from breastrig.use.folder.fit_folder import FitFolder, fit_folder_of, still_visible
-from breastrig.use.jobs import ReportJob, SnapshotJob
 from breastrig.use.lines.planned_glb import planned_glb
-from breastrig.use.reports.report import report_pdf_of
+from breastrig.use.reports.report import ReportJob, report_pdf_of
+
+
+@dataclass(frozen=True)
+class SnapshotJob:
+    """The contents of a share link to a fit, as it is now."""
+
+    fit: Path  # folder of a fit
+    plan: dict[str, Any]  # on its scan, as `service/plans.py` gives it
+    items: tuple[dict[str, Any], ...]  # of the plan itself
+    identity: Identity  # on the pages of the report; without the patient's code
+    out: Path  # folder for the files
+    scan: Path | None = None  # as it is stored, where its colours are shown
+    file_type: str = ""  # of that file
+    shows_scan: bool = False  # else the model alone
+    has_notes: bool = False  # of the plan
+    cuts: tuple[dict[str, Any], ...] = ()  # by hand, see scan/hand_cuts.py
+    model: Path | None = None  # None: the torso of the package
+
 
 OF_THE_MODEL = (  # of result.json
     "notice", "model", "stance", "stance_reason", "preset", "converged", "stop_reason", "verdict",

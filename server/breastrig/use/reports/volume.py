@@ -5,8 +5,7 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.body_frame import body_frame
 from breastrig.report.volume import breast_volume
 from breastrig.use.folder.fit_folder import FitFolder, fit_folder_of
-from breastrig.use.jobs import ReportJob
-from breastrig.use.reports.report import stance_of
+from breastrig.use.reports.report import ReportJob, stance_of
 from breastrig.volume.mesh_files import Wanted, mesh_file
 from breastrig.volume.tetrahedra import volume_mesh
 from breastrig.volume.volume_mesh import VolumeMesh

@@ -4,39 +4,33 @@ Shared by fits from files (FitJob) and fits of a program that has read its scan 
 with the request itself is found before the scan is read.
 """
 
-import time
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
-from typing import cast
 
 import numpy as np
 
-from breastrig.colour.features.observation import LOOKED_FOR, Observation
+from breastrig.colour.features.observation import Observation
 from breastrig.core.arrays import Array
+from breastrig.core.clock import Clock
 from breastrig.core.errors import BadLandmarks, BadSettings, unknown_name, unknown_names
-from breastrig.core.stances import AUTO, STANCES, Stance
+from breastrig.core.stances import AUTO, STANCES
 from breastrig.core.units import BEYOND, distance_text
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.patterns import AskedDrawing, asked_drawing
-from breastrig.files.result import DoubtedPick
 from breastrig.fitting.body.expected_body import cohort_posterior
-from breastrig.fitting.fit import FitIterate, FitTask
 from breastrig.fitting.hypotheses import (
+    Hypothesis,
     ScanOrientation,
-    continued,
+    continued_hypothesis,
     contradiction,
+    found_hypothesis,
     orientation_from,
-    with_stance,
-    with_start,
 )
-from breastrig.fitting.observed.landmarks import colour_observations, with_observations
-from breastrig.fitting.picks.issues import sides_exchanged
-from breastrig.fitting.prepare_scan import PreparedScan
+from breastrig.fitting.prepare_scan import PreparedScan, prepared_scan
 from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import Recipe, load_recipe
-from breastrig.fitting.solve import checked_iterates, ended
-from breastrig.fitting.task import PickIssue
-from breastrig.fitting.verdicts.reasons import GivenLandmarks
+from breastrig.fitting.starts.orientation import sides_exchanged
+from breastrig.fitting.task import FitTask, PickIssue
 from breastrig.gltf.pose_nodes import posed_by_nodes
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.blocks import block
@@ -48,28 +42,11 @@ from breastrig.scan.landmarks.landmark_files import checked_certain
 from breastrig.scan.landmarks.names import by_known_names, known_name
 from breastrig.scan.read import coloured_scan
 from breastrig.scan.scan import Scan
-from breastrig.use.jobs import DEFAULT, FIRST, EarlierFit, FitJob, FitSettings
-from breastrig.use.steps.events import Started
-from breastrig.use.steps.kept_scan import prepared_scan
+from breastrig.use.steps.settings import FIRST, EarlierFit, FitJob, FitSettings
 
 ALL_EXCHANGED = "Left and right of the landmarks look exchanged, or the scan is mirrored; none of them was followed."
 SHOWN_BY_COLOUR = 0.74  # confidence; on 98 scans form proposed none surer than 0.72, colour none less sure than 0.75
 FAR_LANDMARK = 0.1  # m from the scan; such a pick belongs to another scan or another unit
-
-
-class Clock:
-    """Seconds since the last call, and since the beginning."""
-
-    def __init__(self) -> None:
-        self._began = self._last = time.perf_counter()
-
-    def lap(self) -> float:
-        now = time.perf_counter()
-        passed, self._last = now - self._last, now
-        return passed
-
-    def total(self) -> float:
-        return time.perf_counter() - self._began
 
 
 def checked_landmarks(rig: Rig, landmarks_mm: dict[str, list[float]]) -> dict[str, Array]:
@@ -120,47 +97,16 @@ class FitPlan:
 
 @dataclass(frozen=True, eq=False)
 class ReadyScan:
-    """A scan with its task, before the first iteration."""
+    """A scan with its plan and its hypothesis, before the first iteration."""
 
-    settings: FitSettings
+    plan: FitPlan
     scan: Scan
     prepared: PreparedScan
-    notes: tuple[str, ...]
-    table_triangles: int  # cut away as table
-    cut_away: float  # m², floors and walls
-    landmarks: dict[str, Array]  # picked, m, in the scan's frame
-    agreed: tuple[str, ...]  # landmarks that were proposed, with what a person has only agreed to
-    exchanged: tuple[PickIssue, ...]
-    drawing: AskedDrawing | None
+    exchanged: tuple[PickIssue, ...]  # the landmarks whose sides look exchanged
     orientation: ScanOrientation | None  # as the upload has found it
-    stance_reason: str
+    hypothesis: Hypothesis
     contradicted: bool  # whether scan or landmarks show the body another way round than the file says
-    task: FitTask
-    clearness: float | None  # of the start, where the scan alone placed it
-    shown: Mapping[str, Observation] | None  # what colours show of the landmarks; None: not looked at
-    known_iterates: tuple[FitIterate, ...]  # all iterates of the task's fit, where they were needed to find the stance
-    timing_s: dict[str, float]  # solve is what the stance took
-
-    @property
-    def given(self) -> GivenLandmarks:
-        """Counts of landmarks that a person has given, before any of them was doubted."""
-        picked = len(self.landmarks.keys() - self.agreed)
-        left = len(self.task.rig.landmark_names) - picked
-        followed = len(self.task.picked)
-        return GivenLandmarks(picked, left, followed, agreed=len(self.agreed))
-
-    @property
-    def started(self) -> Started:
-        return Started(
-            stance=cast(Stance, self.task.stance),
-            stance_reason=self.stance_reason,
-            preset=self.task.recipe.name,
-            model_sha256=self.task.rig.sha256,
-            drawing=self.settings.drawing,
-            iterations_limit=self.task.recipe.iterations_limit,
-            notes=list(self.notes),
-            landmarks_not_followed=[DoubtedPick(names=list(d.names), reason=d.reason) for d in self.exchanged],
-        )
+    notes: tuple[str, ...]
 
 
 def read_model(job: FitJob) -> Rig:
@@ -222,79 +168,48 @@ def _only_proposed(landmarks: Collection[str], confidence: Mapping[str, float]) 
     return frozenset(name for name in unsure if confidence[name] < SHOWN_BY_COLOUR)
 
 
-def scan_of_job(job: FitJob) -> tuple[Scan, float]:
-    """The job's scan, and the seconds that reading it took; a BadInput says what is wrong with it."""
-    clock = Clock()
-    scan = coloured_scan(job.scan, job.file_type, job.units, job.answers)
-    return without_hand_cuts(scan, job.cuts), clock.lap()
+def scan_of_job(job: FitJob) -> Scan:
+    """The job's scan; a BadInput says what is wrong with it."""
+    return without_hand_cuts(coloured_scan(job.scan, job.file_type, job.units, job.answers), job.cuts)
 
 
-def prepare_fit(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
-    """Cleans and indexes a scan that took `read_s` to read, and finds the start; a BadInput says what is wrong."""
-    settings, rig, landmarks = plan.settings, plan.rig, plan.landmarks
-    clock = Clock()
-    timing = {"read": read_s}
+def prepare_fit(plan: FitPlan, scan: Scan, clock: Clock) -> ReadyScan:
+    """Cleans and indexes the scan, and finds the start; a BadInput says what is wrong."""
+    clock.lap()
+    settings, rig, landmarks, earlier = plan.settings, plan.rig, plan.landmarks, plan.settings.earlier
     orientation = orientation_from(settings.orientation, rig)
-    earlier = settings.earlier
     wished = earlier.stance if earlier is not None and settings.stance == AUTO else settings.stance
-    ready = prepared_scan(scan, wished, None if orientation is None else orientation.frame)
-    target = ready.target
+    prepared = prepared_scan(scan, wished, None if orientation is None else orientation.frame)
+    target = prepared.target
     _near_the_scan(landmarks | plan.proposed, target)
     errors = {name: expected_error(share) for name, share in settings.landmark_confidence.items() if name in landmarks}
-    _warm(target)
-    timing["prepare"] = clock.lap()
-    exchanged = _exchanged(rig, plan.recipe, landmarks, target, settings.certain, ready.frame.known)
+    _build(target)
+    clock.lap("prepare")
+    exchanged = _exchanged(rig, plan.recipe, landmarks, target, settings.certain, prepared.frame.known)
     doubted = {name for doubt in exchanged for name in doubt.names}
     followed = {name: place for name, place in landmarks.items() if name not in doubted}
-    task = FitTask(
-        rig,
-        target,
-        rest_parameters(rig),
-        plan.recipe,
-        {},
-        locked=settings.locked,
-    ).with_picks(followed, errors, settings.certain)
+    task = FitTask(rig, target, rest_parameters(rig), plan.recipe, {}, locked=settings.locked)
+    task = task.with_picks(followed, errors, settings.certain)
     if earlier is None:
-        task, clearness = with_start(task, ready, orientation)
-        timing["align"] = clock.lap()
-        task, stance = with_stance(task, settings.stance, ready, orientation)
-        clearness = clearness if stance.start is None else stance.start.margin
-        known = orientation is not None and settings.preset == DEFAULT and orientation.stance == task.stance
-        fitted = orientation.fitted if orientation is not None and known else None
-        task, known_iterates, shown = _with_colour(task, stance.iterates, fitted, clearness, scan)
+        found = found_hypothesis(task, prepared, scan, settings.stance, orientation, clock)
     else:
-        task, stance = continued(task, settings.stance, earlier.stance, _pose_of(rig, earlier))
-        clearness, known_iterates, shown = None, (), None
-        timing["align"] = clock.lap()
-        if _looks_at_colour(task, scan):
-            with_colour, shown = _observed_from(task, task, task.start, clearness, scan)
-            task = replace(with_colour, recipe=task.recipe)  # which goes on already
-    timing["solve"] = clock.lap()
+        start = _pose_of(rig, earlier)
+        found = continued_hypothesis(task, scan, settings.stance, earlier.stance, start, clock)
     return ReadyScan(
-        settings=settings,
+        plan=plan,
         scan=scan,
-        prepared=ready,
+        prepared=prepared,
+        exchanged=exchanged,
+        orientation=orientation,
+        hypothesis=found,
+        contradicted=contradiction(found.task, prepared, orientation),
         notes=(
             *scan.notes,
-            *ready.notes,
-            *_words(shown, task.picked),
+            *prepared.notes,
+            *_words(found.shown, found.task.picked),
             *_unchecked(plan),
-            *_of_cohort(task),
+            *_of_cohort(found.task),
         ),
-        table_triangles=ready.table_triangles,
-        cut_away=ready.cut_away,
-        landmarks=landmarks,
-        agreed=tuple(plan.unsure),
-        exchanged=exchanged,
-        drawing=plan.drawing,
-        orientation=orientation,
-        stance_reason=stance.reason,
-        contradicted=contradiction(task, ready, orientation),
-        task=task,
-        clearness=clearness,
-        shown=shown,
-        known_iterates=known_iterates,
-        timing_s=timing,
     )
 
 
@@ -303,44 +218,6 @@ def _pose_of(rig: Rig, earlier: EarlierFit) -> RigParameters:
     if earlier.model_sha256 != rig.sha256:
         raise BadSettings("The fit to go on from was made with another model; fit the scan anew.")
     return posed_by_nodes(rig, earlier.nodes)
-
-
-def _with_colour(
-    task: FitTask,
-    known_iterates: tuple[FitIterate, ...],
-    fitted: RigParameters | None,
-    clearness: float | None,
-    scan: Scan,
-) -> tuple[FitTask, tuple[FitIterate, ...], Mapping[str, Observation] | None]:
-    """The task with landmarks that the colours show, its iterates as far as they are known, and what is shown.
-
-    `fitted` is where the task without landmarks is known to end.  Beside picks the form is fitted with them first: it
-    knows better than without where to look for the others, which the colours show as they did before.
-    """
-    if not _looks_at_colour(task, scan):
-        return task, known_iterates, None
-    known = task
-    if task.given or fitted is None:
-        last = (known_iterates or tuple(checked_iterates(task)))[-1]
-        if not last.is_finite:
-            return task, known_iterates, {}
-        fitted = last.parameters
-        known = ended(task, last) if task.given else task
-    going_on, shown = _observed_from(task, known, fitted, clearness, scan)
-    return going_on, known_iterates if going_on is task else (), shown
-
-
-def _looks_at_colour(task: FitTask, scan: Scan) -> bool:
-    """Whether colours can show a landmark that is not given."""
-    return scan.shows_colour and bool((LOOKED_FOR & {*task.rig.landmark_names}) - task.given.keys())
-
-
-def _observed_from(
-    task: FitTask, known: FitTask, fitted: RigParameters, clearness: float | None, scan: Scan
-) -> tuple[FitTask, Mapping[str, Observation]]:
-    """The task that goes on from where it `fitted` as far as it is `known`, and what the colours show from there."""
-    shown = colour_observations(known, fitted, clearness, scan)
-    return with_observations(task, shown, fitted), shown
 
 
 def _unchecked(plan: FitPlan) -> tuple[str, ...]:
@@ -385,7 +262,7 @@ def _exchanged(
     return (PickIssue(tuple(name for name in landmarks if name not in certain), ALL_EXCHANGED, exchanged=True),)
 
 
-def _warm(target: ScanTarget) -> None:
+def _build(target: ScanTarget) -> None:
     """Builds what is built on first use, so that its time counts as preparation and not as solving."""
     _ = target.rays, target.search, target.vertex_tree, target.normals, target.on_border, target.face_normals
     target.may_be_matched(target.vertices[:1], 0.0, reject_border=True)

@@ -40,7 +40,7 @@ from breastrig.rig.named_parameters import Parameters, parameters_by_name
 from breastrig.scan.clean import Surface
 from breastrig.use.folder.fit_files import fit_file, result_of
 from breastrig.use.folder.fit_folder import FitFolder, fit_of_files, fitted, read_fit_files
-from breastrig.use.steps.recorder import FitOutcome
+from breastrig.use.steps.outcome import FitOutcome
 from breastrig.use.values.drawing import Drawing, Lesion, Line, document_of, drawing_of
 from breastrig.use.values.frame import Frame, frame_of
 from breastrig.use.values.model import Model, Rig, loaded, public
@@ -306,7 +306,7 @@ class Fit:
 
 def fit_of_outcome(outcome: FitOutcome, inputs: tuple[Path, ...]) -> Fit:
     """The Fit of a fit that has just ended."""
-    target, radii, rig = outcome.ready.task.target, outcome.radii, outcome.ready.task.rig
+    target, radii, rig = outcome.ready.prepared.target, outcome.radii, outcome.ready.plan.rig
     with one_thread():
         result = result_of(outcome)
         found = fitted(

@@ -10,15 +10,16 @@ from typing import Any
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.core.clock import Clock
 from breastrig.core.errors import FitFailed
+from breastrig.fitting.hypotheses import UNCLEAR
 from breastrig.fitting.recipe import Recipe
-from breastrig.fitting.stance import UNCLEAR
 from breastrig.rig.model import Rig
 from breastrig.scan.scan import Scan
-from breastrig.use.jobs import FitSettings
-from breastrig.use.run_fit import fit_steps
-from breastrig.use.steps.prepare import Clock, fit_plan, prepare_fit
-from breastrig.use.steps.recorder import FitOutcome
+from breastrig.use.fit import fit_steps
+from breastrig.use.steps.outcome import FitOutcome
+from breastrig.use.steps.prepare import fit_plan, prepare_fit
+from breastrig.use.steps.settings import FitSettings
 from breastrig_studies.studies.case import Scene
 
 RIGHT = 15.0  # mm
@@ -45,8 +46,9 @@ def answer(scene: Scene, rig: Rig, recipe: Recipe, picks: Mapping[str, Array], s
     scan = Scan(scale * scene.target.vertices, scene.target.faces, "m", 1.0, "As asked for.", "0" * 64)
     given = {name: (1e3 * scale * place).tolist() for name, place in picks.items()}
     plan = replace(fit_plan(FitSettings(drawing=None, refine=False), rig, given), recipe=recipe)
+    clock = Clock()
     try:
-        *_, last = fit_steps(prepare_fit(plan, scan, 0.0), Clock())
+        *_, last = fit_steps(prepare_fit(plan, scan, clock), clock)
     except FitFailed as failed:
         return {"level": "refused", "reasons": [str(failed)]}
     assert isinstance(last, FitOutcome)
@@ -55,6 +57,6 @@ def answer(scene: Scene, rig: Rig, recipe: Recipe, picks: Mapping[str, Array], s
         "level": last.verdict.level,
         "reasons": list(last.verdict.reasons),
         "error_mm": round(1e3 * float(errors.mean()), 2),
-        "stance": last.ready.task.stance,
-        "unclear": last.ready.stance_reason in UNCLEAR,
+        "stance": last.ready.hypothesis.task.stance,
+        "unclear": last.ready.hypothesis.stance_reason in UNCLEAR,
     }

@@ -13,8 +13,8 @@ from breastrig.core.arrays import Array
 from breastrig.fitting.picks.issues import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
-from breastrig.fitting.solve import checked_iterates, ended
-from breastrig.fitting.task import FitTask
+from breastrig.fitting.solve import checked_iterates
+from breastrig.fitting.task import FitTask, ended
 from breastrig.fitting.uncertainty.radii import PLANNED_ON, Radii, radii, seen_vertices
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.fitting.fit import ScanProblem
 from breastrig.fitting.posterior import Posterior
-from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig_studies.cohort import read_cohort

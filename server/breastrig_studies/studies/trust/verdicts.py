@@ -15,11 +15,11 @@ from breastrig.correspondence.distances import surface_summary_mm
 from breastrig.fitting.picks.issues import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
-from breastrig.fitting.solve import checked_iterates, ended
+from breastrig.fitting.solve import checked_iterates
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS, start_from_scan
-from breastrig.fitting.task import FitTask, PickIssue
-from breastrig.fitting.verdicts.judge import judge
+from breastrig.fitting.task import FitTask, PickIssue, ended
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, picked_names
+from breastrig.fitting.verdicts.verdict import judge
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.similarity import Similarity, similar_parameters

@@ -6,34 +6,34 @@ Nothing is written here: the same outcome becomes a folder of files, an event, o
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import cast
 
 import numpy as np
 
 from breastrig.colour.areolae import ObservedAreola
 from breastrig.colour.features.observation import Observation
 from breastrig.core.arrays import Array
+from breastrig.core.clock import Clock
 from breastrig.core.errors import BreastRigError, FitFailed
+from breastrig.core.stances import Stance
 from breastrig.correspondence.distances import Comparison, SurfaceDistances
 from breastrig.drawings.line_error import with_errors
 from breastrig.drawings.project_drawing import on_scan
-from breastrig.fitting.body.hidden_skin import skin_behind
+from breastrig.files.result import DoubtedPick
+from breastrig.fitting.body.refine import refined, skin_behind
 from breastrig.fitting.checks.basis import CheckBasis, check_basis
 from breastrig.fitting.fit import FitIterate
+from breastrig.fitting.hypotheses import UNCLEAR
 from breastrig.fitting.observed.landmarks import followed, observed_areolae
 from breastrig.fitting.picks.issues import unusual
-from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.posterior import Posterior, contribution
 from breastrig.fitting.propose import propose_landmarks
 from breastrig.fitting.recipe import load_recipe
-from breastrig.fitting.refine import refined
-from breastrig.fitting.solve import ended
-from breastrig.fitting.stance import UNCLEAR
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS
-from breastrig.fitting.task import PickIssue
-from breastrig.fitting.uncertainty.contribution import contribution
+from breastrig.fitting.task import PickIssue, ended
 from breastrig.fitting.uncertainty.radii import HOLDS_90, Radii
-from breastrig.fitting.verdicts.judge import judge
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, picked_names
-from breastrig.fitting.verdicts.verdict import Verdict
+from breastrig.fitting.verdicts.verdict import Verdict, judge
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.least_squares.newton import Status
@@ -42,8 +42,8 @@ from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.scan.limits import NO_PLACES
 from breastrig.scan.scan import Scan
-from breastrig.use.steps.events import Iterated, NodePose
-from breastrig.use.steps.prepare import Clock, ReadyScan
+from breastrig.use.steps.events import Iterated, NodePose, Started
+from breastrig.use.steps.prepare import ReadyScan
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +73,7 @@ class FitOutcome:
     recorded: tuple[RecordedIterate, ...]
     parameters: RigParameters
     covariance: Array  # (P, P) of a step from the parameters (fitting/posterior.py)
-    body: Gaussian | None  # what it says of her body (fitting.uncertainty.contribution.py)
+    body: Gaussian | None  # what it says of the body (fitting/posterior.py)
     vertices: Array  # (V, 3) m, the fitted surface in the scan's frame, refined or not
     model_alone: ModelAlone
     timing_s: dict[str, float]
@@ -89,20 +89,33 @@ class FitOutcome:
     checks: CheckBasis | None  # None: nothing is known of this model's errors
 
 
+def started(ready: ReadyScan) -> Started:
+    """The first event of the fit."""
+    plan, found = ready.plan, ready.hypothesis
+    return Started(
+        stance=cast(Stance, found.task.stance),
+        stance_reason=found.stance_reason,
+        preset=found.task.recipe.name,
+        model_sha256=plan.rig.sha256,
+        drawing=plan.settings.drawing,
+        iterations_limit=found.task.recipe.iterations_limit,
+        notes=list(ready.notes),
+        landmarks_not_followed=[DoubtedPick(names=list(d.names), reason=d.reason) for d in ready.exchanged],
+    )
+
+
 def record(ready: ReadyScan, iterate: FitIterate) -> RecordedIterate:
     """The iterate with its event; FitFailed when the fit broke down."""
     if not iterate.is_finite:
-        raise FitFailed(_with_file(_why_failed(iterate, ready.given), ready.scan))
-    return RecordedIterate(iterate, _iterated(ready.task.rig, iterate))
+        raise FitFailed(_with_file(_why_failed(iterate, _given(ready)), ready.scan))
+    return RecordedIterate(iterate, _iterated(ready.plan.rig, iterate))
 
 
-def outcome_of(ready: ReadyScan, recorded: Sequence[RecordedIterate], solve_s: float, clock: Clock) -> FitOutcome:
-    """The outcome of a fit from its iterates; FitFailed when this is no torso.
-
-    `solve_s` is the iterations' time, `clock` began with the fit.
-    """
+def outcome_of(ready: ReadyScan, recorded: Sequence[RecordedIterate], clock: Clock) -> FitOutcome:
+    """The outcome of a fit from its iterates, with the times of the `clock`; FitFailed when this is no torso."""
     last = recorded[-1].iterate
-    task, rig, target = ready.task, ready.task.rig, ready.task.target
+    found, task = ready.hypothesis, ready.hypothesis.task
+    rig, target = task.rig, task.target
     rejected = (*ready.exchanged, *last.not_followed)
     posterior = Posterior(ended(task, last), last.parameters)
     doubtful = (*rejected, *unusual(posterior)) if task.picked else rejected  # nobody can be asked about those
@@ -110,24 +123,24 @@ def outcome_of(ready: ReadyScan, recorded: Sequence[RecordedIterate], solve_s: f
     judged = judge(
         posterior,
         last.status,
-        ready.given,
+        _given(ready),
         doubtful,
-        ready.clearness,
+        found.clearness,
         lesions=ready.scan.lesions,
         contradicted=ready.contradicted,
-        unclear_stance=ready.stance_reason in UNCLEAR,
+        unclear_stance=found.stance_reason in UNCLEAR,
         repeats=partial(_only_repeats, ready),
     )
     if not judged.verdict.is_torso:
         raise FitFailed(_with_file(judged.refusal, ready.scan))
-    timing, compared = ready.timing_s | {"solve": solve_s}, judged.compared
-    if ready.settings.refine:
+    compared = judged.compared
+    if ready.plan.settings.refine:
         clock.lap()
         behind = skin_behind(rig, task.stance, target, vertices)
         vertices = refined(target, vertices, rig.faces, behind).vertices
-        timing["refine"] = clock.lap()
+        clock.lap("refine")
         compared = Comparison(target, vertices, rig.faces)
-    seen = followed(task, ready.shown, {name for issue in rejected for name in issue.names})
+    seen = followed(task, found.shown, {name for issue in rejected for name in issue.names})
     known = judged.radii
     if known is not None and seen:
         known = replace(known, landmarks=known.landmarks | {name: HOLDS_90 * each.error for name, each in seen.items()})
@@ -135,14 +148,15 @@ def outcome_of(ready: ReadyScan, recorded: Sequence[RecordedIterate], solve_s: f
     doubted = {name for issue in issues for name in issue.names}
     # a pattern begins where measures do: as picked, else as seen, else where the model has it
     places = {name: each.place for name, each in seen.items()}
-    places |= {name: place for name, place in ready.landmarks.items() if name not in doubted}
-    drawing, missing = ready.drawing.where_it_fits(rig, vertices, places) if ready.drawing else (None, ())
+    places |= {name: place for name, place in ready.plan.landmarks.items() if name not in doubted}
+    asked = ready.plan.drawing
+    drawing, missing = asked.where_it_fits(rig, vertices, places) if asked else (None, ())
     lines = on_scan(rig, vertices, drawing, target) if drawing else ()
     lines = with_errors(rig, compared.search, None if known is None else known.vertices, lines)
-    sure = task.picked - {*ready.agreed}
+    sure = task.picked - {*ready.plan.unsure}
     checks = None if known is None else check_basis(posterior, known, seen, sure | doubted)
-    areolae = observed_areolae(rig, vertices, ready.landmarks, ready.scan, ready.shown)
-    timing["total"] = clock.total()
+    areolae = observed_areolae(rig, vertices, ready.plan.landmarks, ready.scan, found.shown)
+    clock.total()
     return FitOutcome(
         ready=ready,
         recorded=tuple(recorded),
@@ -151,7 +165,7 @@ def outcome_of(ready: ReadyScan, recorded: Sequence[RecordedIterate], solve_s: f
         body=contribution(posterior),
         vertices=vertices,
         model_alone=ModelAlone(posterior.state.vertices, judged.compared.distances),
-        timing_s=timing,
+        timing_s=dict(clock.seconds),
         distances=compared.distances,
         seen=seen,
         doubts=issues,
@@ -165,9 +179,17 @@ def outcome_of(ready: ReadyScan, recorded: Sequence[RecordedIterate], solve_s: f
     )
 
 
+def _given(ready: ReadyScan) -> GivenLandmarks:
+    """Counts of landmarks that a person has given, before any of them was doubted."""
+    plan = ready.plan
+    picked = len(plan.landmarks.keys() - plan.unsure)
+    followed = len(ready.hypothesis.task.picked)
+    return GivenLandmarks(picked, len(plan.rig.landmark_names) - picked, followed, agreed=len(plan.unsure))
+
+
 def _only_repeats(ready: ReadyScan) -> bool:
     """Whether too few landmarks are a person's own; asks for the proposals once more, for nobody hands them on."""
-    task = ready.task
+    task = ready.hypothesis.task
     try:
         proposed = propose_landmarks(task.rig, ready.prepared, load_recipe("default"), ready.orientation, ready.scan)
     except BreastRigError:

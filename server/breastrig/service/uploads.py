@@ -1,0 +1,152 @@
+"""Uploads and examples: a scan's bytes are read in a process of its own, and what was read of them becomes a scan.
+
+The way of an upload: `POST /api/scans` (api/routes/scans.py), `Uploads.add`, use/read_upload.py,
+storage/documents/scans.py, a case.
+"""
+
+import hashlib
+import json
+import logging
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+from breastrig.core.assets import asset_folder
+from breastrig.core.errors import BadScan, NotFound, unknown_name
+from breastrig.core.model_choice import ModelChoice
+from breastrig.core.picks import Points
+from breastrig.execution.limits import UploadLimits
+from breastrig.execution.pool import Lane
+from breastrig.fitting.prepare_scan import keeping
+from breastrig.scan.stored_scan import STORED
+from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
+from breastrig.service.failed_tasks import FULL
+from breastrig.service.kept_models import KeptModels
+from breastrig.storage.documents import scans as scan_rows
+from breastrig.storage.documents.patients import get_patient, put_items_of_scan
+from breastrig.storage.documents.scans import ScanRow
+from breastrig.storage.files import MESH, THUMBNAIL, scan_place, upload_name
+from breastrig.storage.folders import new_id
+from breastrig.storage.storage import Storage, utc_now
+from breastrig.use.read_upload import UploadJob, read_upload
+
+CHUNK = 2**20
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Example:
+    name: str
+    label: str
+    scan: Path
+    landmarks: Path
+
+
+class Uploads:
+    """Uploads of all clients.  May be called from any thread."""
+
+    def __init__(
+        self,
+        storage: Storage,
+        processes: Lane,
+        limits: UploadLimits,
+        models: KeptModels,
+        choice: ModelChoice,
+        examples: Path | None,
+    ) -> None:
+        """`examples`: their folder, where it is not the package's."""
+        self._storage, self._processes, self._limits = storage, processes, limits
+        self._models, self._choice, self._examples = models, choice, examples
+
+    def add(
+        self,
+        source: IO[bytes],
+        file_type: str,
+        units: str,
+        patient: str | None = None,
+        model: str | None = None,
+        answers: VolumeAnswers = NOTHING_SAID,
+        again: bool = False,
+    ) -> tuple[ScanRow, list[str]]:
+        """Reads an upload and keeps what was read of it, without names, comments and picture metadata.
+
+        It is a scan of that patient, or of a new one, to be fitted with the model of that name.  With it comes what a
+        label map's file calls its segments, which is not kept.  Raises BadScan or TooLarge with a sentence, of BadScan
+        NeedsAnswer where a person has to say something, NeedsYes for a file that is a scan of that patient unless
+        `again`, or NotFound for an unknown patient or model, and then keeps nothing.
+        """
+        chosen = self._models.facts_of(model)
+        if patient is not None:
+            get_patient(self._storage, patient)
+        scan_id = new_id()
+        place = scan_place(scan_id)
+        try:
+            self._storage.files.make(place)
+            folder = self._storage.files.made(place)
+            upload, kept = folder / upload_name(file_type), folder / upload_name(STORED)
+            sha256 = _keep(source, upload)
+            model_file, triangles = self._choice.of(chosen), self._limits.triangles
+            job = UploadJob(upload, units, kept, folder / MESH, folder / THUMBNAIL, triangles, model_file, answers)
+            facts = self._read(scan_id, job)
+            upload.unlink()
+            lesions: list[dict[str, Any]] = facts.pop("lesions", [])
+            labels: list[str] = facts.pop("labels", [])
+            row = ScanRow(scan_id, utc_now(), STORED, sha256, facts | chosen)
+            scan_rows.add_scan(self._storage, row, patient, again)
+            if lesions:
+                items = [{"kind": "lesion", "id": new_id(), "scan": scan_id, **each} for each in lesions]
+                put_items_of_scan(self._storage, scan_id, "lesion", items)
+        except BaseException:
+            self._processes.pool.drop(scan_id)
+            self._storage.discard(place)
+            raise
+        return row, labels
+
+    def examples(self) -> tuple[Example, ...]:
+        """The packaged example scans, in the order standing, supine, others."""
+        folder = self._examples or asset_folder("example")
+        names = sorted(scan.parent.name for scan in folder.glob("*/scan.ply"))
+        return tuple(
+            Example(name, f"Example patient, {name}", folder / name / "scan.ply", folder / name / "landmarks.json")
+            for name in names
+        )
+
+    def add_example(self, name: str) -> tuple[ScanRow, Points]:
+        """Opens an example like an upload; also its landmarks in mm.  Raises NotFound."""
+        examples = {example.name: example for example in self.examples()}
+        if not examples:
+            raise NotFound("This copy of BreastRig holds no examples.")
+        if name not in examples:
+            raise NotFound(unknown_name("example", name, tuple(examples)))
+        example = examples[name]
+        with example.scan.open("rb") as source:
+            row, _ = self.add(source, "ply", "auto")
+        return row, json.loads(example.landmarks.read_text(encoding="utf-8"))["landmarks"]
+
+    def _read(self, scan_id: str, job: UploadJob) -> dict[str, Any]:
+        try:
+            task = (read_upload, job)
+            facts: dict[str, Any] = self._processes.result(keeping, task, self._limits.wall_s, scan_id)
+        except TimeoutError as error:
+            raise BadScan(
+                f"Reading this scan took longer than {self._limits.wall_s:g} s; simplify it first."
+            ) from error
+        except (OSError, RuntimeError) as error:
+            if getattr(error, "errno", None) in FULL:
+                raise  # the disk's fault, not the scan's
+            log.warning("the process that read an upload died: %r", error)
+            raise BadScan("Reading this scan needs more memory or time than it may use; simplify it first.") from error
+        return facts
+
+
+def _keep(source: IO[bytes], path: Path) -> str:
+    """Writes the bytes to the file; their sha256.  Raises BadScan when there are none."""
+    digest = hashlib.sha256()
+    with path.open("xb") as target:
+        while chunk := source.read(CHUNK):
+            digest.update(chunk)
+            target.write(chunk)
+        if target.tell() == 0:
+            raise BadScan("This file is empty; export the scan again.")
+    return digest.hexdigest()
