@@ -17,8 +17,8 @@ from helpers.waiting import PATIENCE_S
 
 from breastrig.core.errors import BadScan
 from breastrig.service.fits.queue import DIED, UNWRITTEN, _why
-from breastrig.service.scan_search import Proposals
-from breastrig.service.uploads import Uploads
+from breastrig.service.scans.scan_search import Proposals
+from breastrig.service.scans.uploads import Uploads
 
 NIPPLE_MM = [70.0, 350.0, 120.0]
 FULL = OSError(errno.ENOSPC, "No space left on device", "/somewhere/secret/scan.bin")

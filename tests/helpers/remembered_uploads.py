@@ -26,7 +26,7 @@ FOLDER = "BREASTRIG_REMEMBERED_UPLOADS"  # environment; without it nothing is re
 
 def remember_uploads() -> None:
     """For all services of this process from now on."""
-    from breastrig.service import uploads
+    from breastrig.service.scans import uploads
 
     uploads.read_upload = read_upload_once
     preload([__name__])
@@ -35,7 +35,7 @@ def remember_uploads() -> None:
 @contextmanager
 def remembering_uploads() -> Iterator[None]:
     """The same inside the block."""
-    from breastrig.service import uploads
+    from breastrig.service.scans import uploads
 
     before = uploads.read_upload
     remember_uploads()

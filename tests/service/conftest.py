@@ -8,7 +8,7 @@ import pytest
 from helpers.fake_proposals import at_the_nipple
 
 from breastrig.execution.limits import FitLimits, UploadLimits
-from breastrig.service.scan_search import Proposer
+from breastrig.service.scans.scan_search import Proposer
 from breastrig.service.service import Service
 from breastrig.storage.documents.scans import ScanRow, add_scan
 from breastrig.storage.folders import new_id

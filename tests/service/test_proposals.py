@@ -10,7 +10,7 @@ from helpers.waiting import PATIENCE_S, until
 
 from breastrig.core.errors import BreastRigError, FitFailed, NotFound
 from breastrig.execution.limits import UploadLimits
-from breastrig.service.scan_search import Proposals
+from breastrig.service.scans.scan_search import Proposals
 from breastrig.storage.documents.scans import get_scan
 from breastrig.storage.documents.searches import get_proposals
 from breastrig.storage.storage import Storage

@@ -44,7 +44,7 @@ def check_landmarks(picks: Picks, scan: ScanRow, model: ServedModel) -> None:
 def check_near_scan(name: str, points: Sequence[Sequence[float]], scan: ScanRow) -> None:
     """Raises BadDrawing with a sentence when one of the points (mm, scan frame) lies far outside.
 
-    It costs nothing; how far a line is off the skin is measured where the scan is read (service/skin_checks.py).
+    It costs nothing; how far a line is off the skin is measured where the scan is read (service/scans/skin_checks.py).
     """
     for point in points:
         if (outside := _metres_outside(point, scan)) > REACH_M:

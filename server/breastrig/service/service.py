@@ -33,12 +33,12 @@ from breastrig.service.moving import Moving
 from breastrig.service.plans import Plans
 from breastrig.service.readiness import Readiness
 from breastrig.service.reports import Reports
-from breastrig.service.scan_search import InkSearch, Proposals, Proposer
+from breastrig.service.scans.scan_search import InkSearch, Proposals, Proposer
+from breastrig.service.scans.skin_checks import SkinChecks
+from breastrig.service.scans.uploads import Uploads
 from breastrig.service.share_snapshots import ShareSnapshots
-from breastrig.service.skin_checks import SkinChecks
 from breastrig.service.sweep import KEEP_DAYS, Sweep
 from breastrig.service.task_modules import TASK_MODULES
-from breastrig.service.uploads import Uploads
 from breastrig.storage.deletion import delete_empty_case, delete_scan, finish_deletions
 from breastrig.storage.documents.fits import FitRow, NewFit, Once, add_fit, fits_of_scan, get_fit, made_before
 from breastrig.storage.documents.patients import said_same, scans_of_patient

@@ -21,7 +21,7 @@ from breastrig.drawings.patterns import drawing_with
 from breastrig.drawings.plan_schema import Plan, PlanLesion, PlanLine, PlanNote, asked_of
 from breastrig.index.questions import ListedCase, ListedScan
 from breastrig.report.pages.printable import check_printable, checked_code
-from breastrig.service.skin_checks import shapes_of
+from breastrig.service.scans.skin_checks import shapes_of
 from breastrig.storage.documents.patients import (
     PlanRow,
     get_patient,

@@ -1,0 +1,1 @@
+"""Scans: uploads, searches on them, checks of their skin."""
