@@ -8,7 +8,7 @@ from flask.testing import FlaskClient
 from helpers.inked_scan import inked_zip
 from helpers.waiting import until
 
-from breastrig.service import scan_search as ink_search
+from breastrig.service.scans import scan_search as ink_search
 from breastrig.service.service import Service
 from breastrig.storage.documents.searches import get_ink, put_ink
 
