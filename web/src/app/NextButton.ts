@@ -26,6 +26,8 @@ function wording(next: NextStep, state: NextShown): string {
   if (next.kind === "fit") return next.isProposed ? proposalText.fit : fitText.without;
   if (next.kind === "correct") return text.next.correct;
   if (next.kind === "ink") return text.next.ink(next.count, next.on);
+  if (next.kind === "plan") return text.next.plan;
+  if (next.kind === "print") return text.next.print;
   if (next.kind === "draw") return next.isArmed ? text.next.drawing : text.next.draw;
   if (next.kind === "add") return text.next.add(next.stance);
   if (next.kind === "change over") return text.next.changeOver(next.to);
@@ -40,13 +42,15 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
     if (pressed.kind === "place") actions.landmarks.want(pressed.isArmed ? null : pressed.landmark);
     if (pressed.kind === "confirm") actions.landmarks.confirm(pressed.names);
     if (pressed.kind === "check") {
-      actions.page.goTo("landmarks");
-      document.querySelector<HTMLElement>("#step-landmarks .question:not([hidden])")?.focus(); // and into view; Enter answers nothing yet
+      actions.page.goTo("points");
+      document.querySelector<HTMLElement>("#side-points .question:not([hidden])")?.focus(); // and into view; Enter answers nothing yet
     }
     if (pressed.kind === "fit") void actions.fit.start();
-    if (pressed.kind === "correct") actions.page.goTo("landmarks");
+    if (pressed.kind === "correct") actions.page.goTo("points");
+    if (pressed.kind === "plan") actions.page.goTo("plan");
+    if (pressed.kind === "print") actions.page.goTo("handover");
     if (pressed.kind === "ink") {
-      actions.page.goTo("drawing");
+      actions.page.goTo("plan");
       if (pressed.on !== null) void actions.stances.swap();
     }
     if (pressed.kind === "draw") actions.drawing.take(pressed.isArmed ? "none" : "pen");
@@ -68,7 +72,7 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
       show(element, next.kind !== "none");
       // The report of a fit that holds stays at hand while something else comes first.
       const isFirst = next.kind === "report";
-      const isSecond = ["ink", "draw", "add", "change over", "check", "correct"].includes(next.kind) && state.fit?.state === "done";
+      const isSecond = ["ink", "draw", "add", "change over", "check", "correct"].includes(next.kind) && state.step !== "body" && state.fit?.state === "done";
       show(go, next.kind !== "none" && !isFirst);
       show(report, isFirst || isSecond);
       report.className = isFirst ? "button primary" : "button quiet wide";
@@ -79,7 +83,7 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
       go.classList.toggle("is-armed", isArmed);
       go.setAttribute("aria-pressed", String(isArmed));
       const count = pickCount(state);
-      show(other, mayCheck() || ((next.kind === "place" || next.kind === "confirm") && state.step === "landmarks" && count > 0));
+      show(other, mayCheck() || ((next.kind === "place" || next.kind === "confirm") && state.step === "points" && count > 0));
       setText(otherWords, mayCheck() ? proposalText.check : state.fit ? fitText.again(count) : fitText.with(count));
     },
   };

@@ -1,11 +1,12 @@
-// Puts the panels in their places.
+// Puts the panels in their places: top bar, strip, stage with its bar, side panel.
 import { createDrawingPanel } from "../drawing/DrawingPanel";
+import { createTools } from "../drawing/Tools";
 import { createColourBar } from "../fit/distances/ColourBar";
 import { createMirrorLegend, hasMirror } from "../drawing/mirror/MirrorLegend";
 import { createFitPanel } from "../fit/FitPanel";
 import { outdated } from "../fit/outdated";
 import { linesOn } from "../fit/verdict";
-import { createResultPanel } from "../fit/ResultPanel";
+import { createShapeSliders } from "../fit/hand_pose/ShapeSliders";
 import { hasBoth, viewBarShown } from "../fit/state";
 import { createTimeline } from "../fit/playback/TimelinePanel";
 import { createGuideCard } from "../landmarks/GuideCard";
@@ -18,7 +19,7 @@ import { createScanPanel } from "../scan/ScanPanel";
 import { empty as emptyText } from "../scan/text";
 import { createDrawingCarry } from "../stances/DrawingCarry";
 import { createOtherPane } from "../stances/OtherPane";
-import { createStancesBar } from "../stances/StancesBar";
+import { createStrip } from "../stances/Strip";
 import { doubtOf, isComparing } from "../stances/state";
 import type { Place } from "../store/page";
 import { only, type Store } from "../store/store";
@@ -27,19 +28,19 @@ import { el, setText, show } from "../ui/dom";
 import { later } from "../ui/later";
 import type { Panel } from "../ui/Panel";
 import { betweenPresses } from "../ui/press";
-import { notice } from "../ui/text";
 import { createSwipe } from "../viewer/Swipe";
 import { errors, view as viewText } from "../viewer/text";
 import { createViewBar, type ViewBarShown } from "../viewer/ViewBar";
 import type { Stage } from "../viewer/Viewer";
 import type { Actions } from "./actions";
 import { addressOfPatient } from "./address";
+import { createBodyPanel } from "./BodyPanel";
 import { createDeletionNotice } from "./deletion/DeletionNotice";
+import { createHandOver } from "./HandOver";
 import { createLeaveDialog } from "./LeaveDialog"; // not loaded later: it comes when the service does not answer
 import { createNextButton } from "./NextButton";
 import type { Session } from "./session";
-import { createSteps } from "./Steps";
-import { page as pageText } from "./text";
+import { createSidePanel } from "./SidePanel";
 import { createTopBar } from "./TopBar";
 import { createUnsavedBar } from "./UnsavedBar";
 
@@ -67,7 +68,9 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const canvas = el("canvas", { class: "view", role: "application", "aria-label": viewText.canvas, tabindex: 0 });
   const overlay = el("div", { class: "overlay", "aria-hidden": "true" });
   const guide = createGuideCard(actions.landmarks);
-  const viewBar = createViewBar(actions.view, { showDistances: actions.fit.showDistances, showLoose: actions.scan.showLoose, showRelief: actions.scan.showRelief, showMirror: actions.fit.showMirror }, shownInViewBar);
+  const tools = createTools(actions.drawing);
+  const looks = { distances: actions.fit.showDistances, mirror: actions.fit.showMirror, relief: actions.scan.showRelief, loose: actions.scan.showLoose, colours: actions.scan.showColours, linked: actions.stances.link };
+  const viewBar = createViewBar(actions.view, looks, shownInViewBar, tools.element);
   const colourBar = createColourBar();
   const swipe = createSwipe(actions.view.swipe, hasBoth);
   const empty = createEmptyState(actions.scan, dismiss);
@@ -78,7 +81,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const distances = problem(() => dismiss("distances"));
   const refit = problem(() => dismiss("fit")); // of a fit that was asked for from another step
   const graphics = el("p", { class: "no-graphics", role: "alert", hidden: true });
-  const host = el("main", { class: "stage" }, canvas, overlay, swipe.element, colourBar.element, viewBar.element, empty.element, page.element, model.element, distances.element, refit.element, graphics);
+  const host = el("div", { class: "stage" }, canvas, overlay, swipe.element, colourBar.element, empty.element, page.element, model.element, distances.element, refit.element, graphics);
   const canvasBar = later(
     only("problems", "drawn", "isCanvasFull", "hasPen", "fingersDraw"),
     ({ isCanvasFull }: Pick<Session, "problems" | "drawn" | "isCanvasFull" | "hasPen" | "fingersDraw">) => isCanvasFull,
@@ -87,33 +90,38 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const mirror = createMirrorLegend();
   host.append(canvasBar.element, mirror.element);
   const veil = el("div", { class: "drop-veil", hidden: true }, el("p", {}, emptyText.drop));
-  host.append(veil);
-  acceptDrops(host, veil, actions);
+  acceptDrops(veil, actions);
 
-  const scan = createScanPanel({ ...actions.scan, askToDelete: () => actions.deletion.ask(true) }, () => dismiss("scan"), needsConfirming);
+  const scan = createScanPanel(actions.scan, () => dismiss("scan"), needsConfirming);
   const landmarks = createLandmarkPanel(actions.landmarks, actions.proposals, () => dismiss("landmarks"));
   const fit = createFitPanel(actions.fit, () => dismiss("fit"));
   const carry = createDrawingCarry(actions.stances);
   const ink = { scan: el("div", {}), drawing: el("div", {}) }; // lines found on the skin, see ink/open.ts
-  scan.element.prepend(ink.scan);
   const drawing = createDrawingPanel(actions.drawing, actions.plan, () => dismiss("drawing"), carry.element);
   drawing.element.prepend(ink.drawing);
-  const result = createResultPanel(actions.handPose);
+  const sliders = createShapeSliders(actions.handPose);
+  const handOver = createHandOver(actions);
   const next = createNextButton(actions);
-  const bodies = { scan: scan.element, landmarks: landmarks.element, fit: fit.element, drawing: drawing.element, result: result.element };
-  const steps = createSteps(actions, bodies, next.element);
   const numbers = later(
     (state: Session) => ({ meta: state.meta, fit: state.fit, old: outdated(state), lines: linesOn(state), doubt: doubtOf(state) }),
     ({ fit }) => fit !== null,
     async () => (await import("../fit/distances/NumbersPanel")).createNumbersPanel<Session>({ outdated, doubt: doubtOf, again: () => void actions.fit.start() }),
   );
   const summary = later(
-    only("meta", "step", "fit", "drawing", "drawn", "stances"),
-    ({ fit }: Pick<Session, "meta" | "step" | "fit" | "drawing" | "drawn" | "stances">) => fit !== null,
+    only("meta", "fit", "drawing", "drawn", "stances"),
+    ({ fit }: Pick<Session, "meta" | "fit" | "drawing" | "drawn" | "stances">) => fit !== null,
     async () => (await import("../drawing/PlanSummary")).createPlanSummary(),
   );
-  const aside = el("aside", { class: "aside" }, guide.element, numbers.element, summary.element);
   const timeline = createTimeline(actions.player);
+  const side = createSidePanel(
+    {
+      body: createBodyPanel(() => actions.page.goTo("points"), [ink.scan, scan.asked, fit.element, numbers.element], [timeline.element, scan.element, fit.settings, sliders.element]),
+      points: el("div", { class: "panel" }, guide.element, landmarks.element),
+      plan: el("div", { class: "panel" }, summary.element, drawing.element),
+      handover: handOver.element,
+    },
+    next.element,
+  );
   const help = later(only("isHelpOpen"), ({ isHelpOpen }: Pick<Session, "isHelpOpen">) => isHelpOpen, async () => (await import("./HelpDialog")).createHelpDialog(actions));
   const share = later(
     only("problems", "share"),
@@ -135,8 +143,8 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const changed = createPlanNotice(actions.plan);
   const unsaved = createUnsavedBar(() => actions.unsaved.soon());
   host.append(deleted.element, changed.element);
-  const stances = createStancesBar(actions.stances);
-  const top = createTopBar(actions, stances.element);
+  const strip = createStrip(actions.stances);
+  const top = createTopBar(actions);
   const adding = later(
     only("examples", "problems", "scan", "stance", "fit", "stances"),
     ({ stances }: Pick<Session, "examples" | "problems" | "scan" | "stance" | "fit" | "stances">) => stances.isAdding,
@@ -154,35 +162,32 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   );
   const other = createOtherPane(actions.stances);
   host.append(other.caption);
-  const version = el("span", { class: "muted" });
   const live = el("p", { class: "visually-hidden", role: "status", "aria-live": "polite" });
   const undone = el("p", { class: "undone", role: "status", "aria-live": "polite" }); // each saying is an element of its own: the same one twice is read out twice
   host.append(undone);
-  const footer = el("footer", { class: "footer" }, el("strong", {}, notice), el("span", { class: "spring" }), version);
+  const stages = el("main", { class: "stages" }, host, other.element, viewBar.element);
 
   return {
-    elements: [top.element, steps.element, host, other.element, aside, timeline.element, footer, help.element, share.element, adding.element, measures.element, samePatient.element, question.element, leave.element, deleting.element, unsaved.element, live],
+    elements: [top.element, strip.element, stages, side.element, veil, help.element, share.element, adding.element, measures.element, samePatient.element, question.element, leave.element, deleting.element, unsaved.element, live],
     ink,
     stages: { main: { host, canvas, overlay }, other: other.stage, picture: guide.canvas, light: guide.light },
     follow(store): void {
       // Classes first: where a panel stands and whether it is seen decides what it can scroll to or focus.
-      store.select(only("theme", "scan", "fit", "active", "step", "overlay", "stances"), (state) => {
+      store.select(only("theme", "scan", "active", "step", "stances"), (state) => {
         document.documentElement.dataset.theme = state.theme;
         document.body.classList.toggle("is-empty", state.scan === null);
-        document.body.classList.toggle("has-timeline", (state.fit?.iterations.length ?? 0) > 0);
         document.body.classList.toggle("is-comparing", isComparing(state));
-        document.body.classList.toggle("has-other", state.stances.other !== null);
         document.body.classList.toggle("is-second", state.stances.isSecond);
-        aside.classList.toggle("is-planning", state.step === "drawing");
         host.classList.toggle("is-placing", state.active !== null);
-        overlay.classList.toggle("is-numbered", state.step === "landmarks");
-        overlay.classList.toggle("is-narrow", isComparing(state) || (state.fit !== null && state.overlay === "beside"));
+        overlay.classList.toggle("is-numbered", state.step === "points");
       });
-      const run = betweenPresses(steps.element);
+      const run = betweenPresses(side.element);
       const on = <Shown extends object>(panel: Panel<Shown, Session>): void =>
         void store.select((state) => panel.select(state), (shown) => run(panel, () => panel.update(shown)));
       on(top);
-      on(steps);
+      on(strip);
+      on(tools);
+      on(side);
       on(scan);
       on(landmarks);
       on(fit);
@@ -190,7 +195,8 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(canvasBar);
       on(mirror);
       on(carry);
-      on(result);
+      on(sliders);
+      on(handOver);
       on(next);
       on(guide);
       on(viewBar);
@@ -203,7 +209,6 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(timeline);
       on(help);
       on(share);
-      on(stances);
       on(adding);
       on(measures);
       on(samePatient);
@@ -219,38 +224,43 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
         undone.replaceChildren(...(said ? [said] : []));
         setTimeout(() => said?.remove(), UNDONE_MS);
       });
-      store.select(only("active", "step", "problems", "graphics", "meta", "announcement"), (state) => {
-        show(numbers.element, state.active === null);
+      store.select(only("step", "problems", "graphics", "announcement"), (state) => {
         page.set(state.problems.page);
         model.set(state.problems.model);
         distances.set(state.problems.distances);
-        refit.set(state.step === "fit" ? undefined : state.problems.fit);
+        refit.set(state.step === "body" ? undefined : state.problems.fit);
         show(graphics, state.graphics !== "ok");
         setText(graphics, state.graphics === "absent" ? errors.noGraphics : state.graphics === "lost" ? errors.graphicsLost : "");
-        setText(version, state.meta ? pageText.version(state.meta.version) : "");
         setText(live, state.announcement);
       });
     },
   };
 }
 
-/** The buttons below the body; a table beside either of two stances can be shown. */
+/** The bar on the stage; a table beside either of two stances can be shown. */
 const shownInViewBar = (state: Session): ViewBarShown => {
   const shown = viewBarShown(state);
-  return { ...shown, hasMirror: hasMirror(state), hasLoose: shown.hasLoose || (isComparing(state) && (state.stances.other?.scan?.hasLoose ?? false)) };
+  const isBoth = isComparing(state);
+  return {
+    ...shown,
+    looks: {
+      ...shown.looks,
+      ...(hasMirror(state) ? { mirror: state.showMirror } : {}),
+      ...(isBoth && state.stances.other?.scan?.hasLoose ? { loose: state.showLoose } : {}),
+      ...(isBoth ? { linked: state.stances.isLinked } : {}),
+    },
+  };
 };
 
-/** A scan may be dropped anywhere on the canvas, also over one that is already there. */
-function acceptDrops(host: HTMLElement, veil: HTMLElement, actions: Actions): void {
+/** Scans may be dropped anywhere. */
+function acceptDrops(veil: HTMLElement, actions: Actions): void {
   const hasFile = (event: DragEvent): boolean => event.dataTransfer?.types.includes("Files") ?? false;
   addEventListener("dragover", (event) => hasFile(event) && event.preventDefault()); // else the browser opens the file
+  addEventListener("dragenter", (event) => show(veil, hasFile(event)));
+  veil.addEventListener("dragleave", () => show(veil, false));
   addEventListener("drop", (event) => {
     event.preventDefault();
     show(veil, false);
-  });
-  host.addEventListener("dragenter", (event) => show(veil, hasFile(event)));
-  veil.addEventListener("dragleave", () => show(veil, false));
-  host.addEventListener("drop", (event) => {
     const files = [...(event.dataTransfer?.files ?? [])];
     if (files.length > 0) void actions.scan.drop(files);
   });

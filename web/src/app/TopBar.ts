@@ -1,50 +1,101 @@
-// Name, what is open, light or dark, help.
-import type { Theme } from "../store/page";
+// The bar above: whose work this is, the three tabs, undo, whether all is saved, and the menu that takes everything else.
+import { planChanges } from "../drawing/changes";
+import { stepOf } from "../drawing/state";
+import { outdated } from "../fit/outdated";
+import { levelOf } from "../fit/verdict";
+import { picksSaid } from "../landmarks/text";
+import { dayName } from "../stances/Strip";
+import type { Step, Theme } from "../store/page";
 import { only } from "../store/store";
 import { button, iconButton } from "../ui/controls";
 import { el, icon, setText, show } from "../ui/dom";
+import { createMenu, menuItem } from "../ui/menu";
 import type { Panel } from "../ui/Panel";
+import { plural } from "../ui/plural";
 import { name } from "../ui/text";
 import type { Actions } from "./actions";
-import { createExportMenu } from "./ExportMenu";
+import { isPlanned } from "./nextStep";
 import type { Session } from "./session";
 import * as text from "./text";
 
-type Shown = Pick<Session, "scan" | "fit" | "theme" | "isSignedIn">;
+const words = text.top;
+const TABS = ["body", "plan", "handover"] as const satisfies readonly Step[];
 
-/** `between`: stands after the title. */
-export function createTopBar(actions: Actions, between: HTMLElement): Panel<Shown> {
-  const code = el("strong", { class: "patient-code-shown", title: text.top.code });
-  const title = el("span", { class: "scan-title" });
-  const fresh = button(text.top.newScan, () => void actions.scan.leave());
-  const share = button(text.top.share, () => void actions.share.open(), "quiet outlined", "link");
-  const files = createExportMenu(actions.files);
-  const leave = button(text.top.signOut, () => void actions.signOut());
-  const theme = iconButton("system", text.top.theme("system"), () => actions.page.nextTheme());
-  const help = el(
-    "button",
-    { type: "button", class: "button icon-only", "aria-label": text.top.help, title: text.top.help, onclick: () => actions.page.help(true) },
-    el("span", { "aria-hidden": "true" }, "?"),
-  );
-  const mark = el("span", { class: "logo", "aria-hidden": "true" });
-  const element = el("header", { class: "top-bar" }, mark, el("h1", {}, name), code, title, between, el("span", { class: "spring" }), share, files.element, fresh, theme, help, leave);
+type Shown = Pick<Session, "meta" | "step" | "scan" | "picks" | "certain" | "saving" | "fit" | "stance" | "preset" | "refine" | "drawing" | "drawn" | "stances" | "theme" | "isSignedIn">;
+
+/** What undo would take back; null where nothing is there to be taken back. */
+function undoable({ meta, step, picks, drawing, drawn }: Shown): string | null {
+  if (step === "body" || step === "points") {
+    const before = picks.past.at(-1);
+    return before ? picksSaid(before, picks.present, meta?.landmarks ?? []) : null;
+  }
+  const before = drawn.lines.past.at(-1);
+  return before ? planChanges(before, stepOf({ drawing, drawn }), [...(meta?.patterns ?? []), ...(meta?.drawings ?? [])]) : "";
+}
+
+/** "3 scans today", or the day of the newest. */
+function scansSaid(created: readonly string[]): string {
+  const newest = [...created].sort().at(-1);
+  if (newest === undefined) return "";
+  const day = new Date(newest);
+  return words.scans(plural(created.filter((at) => new Date(at).toDateString() === day.toDateString()).length, "scan", "scans"), dayName(day, new Date()));
+}
+
+export function createTopBar(actions: Actions): Panel<Shown> {
+  const home = el("button", { type: "button", class: "logo", title: words.patients, "aria-label": words.patients, onclick: () => void actions.scan.leave() });
+  const title = el("h1", {}, name);
+  const about = el("span", { class: "scans-said muted" });
+  const tabs = TABS.map((step) => {
+    const tick = icon("check");
+    const tab = el("button", { type: "button", class: "tab", id: `tab-${step}`, onclick: () => actions.page.goTo(step) }, tick, el("span", {}, text.page.steps[step]));
+    return { step, tab, tick };
+  });
+  const nav = el("nav", { class: "tabs", "aria-label": text.page.stepsLabel }, ...tabs.map(({ tab }) => tab));
+  const ofPlan = (): boolean => shown?.step === "plan" || shown?.step === "handover";
+  const undo = button("", () => (ofPlan() ? actions.drawing.undo() : actions.landmarks.undo()), "quiet undo", "undo");
+  const redo = iconButton("redo", words.redo, () => (ofPlan() ? actions.drawing.redo() : actions.landmarks.redo()));
+  const saved = el("span", { class: "saved muted", role: "status" });
+  const theme = menuItem("", "", () => actions.page.nextTheme());
+  const leave = menuItem(words.signOut, "", () => void actions.signOut());
+  const ofScan = [
+    menuItem(words.picture, words.pictureHint, () => void actions.files.save()),
+    menuItem(words.remove, "", () => actions.deletion.ask(true)),
+  ];
+  const menu = createMenu("page-menu", "\u2022\u2022\u2022", words.menu, "icon-only", ...ofScan, theme, menuItem(words.help, words.helpHint, () => actions.page.help(true)), leave);
+  const element = el("header", { class: "top-bar" }, home, title, about, nav, el("span", { class: "top-end" }, undo, redo, saved, menu.element));
+  menu.card.addEventListener("click", ({ target }) => target !== menu.card && !theme.contains(target as Node) && menu.close());
+  let shown: Shown | null = null;
   let drawn: Theme | null = null;
   return {
     element,
-    select: only("scan", "fit", "theme", "isSignedIn"),
+    select: only("meta", "step", "scan", "picks", "certain", "saving", "fit", "stance", "preset", "refine", "drawing", "drawn", "stances", "theme", "isSignedIn"),
     update(state: Shown): void {
-      setText(code, state.scan?.info.patient_code ?? "");
-      show(code, state.scan !== null);
-      setText(title, state.scan?.title ?? "");
-      show(share, state.fit?.state === "done");
-      files.update(state);
+      shown = state;
+      const { scan, step, stances } = state;
+      setText(title, scan?.info.patient_code ?? name);
+      title.title = scan ? words.code : "";
+      setText(about, scan ? scansSaid(stances.scans.length > 0 ? stances.scans.map(({ created_at }) => created_at) : [scan.info.created_at]) : "");
+      show(nav, scan !== null);
+      const isSure = state.fit?.state === "done" && levelOf(state.fit.result) === "good" && outdated(state) === null;
+      for (const { step: own, tab, tick } of tabs) {
+        const isOpen = own === step || (own === "body" && step === "points");
+        if (isOpen) tab.setAttribute("aria-current", "page");
+        else tab.removeAttribute("aria-current");
+        tick.style.display = (own === "body" && isSure) || (own === "plan" && isPlanned(state)) ? "" : "none";
+      }
+      const says = scan === null ? null : undoable(state);
+      show(undo, says !== null);
+      setText(undo.querySelector("span")!, says ? words.undo(says) : words.undoPlain);
+      undo.title = says ? words.undo(says) : words.undoPlain;
+      show(redo, scan !== null && (ofPlan() ? state.drawn.lines.future : state.picks.future).length > 0);
+      const isBusy = [state.saving, state.drawn.saving];
+      const unsaid = isBusy.find((each) => each === "unsaved") ?? isBusy.find((each) => each === "saving") ?? "saved";
+      setText(saved, scan === null ? "" : words[unsaid]);
+      for (const each of ofScan) show(each, scan !== null);
       show(leave, state.isSignedIn);
-      show(fresh, state.scan !== null);
       if (state.theme === drawn) return;
       drawn = state.theme;
-      theme.replaceChildren(icon(state.theme === "system" ? "system" : state.theme === "dark" ? "moon" : "sun"));
-      theme.title = text.top.theme(state.theme);
-      theme.setAttribute("aria-label", theme.title);
+      setText(theme.querySelector("span")!, words.theme(state.theme));
     },
   };
 }

@@ -15,7 +15,7 @@ export interface PageAddress {
   isComparing: boolean;
 }
 
-const STEPS: readonly Step[] = ["scan", "landmarks", "fit", "drawing", "result"];
+const STEPS: readonly Step[] = ["body", "points", "plan", "handover"];
 
 const write = (v: Vector): string => v.map((x) => Number(x.toFixed(4))).join("_");
 
@@ -52,7 +52,7 @@ export function addressOfPatient({ scans: [first, second] }: Pick<Patient, "scan
   const place = (scan: Patient["scans"][number]): { scan: string; fit: string | null; frame: null } => ({ scan: scan.id, fit: scan.fit?.state === "done" ? scan.fit.id : null, frame: null });
   if (!first) return "#";
   const own = place(first);
-  return toHash({ ...own, step: own.fit === null ? "scan" : "result", other: second ? place(second) : null, isSecond: false, isComparing: second !== undefined && own.fit !== null });
+  return toHash({ ...own, step: "body", other: second ? place(second) : null, isSecond: false, isComparing: second !== undefined && own.fit !== null });
 }
 
 export function fromHash(hash: string): PageAddress {

@@ -2,10 +2,7 @@
 
 export const files = {
   scale: "10 cm at the middle of the body",
-  menu: "Export",
-  save: "Picture of this view",
   saveAs: "view.png",
-  saveHint: "PNG, twice the size, with scale and colours",
   distances: "distances.csv",
   distancesHint: "of each vertex of fitted.ply, mm",
   failed: "The picture could not be made: this browser gave none. Take a screenshot instead.",

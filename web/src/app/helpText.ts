@@ -3,7 +3,7 @@
 export const help = {
   title: "Keyboard and mouse",
   keys: [
-    ["1 – 5", "Go to a step"],
+    ["1 – 4", "Body, set points myself, plan, hand over"],
     ["N", "Next landmark"],
     ["Arrows", "On the body: move the cross of the wanted landmark, or nudge a placed one along the skin; else turn the body (Shift: faster)"],
     ["Enter", "On the body: place the landmark under the cross"],
@@ -11,9 +11,9 @@ export const help = {
     ["C", "Take the proposed point"],
     ["Z · Shift+Z", "Undo · redo"],
     ["Esc", "Stop placing"],
-    ["P · E · T · M", "In the step Drawing: pen, points of a line, tumour, tape measure; Enter ends a line or the tape, Delete takes away a point or a line"],
-    ["Tab, arrows", "In the step Drawing: from handle to handle of a pattern; arrows move it by 1 mm (Shift: 5 mm)"],
-    ["Lasso", "In the step Scan: draw around what is to be cut away; Z brings it back, Esc puts the lasso down"],
+    ["P · E · T · M", "In the plan: pen, points of a line, tumour, tape measure; Enter ends a line or the tape, Delete takes away a point or a line"],
+    ["Tab, arrows", "In the plan: from handle to handle of a pattern; arrows move it by 1 mm (Shift: 5 mm)"],
+    ["Lasso", "In the body's details: draw around what is to be cut away; Z brings it back, Esc puts the lasso down"],
     ["F", "View from the front"],
     ["O", "Scan, both, model, beside, swipe"],
     ["D", "Distances in colour"],

@@ -6,7 +6,7 @@ import type { Store } from "../store/store";
 import type { Actions } from "./actions";
 import type { Session } from "./session";
 
-const STEPS: Record<string, Step> = { "1": "scan", "2": "landmarks", "3": "fit", "4": "drawing", "5": "result" };
+const STEPS: Record<string, Step> = { "1": "body", "2": "points", "3": "plan", "4": "handover" };
 
 function isTyping(target: EventTarget | null): boolean {
   return target instanceof HTMLElement && target.closest("input:not([type=range]):not([type=checkbox]), select, textarea, dialog") !== null;

@@ -26,9 +26,11 @@ export type NextStep =
   | { kind: "check"; count: number }
   | { kind: "correct" } // a fit that is not usable: its landmarks are looked at again
   | { kind: "ink"; count: number; on: string | null } // lines found on the skin, about which nobody has decided; `on`: the other scan
+  | { kind: "plan" }
   | { kind: "draw"; isArmed: boolean }
   | { kind: "add"; stance: "standing" | "supine" }
   | { kind: "change over"; to: string }
+  | { kind: "print" } // on to the printed pages
   | { kind: "report" };
 
 /** Her own lines: on neither scan may they be passed by unseen. */
@@ -37,12 +39,12 @@ function foundInk(state: NextShown): NextStep | null {
   const open = ({ scan, drawn }: Pick<NextShown, "scan" | "drawn">): number =>
     scan ? openLines(state.ink[scan.info.id], drawn.decided, cropsOf(scan)).filter((line) => !isMark(line)).length : 0;
   const here = open(state);
-  if (here > 0) return state.step === "drawing" ? null : { kind: "ink", count: here, on: null }; // there they stand above everything else
+  if (here > 0) return state.step === "plan" ? null : { kind: "ink", count: here, on: null }; // there they stand above everything else
   const there = other ? open(other) : 0;
   return there > 0 ? { kind: "ink", count: there, on: stanceNames(state)[1] } : null;
 }
 
-const isPlanned = ({ drawing, drawn }: Pick<NextShown, "drawing" | "drawn">): boolean => drawing !== "" || drawn.lines.present.length > 0 || drawn.lesions.length > 0;
+export const isPlanned = ({ drawing, drawn }: Pick<NextShown, "drawing" | "drawn">): boolean => drawing !== "" || drawn.lines.present.length > 0 || drawn.lesions.length > 0;
 
 /** A surgeon's next steps with a good fit: the pen markings, a drawing, the other stance, the report. */
 function afterFit(state: NextShown): NextStep {
@@ -50,17 +52,19 @@ function afterFit(state: NextShown): NextStep {
   if (levelOf(state.fit?.result) === "unusable") return { kind: "correct" };
   const ink = foundInk(state);
   if (ink) return ink;
+  if (state.step === "handover") return { kind: "report" };
+  if (state.step !== "plan") return { kind: "plan" };
   if (!isPlanned(state) && !(stances.other && isPlanned(stances.other))) return { kind: "draw", isArmed: drawn.tool !== "none" };
   if (stances.other === null) return { kind: "add", stance: stanceOf(state) === "standing" ? "supine" : "standing" };
   if (stances.other.fit?.state !== "done") return { kind: "change over", to: stanceNames(state)[1] };
-  return { kind: "report" };
+  return { kind: "print" };
 }
 
 export function nextStep(state: NextShown): NextStep {
   if (!state.scan || state.loading || isFitting(state)) return { kind: "none" };
-  if (state.step === "scan" && needsConfirming(state)) return { kind: "confirm scan" };
+  if (state.step === "body" && needsConfirming(state)) return { kind: "confirm scan" };
   const landmarks = pickCount(state);
-  if (state.step === "landmarks") {
+  if (state.step === "points") {
     const open = openProposals(state.proposals, state.picks.present).filter(({ name }) => !state.skipped.has(name));
     const seen = open.filter(isSeen);
     if (state.active === null && seen.length > 0) return { kind: "confirm", names: seen.map(({ name }) => name) };
@@ -69,12 +73,12 @@ export function nextStep(state: NextShown): NextStep {
     const landmark = state.active ?? nextMissing(list, state.picks.present, state.skipped);
     if (landmark !== null) return { kind: "place", landmark, isArmed: state.active !== null };
   }
-  const mayAsk = state.fit?.state === "done" && outdated(state) !== "settings" && state.step !== "scan" && state.step !== "drawing";
+  const mayAsk = state.fit?.state === "done" && outdated(state) !== "settings" && state.step !== "plan";
   const count = mayAsk ? askedNames(openQuestions(state)).size : 0;
   if (count > 0) return { kind: "check", count };
   if (state.fit?.state === "done" && outdated(state) === null) return afterFit(state);
   if (state.fit) return { kind: "fit", again: true, landmarks };
-  if (state.step === "fit" || landmarks >= ENOUGH) return { kind: "fit", again: false, landmarks };
+  if (state.step === "body" || landmarks >= ENOUGH) return { kind: "fit", again: false, landmarks };
   const first = nextMissing(state.meta?.landmarks ?? [], state.picks.present, state.skipped);
   return first === null ? { kind: "fit", again: false, landmarks } : { kind: "place", landmark: first, isArmed: false };
 }

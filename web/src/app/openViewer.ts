@@ -23,7 +23,6 @@ import { LandmarkDiscs } from "../landmarks/LandmarkDiscs";
 import { LandmarkPins } from "../landmarks/LandmarkPins";
 import { ModelPicture } from "../landmarks/ModelPicture";
 import { ProposalPins } from "../landmarks/proposals/ProposalPins";
-import { Ruler } from "../scan/Ruler";
 import { type CutByService, cutByService, NOTHING_CUT } from "../scan/body";
 import { listenToLasso } from "../scan/cropping/CropTool";
 import { ScanMesh } from "../scan/ScanMesh";
@@ -40,8 +39,8 @@ import { onClick } from "../viewer/clicks";
 import { Crosshair } from "../viewer/Crosshair";
 import { listenToViewKeys } from "../viewer/keys";
 import { Loupe } from "../viewer/Loupe";
-import { OrientationCube } from "../viewer/OrientationCube";
 import { pickAt } from "../viewer/picking";
+import { ScaleBar } from "../viewer/ScaleBar";
 import { SideLetters } from "../viewer/SideLetters";
 import { isBeside } from "../viewer/state";
 import { offerTestHook } from "../viewer/testHook";
@@ -106,9 +105,8 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     { update: (state) => discs.update(state, isFree(state)) },
     new HoverValue(viewer, fitted, stage.canvas),
     new SideLetters(viewer),
-    new Ruler(viewer),
+    new ScaleBar(viewer),
     { update: ({ active }) => loupe.arm(active !== null) },
-    new OrientationCube(viewer, actions.view.from),
     // The cross serves the placing of landmarks and the tools that draw.
     { update: ({ active, drawn }) => active === null && (drawn.tool === "none" || drawn.tool === "points") && cross.hide() },
     new ModelPicture(viewer, torso, stages.picture, stages.light),

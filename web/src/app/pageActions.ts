@@ -11,8 +11,8 @@ const after = <Item>(items: readonly Item[], item: Item): Item => items[(items.i
 export function pageActions(store: Store<Session>, onLandmarks: () => void) {
   return {
     goTo(step: Step): void {
-      store.set((state) => ({ step, active: step === "landmarks" ? state.active : null, drawn: step === "drawing" ? state.drawn : handsOff(state.drawn) }));
-      if (step === "landmarks") onLandmarks();
+      store.set((state) => ({ step, active: step === "points" ? state.active : null, drawn: step === "plan" ? state.drawn : handsOff(state.drawn) }));
+      if (step === "points") onLandmarks();
     },
     nextOverlay: (): void => store.set((state) => (state.fit ? { overlay: after(OVERLAYS, state.overlay) } : {})),
     nextTheme: (): void => store.set((state) => ({ theme: after(THEMES, state.theme) })),

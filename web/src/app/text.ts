@@ -1,4 +1,4 @@
-// The frame of the page: title, steps, top bar, the one button that says what comes next.
+// The frame of the page: tabs, top bar, the one button that says what comes next.
 import type { Step, Theme } from "../store/page";
 import { plural } from "../ui/plural";
 
@@ -7,17 +7,41 @@ export * from "./questionText";
 
 export const page = {
   version: (version: string) => `version ${version}`,
-  steps: { scan: "Scan", landmarks: "Landmarks", fit: "Fit", drawing: "Drawing", result: "Result" } satisfies Record<Step, string>,
-  stepsLabel: "Steps",
+  steps: { body: "Body", points: "Set points", plan: "Plan", handover: "Hand over" } satisfies Record<Step, string>,
+  stepsLabel: "Body, plan, hand over",
+  setPoints: "Set points myself",
+  pointsDone: "Back to the body",
+  details: "Details",
+  side: "What is known and planned",
 };
 
 export const top = {
-  newScan: "New scan",
+  patients: "All patients",
   code: "The patient's code",
+  scans: (scans: string, day: string) => `${scans} ${day === "Today" ? "today" : `on ${day}`}`,
+  undo: (what: string) => `Undo “${what}”`,
+  undoPlain: "Undo",
+  redo: "Redo (Shift+Z)",
+  saved: "Saved",
+  saving: "Saving …",
+  unsaved: "Not saved yet",
+  menu: "More",
+  picture: "Picture of this view",
+  pictureHint: "PNG, twice the size, with scale and colours",
+  remove: "Delete this scan …",
   theme: (theme: Theme) => ({ system: "Theme: as the system", light: "Theme: light", dark: "Theme: dark" })[theme],
-  share: "Share",
   signOut: "Sign out",
   help: "Keyboard and mouse",
+  helpHint: "All keys, and what this is (?)",
+};
+
+export const handover = {
+  share: "Make a link",
+  shareHint: "A page for a colleague, for some days; the model, and what else you choose",
+  measures: "Measures",
+  measuresHint: "Lengths, symmetry and volumes",
+  files: "Files for programs",
+  none: "Fit the model to the scan first.",
 };
 
 export const next = {
@@ -25,8 +49,10 @@ export const next = {
   armed: (label: string) => `Click on ${label}`,
   correct: "Look at the landmarks again",
   ink: (count: number, on: string | null) => `Look at the ${plural(count, "line", "lines")} found on the ${on === null ? "skin" : `${on} scan`}`,
-  draw: "Draw",
+  plan: "Draw the plan",
+  draw: "Draw with the pen",
   drawing: "Put the pen down",
   add: (stance: string) => `Add the ${stance} scan`,
   changeOver: (to: string) => `Go on with the ${to} scan`,
+  print: "Print the plan",
 };

@@ -1,9 +1,9 @@
-// Step 4: the tools, and what lies on the body, line by line.
+// The plan: what the tool in the hand needs, and what lies on the body, line by line.
 import type { FitSlice } from "../fit/state";
 import { fileName, type ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
-import { button, fileButton, iconButton, problem, segmented } from "../ui/controls";
+import { button, fileButton, iconButton, problem } from "../ui/controls";
 import { el, saveFile, setText, show } from "../ui/dom";
 import { later } from "../ui/later";
 import { numberField } from "../ui/NumberField";
@@ -12,7 +12,7 @@ import { type DrawingActions, RADIUS_MM } from "./actions";
 import { createDrawingLayers } from "./DrawingLayers";
 import type { PlanWords } from "./patterns/DrawingPattern";
 import { toText } from "./lines/files";
-import { type DrawingSlice, lineNamed, type Tool, TOOLS } from "./state";
+import { type DrawingSlice, lineNamed } from "./state";
 import * as text from "./text";
 
 const words = text.drawing;
@@ -22,11 +22,6 @@ type Shown = Pick<PageSlice & ScanSlice & FitSlice & DrawingSlice, "meta" | "mod
 /** `more`: what other features have to say about the drawing, below the rest. */
 export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dismiss: () => void, more: HTMLElement): Panel<Shown> {
   let state: Shown | null = null;
-  const tools = segmented<Tool>(
-    words.tools,
-    TOOLS.map((value) => ({ value, label: words.toolNames[value], hint: words.toolHints[value] })),
-    drawing.take,
-  );
   const full = button(text.canvas.open, () => drawing.fullCanvas(true), "quiet outlined", "expand");
   full.id = "full-canvas";
   full.title = text.canvas.openHint;
@@ -37,9 +32,6 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
   const finish = button(words.finish, () => drawing.finish(), "quiet outlined");
   const measured = el("p", { class: "tape-length", hidden: true });
   const endTape = button(text.tape.end, () => drawing.endTape(), "quiet outlined");
-  const undo = iconButton("undo", words.undo, () => drawing.undo());
-  const redo = iconButton("redo", words.redo, () => drawing.redo());
-  const saved = el("span", { class: "drawing-saved muted small" });
   const again = button(words.again, () => void drawing.saveNow(), "link");
   const file = fileButton(words.importFile, ".json", "icon-only", (chosen) => void drawing.importFile(chosen));
   file.querySelector("input")!.id = "drawing-file";
@@ -66,7 +58,6 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
     { class: "panel drawing" },
     wrong.element,
     another.element,
-    el("div", { class: "tool-row" }, tools.element),
     hint,
     full,
     fingers,
@@ -75,7 +66,7 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
     measured,
     endTape,
     corners.element,
-    el("div", { class: "toolbar" }, undo, redo, el("span", { class: "spring" }), saved, again, file, save),
+    el("div", { class: "toolbar" }, again, el("span", { class: "spring" }), file, save),
     pattern.element,
     lesions.element,
     layers.element,
@@ -87,7 +78,6 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
     update(session: Shown): void {
       state = session;
       const { drawn } = session;
-      tools.set(drawn.tool);
       setText(hint, words.hints[drawn.tool]);
       show(fingers, session.hasPen);
       withFingers.checked = session.fingersDraw;
@@ -98,10 +88,7 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
       show(measured, tape !== null);
       setText(measured, tape ? text.tape.says(tape) : "");
       show(endTape, tape !== null && !tape.isEnded);
-      undo.disabled = false; // what was drawn before the page was opened can be taken back too
-      redo.disabled = drawn.lines.future.length === 0;
       save.disabled = drawn.lines.present.length === 0;
-      setText(saved, drawn.lines.present.length === 0 && drawn.saving === "saved" ? "" : words[drawn.saving]);
       wrong.set(session.problems.drawing);
       show(again, drawn.saving === "unsaved" && session.problems.drawing !== undefined);
       another.update(session);

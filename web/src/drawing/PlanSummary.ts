@@ -1,4 +1,4 @@
-// The plan on this scan with its line errors, shown while drawing.
+// The plan on this scan with its line errors.
 import { drawingLabels } from "../fit/requestedDrawing";
 import type { FitSlice } from "../fit/state";
 import { lineErrorOf, marginOf } from "../fit/verdict";
@@ -12,11 +12,11 @@ import * as text from "./text";
 
 const words = text.summary;
 
-type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "step" | "fit" | "drawing" | "drawn"> & { readonly stances: { readonly isCarrying: boolean } };
+type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "fit" | "drawing" | "drawn"> & { readonly stances: { readonly isCarrying: boolean } };
 type Shape = Pick<Laid["shapes"][number], "name" | "line_error_mm"> & { readonly label?: string; readonly kind?: string; readonly mirrored?: boolean };
 
 /** Lines of one item are in one row. */
-export function planRows(state: Omit<Shown, "step">): readonly [name: string, value: string][] {
+export function planRows(state: Shown): readonly [name: string, value: string][] {
   const { drawn, fit } = state;
   const labels = drawingLabels(state);
   const own = drawn.lines.present.map(({ name, mirrored }): [string, string] => [name, mirrored ? words.mirrored : words.own]);
@@ -44,10 +44,10 @@ export function createPlanSummary(): Panel<Shown> {
 
   return {
     element,
-    select: only("meta", "step", "fit", "drawing", "drawn", "stances"),
+    select: only("meta", "fit", "drawing", "drawn", "stances"),
     update(state: Shown): void {
       const shown = planRows(state);
-      show(element, state.step === "drawing" && state.fit !== null);
+      show(element, state.fit !== null);
       show(none, shown.length === 0);
       setText(none, state.stances.isCarrying ? words.carrying : words.none);
       fill(list, shown.flat(), () => shown.map(([name, value]) => el("div", { class: "row" }, el("dt", {}, name), el("dd", {}, value))));

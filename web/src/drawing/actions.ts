@@ -136,7 +136,7 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
     take: (tool: Tool): void => {
       const chosen = tool === "points" ? (drawn().chosen ?? lines().at(-1)?.name ?? null) : drawn().chosen;
       store.set((state) => ({
-        step: tool === "none" ? state.step : "drawing",
+        step: tool === "none" ? state.step : "plan",
         active: null,
         overlay: tool !== "none" && (state.overlay === "model" || state.overlay === "swipe" || state.overlay === "beside") ? "scan" : state.overlay,
         drawn: { ...state.drawn, tool, start: null, open: null, tape: null, chosen, corner: null },

@@ -7,7 +7,7 @@ import type { DrawingSlice } from "./state";
 /** Does what the key stands for; false leaves it to the page. */
 export function drawingKey(state: Pick<PageSlice & ScanSlice & DrawingSlice, "step" | "scan" | "drawn" | "isCanvasFull">, event: KeyboardEvent, drawing: DrawingActions): boolean {
   const { drawn } = state;
-  if (state.step !== "drawing" || !state.scan) return false;
+  if (state.step !== "plan" || !state.scan) return false;
   const key = event.key.toLowerCase();
   if (key === "z") return (event.shiftKey ? drawing.redo() : drawing.undo()), true;
   if (key === "y") return drawing.redo(), true;

@@ -160,7 +160,7 @@ export const initialDrawing: DrawingSlice = { drawn: startDrawn(), isCanvasFull:
 
 /** Without a scan to draw on, and in another step, there is no full canvas. */
 export const withoutCanvas = <State extends Pick<DrawingSlice, "isCanvasFull"> & { readonly step: string; readonly scan: object | null }>(state: State): State =>
-  state.isCanvasFull && (state.step !== "drawing" || state.scan === null) ? { ...state, isCanvasFull: false } : state;
+  state.isCanvasFull && (state.step !== "plan" || state.scan === null) ? { ...state, isCanvasFull: false } : state;
 
 /** With the tool put down and no line begun. */
 export const handsOff = (drawn: DrawnState): DrawnState => ({ ...drawn, tool: "none", start: null, open: null, tape: null, live: null });

@@ -1,4 +1,4 @@
-// Step 3: the few choices before a fit, and what goes on during one.
+// What goes on during a fit; and its few settings, for the details.
 import type { StanceChoice } from "../api/types";
 import { ENOUGH } from "../landmarks/picks";
 import { type Asked, openQuestions, sentenceOf } from "../landmarks/questions/questions";
@@ -15,7 +15,7 @@ import * as text from "./text";
 
 type Shown = Pick<PageSlice & LandmarksSlice & FitSlice, "meta" | "problems" | "picks" | "certain" | "stance" | "preset" | "refine" | "fit" | "isStarting"> & Pick<Asked, "scan">;
 
-export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<Shown> {
+export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<Shown> & { readonly settings: HTMLElement } {
   const stance = select<StanceChoice>(text.fit.stance, (chosen) => actions.chooseStance(chosen));
   const preset = select<string>(text.fit.preset, actions.choosePreset);
   const refine = el("input", { type: "checkbox", "aria-describedby": "refine-hint", onchange: () => actions.chooseRefine(refine.checked) });
@@ -30,9 +30,11 @@ export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<
   const warnings = el("p", { class: "look-here", hidden: true });
   const notes = el("div", { class: "reasons" });
   const wrong = problem(dismiss);
-  const element = el("div", { class: "panel" }, wrong.element, stance.element, preset.element, refining, hint, running, cancelled, warnings, notes);
+  const element = el("div", { class: "panel fit-state" }, wrong.element, running, cancelled, warnings);
+  const settings = el("div", { class: "panel" }, stance.element, preset.element, refining, hint, notes);
   return {
     element,
+    settings,
     select: only("meta", "problems", "scan", "picks", "certain", "stance", "preset", "refine", "fit", "isStarting"),
     update(state: Shown): void {
       const { fit, meta } = state;

@@ -83,7 +83,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
     leave();
     // A fit again is looked at as the one before it was.
     const look = store.get().fit ? {} : { overlay: "both" as const, showDistances: false };
-    store.set({ ...look, fit, step: "fit", active: null, isStarting: false, announcement: text.fit.announceStarted });
+    store.set({ ...look, fit, step: "body", active: null, isStarting: false, announcement: text.fit.announceStarted });
     const onConnection = (isConnected: boolean): void => change({ isConnected });
     stopFollowing = followFit(fit.links.events, { handlers, onConnection, whyOver: () => whyOver(fit.id) });
   }
@@ -131,7 +131,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
     done: ({ body }) => {
       const said = [text.fit.announceDone(formatMm(body.result.surface_distance_mm.mean)), verdictWords(body.result), linesWords(body.result)].join(" ").trim();
       const upright = straightenedByFit(store.get(), frameOfRig(body.result));
-      change({ state: "done", result: body.result }, { ...upright, step: stepAfter ?? "result" });
+      change({ state: "done", result: body.result }, { ...upright, ...(stepAfter === null ? {} : { step: stepAfter }) });
       stepAfter = null;
       const list = store.get().meta?.landmarks ?? [];
       const asked = openQuestions(store.get()).map((question) => sentenceOf(question, list));
@@ -141,7 +141,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
       void fetchSurface();
     },
     failed: ({ body }) => {
-      change({ state: "failed", reason: body.reason }, { step: "fit", ...withProblem(store.get(), "fit", body.reason) });
+      change({ state: "failed", reason: body.reason }, { step: "body", ...withProblem(store.get(), "fit", body.reason) });
     },
     cancelled: ({ body }) => change({ state: "cancelled", reason: body.reason }, { announcement: text.fit.cancelled }),
   };
@@ -226,7 +226,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
         ...withProblem(state, "fit", null),
         isStarting: true,
         active: null,
-        step: "fit",
+        step: "body",
       }));
       await begin(false);
     },

@@ -1,10 +1,8 @@
 // The result: numbers, distances, files.
 
 export const result = {
-  before: "Numbers, drawing and files for download.",
   report: "Report (PDF)",
   files: "Files",
-  warnings: "Check these landmarks",
   drawing: "Drawing on the scan",
   noDrawing: "No drawing was asked for.",
   downloads: [
@@ -56,7 +54,6 @@ export const numbers = {
   },
   again: "Fit again",
   solver: "Distances and details of the fit",
-  before: "They appear here while the model is being fitted.",
   live: "This iteration",
   surface: "Model to scan",
   predicted: "No scan shows this body: these distances are those of the fit that it is predicted from.",

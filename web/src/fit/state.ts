@@ -106,19 +106,18 @@ const hasFittedSurface = (state: Shown): boolean => {
 /** Scan and model are there, so that there is something to choose between. */
 export const hasBoth = ({ scan, fit }: Pick<ScanSlice & FitSlice, "scan" | "fit">): boolean => scan !== null && fit !== null;
 
-/** What of the page's state the view's buttons show. */
-export const viewBarShown = ({ scan, loading, fit, overlay, showDistances, showLoose, showRelief, showMirror }: Pick<ViewSlice & ScanSlice & FitSlice, "scan" | "loading" | "fit" | "overlay" | "showDistances" | "showLoose" | "showRelief" | "showMirror">): ViewBarShown => ({
+/** What of the page's state the bar on the stage shows. */
+export const viewBarShown = ({ scan, loading, fit, overlay, view, showDistances, showLoose, showRelief, showColours }: Pick<ViewSlice & ScanSlice & FitSlice, "scan" | "loading" | "fit" | "overlay" | "view" | "showDistances" | "showLoose" | "showRelief" | "showColours">): ViewBarShown => ({
   isShown: scan !== null && loading === null,
+  view: view.name,
   hasOverlays: fit !== null && scan?.mesh !== null,
   overlay,
-  hasDistances: fit?.distances != null,
-  showDistances,
-  hasLoose: (scan?.hasLoose ?? false) || cropsOf(scan).length > 0,
-  showLoose,
-  hasRelief: scan?.info.colours === "none" && scan.mesh !== null && overlay !== "model",
-  showRelief,
-  hasMirror: false, // who can mirror says so
-  showMirror,
+  looks: {
+    ...(fit?.distances != null ? { distances: showDistances } : {}),
+    ...(scan?.info.colours === "none" && scan.mesh !== null && overlay !== "model" ? { relief: showRelief } : {}),
+    ...((scan?.hasLoose ?? false) || cropsOf(scan).length > 0 ? { loose: showLoose } : {}),
+    ...(scan && scan.info.colours !== "none" && scan.mesh !== null ? { colours: showColours } : {}),
+  },
 });
 
 /** The coloured surface alone: over the scan the two would fight for each pixel. */

@@ -5,7 +5,6 @@ export * from "./hand_pose/handPoseText";
 export * from "./resultText";
 
 export const fit = {
-  before: "The model settles on the scan within seconds.",
   stance: "Stance",
   noDrawing: "None",
   preset: "Settings",

@@ -23,7 +23,7 @@ export class InkLines implements Part<Shown> {
   update({ step, scan, drawn, ink, inkPointed }: Shown): void {
     const { palette } = this.viewer;
     this.lines.paint(palette.ink, palette["ink-outline"]);
-    const search = step === "scan" || step === "drawing" ? ink[scan?.info.id ?? ""] : undefined;
+    const search = step === "body" || step === "plan" ? ink[scan?.info.id ?? ""] : undefined;
     const crops = cropsOf(scan);
     const now = [search, drawn.decided, crops, inkPointed];
     if (now.every((each, i) => each === this.drawn[i])) return;

@@ -25,6 +25,6 @@ export function openInk(
   const actions = inkActions(store, client, others.drawing);
   const panel = createInkPanel(actions, others.stances);
   follow(store, panel);
-  store.select(only("step"), ({ step }) => (step === "drawing" ? places.drawing : places.scan).append(panel.element));
+  store.select(only("step"), ({ step }) => (step === "plan" ? places.drawing : places.scan).append(panel.element));
   store.select(only("scan"), () => queueMicrotask(() => void actions.look())); // a listener may not set
 }

@@ -1,4 +1,4 @@
-// Step 2: the ordered list.  A row shows what it is, on which side, whether it is placed; pressing it (re-)places it.
+// The landmarks in order.  A row shows what it is, on which side, whether it is placed; pressing it (re-)places it.
 import type { LandmarkDefinition } from "../api/types";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
@@ -22,9 +22,6 @@ type Shown = Pick<PageSlice & ScanSlice & LandmarksSlice, "meta" | "problems" | 
 
 export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSearch, dismiss: () => void): Panel<Shown> {
   const rows = el("ol", { class: "landmarks" });
-  const undo = iconButton("undo", text.landmarks.undo, () => actions.undo());
-  const redo = iconButton("redo", text.landmarks.redo, () => actions.redo());
-  const saved = el("span", { class: "saved muted" });
   const again = button(text.landmarks.again, () => void actions.saveNow(), "link");
   const wrong = problem(dismiss);
   const example = button(text.landmarks.useExample, () => actions.useExample(), "quiet outlined wide");
@@ -35,13 +32,13 @@ export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSe
   file.title = text.landmarks.importHint;
   const save = landmarkExport(() => state);
   const exchangeAll = iconButton("exchange", text.landmarks.exchangeAll, () => actions.exchange(paired(state)));
-  const ofAll = createQuestionBox("div", actions, () => undo.focus());
+  const ofAll = createQuestionBox("div", actions, () => file.focus());
   const proposals = makeProposals(actions, search);
   const element = el(
     "div",
     { class: "panel" },
     wrong.element,
-    el("div", { class: "toolbar" }, undo, redo, exchangeAll, el("span", { class: "spring" }), saved, again, file, save.button),
+    el("div", { class: "toolbar" }, exchangeAll, el("span", { class: "spring" }), again, file, save.button),
     save.menu,
     proposals.element,
     ofAll.element,
@@ -68,12 +65,9 @@ export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSe
       for (const [name, each] of made) each.question.update(placed.get(name) ?? null, list);
       ofAll.update(questions.find(({ exchange }) => exchange === "all") ?? null, list);
       proposals.update(session, [...open.values()]);
-      undo.disabled = session.picks.past.length === 0;
-      redo.disabled = session.picks.future.length === 0;
       const isEmpty = Object.keys(session.picks.present).length === 0;
       save.button.disabled = isEmpty;
       exchangeAll.disabled = paired(session).length === 0;
-      setText(saved, isEmpty && session.saving === "saved" ? "" : text.landmarks[session.saving]);
       wrong.set(session.problems.landmarks);
       show(again, session.saving === "unsaved" && session.problems.landmarks !== undefined);
       show(example, Boolean(session.scan?.example));

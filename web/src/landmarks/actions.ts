@@ -10,7 +10,7 @@ import { only, type Store } from "../store/store";
 import type { ViewSlice } from "../viewer/state";
 import { type Certain, certainAt, certainNames } from "./certain";
 import { createPicksKeeper, type Known } from "./keeper";
-import { exchanged, nextMissing, type Picks, picksChanged, picksOf, withoutPick, withPick } from "./picks";
+import { exchanged, nextMissing, type Picks, picksOf, withoutPick, withPick } from "./picks";
 import { isFelt, onlyAgreed } from "./proposals/agreed";
 import { openProposals } from "./proposals/proposals";
 import type { LandmarksSlice } from "./state";
@@ -209,13 +209,6 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
     followed.answered();
   }
 
-  function changesSaid(before: Picks, after: Picks): string {
-    const { changes } = text.landmarks;
-    const { placed, moved, removed } = picksChanged(before, after);
-    const said = ([[placed, changes.placed], [moved, changes.moved], [removed, changes.removed]] as const).filter(([names]) => names.length > 0);
-    return said.map(([names, says]) => says(names.map(spoken))).join(", ");
-  }
-
   /** The picks changed from `before` by going back or forth in the history. */
   function follow(before: Picks, isAnswer: boolean): void {
     saveSoon();
@@ -245,7 +238,7 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
     },
 
     want(name: string | null): void {
-      store.set({ active: name, ...(name === null ? {} : { step: "landmarks" as const }) });
+      store.set({ active: name, ...(name === null ? {} : { step: "points" as const }) });
       if (name !== null) followed.begun();
     },
 
@@ -316,7 +309,7 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
       if (store.get().picks.past.length === 0) return;
       const before = store.get().picks.present;
       const picks = undo(store.get().picks);
-      store.set({ picks, announcement: "", undone: { says: text.landmarks.undone(changesSaid(picks.present, before)) } });
+      store.set({ picks, announcement: "", undone: { says: text.landmarks.undone(text.picksSaid(picks.present, before, list())) } });
       follow(before, answers.has(before));
     },
 
@@ -324,7 +317,7 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
       if (store.get().picks.future.length === 0) return;
       const before = store.get().picks.present;
       const picks = redo(store.get().picks);
-      store.set({ picks, announcement: "", undone: { says: text.landmarks.redone(changesSaid(before, picks.present)) } });
+      store.set({ picks, announcement: "", undone: { says: text.landmarks.redone(text.picksSaid(before, picks.present, list())) } });
       follow(before, answers.has(store.get().picks.present));
     },
 
@@ -333,7 +326,7 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
       if (!example) return;
       const picks = picksOf(example);
       const announcement = text.landmarks.announceImported(Object.keys(picks).length);
-      change(picks, { ...straightened(store.get(), picks), active: null, step: "landmarks", announcement });
+      change(picks, { ...straightened(store.get(), picks), active: null, step: "points", announcement });
     },
 
     async importFile(file: File): Promise<void> {

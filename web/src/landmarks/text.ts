@@ -1,11 +1,10 @@
 // Landmarks and their proposals.
 import { plural } from "../ui/plural";
-import { plainLabel, sideOf } from "./picks";
+import { type Picks, picksChanged, plainLabel, sideOf } from "./picks";
 
 const several = (labels: readonly string[]): string => (labels.length > 3 ? plural(labels.length, "landmark", "landmarks") : labels.join("; "));
 
 export const landmarks = {
-  before: "Clicks on the body, one for each place in the list; three are enough to start.",
   /** "nipple, patient's left": as it stands inside a sentence */
   spoken({ name, label }: { name: string; label: string }): string {
     const plain = plainLabel(label);
@@ -23,8 +22,6 @@ export const landmarks = {
   exchangeAll: "Exchange left and right of all pairs",
   skip: "Skip",
   remove: (label: string) => `Remove ${label}`,
-  undo: "Undo",
-  redo: "Redo",
   stop: "Stop",
   importFile: "Import",
   importHint: "Read landmarks from JSON, a table (CSV), MeshLab .pp, 3D Slicer .mrk.json or .fcsv, or Landmark Editor .pts",
@@ -35,9 +32,6 @@ export const landmarks = {
   exportSlicer: "for 3D Slicer",
   useExample: "Use the example's landmarks",
   clear: "Clear all",
-  saved: "Saved",
-  saving: "Saving …",
-  unsaved: "Not saved yet",
   again: "Try again",
   how: "A click on the body places the point, dragging turns the view.",
   guideTitle: "Place this point",
@@ -60,6 +54,17 @@ export const landmarks = {
     ].join(" "),
   announceImported: (count: number) => `${plural(count, "landmark", "landmarks")} read.`,
 };
+
+/** What a step of the history has changed. */
+export function picksSaid(before: Picks, after: Picks, list: readonly { readonly name: string; readonly label: string }[]): string {
+  const { placed, moved, removed } = picksChanged(before, after);
+  const spoken = (name: string): string => {
+    const entry = list.find((each) => each.name === name);
+    return entry ? landmarks.spoken(entry) : name;
+  };
+  const said = ([[placed, landmarks.changes.placed], [moved, landmarks.changes.moved], [removed, landmarks.changes.removed]] as const).filter(([names]) => names.length > 0);
+  return said.map(([names, says]) => says(names.map(spoken))).join(", ");
+}
 
 export const questions = {
   keep: "Keep it",

@@ -1,7 +1,7 @@
-// Step 1, when a scan is there: what the service read, in which unit and why, and which way the body faces.
+// Details of the scan: what the service read, in which unit and why, and which way the body faces.
 import type { UnitChoice } from "../api/types";
 import type { PageSlice } from "../store/page";
-import { ANY_FILE, button, fileButton, type Option, problem, row, select } from "../ui/controls";
+import { button, type Option, problem, row, select } from "../ui/controls";
 import { el, fill, setText, show } from "../ui/dom";
 import { later } from "../ui/later";
 import type { Panel } from "../ui/Panel";
@@ -19,15 +19,13 @@ export const unitOptions = (): Option<UnitChoice>[] =>
 
 const inSentence = (words: string): string => words.charAt(0).toLowerCase() + words.slice(1);
 
-type Shown = Pick<ScanSlice & PageSlice, "scan" | "units" | "showColours" | "isCropping" | "problems"> & { readonly isUnconfirmed: boolean };
+type Shown = Pick<ScanSlice & PageSlice, "scan" | "units" | "isCropping" | "problems"> & { readonly isUnconfirmed: boolean };
 
 /** `isUnconfirmed`: nobody has said yet that size and direction are right. */
-export function createScanPanel<More extends object>(actions: ScanActions & { readonly askToDelete: () => void }, dismiss: () => void, isUnconfirmed: (state: More) => boolean): Panel<Shown, PageSlice & ScanSlice & More> {
+export function createScanPanel<More extends object>(actions: ScanActions, dismiss: () => void, isUnconfirmed: (state: More) => boolean): Panel<Shown, PageSlice & ScanSlice & More> & { readonly asked: HTMLElement } {
   const facts = el("dl", { class: "facts" });
   const reasons = el("div", { class: "reasons" });
   const again = select<UnitChoice>(text.scan.readAgain, (unit) => chosen && void actions.upload(chosen, unit));
-  const colours = el("input", { type: "checkbox", onchange: () => actions.showColours(colours.checked) });
-  const coloursRow = el("label", { class: "check" }, colours, el("span", {}, text.scan.colours));
   const turns = TURNS.map((turn) => {
     const made = button(text.scan.turns[turn], () => actions.turn(turn), "quiet outlined");
     made.title = text.scan.turnHints[turn];
@@ -46,30 +44,24 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
   const doubt = el("p", { class: "look-here", role: "status", hidden: true });
   const unitNote = el("p", { class: "muted small", hidden: true }, text.scan.unitNote);
   const wrong = problem(dismiss);
-  const other = fileButton(text.scan.other, ANY_FILE, "quiet wide", (file) => void actions.upload(file));
   const element = el(
     "div",
     { class: "panel" },
-    wrong.element,
-    check,
-    doubt,
-    segments.element,
     facts,
     el("details", { class: "why" }, el("summary", {}, text.scan.why), reasons),
     again.element,
     unitNote,
-    coloursRow,
     el("p", { class: "label" }, text.scan.wrongWay),
     el("div", { class: "buttons" }, ...turns),
     el("p", { class: "muted small" }, text.scan.turnNote),
     crop.element,
-    other,
-    button(text.scan.remove, actions.askToDelete, "quiet wide danger"),
   );
+  const asked = el("div", { class: "panel scan-asked" }, wrong.element, check, doubt, segments.element);
   let chosen: File | null = null;
   return {
     element,
-    select: (state) => ({ scan: state.scan, units: state.units, showColours: state.showColours, isCropping: state.isCropping, problems: state.problems, isUnconfirmed: isUnconfirmed(state) }),
+    asked,
+    select: (state) => ({ scan: state.scan, units: state.units, isCropping: state.isCropping, problems: state.problems, isUnconfirmed: isUnconfirmed(state) }),
     update(state: Shown): void {
       wrong.set(state.problems.scan);
       if (!state.scan) return;
@@ -98,8 +90,6 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
       show(again.element, file !== null && !hasOwnUnit);
       show(unitNote, file === null && state.scan.example === null && !hasOwnUnit);
       again.set(unitOptions(), state.units);
-      show(coloursRow, info.colours !== "none");
-      colours.checked = state.showColours;
     },
   };
 }

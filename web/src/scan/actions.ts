@@ -84,7 +84,7 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
         crops: startHistory(crops),
         cuts: waiting ? null : digest,
       },
-      step: "scan",
+      step: "body",
       overlay: "both",
       ...fromFront(state),
       problems: {},
@@ -108,7 +108,7 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
       if (mine === generation) {
         const gone = error instanceof ApiError && error.status === 404;
         const message = gone ? text.errors.noScan : messageOf(error);
-        store.set((state) => ({ ...contents.interrupted(), loading: null, step: "scan", ...withProblem(state, "scan", message) }));
+        store.set((state) => ({ ...contents.interrupted(), loading: null, step: "body", ...withProblem(state, "scan", message) }));
       }
       return false;
     }
@@ -243,7 +243,7 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
       const known = files.filter(({ name }) => meta?.scan_files.endings.some((ending) => name.toLowerCase().endsWith(ending)));
       const file = files.length === 1 ? files[0] : known.length === 1 ? known[0] : undefined;
       if (file === undefined) {
-        store.set((state) => ({ ...contents.interrupted(), step: "scan", ...withProblem(state, "scan", text.errors.several(files.length)) }));
+        store.set((state) => ({ ...contents.interrupted(), step: "body", ...withProblem(state, "scan", text.errors.several(files.length)) }));
         return false;
       }
       const isThere = await upload(file);
@@ -274,7 +274,7 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
 
     /** Size and direction are right: on to the landmarks. */
     confirm(): void {
-      store.set((state) => ({ confirmed: state.scan?.info.id ?? null, step: "landmarks" }));
+      store.set((state) => ({ confirmed: state.scan?.info.id ?? null, step: "points" }));
       onLandmarks();
     },
 
@@ -294,12 +294,12 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
       answer(null);
       generation += 1;
       contents.stop();
-      store.set({ ...contents.none(), scan: null, loading: null, step: "scan", problems: {} });
+      store.set({ ...contents.none(), scan: null, loading: null, step: "body", problems: {} });
       return Promise.resolve(true);
     },
 
     /** While it is in the hand the scan is seen alone. */
-    takeLasso: (isCropping: boolean): void => store.set((state) => ({ isCropping, ...(isCropping ? { step: "scan", overlay: "scan", showLoose: false } : {}), announcement: isCropping ? text.crop.how : "", ...withProblem(state, "scan", null) })),
+    takeLasso: (isCropping: boolean): void => store.set((state) => ({ isCropping, ...(isCropping ? { step: "body", overlay: "scan", showLoose: false } : {}), announcement: isCropping ? text.crop.how : "", ...withProblem(state, "scan", null) })),
 
     /** Cuts away what the lasso went around. */
     crop(crop: Crop): void {

@@ -43,4 +43,4 @@ export const withLoose = ({ scan }: Pick<ScanSlice, "scan">, file: ArrayBuffer):
 
 /** The lasso is the scan step's. */
 export const withoutLasso = <State extends Pick<ScanSlice, "isCropping" | "scan"> & { readonly step: string }>(state: State): State =>
-  state.isCropping && (state.step !== "scan" || state.scan === null) ? { ...state, isCropping: false } : state;
+  state.isCropping && (state.step !== "body" || state.scan === null) ? { ...state, isCropping: false } : state;

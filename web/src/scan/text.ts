@@ -76,7 +76,6 @@ export const loading = {
 };
 
 export const scan = {
-  before: "A 3D scan of the torso, standing or lying down.",
   triangles: "Triangles",
   size: "Size",
   sizeValue: ([wide, high, deep]: readonly string[]) => `${wide}\u00a0cm wide, ${high} high, ${deep} deep`,
@@ -89,7 +88,7 @@ export const scan = {
   stances: { auto: "Decide from the scan", standing: "Standing", supine: "Supine", prone: "Prone, as in an MRI" },
   facingFrom: { landmarks: "Upright by its landmarks.", fit: "Upright by the fitted model's spine.", person: "Turned by you." },
   why: "How this was found out",
-  check: "Is it right? The ruler beside the body is 30 cm long; the body should stand upright and face you, with L on your right.",
+  check: "Is it right? The bar below the body is as long as it says; the body should stand upright and face you, with L on your right.",
   confirm: "Size and direction are right",
   wrongWay: "Not upright and facing you? Turn it by 90°:",
   turnNote: "This turns the view only: a fit finds its own start, from the landmarks or the scan itself.",
@@ -100,12 +99,7 @@ export const scan = {
     sideways: "Roll the body by 90° in the plane of the picture",
     forwards: "Tip the body forwards by 90°",
   },
-  colours: "Show the scan's own colours",
   readAgain: "Wrong unit? Read the file as",
-  other: "Load another scan",
-  remove: "Delete this scan …",
-  ruler: "30 cm",
-  summary: (triangles: string) => `${triangles} triangles`,
 };
 
 export const errors = {

@@ -3,7 +3,7 @@ import type { FitSlice } from "../fit/state";
 import type { LandmarksSlice } from "../landmarks/state";
 import type { ScanSlice } from "../scan/state";
 import { only } from "../store/store";
-import { button, iconButton } from "../ui/controls";
+import { button } from "../ui/controls";
 import { el, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { ViewSlice } from "../viewer/state";
@@ -23,15 +23,14 @@ export function createOtherPane(stances: StancesActions): Panel<Shown> & { capti
   const overlay = el("div", { class: "overlay is-narrow", "aria-hidden": "true" });
   const name = el("strong", {});
   const work = button(words.workHere, () => void stances.swap(), "outlined");
-  const aside = iconButton("close", words.remove(""), () => stances.remove());
   const following = el("span", { class: "muted small", hidden: true }, words.following);
   const made = createPredictedNote();
-  const head = el("div", { class: "pane-caption" }, name, made.badge, work, following, el("span", { class: "spring" }), made.busy, aside);
+  const head = el("div", { class: "pane-caption" }, name, made.badge, work, following, el("span", { class: "spring" }), made.busy);
   const element = el("section", { class: "other-stage", hidden: true }, canvas, overlay, head, made.note);
   const lost = el("div", { class: "no-graphics", role: "alert", hidden: true }, el("p", {}, errors.graphicsLost), button(errors.loadAgain, () => location.reload(), "outlined"));
   element.append(lost);
   const mine = el("strong", {});
-  const caption = el("div", { class: "pane-caption", hidden: true }, mine, el("span", { class: "muted" }, words.inWork));
+  const caption = el("div", { class: "pane-caption", hidden: true }, mine);
   return {
     element,
     caption,
@@ -40,11 +39,11 @@ export function createOtherPane(stances: StancesActions): Panel<Shown> & { capti
     update(state: Shown): void {
       const isShown = isComparing(state);
       show(element, isShown);
-      show(caption, isShown);
-      show(lost, state.otherGraphics === "lost");
-      if (!isShown) return;
+      show(caption, state.scan !== null);
       const [own, other] = stanceNames(state);
       setText(mine, words.here(own));
+      show(lost, state.otherGraphics === "lost");
+      if (!isShown) return;
       setText(name, words.here(isPredicted(state.stances.other!) ? stanceOf(state.stances.other!) : other));
       show(following, state.stances.isCarrying);
       show(work, !isPredicted(state.stances.other!));
@@ -52,8 +51,6 @@ export function createOtherPane(stances: StancesActions): Panel<Shown> & { capti
       if (element.getAttribute("aria-label") !== words.here(other)) {
         element.setAttribute("aria-label", words.here(other));
         canvas.setAttribute("aria-label", words.canvas(other));
-        aside.title = words.remove(other);
-        aside.setAttribute("aria-label", words.remove(other));
       }
     },
   };

@@ -15,6 +15,7 @@ import { ScanMesh } from "../scan/ScanMesh";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import { only, type Store } from "../store/store";
+import { ScaleBar } from "../viewer/ScaleBar";
 import { SideLetters } from "../viewer/SideLetters";
 import type { ViewSlice } from "../viewer/state";
 import type { OtherPane } from "../viewer/testHook";
@@ -78,6 +79,7 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
       { update: (state) => pins.update(state, state.drawn.tool === "none") },
       { update: (state) => discs.update(state, state.drawn.tool === "none") },
       new SideLetters(made),
+      new ScaleBar(made),
     ];
     main.turned.add(() => follow(main, made));
     made.turned.add(() => (made.isHeld ? follow(made, main) : follow(main, made))); // not held: its pane has another size now

@@ -1,4 +1,4 @@
-// Where the second scan comes from: a file, the patient's other scans, or those filed under a code that is typed.
+// Where another scan comes from: a file, a prediction, or those filed under a code that is typed.
 import type { FitSlice } from "../fit/state";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
@@ -23,9 +23,6 @@ export function createStancesDialog(stances: StancesActions, dismiss: () => void
   file.querySelector("input")!.id = "second-scan-file";
   const examples = el("div", { class: "choices" });
   const exampleLabel = el("p", { class: "label" }, words.examples);
-  const herLabel = el("p", { class: "label" });
-  const hers = el("ul", { class: "choices" });
-  const none = el("p", { class: "muted small" }, words.hersNone);
   const code = el("input", { type: "text", id: "other-code", autocomplete: "off", placeholder: words.code, "aria-label": words.code });
   const find = el("form", { class: "inline-form", onsubmit: (event) => (event.preventDefault(), void stances.name(code.value)) }, code, el("button", { type: "submit", class: "button outlined" }, words.find));
   const moves = el("p", { class: "look-here small" });
@@ -36,7 +33,7 @@ export function createStancesDialog(stances: StancesActions, dismiss: () => void
   const offerLabel = el("p", { class: "label" }, made.offer);
   const offer = el("div", { class: "choices in-row" });
   const offerWhat = el("p", { class: "muted small" });
-  const choices = el("div", { class: "panel" }, file, herLabel, hers, none, exampleLabel, examples, offerLabel, offer, offerWhat, elsewhere);
+  const choices = el("div", { class: "panel" }, file, exampleLabel, examples, offerLabel, offer, offerWhat, elsewhere);
   const offered = (scans: readonly PatientScan[]): HTMLElement[] =>
     scans.map(({ id, stance, created_at }) =>
       el("li", {}, el("button", { type: "button", class: "button outlined wide known", onclick: () => void stances.takeKnown(id) }, words.at(stance, moment.format(new Date(created_at))))),
@@ -65,11 +62,8 @@ export function createStancesDialog(stances: StancesActions, dismiss: () => void
       const examplesShown = state.scan?.example ? state.examples : []; // they are all of one patient
       show(exampleLabel, examplesShown.length > 0);
       fill(examples, examplesShown, () => examplesShown.map(({ name, label }) => button(label, () => void stances.takeExample(name), "outlined")));
-      const { hers: found, named } = state.stances;
+      const { named } = state.stances;
       const mine = state.scan?.info.patient_code ?? "";
-      setText(herLabel, words.hers(mine));
-      show(none, found.length === 0);
-      fill(hers, found, () => offered(found));
       const unseen = unscanned(state);
       const mayPredict = state.fit?.state === "done";
       for (const each of [offerLabel, offer, offerWhat]) show(each, unseen.length > 0);

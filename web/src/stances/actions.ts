@@ -15,7 +15,7 @@ import type { ViewSlice } from "../viewer/state";
 import { followPlan } from "./followPlan";
 import { predictActions } from "./predict";
 import { loadFit, loadWorkspace } from "./load";
-import { initialStances, isPredicted, isUnfinished, measuredFits, type PatientScan, scannedOther, stanceNames, type StancesSlice, type StancesState, type Workspace, workspaceOf } from "./state";
+import { initialStances, isComparing, isPredicted, isUnfinished, measuredFits, scannedOther, stanceNames, type StancesSlice, type StancesState, type Workspace, workspaceOf } from "./state";
 import * as text from "./text";
 
 const WATCH_MS = 1000; // a fit that goes on while its scan waits is looked after so often
@@ -99,13 +99,13 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     if (scan) void readHers();
   }
 
-  /** The patient's scans beside the open one. */
+  /** All scans of the patient. */
   async function readHers(): Promise<void> {
     const scan = store.get().scan?.info;
     if (!scan) return;
     try {
       const { scans } = await client.patient(scan.patient);
-      if (store.get().scan?.info.id === scan.id) put({ hers: scans.filter(({ id }) => id !== scan.id && !gone.has(id)) });
+      if (store.get().scan?.info.id === scan.id) put({ scans: scans.filter(({ id }) => !gone.has(id)) });
     } catch (error) {
       fail(error);
     }
@@ -139,7 +139,7 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       put({ isBringing: false }, { problems: { ...problems, ...(problems.scan ? { stances: problems.scan } : {}) } });
       return;
     }
-    put({ ...initialStances, hers: store.get().stances.hers, other: kept, isSecond: true }, { announcement: text.stances.announceAdded });
+    put({ ...initialStances, scans: store.get().stances.scans, other: kept, isSecond: true }, { announcement: text.stances.announceAdded });
     await joinPatient(kept, isNew);
     isJoining = false;
     lookForHers();
@@ -173,7 +173,7 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     /** The service has it no more. */
     forget(scan: string): void {
       gone.add(scan);
-      put({ hers: store.get().stances.hers.filter(({ id }) => id !== scan) });
+      put({ scans: store.get().stances.scans.filter(({ id }) => id !== scan) });
     },
 
     /** From the address: the one that waits, as it was. */
@@ -212,19 +212,29 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       lookAfter();
     },
 
-    /** Two are on the page: one of the patient's further scans is worked on, and the one that was waits in the place of the other. */
-    async third({ id, fit }: PatientScan): Promise<void> {
-      const { stances, isStarting } = store.get();
+    /** A scan of the strip: one that is not seen is shown beside the one in work, one of two that are seen is put away. */
+    async tap(id: string): Promise<void> {
+      const { scan, stances, isStarting } = store.get();
+      const { other } = stances;
       if (isStarting) return;
-      await this.restore(id, fit?.state === "done" ? fit.id : null, null, { isSecond: false, isComparing: stances.isComparing });
-      if (store.get().stances.other?.scan?.info.id === id) await this.swap();
+      const isIts = other !== null && (isPredicted(other) ? id === "predicted" : id === other.scan?.info.id);
+      if (isIts) this.compare(!stances.isComparing);
+      if (id === scan?.info.id && isComparing(store.get())) {
+        if (!isPredicted(other!)) await this.swap();
+        this.compare(false);
+      }
+      if (isIts || id === scan?.info.id) return;
+      const row = stances.scans.find((each) => each.id === id);
+      leave();
+      await flush();
+      await this.restore(id, row?.fit?.state === "done" ? row.fit.id : null, null, { isSecond: false, isComparing: true });
     },
 
     /** The one that waits is not wanted any more; the scan itself stays with the service. */
     remove(): void {
       clearTimeout(watch);
       leave();
-      store.set(({ stances }) => ({ stances: { ...initialStances, hers: stances.hers, answers: stances.answers } }));
+      store.set(({ stances }) => ({ stances: { ...initialStances, scans: stances.scans, answers: stances.answers } }));
     },
 
     /** Fits both scans, where that is not done: what is planned on one is then carried to the other. */

@@ -3,7 +3,7 @@ import type { Client } from "../api/client";
 import { laidOnScan, type OnScan } from "../drawing/state";
 import type { PlanActions } from "../plan/actions";
 import { only, type Store } from "../store/store";
-import { further, isPredicted, stanceNames, type StancesSlice, type Workspace, workspaceOf } from "./state";
+import { isPredicted, type PatientScan, stanceNames, type StancesSlice, type Workspace, workspaceOf } from "./state";
 import * as text from "./text";
 
 const CALM_MS = 300; // after the last stroke
@@ -18,8 +18,8 @@ interface Others {
 }
 
 /** What decides how the plan lies on a scan. */
-const keyOf = (to: Workspace, from: Workspace | null, { stances }: StancesSlice): readonly unknown[] => [
-  hasFittedThird({ stances }),
+const keyOf = (to: Workspace, from: Workspace | null, { scan, stances }: Pick<State, "scan" | "stances">): readonly unknown[] => [
+  furtherOf({ scan, stances }).some(isFitted),
   stances.answers,
   to.fit?.id,
   from?.fit?.state === "done" ? from.fit.id : null,
@@ -32,7 +32,8 @@ const keyOf = (to: Workspace, from: Workspace | null, { stances }: StancesSlice)
 ];
 
 /** What was planned on a scan that is not on the page is carried as well. */
-const hasFittedThird = ({ stances }: StancesSlice): boolean => further(stances).some(({ fit }) => fit?.state === "done");
+const furtherOf = ({ scan, stances }: Pick<State, "scan" | "stances">): readonly PatientScan[] => stances.scans.filter(({ id }) => id !== scan?.info.id && id !== stances.other?.scan?.info.id);
+const isFitted = ({ fit }: PatientScan): boolean => fit?.state === "done";
 
 export function followPlan<Whole extends State>(store: Store<Whole>, client: Pick<Client, "planOnFit">, others: Others): void {
   const asked = new Map<string, readonly unknown[]>(); // fit -> what it was last asked for; a failure is not tried again unchanged
@@ -58,7 +59,7 @@ export function followPlan<Whole extends State>(store: Store<Whole>, client: Pic
     if (!scan || !fit) return;
     const key = keyOf(to, from, store.get());
     asked.set(fit.id, key);
-    const isBeside = from?.fit?.state === "done" || hasFittedThird(store.get());
+    const isBeside = from?.fit?.state === "done" || furtherOf(store.get()).some(isFitted);
     const isNeeded = isPredicted(to) || others.plan.isMoreThanLines(scan.info, isBeside);
     const plan = isNeeded || isBeside ? await client.planOnFit(fit.links.plan) : null; // with nothing planned too: whether both are of one patient
     const questions = plan?.asked?.map(({ scan: other, says }) => ({ scan: scan.info.id, other, says })) ?? [];
@@ -76,7 +77,7 @@ export function followPlan<Whole extends State>(store: Store<Whole>, client: Pic
     try {
       await others.flush();
       await others.plan.settled();
-      for (const [to, from, name] of pairs(store.get())) if (isOld(to, from)) await lay(to, from, further(store.get().stances).length > 0 ? text.stances.carry.others : name);
+      for (const [to, from, name] of pairs(store.get())) if (isOld(to, from)) await lay(to, from, furtherOf(store.get()).length > 0 ? text.stances.carry.others : name);
     } catch (error) {
       others.fail(error);
     } finally {

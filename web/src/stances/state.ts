@@ -31,7 +31,7 @@ export interface StancesState {
   readonly isLinked: boolean; // turning one turns the other
   readonly isAdding: boolean; // the dialog for a second scan is open
   readonly isBringing: boolean; // the second scan is on its way
-  readonly hers: readonly PatientScan[]; // the patient's scans beside the one in work
+  readonly scans: readonly PatientScan[]; // all of the patient's
   readonly named: Patient | null; // another patient, whose code was typed: those scans are offered, if they are of the same patient
   readonly isCarrying: boolean;
   readonly asked: readonly AskedPair[]; // scans that do not look like one patient's: nothing is carried between them before the answer
@@ -53,7 +53,7 @@ export const initialStances: StancesState = {
   isLinked: true,
   isAdding: false,
   isBringing: false,
-  hers: [],
+  scans: [],
   named: null,
   isCarrying: false,
   asked: [],
@@ -65,9 +65,6 @@ export const initialStances: StancesState = {
 /** What speaks against it that the scan in work and another one are the patient's; empty where nothing does, or somebody has said that they are. */
 export const doubtOf = ({ scan, stances }: Pick<Stances, "scan" | "stances">): string =>
   stances.asked.find((each) => [each.scan, each.other].some((id) => id === scan?.info.id))?.says ?? "";
-
-/** The patient's scans that are not on the page. */
-export const further = ({ hers, other }: Pick<StancesState, "hers" | "other">): readonly PatientScan[] => hers.filter(({ id }) => id !== other?.scan?.info.id);
 
 /** What the page has of its scan, as it may wait: a replay is at its end. */
 export function workspaceOf({ scan, picks, certain, drawn, proposals, skipped, saving, stance, drawing, fit }: Workspace): Workspace {
@@ -94,7 +91,7 @@ export function stanceOf(workspace: Pick<Workspace, "fit" | "stance" | "scan">):
 /** The stances that no scan of the patient shows, of whom the one in work is one. */
 export function unscanned(state: Pick<Stances, "scan" | "stance" | "fit" | "stances">): readonly Stance[] {
   const other = scannedOther(state.stances);
-  const seen = new Set<Stance>([stanceOf(state), ...(other ? [stanceOf(other)] : []), ...state.stances.hers.map(({ stance }) => stance)]);
+  const seen = new Set<Stance>([stanceOf(state), ...(other ? [stanceOf(other)] : []), ...state.stances.scans.filter(({ id }) => id !== state.scan?.info.id && id !== other?.scan?.info.id).map(({ stance }) => stance)]);
   return (["standing", "supine", "prone"] as const).filter((stance) => !seen.has(stance));
 }
 
@@ -122,7 +119,7 @@ export function otherState<State extends Pick<PageSlice & ViewSlice & LandmarksS
   const { other } = state.stances;
   if (!other) return null;
   const overlay = isPredicted(other) ? "model" : isBeside(state.overlay) ? "both" : state.overlay;
-  return { ...state, ...other, overlay, active: null, step: state.step === "drawing" ? "drawing" : "result" };
+  return { ...state, ...other, overlay, active: null, step: state.step === "plan" ? "plan" : "handover" };
 }
 
 /** A fit that is over but not all here, or that was running when its scan was put aside. */

@@ -1,30 +1,32 @@
 // Two stances of one patient: the second scan, the two panes, the drawing in both, the table of measures.
 const capital = (word: string): string => word.charAt(0).toUpperCase() + word.slice(1);
 
-export const stances = {
-  label: "Stance",
+export const strip = {
+  label: "Scans",
+  today: "Today",
   name: capital,
-  working: (name: string) => `Work on the ${name} scan`,
-  add: "Add other stance",
-  addHint: "Another scan of the same patient: standing, supine or prone",
-  compare: "Side by side",
-  compareHint: "Both stances beside each other, seen from the same side",
-  link: "Linked",
-  linkHint: "Turning one turns the other",
+  image: "MRI",
+  predicted: "Predicted",
+  pane: (pane: number) => `in pane ${pane}`,
+  add: "+ Scan",
+  addHint: "Another scan of this patient: standing, supine, prone, or the label map of an MRI",
+};
+
+export const stances = {
+  add: "Add a scan",
+  link: "Turn both together",
+  linkHint: "Turning one pane turns the other",
   measures: "Measures",
   measuresHint: "Lengths, symmetry and volumes of this stance, or of both",
   here: (name: string) => capital(name),
   called: (stance: string, isPredicted: boolean) => (isPredicted ? `${stance}, predicted` : stance),
-  inWork: "in work",
   workHere: "Work here",
   following: "following …",
   canvas: (name: string) => `3D view of the ${name} scan. Drag to turn it, scroll to zoom.`,
-  remove: (name: string) => `Put the ${name} scan aside`,
 
   predicted: {
     badge: (isSimulated: boolean) => (isSimulated ? "simulated, not scanned" : "predicted, not scanned"),
     picture: (name: string) => `${name}, not scanned`,
-    show: (name: string) => `Show ${name}, beside the scan`,
     sure: (lines: string, margin: string) => `${lines.charAt(0).toUpperCase()}${lines.slice(1)} ${margin}.`,
     offer: "No such scan at hand",
     offerWhat: "Predicted from this scan, with how far off it may be. Nothing can be drawn on it; a scan takes its place.",
@@ -36,12 +38,10 @@ export const stances = {
   },
 
   dialog: {
-    title: "Add the other stance",
-    what: "A second scan of the same patient. It gets its own landmarks and its own fit; then both are shown side by side, and a drawing on one is shown on the other.",
+    title: "Add a scan of this patient",
+    what: "Another position or another day. What is planned is then shown on all scans of the patient.",
     upload: "Choose a scan file",
     examples: "Example patient",
-    hers: (code: string) => `Other scans of ${code}`,
-    hersNone: "This patient has no other scan yet.",
     elsewhere: "Filed under another code",
     code: "Her code there",
     find: "Show its scans",

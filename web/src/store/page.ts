@@ -3,7 +3,8 @@
 import type { Example, Meta, Model } from "../api/types";
 import type { Unsaved } from "./outbox";
 
-export type Step = "scan" | "landmarks" | "fit" | "drawing" | "result";
+/** Body, Plan and Hand over are the tabs; `points`, where landmarks are set by hand, is a part of Body. */
+export type Step = "body" | "points" | "plan" | "handover";
 
 export type Theme = "system" | "light" | "dark";
 
@@ -22,4 +23,4 @@ export interface PageSlice {
   readonly undone: { readonly says: string } | null; // what undo or redo has just changed: shown, and read out
 }
 
-export const initialPage: PageSlice = { meta: null, examples: [], models: {}, theme: "system", step: "scan", problems: {}, announcement: "", unsaved: null, undone: null };
+export const initialPage: PageSlice = { meta: null, examples: [], models: {}, theme: "system", step: "body", problems: {}, announcement: "", unsaved: null, undone: null };

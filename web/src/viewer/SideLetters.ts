@@ -1,11 +1,10 @@
 // L and R beside the body, on the patient's own sides, turning with it: nobody has to think whose left is meant.
 import { Vector3 } from "three";
 import { el } from "../ui/dom";
-import * as text from "./text";
 import type { Part, Viewer } from "./Viewer";
 
-const CUBE = { wide: 130, high: 122 }; // pixels from the upper right corner that the cube and half a letter need
-const AWAY = 46; // pixels beside the body: room for the words
+const AWAY = 26; // pixels beside the body
+const HALF = 18; // of a letter, with air
 
 export class SideLetters implements Part<{ readonly scan: object | null }> {
   private readonly letters = ([0, 1] as const).flatMap((pane) => ([1, -1] as const).map((side) => ({
@@ -14,7 +13,7 @@ export class SideLetters implements Part<{ readonly scan: object | null }> {
     element: el(
       "div",
       { class: `letter side-${side > 0 ? "left" : "right"}`, hidden: true },
-      el("div", {}, el("strong", {}, side > 0 ? "L" : "R"), el("span", {}, side > 0 ? text.view.left : text.view.right)),
+      el("strong", {}, side > 0 ? "L" : "R"),
     ),
   })));
 
@@ -35,12 +34,10 @@ export class SideLetters implements Part<{ readonly scan: object | null }> {
       element.classList.toggle("is-elsewhere", pane >= this.viewer.panes);
       const seen = new Vector3(side * half.x, height * half.y, 0);
       const edge = this.viewer.toScreen(body.worldToLocal(seen));
-      const limit = this.viewer.paneWidth - 44;
+      const limit = this.viewer.paneWidth - HALF;
       const outwards = Math.max(-1, Math.min(1, (edge.x - middle) / 30));
-      const x = Math.min(Math.max(edge.x + AWAY * outwards, 44), limit);
-      const isUnderCube = x + pane * this.viewer.paneWidth > this.viewer.host.clientWidth - CUBE.wide;
-      const top = isUnderCube ? CUBE.high : 34;
-      element.style.transform = `translate(${(x + pane * this.viewer.paneWidth).toFixed(1)}px, ${Math.max(edge.y, top).toFixed(1)}px)`;
+      const x = Math.min(Math.max(edge.x + AWAY * outwards, HALF), limit);
+      element.style.transform = `translate(${(x + pane * this.viewer.paneWidth).toFixed(1)}px, ${Math.max(edge.y, 3 * HALF).toFixed(1)}px)`;
       element.classList.toggle("is-far", side * gaze.x < -0.55);
     }
   }

@@ -1,80 +1,58 @@
-// Under the body: from which side it is seen, what of scan and model is shown, and whether distances colour it.
-import { segmented } from "../ui/controls";
-import { el, icon, show } from "../ui/dom";
+// The bar on the stage: the tools, from which side the body is seen, and what of scan and model is shown.
+import { el, show } from "../ui/dom";
+import { createMenu, menuItem } from "../ui/menu";
 import type { Panel } from "../ui/Panel";
 import type { ViewActions } from "./actions";
-import { type Overlay, OVERLAYS, type ViewName } from "./state";
+import { type Look, LOOKS, type Overlay, OVERLAYS, type ViewName } from "./state";
 import * as text from "./text";
 
 export interface ViewBarShown {
   readonly isShown: boolean;
-  /** there is something to choose between */
-  readonly hasOverlays: boolean;
+  readonly view: ViewName;
   readonly overlay: Overlay;
-  readonly hasDistances: boolean;
-  readonly showDistances: boolean;
-  /** the scan has more than the patient */
-  readonly hasLoose: boolean;
-  readonly showLoose: boolean;
-  /** the scan has nothing but its shape */
-  readonly hasRelief: boolean;
-  readonly showRelief: boolean;
-  /** two breasts can be compared */
-  readonly hasMirror: boolean;
-  readonly showMirror: boolean;
+  /** there is a scan and a model to choose between */
+  readonly hasOverlays: boolean;
+  /** what can be switched now, and whether it is on */
+  readonly looks: Readonly<Partial<Record<Look, boolean>>>;
 }
 
-export interface ViewBarActions {
-  readonly showDistances: (isOn: boolean) => void;
-  readonly showLoose: (isOn: boolean) => void;
-  readonly showRelief: (isOn: boolean) => void;
-  readonly showMirror: (isOn: boolean) => void;
-}
+export type LookActions = Readonly<Partial<Record<Look, (isOn: boolean) => void>>>;
 
-/** `select` says what of the page's state it shows. */
-export function createViewBar<State extends object>(view: ViewActions, actions: ViewBarActions, select: (state: State) => ViewBarShown): Panel<ViewBarShown, State> {
+/** `tools`: stand before the rest; `select` says what of the page's state it shows. */
+export function createViewBar<State extends object>(view: ViewActions, actions: LookActions, select: (state: State) => ViewBarShown, tools: HTMLElement | null = null): Panel<ViewBarShown, State> {
   const names = Object.keys(text.view.names) as ViewName[];
-  const views = segmented<ViewName>(
-    text.view.label,
-    names.map((value) => ({ value, label: text.view.names[value], hint: text.view.hints[value] })),
-    view.from,
-  );
-  const overlays = segmented<Overlay>(
-    text.view.overlayLabel,
-    OVERLAYS.map((value) => ({ value, label: text.view.overlays[value], hint: text.view.overlayHints[value] })),
-    view.overlay,
-  );
-  for (const each of views.element.querySelectorAll("button")) each.removeAttribute("aria-pressed");
-  const distances = toggle("distances", text.view.distances, text.view.distancesHint, actions.showDistances);
-  const loose = toggle("loose", icon("table"), text.view.looseHint, actions.showLoose, text.view.loose); // a picture: with all buttons the words would need a second row
-  const relief = toggle("relief", icon("relief"), text.view.reliefHint, actions.showRelief, text.view.relief);
-  const mirror = toggle("mirror", icon("mirror"), text.view.mirrorHint, actions.showMirror, text.view.mirror);
-  const element = el("div", { class: "view-bar", hidden: true }, el("div", { class: "view-buttons" }, views.element, overlays.element, distances.element, mirror.element, relief.element, loose.element));
+  const from = createMenu("view-menu", "", text.view.label, "quiet opens", ...names.map((name) => menuItem(text.view.names[name], text.view.hints[name], () => view.from(name))));
+  from.card.addEventListener("click", () => from.close());
+  const overlays = OVERLAYS.map((overlay) => {
+    const item = menuItem(text.view.overlays[overlay], text.view.overlayHints[overlay], () => view.overlay(overlay));
+    item.dataset.value = overlay;
+    return { overlay, item };
+  });
+  const looks = LOOKS.map((look) => {
+    const item = menuItem(text.view.looks[look], text.view.lookHints[look], () => actions[look]?.(item.getAttribute("aria-pressed") !== "true"));
+    item.id = look;
+    return { look, item };
+  });
+  const line = el("hr");
+  const seen = createMenu("look-menu", "", text.view.overlayLabel, "quiet opens", ...overlays.map(({ item }) => item), line, ...looks.map(({ item }) => item));
+  const element = el("div", { class: "view-bar", role: "toolbar", "aria-label": text.view.bar, hidden: true }, tools, from.element, seen.element);
   return {
     element,
     select,
     update(shown: ViewBarShown): void {
       show(element, shown.isShown);
-      show(overlays.element, shown.hasOverlays);
-      overlays.set(shown.overlay);
-      distances.set(shown.hasDistances, shown.showDistances);
-      mirror.set(shown.hasMirror, shown.showMirror);
-      relief.set(shown.hasRelief, shown.showRelief);
-      loose.set(shown.hasLoose, shown.showLoose);
-    },
-  };
-}
-
-function toggle(id: string, label: string | SVGElement, hint: string, turn: (isOn: boolean) => void, name: string | null = null) {
-  let isOn = false;
-  const button = el("button", { type: "button", title: hint, "aria-label": name, id, onclick: () => turn(!isOn) }, label);
-  const element = el("div", { class: "segmented" }, button);
-  return {
-    element,
-    set(isThere: boolean, isNowOn: boolean): void {
-      show(element, isThere);
-      isOn = isNowOn;
-      button.setAttribute("aria-pressed", String(isOn));
+      from.set(text.view.names[shown.view]);
+      seen.set(text.view.overlays[shown.overlay]);
+      for (const { overlay, item } of overlays) {
+        show(item, shown.hasOverlays);
+        item.setAttribute("aria-pressed", String(overlay === shown.overlay));
+      }
+      for (const { look, item } of looks) {
+        show(item, shown.looks[look] !== undefined && actions[look] !== undefined);
+        item.setAttribute("aria-pressed", String(shown.looks[look] ?? false));
+      }
+      show(line, shown.hasOverlays && Object.keys(shown.looks).length > 0);
+      show(seen.element, shown.hasOverlays || Object.keys(shown.looks).length > 0);
     },
   };
 }

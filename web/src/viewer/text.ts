@@ -1,11 +1,9 @@
 // The 3D view and its buttons.
-import type { Overlay, ViewName } from "./state";
+import type { Look, Overlay, ViewName } from "./state";
 
 export const view = {
   label: "View",
   names: { front: "Front", left: "Left", right: "Right", back: "Back", top: "Top" } satisfies Record<ViewName, string>,
-  /** on the cube: the patient's sides */
-  faces: { front: "Front", left: "L", right: "R", back: "Back", top: "Up" } satisfies Record<ViewName, string>,
   hints: {
     front: "From the front (F)",
     left: "From the patient's left",
@@ -13,8 +11,10 @@ export const view = {
     back: "From behind",
     top: "From above the head",
   } satisfies Record<ViewName, string>,
-  overlayLabel: "Show",
-  overlays: { scan: "Scan", both: "Both", model: "Model", beside: "Beside", swipe: "Swipe" } satisfies Record<Overlay, string>,
+  overlayLabel: "What is shown",
+  bar: "Tools and view",
+  scale: (cm: number) => `${cm}\u00a0cm`,
+  overlays: { scan: "Skin", both: "Both", model: "Model", beside: "Beside", swipe: "Swipe" } satisfies Record<Overlay, string>,
   overlayHints: {
     scan: "The scan alone",
     both: "The model over the scan",
@@ -22,20 +22,21 @@ export const view = {
     beside: "Scan and model side by side, turning together",
     swipe: "Scan to the left, model to the right of a line that you move",
   } satisfies Record<Overlay, string>,
-  distances: "Distances",
-  distancesHint: "Colour the model by its distance to the scan, in millimetres (D)",
-  mirror: "Left on right",
-  mirrorHint: "Left on right: the left breast mirrored onto the right one, coloured by the difference",
-  relief: "Folds darker",
-  reliefHint: "Folds darker, what stands out brighter: for a scan without colours",
-  loose: "Table and loose pieces",
-  looseHint: "Table, loose pieces and what was hidden: show all that was scanned; it cannot be drawn on, and stays in all files",
+  looks: { distances: "Distances", mirror: "Left on right", relief: "Folds darker", loose: "Table and loose pieces", colours: "The scan's own colours", linked: "Turn both together" } satisfies Record<Look, string>,
+  lookHints: {
+    distances: "The model coloured by its distance to the scan (D)",
+    mirror: "The left breast mirrored onto the right one, coloured by the difference",
+    relief: "Folds darker, what stands out brighter",
+    loose: "All that was scanned; it cannot be drawn on, and stays in all files",
+    colours: "As the camera saw them",
+    linked: "Turning one pane turns the other",
+  } satisfies Record<Look, string>,
   swipe: "Line between scan and model",
   panes: { scan: "Scan", model: "Model" },
-  canvas: "3D view of the scan. Arrow keys turn it, plus and minus zoom; while a landmark is wanted they move a cross, and Enter places it.",
-  shared: "3D view of the result. Drag to turn it, scroll to zoom; the buttons below show it from all sides.",
   left: "patient's left",
   right: "patient's right",
+  canvas: "3D view of the scan. Arrow keys turn it, plus and minus zoom; while a landmark is wanted they move a cross, and Enter places it.",
+  shared: "3D view of the result. Drag to turn it, scroll to zoom; the buttons below show it from all sides.",
 };
 
 export const errors = {

@@ -4,7 +4,7 @@ import { fromHash, type PageAddress, toHash } from "../../src/app/address";
 const NOTHING: PageAddress = { scan: null, fit: null, step: null, frame: null, other: null, isSecond: false, isComparing: false };
 
 test("scan, fit and a turned body survive the address", () => {
-  const place = { ...NOTHING, scan: "a1", fit: "b2", step: "drawing", frame: { up: [0, 0, 1], front: [0, -1, 0] } } satisfies PageAddress;
+  const place = { ...NOTHING, scan: "a1", fit: "b2", step: "plan", frame: { up: [0, 0, 1], front: [0, -1, 0] } } satisfies PageAddress;
   expect(fromHash(toHash(place))).toEqual(place);
 });
 
@@ -21,7 +21,7 @@ test("an empty page has an empty address, and a fit without its scan is not kept
 });
 
 test("a step that there is not is left out", () => {
-  expect(fromHash("#scan=a1&step=landmarks").step).toBe("landmarks");
+  expect(fromHash("#scan=a1&step=points").step).toBe("points");
   expect(fromHash("#scan=a1&step=surgery").step).toBeNull();
 });
 

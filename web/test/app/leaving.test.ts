@@ -93,7 +93,7 @@ test("a deleted scan cannot be chosen as a second stance any more, and can when 
   const hers = async (): Promise<readonly string[]> => {
     actions.stances.dialog(true);
     await settle();
-    return store.get().stances.hers.map(({ id }) => id);
+    return store.get().stances.scans.map(({ id }) => id);
   };
   expect(await hers()).toEqual(["s1"]);
   await actions.deletion.confirm();

@@ -29,21 +29,21 @@ test("a scan of one's own is looked at first: size and direction; once for each,
   expect(nextStep({ ...own, confirmed: "s1" }).kind).toBe("place");
   expect(nextStep({ ...own, confirmed: "another" }).kind).toBe("confirm scan");
   expect(nextStep({ ...own, picks: startHistory(some) }).kind).toBe("fit");
-  expect(nextStep({ ...own, step: "fit" }).kind).toBe("fit");
+  expect(nextStep({ ...own, step: "body" }).kind).toBe("fit");
 });
 
 test("while placing, the wanted landmark is the step", () => {
-  const state: Session = { ...withScan, step: "landmarks", active: "nipple_R" };
+  const state: Session = { ...withScan, step: "points", active: "nipple_R" };
   expect(nextStep(state)).toEqual({ kind: "place", landmark: "nipple_R", isArmed: true });
 });
 
 test("when all are placed or skipped, the fit is next", () => {
-  const state: Session = { ...withScan, step: "landmarks", picks: startHistory(some), skipped: new Set(["umbilicus"]) };
+  const state: Session = { ...withScan, step: "points", picks: startHistory(some), skipped: new Set(["umbilicus"]) };
   expect(nextStep(state)).toEqual({ kind: "fit", again: false, landmarks: 3 });
 });
 
 test("a finished fit offers the pen, until a landmark is changed", () => {
-  const state: Session = { ...withScan, step: "result", picks: startHistory(some), fit: fitted(some) };
+  const state: Session = { ...withScan, step: "body", picks: startHistory(some), fit: fitted(some) };
   expect(nextStep(state)).toEqual({ kind: "draw", isArmed: false });
   const changed = { ...state, picks: record(state.picks, { ...some, umbilicus: [0, -1, 0] as [number, number, number] }) };
   expect(nextStep(changed)).toEqual({ kind: "fit", again: true, landmarks: 4 });
@@ -51,19 +51,19 @@ test("a finished fit offers the pen, until a landmark is changed", () => {
 
 test("what a fit asks about comes before its result, until it is answered", () => {
   const asks = { ...fitted(some), result: { landmarks_unusual: [{ names: ["notch"], reason: "notch is unusual." }] } } as unknown as Session["fit"];
-  const state: Session = { ...withScan, step: "result", picks: startHistory(some), fit: asks };
+  const state: Session = { ...withScan, step: "body", picks: startHistory(some), fit: asks };
   expect(nextStep(state)).toEqual({ kind: "check", count: 1 });
-  expect(nextStep({ ...state, step: "landmarks", skipped: new Set(["umbilicus"]) }).kind).toBe("check");
-  expect(nextStep({ ...state, step: "drawing" }).kind).toBe("draw");
+  expect(nextStep({ ...state, step: "points", skipped: new Set(["umbilicus"]) }).kind).toBe("check");
+  expect(nextStep({ ...state, step: "plan" }).kind).toBe("draw");
   expect(nextStep({ ...state, certain: { notch: [0, 0, 0] } }), "kept, and not yet fitted so").toEqual({ kind: "fit", again: true, landmarks: 3 });
 });
 
 test("a failed fit offers another try", () => {
-  expect(nextStep({ ...withScan, step: "fit", fit: fitted(some, "failed"), picks: startHistory(some) })).toMatchObject({ kind: "fit", again: true });
+  expect(nextStep({ ...withScan, step: "body", fit: fitted(some, "failed"), picks: startHistory(some) })).toMatchObject({ kind: "fit", again: true });
 });
 
 const asked = { stance: "auto", preset: "default", refine: true } as const;
-const finished = (more: Partial<Session> = {}): Session => ({ ...withScan, ...asked, step: "result", picks: startHistory(some), fit: { ...fitted(some)!, asked, iterations: [], result: { stance: "standing" } } as unknown as Session["fit"], ...more });
+const finished = (more: Partial<Session> = {}): Session => ({ ...withScan, ...asked, step: "body", picks: startHistory(some), fit: { ...fitted(some)!, asked, iterations: [], result: { stance: "standing" } } as unknown as Session["fit"], ...more });
 
 test("as soon as other settings are asked for than the fit was made with, the next step is to fit again", () => {
   expect(nextStep(finished()).kind).toBe("draw");
@@ -80,7 +80,7 @@ test("as soon as other settings are asked for than the fit was made with, the ne
 test("when all landmarks were undone the fit belongs to landmarks that are gone, and another one is offered", () => {
   const state = finished({ picks: { past: [], present: {}, future: [some] } });
   expect(outdated(state)).toBe("gone");
-  expect(nextStep({ ...state, step: "fit" })).toEqual({ kind: "fit", again: true, landmarks: 0 });
+  expect(nextStep({ ...state, step: "body" })).toEqual({ kind: "fit", again: true, landmarks: 0 });
   expect(outdated(finished({ picks: startHistory({ ...some }) })), "the same places are the same landmarks").toBeNull();
 });
 
@@ -100,7 +100,7 @@ test("lines found on the skin are looked at before others are drawn, also when t
   const found = { s0: { state: "found", lines: [line("a"), line("b"), line("c", "cross")], kept: [] } } as unknown as Session["ink"];
   const open = finished({ ink: found, drawn: { ...startDrawn(), decided: {} } });
   expect(nextStep(open), "crosses are no lines").toEqual({ kind: "ink", count: 2, on: null });
-  expect(nextStep({ ...open, step: "drawing" }), "there they are in sight").toEqual({ kind: "draw", isArmed: false });
+  expect(nextStep({ ...open, step: "plan" }), "there they are in sight").toEqual({ kind: "draw", isArmed: false });
   expect(nextStep({ ...open, drawn: { ...open.drawn, decided: { a: "accepted" } } })).toEqual({ kind: "ink", count: 1, on: null });
   expect(nextStep({ ...open, drawn: { ...open.drawn, decided: { a: "accepted", b: "dropped" } } }).kind).toBe("draw");
   expect(nextStep({ ...open, drawn: startDrawn() }).kind, "what was decided before is not known yet").toBe("draw");
@@ -109,7 +109,7 @@ test("lines found on the skin are looked at before others are drawn, also when t
     expect(nextStep({ ...supine, step, stances: { ...supine.stances, other: workspaceOf(open) } })).toEqual({ kind: "ink", count: 2, on: "standing" });
   }
   const both = { ...supine, ink: { ...found, s1: found.s0 }, drawn: open.drawn, stances: { ...supine.stances, other: workspaceOf(open) } } as Session;
-  expect(nextStep({ ...both, step: "drawing" }).kind, "nobody is sent to and fro").toBe("draw");
+  expect(nextStep({ ...both, step: "plan" }).kind, "nobody is sent to and fro").toBe("draw");
 });
 
 test("nobody is sent on to draw on a fit that is not usable", () => {

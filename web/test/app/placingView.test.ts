@@ -15,7 +15,7 @@ test("a wanted landmark and a tool in the hand show the scan alone; what was sho
   expect(store.get().overlay).toBe("scan");
   actions.drawing.take("points");
   expect(store.get().overlay).toBe("scan");
-  actions.page.goTo("result");
+  actions.page.goTo("body");
   expect(store.get().overlay).toBe("swipe");
 });
 

@@ -201,7 +201,7 @@ test("leaving the step puts the pen down and keeps the line", async () => {
   const { actions, store, names } = await drawing();
   actions.drawing.click([0, 0, 0]);
   actions.drawing.click([30, 0, 0]);
-  actions.page.goTo("fit");
+  actions.page.goTo("body");
   expect(store.get().drawn).toMatchObject({ tool: "none", open: null });
   expect(names()).toEqual(["Line 1"]);
 });
@@ -215,7 +215,7 @@ test("keys work in the step alone, and leave the browser's own alone", async () 
   expect(store.get().drawn.tool).toBe("none");
   expect(key("p", { ctrlKey: true })).toBe(false);
   expect(key("f")).toBe(false);
-  actions.page.goTo("fit");
+  actions.page.goTo("body");
   expect(key("p")).toBe(false);
 });
 

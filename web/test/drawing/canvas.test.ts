@@ -17,20 +17,20 @@ test("the canvas takes the pen; Escape ends first the line, then leads back", as
   actions.drawing.setSkin(() => skin);
   const skin = skinOf(made(half()));
   actions.drawing.fullCanvas(true);
-  expect(store.get()).toMatchObject({ isCanvasFull: true, step: "drawing", overlay: "scan", drawn: { tool: "pen" } });
+  expect(store.get()).toMatchObject({ isCanvasFull: true, step: "plan", overlay: "scan", drawn: { tool: "pen" } });
   actions.drawing.click([0, 0, 100]);
   expect(drawingKey(store.get(), press("Escape"), actions.drawing)).toBe(true);
   expect(store.get()).toMatchObject({ isCanvasFull: true, drawn: { start: null, tool: "pen" } });
   drawingKey(store.get(), press("Escape"), actions.drawing);
-  expect(store.get()).toMatchObject({ isCanvasFull: false, step: "drawing", drawn: { tool: "none" } });
+  expect(store.get()).toMatchObject({ isCanvasFull: false, step: "plan", drawn: { tool: "none" } });
 });
 
 test("without its step or its scan there is no full canvas", async () => {
   const { store, actions } = await withScan();
   actions.drawing.fullCanvas(true);
-  actions.page.goTo("result");
+  actions.page.goTo("body");
   expect(store.get().isCanvasFull).toBe(false);
-  actions.page.goTo("drawing");
+  actions.page.goTo("plan");
   expect(store.get().isCanvasFull).toBe(false);
   actions.drawing.fullCanvas(true);
   await actions.scan.leave();

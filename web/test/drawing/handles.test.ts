@@ -32,7 +32,7 @@ async function begun(pattern: (question: PatternQuestion) => Promise<PatternOnSc
   made.store.set((state) => ({ meta: { ...state.meta, patterns: [{ name: "ellipse", label: "Ellipse", parameters: [] }], drawings: [] } as unknown as Meta }));
   const fit = { id: "f1", links: fitLinks("f1"), state: "done", iterations: [], shown: -1, playing: false, drawing: null, drawingName: null } as unknown as FitState;
   made.actions.drawing.choosePattern("ellipse");
-  made.store.set({ fit, step: "drawing" });
+  made.store.set({ fit, step: "plan" });
   await vi.advanceTimersByTimeAsync(10);
   const live = () => made.store.get().drawn.live;
   return { ...made, asked, live };
@@ -42,7 +42,7 @@ test("handles are there in the step of drawing without a pen, once the body is f
   const { store, live } = await begun();
   expect(live()!.handles.map(({ id }) => id)).toEqual([ID]);
   expect(hasHandles(store.get())).toBe(true);
-  expect(hasHandles({ ...store.get(), step: "fit" })).toBe(false);
+  expect(hasHandles({ ...store.get(), step: "body" })).toBe(false);
   expect(hasHandles({ ...store.get(), fit: null })).toBe(false);
   expect(hasHandles({ ...store.get(), drawn: { ...store.get().drawn, tool: "pen" } })).toBe(false);
 });

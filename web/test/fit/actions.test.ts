@@ -35,7 +35,7 @@ test("a fit is followed from start to result", async () => {
   source.say("done", { result });
   await vi.advanceTimersByTimeAsync(500);
   expect(store.get().fit).toMatchObject({ state: "done", shown: 1, playing: false, result, drawing: { shapes: [] } });
-  expect(store.get().step).toBe("result");
+  expect(store.get().step).toBe("body");
 });
 
 test("a fit that fails says why where it was started, and its iterations stay", async () => {
@@ -43,7 +43,7 @@ test("a fit that fails says why where it was started, and its iterations stay", 
   await actions.fit.start();
   FakeEventSource.last!.say("iterated", iterated(0));
   FakeEventSource.last!.say("failed", { reason: "No start was found." });
-  expect(store.get()).toMatchObject({ step: "fit", problems: { fit: "No start was found." } });
+  expect(store.get()).toMatchObject({ step: "body", problems: { fit: "No start was found." } });
   expect(store.get().fit).toMatchObject({ state: "failed", iterations: [{ iteration: 0 }] });
 });
 
@@ -53,10 +53,10 @@ test("a fit again that is asked for from another step fails there, in words", as
   await actions.fit.start();
   FakeEventSource.last!.say("iterated", iterated(0));
   FakeEventSource.last!.say("done", { result });
-  store.set({ step: "landmarks" });
+  store.set({ step: "points" });
   actions.fit.refit();
   await vi.advanceTimersByTimeAsync(500);
-  expect(store.get()).toMatchObject({ step: "landmarks", isStarting: false, problems: { fit: "The queue is full." }, fit: { id: "f1", state: "done" } });
+  expect(store.get()).toMatchObject({ step: "points", isStarting: false, problems: { fit: "The queue is full." }, fit: { id: "f1", state: "done" } });
 });
 
 test("a fit that cannot be started says so and can be started again", async () => {
@@ -102,7 +102,7 @@ test("a landmark that is dragged after a fit is fitted again; the model follows 
   FakeEventSource.last!.say("done", { result });
   await settle();
   actions.view.overlay("swipe");
-  actions.page.goTo("landmarks");
+  actions.page.goTo("points");
 
   actions.landmarks.move("nipple_L", [7, 8, 9]);
   expect(startFit).toHaveBeenLastCalledWith(expect.objectContaining({ landmarks: { nipple_L: [7, 8, 9] } }));
@@ -115,7 +115,7 @@ test("a landmark that is dragged after a fit is fitted again; the model follows 
   second.say("iterated", iterated(1));
   expect(store.get().fit?.id, "the model stands where it has followed the landmark").toBe("f1");
   second.say("done", { result });
-  expect(store.get()).toMatchObject({ fit: { id: "f2", shown: 0, started: { iterations_limit: 9 } }, isStarting: false, followed: null, overlay: "swipe", step: "landmarks" });
+  expect(store.get()).toMatchObject({ fit: { id: "f2", shown: 0, started: { iterations_limit: 9 } }, isStarting: false, followed: null, overlay: "swipe", step: "points" });
   await settle();
 
   actions.landmarks.move("nipple_L", [8, 8, 9]);
@@ -129,7 +129,7 @@ test("a landmark that is dragged after a fit is fitted again; the model follows 
   expect(store.get().fit?.id, "a fit that was given up reports nothing any more").toBe("f2");
   FakeEventSource.last!.say("iterated", iterated(1));
   FakeEventSource.last!.say("done", { result });
-  expect(store.get()).toMatchObject({ fit: { id: "f4", state: "done" }, step: "landmarks" });
+  expect(store.get()).toMatchObject({ fit: { id: "f4", state: "done" }, step: "points" });
   expect(startFit.mock.calls.every(([asked]) => !("start_from" in asked))).toBe(true);
 });
 

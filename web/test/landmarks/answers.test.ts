@@ -29,7 +29,7 @@ async function asking(doubts: object, places = PLACES) {
   finish(places, doubts);
   const said = made.store.get().announcement;
   await settle();
-  made.actions.page.goTo("landmarks");
+  made.actions.page.goTo("points");
   return { ...made, startFit, said, asked: () => openQuestions(made.store.get()).map(({ names }) => names) };
 }
 
@@ -54,12 +54,12 @@ test("kept: certain with the landmarks and in the next fit, from the beginning, 
   expect(startFit.mock.lastCall).not.toEqual([expect.objectContaining({ start_from: "f1" })]);
   await settle();
   expect(vi.mocked(client.saveLandmarks).mock.lastCall![1]).toMatchObject({ landmarks: PLACES, certain: ["umbilicus"] });
-  expect(store.get()).toMatchObject({ fit: { id: "f1" }, step: "landmarks", saving: "saved" });
+  expect(store.get()).toMatchObject({ fit: { id: "f1" }, step: "points", saving: "saved" });
   FakeEventSource.last!.say("started", { stance: "standing", drawing: null, iterations_limit: 9, notes: [] });
   FakeEventSource.last!.say("iterated", { iteration: 0, stage: "pose", mean_distance_mm: 5, nodes: [] });
   expect(asked(), "the other question stays while the fit runs").toEqual([EXCHANGED.names]);
   finish(PLACES, { landmarks_not_followed: [EXCHANGED] });
-  expect(store.get()).toMatchObject({ fit: { id: "f2", certain: ["umbilicus"] }, step: "landmarks" });
+  expect(store.get()).toMatchObject({ fit: { id: "f2", certain: ["umbilicus"] }, step: "points" });
   expect(asked()).toEqual([EXCHANGED.names]);
 });
 

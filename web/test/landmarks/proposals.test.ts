@@ -19,7 +19,7 @@ const landmarks = { nipple_L: at([90, 0, 0]), nipple_R: at([-90, 0, 0]), umbilic
 async function found(...rest: Parameters<typeof page>) {
   const made = page({ proposed: async () => ({ landmarks, not_proposed: {} }), ...rest[0] });
   await made.actions.scan.open("s1", null);
-  made.actions.page.goTo("landmarks");
+  made.actions.page.goTo("points");
   await vi.advanceTimersByTimeAsync(0);
   return made;
 }
@@ -121,7 +121,7 @@ test("proposals that come late say only what is open still, and nothing over wha
   };
   const made = page({ proposed });
   await made.actions.scan.open("s1", null);
-  made.actions.page.goTo("landmarks");
+  made.actions.page.goTo("points");
   for (const [name, { point }] of Object.entries(landmarks)) {
     made.actions.landmarks.want(name);
     made.actions.landmarks.place(point);

@@ -185,6 +185,6 @@ test("in another step there is no lasso; one that takes all is refused with a se
   actions.scan.takeLasso(true);
   actions.scan.cropRefused();
   expect(store.get().problems.scan).toContain("nothing would be left");
-  actions.page.goTo("landmarks");
+  actions.page.goTo("points");
   expect(store.get().isCropping).toBe(false);
 });

@@ -343,7 +343,7 @@ test("only the patient's own scans are offered, and others by their code, typed 
   await actions.scan.open("s1", null);
   actions.stances.dialog(true);
   await vi.advanceTimersByTimeAsync(0);
-  expect(store.get().stances.hers.map(({ id }) => id)).toEqual(["s2"]);
+  expect(store.get().stances.scans.map(({ id }) => id)).toEqual(["s2"]);
   await actions.stances.name(" ward 7 ");
   expect(store.get().stances.named?.scans.map(({ id }) => id)).toEqual(["s3"]);
   await actions.stances.name("war");

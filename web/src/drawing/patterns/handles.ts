@@ -41,7 +41,7 @@ function partsOf({ meta, drawing }: Pick<State, "meta" | "drawing">): Part[] {
 
 /** Handles are there while the drawing is the matter, no line is drawn, and the body is fitted. */
 export const hasHandles = ({ step, fit, drawn }: Pick<State, "step" | "fit" | "drawn">): boolean =>
-  step === "drawing" && (drawn.tool === "none" || drawn.tool === "points") && fit?.state === "done" && isAtRest(fit);
+  step === "plan" && (drawn.tool === "none" || drawn.tool === "points") && fit?.state === "done" && isAtRest(fit);
 
 /** What handles are of: the fit and the numbers. */
 export const keyOf = ({ fit, drawing }: Pick<State, "fit" | "drawing">): string => `${fit?.id ?? ""} ${drawing}`;

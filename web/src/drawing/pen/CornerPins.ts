@@ -35,7 +35,7 @@ export class CornerPins implements Part<Shown> {
   update(state: Shown): void {
     const { drawn } = state;
     const line = drawn.tool === "points" ? lineNamed(drawn, drawn.chosen) : drawn.tool === "pen" ? lineNamed(drawn, drawn.open) : null;
-    const source = state.step === "drawing" ? (drawn.tape ?? line ?? drawn.start) : null;
+    const source = state.step === "plan" ? (drawn.tape ?? line ?? drawn.start) : null;
     if (source !== this.drawn) {
       this.drawn = source;
       for (const pin of this.pins) pin.element.remove();

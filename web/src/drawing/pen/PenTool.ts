@@ -32,7 +32,7 @@ interface Held {
 export function listenToPen(canvas: HTMLElement, viewer: Viewer, scan: Surface, own: OwnLines, pins: CornerPins, store: Store<PageSlice & DrawingSlice>, drawing: DrawingActions): void {
   let held: Held | null = null;
   const pointers = new Set<number>(); // that may draw
-  const isDrawing = (): boolean => store.get().step === "drawing" && store.get().drawn.tool !== "none";
+  const isDrawing = (): boolean => store.get().step === "plan" && store.get().drawn.tool !== "none";
   const palms = rejectPalms(canvas, isDrawing, () => {
     if (palms.hasPen !== store.get().hasPen) drawing.penSeen();
     follow();

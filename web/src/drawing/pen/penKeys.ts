@@ -41,7 +41,7 @@ export function listenToPenKeys(canvas: HTMLElement, viewer: Viewer, scan: Surfa
   /** True when the key meant something here. */
   function press(key: string, far: number): boolean {
     const { step, drawn } = store.get();
-    if (step !== "drawing" || drawn.tool === "none") return false;
+    if (step !== "plan" || drawn.tool === "none") return false;
     const arrow = ARROWS[key];
     const line = lineNamed(drawn, drawn.chosen);
     if (drawn.tool === "points") {

@@ -37,7 +37,7 @@ export class TapeLines implements Part<Pick<PageSlice & ViewSlice & DrawingSlice
   update({ step, overlay, drawn }: Pick<PageSlice & ViewSlice & DrawingSlice, "step" | "overlay" | "drawn">): void {
     const { palette } = this.viewer;
     this.lines.paint(palette.ink, palette["ink-outline"]);
-    const tape = step === "drawing" && overlay !== "model" && this.scan.mesh ? drawn.tape : null;
+    const tape = step === "plan" && overlay !== "model" && this.scan.mesh ? drawn.tape : null;
     if (tape === this.shown) return;
     this.shown = tape;
     const legs = tape?.legs ?? [];

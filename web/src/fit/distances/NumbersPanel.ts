@@ -147,8 +147,7 @@ export function createNumbersPanel<More extends Pick<WithLines, "drawn"> = Pick<
   const each = el("div", {});
   const body = el("div", { class: "numbers-body" });
   const folded = el("details", { class: "solver" }, el("summary", {}, words.solver), body);
-  const before = el("p", { class: "muted" }, words.before);
-  const element = el("section", { class: "numbers", "aria-label": words.title }, el("h2", {}, words.title), before, old, verdict, hero, sure, live, each, folded);
+  const element = el("section", { class: "numbers", "aria-label": words.title }, old, verdict, hero, sure, live, each, folded);
   return {
     element,
     select: (state) => ({ meta: state.meta, fit: state.fit, old: ageing?.outdated(state) ?? null, lines: linesOn(state), doubt: ageing?.doubt(state) ?? "" }),
@@ -157,7 +156,6 @@ export function createNumbersPanel<More extends Pick<WithLines, "drawn"> = Pick<
       const shown = shownIteration(fit);
       const result = fit && isAtRest(fit) ? fit.result : null;
       const lines = result ? state.lines : null;
-      show(before, !shown && !result);
       show(hero, lines !== null || (!result && shown !== null));
       hero.title = lines === null ? "" : words.linesHint;
       setText(number, lines !== null ? marginOf(lines.mm) : shown && !result ? `${formatMm(shown.mean_distance_mm)}\u00a0mm` : "");

@@ -59,7 +59,7 @@ export class ProposalPins implements Part<Shown> {
   }
 
   update(state: Shown): void {
-    this.isShown = state.scan !== null && state.step === "landmarks" && state.overlay !== "model";
+    this.isShown = state.scan !== null && state.step === "points" && state.overlay !== "model";
     const { proposals } = state;
     const picks = state.picks.present;
     if (proposals !== this.drawn.proposals || picks !== this.drawn.picks) {

@@ -6,7 +6,7 @@ import type { SharedResult } from "../../api/types";
 import { createColourBar } from "../../fit/distances/ColourBar";
 import { createNumbersPanel } from "../../fit/distances/NumbersPanel";
 import { hasBoth, viewBarShown, withDistances } from "../../fit/state";
-import { errors as fitErrors, numbers as numbersText, result as resultText } from "../../fit/text";
+import { errors as fitErrors, result as resultText } from "../../fit/text";
 import { createStore, only } from "../../store/store";
 import { button } from "../../ui/controls";
 import { el, fill, icon, setText, show } from "../../ui/dom";
@@ -41,7 +41,7 @@ const moment = new Intl.DateTimeFormat("en-GB", { dateStyle: "long", timeStyle: 
 
 const canvas = el("canvas", { class: "view", role: "img", "aria-label": viewText.shared, tabindex: 0 });
 const overlay = el("div", { class: "overlay", "aria-hidden": "true" });
-const viewBar = createViewBar(view, { showDistances: (isOn) => store.set((state) => withDistances(state, isOn)), showLoose: (showLoose) => store.set({ showLoose }), showRelief: (showRelief) => store.set({ showRelief }), showMirror: (showMirror) => store.set({ showMirror }) }, viewBarShown);
+const viewBar = createViewBar(view, { distances: (isOn) => store.set((state) => withDistances(state, isOn)), loose: (showLoose) => store.set({ showLoose }), relief: (showRelief) => store.set({ showRelief }), colours: (showColours) => store.set({ showColours }) }, viewBarShown);
 const swipe = createSwipe(view.swipe, hasBoth);
 const colourBar = createColourBar();
 const note = el("p", {});
@@ -56,23 +56,23 @@ const form = el(
   el("button", { class: "button primary" }, el("span", {}, words.open)),
 );
 const card = el("div", { class: "empty" }, el("div", { class: "empty-card busy" }, waiting, alert, form));
-const host = el("main", { class: "stage" }, canvas, overlay, swipe.element, colourBar.element, viewBar.element, card);
+const host = el("div", { class: "stage" }, canvas, overlay, swipe.element, colourBar.element, card);
+const stages = el("main", { class: "stages" }, host, viewBar.element);
 const until = el("p", { class: "muted" });
 const shownAs = el("p", { class: "muted" });
 const planned = el("div", { class: "shared-plan" });
 const lesions = createLesionList((lesion) => store.set({ lesion }), null);
 const ofLesions = el("div", { hidden: true }, el("h2", {}, lesionText.heading), lesions.element);
 const files = el("ul", { class: "files" });
-const side = el("nav", { class: "steps shared-side", "aria-label": words.title, hidden: true }, el("p", {}, words.what), shownAs, until, planned, ofLesions, el("h2", {}, resultText.files), files);
 const numbers = createNumbersPanel<VisitorState>();
-const aside = el("aside", { class: "aside", tabindex: 0, "aria-label": numbersText.title }, numbers.element); // it scrolls by keys too
+const body = el("div", { class: "side-scroll shared-side", tabindex: 0 }, el("p", {}, words.what), shownAs, until, numbers.element, planned, ofLesions, el("h2", {}, resultText.files), files); // it scrolls by keys too
+const side = el("aside", { class: "side", "aria-label": words.title, hidden: true }, body, el("div", { class: "side-foot" }, el("p", { class: "notice" }, noticeLong)));
 const leave = button(words.close, () => void close(), "quiet outlined", "close");
 const top = el("header", { class: "top-bar" }, el("span", { class: "logo", "aria-hidden": "true" }), el("h1", {}, name), el("span", { class: "scan-title" }, words.title), el("span", { class: "spring" }), leave);
-const footer = el("footer", { class: "footer" }, el("strong", {}, noticeLong));
 
 document.title = `${words.title} · ${name}`;
 document.body.classList.add("is-empty", "is-shared");
-document.body.append(top, side, host, aside, footer);
+document.body.append(top, stages, side);
 follow(store, viewBar);
 follow(store, swipe);
 follow(store, colourBar);
@@ -123,7 +123,7 @@ async function open(code: string): Promise<void> {
     say(sentence);
   };
   try {
-    openSharedViewer(store, { host, canvas, overlay }, view.from, () => failed(fitErrors.surface));
+    openSharedViewer(store, { host, canvas, overlay }, () => failed(fitErrors.surface));
   } catch {
     failed(viewErrors.noGraphics);
   }

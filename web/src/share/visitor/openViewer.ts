@@ -9,14 +9,14 @@ import { TorsoModel } from "../../fit/TorsoModel";
 import { ScanMesh } from "../../scan/ScanMesh";
 import { withLoose } from "../../scan/state";
 import type { Store } from "../../store/store";
-import { OrientationCube } from "../../viewer/OrientationCube";
+import { ScaleBar } from "../../viewer/ScaleBar";
 import { SideLetters } from "../../viewer/SideLetters";
-import { isBeside, type ViewName } from "../../viewer/state";
+import { isBeside } from "../../viewer/state";
 import { offerTestHook } from "../../viewer/testHook";
 import { type Part, type Stage, Viewer } from "../../viewer/Viewer";
 import type { VisitorState } from "./state";
 
-export function openSharedViewer(store: Store<VisitorState>, stage: Stage, lookFrom: (side: ViewName) => void, failed: () => void): void {
+export function openSharedViewer(store: Store<VisitorState>, stage: Stage, failed: () => void): void {
   const prefersStill = (): boolean => matchMedia("(prefers-reduced-motion: reduce)").matches;
   const viewer = new Viewer(stage.host, stage.canvas, stage.overlay, prefersStill);
   const ready = (error: unknown): void => {
@@ -35,7 +35,7 @@ export function openSharedViewer(store: Store<VisitorState>, stage: Stage, lookF
     new Halos(viewer, scan, fitted, stage.canvas),
     new SideLetters(viewer),
     new HoverValue(viewer, fitted, stage.canvas),
-    new OrientationCube(viewer, lookFrom),
+    new ScaleBar(viewer),
   ];
   function update(state: VisitorState): void {
     viewer.share(isBeside(state.overlay) ? state.overlay : "one", state.swipe);

@@ -70,7 +70,7 @@ export async function readShared(shared: SharedResult): Promise<VisitorState> {
   return {
     ...initialVisitor,
     plan,
-    step: "result",
+    step: "handover",
     overlay: mesh === null ? "model" : "both",
     scan: { info, title: text.shared.title, mesh, frame, frameFrom: "fit", file: null, example: null },
     fit: {

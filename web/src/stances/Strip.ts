@@ -1,0 +1,44 @@
+// To the left: all scans of the patient.  One tap shows one, a second one beside it, another tap puts it away.
+import { el, fill } from "../ui/dom";
+import type { Panel } from "../ui/Panel";
+import type { StancesActions } from "./actions";
+import { daysOf, type StripShown, type Thumb, thumbsOf } from "./thumbs";
+import * as text from "./text";
+
+const words = text.strip;
+const day = new Intl.DateTimeFormat("en-GB", { day: "numeric", month: "long" });
+const time = new Intl.DateTimeFormat("en-GB", { hour: "2-digit", minute: "2-digit" });
+
+/** Today, or the day as a person says it. */
+export const dayName = (at: Date, now: Date): string => (at.toDateString() === now.toDateString() ? words.today : day.format(at) + (at.getFullYear() === now.getFullYear() ? "" : ` ${at.getFullYear()}`));
+
+export function createStrip(stances: StancesActions): Panel<{ readonly thumbs: string; readonly isBusy: boolean }, StripShown & { readonly isStarting: boolean }> {
+  const days = el("div", { class: "strip-days" });
+  const add = el("button", { type: "button", class: "strip-add", id: "add-scan", title: words.addHint, onclick: () => stances.dialog(true) }, words.add);
+  const element = el("nav", { class: "strip", "aria-label": words.label }, days);
+
+  function thumb(of: Thumb, isBusy: boolean): HTMLElement {
+    const name = of.isImage ? words.image : words.name(of.stance);
+    const about = [name, ...(of.isPredicted ? [words.predicted] : [time.format(new Date(of.at))]), ...(of.pane === null ? [] : [words.pane(of.pane)])].join(", ");
+    return el(
+      "button",
+      { type: "button", class: `thumb${of.isPredicted ? " is-predicted" : ""}`, "data-scan": of.id, "data-stance": of.isImage ? "image" : of.stance, "aria-pressed": String(of.pane !== null), "aria-label": about, title: about, disabled: isBusy, onclick: () => void stances.tap(of.id) },
+      el("img", { src: of.picture, alt: "", width: 71, height: 68, onerror: ({ target }) => ((target as HTMLElement).style.visibility = "hidden") }),
+      el("span", { class: "thumb-name" }, of.isPredicted ? words.predicted : name),
+      of.pane === null ? null : el("span", { class: "thumb-pane", "aria-hidden": "true" }, String(of.pane)),
+    );
+  }
+
+  return {
+    element,
+    select: (state) => ({ thumbs: JSON.stringify(thumbsOf(state)), isBusy: state.isStarting }),
+    update({ thumbs, isBusy }): void {
+      const held = document.activeElement?.closest<HTMLElement>(".thumb")?.dataset.scan;
+      fill(days, [thumbs, isBusy], () => {
+        const all = daysOf(JSON.parse(thumbs) as Thumb[]);
+        return all.length === 0 ? [add] : all.map(([at, of], i) => el("section", { class: "strip-day" }, el("h2", {}, dayName(new Date(at), new Date())), ...of.map((each) => thumb(each, isBusy)), i === 0 ? add : null));
+      });
+      if (held) days.querySelector<HTMLElement>(`[data-scan="${CSS.escape(held)}"]`)?.focus();
+    },
+  };
+}
