@@ -1,7 +1,7 @@
 // Who may see what, in a real browser: its cookies, origins and policies are not those of a test client.
 import { expect, test } from "@playwright/test";
 import { seriousFindings, smallTargets } from "./audit";
-import { hook, until, untilFitted } from "./page";
+import { hook, look, until, untilFitted } from "./page";
 import { type Running, startService } from "./service";
 
 const TOKEN = "a-token-of-more-than-sixteen-characters";
@@ -72,10 +72,10 @@ test("a link is made in the dialog, opened, counted and revoked; the page signs 
   await page.getByRole("button", { name: "Sign in" }).click();
   await page.getByRole("button", { name: /standing/i }).click();
   await hook.ready(page);
-  await page.keyboard.press("3");
+  await page.keyboard.press("1");
   await page.getByRole("button", { name: "Fit without landmarks" }).click();
   await untilFitted(page);
-  await page.getByRole("button", { name: "Share" }).click();
+  await page.getByRole("button", { name: "Make a link" }).first().click();
   const dialog = page.getByRole("dialog", { name: "Share this result" });
   await expect(dialog.getByText("None yet.")).toBeVisible();
   await dialog.getByLabel("It shows").selectOption("plain");
@@ -94,10 +94,10 @@ test("a link is made in the dialog, opened, counted and revoked; the page signs 
   await hook.ready(visitor);
   expect((await hook.picture(visitor)).colours, "a lit body has many shades").toBeGreaterThan(100);
   const both = await hook.picture(visitor);
-  await visitor.getByRole("button", { name: "Model", exact: true }).click();
+  await look(visitor, "Model");
   const model = await hook.picture(visitor);
   expect(model.checksum).not.toBe(both.checksum);
-  await visitor.getByRole("button", { name: "Distances" }).click();
+  await look(visitor, "Distances");
   await expect(visitor.locator(".colour-bar")).toBeVisible();
   expect((await hook.picture(visitor)).checksum).not.toBe(model.checksum);
   const mean = await page.locator(".hero-number").textContent();
@@ -106,7 +106,7 @@ test("a link is made in the dialog, opened, counted and revoked; the page signs 
 
   await page.keyboard.press("Escape");
   await expect(dialog).toBeHidden();
-  await page.getByRole("button", { name: "Share" }).click();
+  await page.getByRole("button", { name: "Make a link" }).first().click();
   await expect(dialog.getByText(/^Opened 1 time, last on/)).toBeVisible();
   await expect(address).toBeHidden();
   await dialog.getByRole("button", { name: "Revoke" }).click();
@@ -134,5 +134,5 @@ test("when the session has ended the sign-in page comes, and afterwards scan and
   await page.getByRole("button", { name: "Sign in" }).click();
   await hook.ready(page);
   await expect.poll(() => hook.pickCount(page)).toBe(1);
-  await expect(page.locator("#step-landmarks .saved")).toHaveText("Saved");
+  await expect(page.locator("#side-points .saved")).toHaveText("Saved");
 });

@@ -31,7 +31,7 @@ export function smallTargets(page: Page): Promise<string[]> {
     const root = document.querySelector("dialog[open]") ?? document.body;
     const all = [...root.querySelectorAll<HTMLElement>("button, a[href], input, select, textarea, summary, [tabindex='0'], [role=button]")];
     return all.flatMap((each) => {
-      if (each.closest("[aria-hidden=true]")) return []; // the cube's faces, seen aslant: the buttons below do the same
+      if (each.closest("[aria-hidden=true]")) return [];
       const target = each.closest<HTMLElement>("label") ?? each;
       if (!target.checkVisibility({ visibilityProperty: true })) return [];
       const { width, height } = target.getBoundingClientRect();
@@ -44,7 +44,7 @@ export function smallTargets(page: Page): Promise<string[]> {
 /** At this size nobody has to scroll for the one thing that comes next, nor for a way to look and to replay. */
 export function scrolledAway(page: Page): Promise<string[]> {
   return page.evaluate(() =>
-    ["#next", "#report", ".view-buttons", ".timeline", ".top-bar", ".footer"].filter((name) => {
+    ["#next", "#report", ".view-bar", ".strip", ".top-bar", ".side-foot"].filter((name) => {
       const shown = document.querySelector(name);
       if (!shown?.checkVisibility()) return false;
       const { top, bottom, left, right } = shown.getBoundingClientRect();
@@ -61,7 +61,7 @@ export function overlaps(page: Page): Promise<string[]> {
     const shown = [...root.querySelectorAll<HTMLElement>("button, a[href], input:not([type=file]), select, summary")].flatMap((each) => {
       if (!each.checkVisibility({ visibilityProperty: true, opacityProperty: true }) || each.matches(".swipe, [aria-hidden=true] *")) return [];
       const box = each.getBoundingClientRect();
-      const holder = each.closest(".steps-scroll, .aside, .share-list, .shared-side, .measures-scroll")?.getBoundingClientRect();
+      const holder = each.closest(".side-scroll, .strip, .share-list, .measures-scroll")?.getBoundingClientRect();
       const isScrolledAway = holder && (box.bottom > holder.bottom || box.top < holder.top);
       return isScrolledAway ? [] : [{ each, box }];
     });

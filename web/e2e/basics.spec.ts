@@ -1,7 +1,7 @@
 // Files that are refused, a browser without WebGL, the example by keys, landmark files.
 import { writeFileSync } from "node:fs";
 import { expect } from "@playwright/test";
-import { hook, SCAN_FILE, test, untilFitted, withoutEndOfTime } from "./page";
+import { hook, more, SCAN_FILE, test, untilFitted, withoutEndOfTime } from "./page";
 
 test.use({ contextOptions: { reducedMotion: "no-preference" } }); // with its motion, as most people see it
 
@@ -28,12 +28,12 @@ test("the example patient is one click away, and the keyboard goes the whole way
   await hook.ready(page);
   await page.keyboard.press("2");
   await page.getByRole("button", { name: "Use the example's landmarks" }).click();
-  await page.keyboard.press("3");
+  await page.keyboard.press("1");
   await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).press("Enter");
   await untilFitted(page);
   const both = await hook.picture(page);
   await page.keyboard.press("o");
-  await expect(page.getByRole("button", { name: "Model", exact: true })).toHaveAttribute("aria-pressed", "true");
+  await expect(page.locator("[popovertarget=look-menu]")).toHaveText("Model");
   expect((await hook.picture(page)).checksum).not.toBe(both.checksum);
   await page.keyboard.press("?");
   await expect(page.getByRole("dialog")).toBeVisible();
@@ -78,34 +78,34 @@ test("the landmarks are saved in the four kinds that the page and other programs
 });
 
 test("Back and Forward go through patient and steps and stay in the page; a deleted scan can be taken back", async ({ page, base, troubles }) => {
-  const openStep = page.locator(".step.is-open .step-name");
+  const open = page.locator(".side-body:visible");
   await withoutEndOfTime(page);
   await page.goto(base);
   await page.getByRole("button", { name: /standing/i }).click();
   await hook.ready(page);
-  await expect(page).toHaveURL(/step=scan/);
+  await expect(page).toHaveURL(/step=body/);
   await page.keyboard.press("2");
-  await expect(page).toHaveURL(/step=landmarks/);
+  await expect(page).toHaveURL(/step=points/);
   await page.getByRole("button", { name: "Use the example's landmarks" }).click();
   await page.keyboard.press("3");
-  await expect(openStep).toHaveText("Fit");
-  await expect(page).toHaveURL(/step=fit/);
-  for (const step of ["Landmarks", "Scan"]) {
+  await expect(open).toHaveAttribute("id", "side-plan");
+  await expect(page).toHaveURL(/step=plan/);
+  for (const step of ["points", "body"]) {
     await page.goBack();
-    await expect(openStep).toHaveText(step);
+    await expect(open).toHaveAttribute("id", `side-${step}`);
   }
   await page.goBack();
   await expect(page.getByText("Drop a 3D scan of the torso here")).toBeVisible();
   await page.goForward();
   await hook.ready(page);
-  await expect(openStep).toHaveText("Scan");
+  await expect(open).toHaveAttribute("id", "side-body");
   await page.goForward();
-  await expect(openStep).toHaveText("Landmarks");
+  await expect(open).toHaveAttribute("id", "side-points");
   expect(await hook.pickCount(page)).toBe(12);
   await page.reload();
   await hook.ready(page);
-  await expect(openStep).toHaveText("Landmarks");
-  await page.getByRole("button", { name: "New scan" }).click();
+  await expect(open).toHaveAttribute("id", "side-points");
+  await page.getByRole("button", { name: "All patients" }).click();
   await expect(page.getByText("Drop a 3D scan of the torso here")).toBeVisible();
   await page.goBack();
   await hook.ready(page);
@@ -113,19 +113,19 @@ test("Back and Forward go through patient and steps and stay in the page; a dele
 
   await page.keyboard.press("1");
   const links = await page.evaluate(() => window.__breastrig!.state().scan!.info.links);
-  await page.getByRole("button", { name: "Delete this scan …" }).click();
+  await more(page, "Delete this scan …");
   const question = page.getByRole("dialog", { name: "Delete this scan?" });
   await expect(question).toContainText("12 landmarks");
   await page.keyboard.press("Escape");
   await expect(question).toBeHidden();
-  await page.getByRole("button", { name: "Delete this scan …" }).click();
+  await more(page, "Delete this scan …");
   await question.getByRole("button", { name: "Delete", exact: true }).click();
   await expect(page.getByText("Drop a 3D scan of the torso here")).toBeVisible();
   await page.getByRole("button", { name: "Take it back" }).click();
   await hook.ready(page);
   expect(await hook.pickCount(page)).toBe(12);
   await page.keyboard.press("1");
-  await page.getByRole("button", { name: "Delete this scan …" }).click();
+  await more(page, "Delete this scan …");
   await question.getByRole("button", { name: "Delete", exact: true }).click();
   expect((await page.request.get(base + links.self)).status(), "not yet").toBe(200);
   await page.goto("about:blank"); // the page is left: the service is told at once
@@ -133,34 +133,34 @@ test("Back and Forward go through patient and steps and stay in the page; a dele
   expect(troubles).toEqual([]);
 });
 
-test("Escape closes the menu of exports", async ({ page, base }) => {
+test("Escape closes the menu", async ({ page, base }) => {
   await page.goto(base);
   await page.getByRole("button", { name: /standing/i }).click();
   await hook.ready(page);
-  await page.getByRole("button", { name: "Export" }).click();
-  await expect(page.locator("#export-menu")).toBeVisible();
+  await page.getByRole("button", { name: "More" }).click();
+  await expect(page.locator("#page-menu")).toBeVisible();
   await page.keyboard.press("Escape");
-  await expect(page.locator("#export-menu")).toBeHidden();
+  await expect(page.locator("#page-menu")).toBeHidden();
 });
 
 test("landmarks that the service does not take are asked about before another patient, and nothing is lost by staying", async ({ page, base }) => {
   await page.goto(base);
   await page.getByRole("button", { name: /standing/i }).click();
   await hook.ready(page);
-  await expect(page).toHaveURL(/step=scan/);
+  await expect(page).toHaveURL(/step=body/);
   await page.keyboard.press("2");
-  await expect(page).toHaveURL(/step=landmarks/);
+  await expect(page).toHaveURL(/step=points/);
   const refuse = { status: 507, contentType: "application/problem+json", body: JSON.stringify({ title: "Full", detail: "The disk is full.", status: 507 }) };
   await page.route("**/landmarks", (route) => (route.request().method() === "PUT" ? route.fulfill(refuse) : route.fallback()));
   await page.getByRole("button", { name: "Use the example's landmarks" }).click();
-  await page.getByRole("button", { name: "New scan" }).click();
+  await page.getByRole("button", { name: "All patients" }).click();
   const question = page.getByRole("dialog", { name: "Not everything is saved" });
   await expect(question).toContainText("The landmarks of this scan could not be saved");
   await page.keyboard.press("Escape");
   await expect(question).toBeHidden();
   expect(await hook.pickCount(page)).toBe(12);
   await page.goBack();
-  await expect(page).toHaveURL(/step=scan/);
+  await expect(page).toHaveURL(/step=body/);
   await page.goBack();
   await expect(question, "Back does not leave them either").toBeVisible();
   await page.unroute("**/landmarks");

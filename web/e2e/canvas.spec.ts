@@ -28,7 +28,7 @@ test("a stylus draws, its hand does nothing, fingers turn; Done leads back", asy
   await page.goto(base);
   await tap(page.getByRole("button", { name: /standing/i }));
   await hook.ready(page);
-  await page.keyboard.press("4");
+  await page.keyboard.press("3");
   await tap(page.getByRole("button", { name: "Draw on the full screen" }));
   await expect(page.getByRole("button", { name: "Done" })).toBeVisible();
   await expect(page.getByRole("button", { name: "Scan", exact: false }).first()).toBeHidden();

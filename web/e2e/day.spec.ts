@@ -7,7 +7,7 @@ import { expect, type Page } from "@playwright/test";
 import type { CarriedDrawing, MeasuresFile, PlanOnScan, Vector } from "../src/api/types";
 import { formatCell, formatMargin, measuresTable } from "../src/stances/measures/measuresTable";
 
-import { distance, hook, test, untilFitted, untilStill } from "./page";
+import { distance, hook, look, more, test, thumb, untilFitted, untilStill } from "./page";
 import { type Running, startService } from "./service";
 
 const written = (...[cell, unit, isSigned, step]: Parameters<typeof formatCell>): string => formatCell(cell, unit, isSigned, step) + formatMargin(cell, unit);
@@ -37,7 +37,7 @@ function patientFiles(folder: string): string[] {
 async function fitWithExample(page: Page): Promise<void> {
   await page.keyboard.press("2");
   await page.getByRole("button", { name: /example/i }).first().click();
-  await page.keyboard.press("3");
+  await page.keyboard.press("1");
   await page.getByRole("button", { name: /^Fit (again )?with \d+ landmarks$/ }).first().click();
   await untilFitted(page);
 }
@@ -85,7 +85,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
   const standing = (await hook.fit(page))!.id;
 
   await test.step("a line is drawn on the standing scan", async () => {
-    await page.keyboard.press("4");
+    await page.keyboard.press("3");
     await page.getByRole("button", { name: "Pen", exact: true }).click();
     await untilStill(page);
     const box = (await page.locator("main canvas.view").first().boundingBox())!;
@@ -117,10 +117,10 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
   });
 
   await test.step("the second scan comes with landmarks and a fit of its own", async () => {
-    await page.locator("#add-stance").click();
-    await page.getByRole("dialog", { name: "Add the other stance" }).getByRole("button", { name: /patient, supine/i }).click();
+    await page.locator("#add-scan").click();
+    await page.getByRole("dialog", { name: "Add a scan of this patient" }).getByRole("button", { name: /patient, supine/i }).click();
     await expect(page.getByRole("dialog")).toHaveCount(0);
-    await expect(page.locator(".stances-bar .segmented button")).toHaveText(["Standing", "Supine"]);
+    await expect(page.locator(".thumb .thumb-name")).toHaveText(["Standing", "Supine"]);
     expect(await hook.pickCount(page)).toBe(0);
     expect((await state(page)).drawn.lines.present).toHaveLength(0);
     await hook.ready(page);
@@ -132,7 +132,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
   const supine = (await hook.fit(page))!.id;
 
   await test.step("carried: the lines on the supine scan are those of the API", async () => {
-    await page.keyboard.press("4");
+    await page.keyboard.press("3");
     await expect(page.getByText(/Carried lines ±\s\d+\smm, measured across them/)).toBeVisible();
     const shown = await samePlaces(page, base, standing, supine);
     expect(shown.map(({ item, name }) => [item, name])).toEqual(expect.arrayContaining([[expect.any(String), "Line 1"], [expect.any(String), "tumour_L"], [expect.any(String), "wise_L"]]));
@@ -148,15 +148,15 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
   });
 
   await test.step("side by side: both bodies are drawn, turning one turns the other, until unlinked", async () => {
-    await page.locator("#compare").click();
+    await thumb(page, "standing").click();
     await expect.poll(() => other(page)).not.toBeNull();
     await untilStill(page);
     const first = (await other(page))!;
     expect(first.picture.colours).toBeGreaterThan(100);
     expect(first.picture.isLost).toBe(false);
-    const panes = await Promise.all([page.locator(".other-stage").boundingBox(), page.locator("main.stage").boundingBox()]);
+    const panes = await Promise.all([page.locator(".other-stage").boundingBox(), page.locator(".stage").boundingBox()]);
     expect(panes[0]!.x, "the first stance stands to the left").toBeLessThan(panes[1]!.x);
-    await drag(page, "main.stage canvas.view", 90);
+    await drag(page, ".stage canvas.view", 90);
     const turned = (await other(page))!;
     expect(turned.picture.checksum).not.toBe(first.picture.checksum);
     expect(degrees(gaze(turned.pose), gaze(first.pose))).toBeGreaterThan(10);
@@ -164,31 +164,29 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     await drag(page, ".other-stage canvas", -60);
     const back = await pose(page);
     expect(degrees(gaze(back), gaze((await other(page))!.pose))).toBeLessThan(3);
-    await page.getByRole("button", { name: "Linked" }).click();
+    await look(page, "Turn both together");
     await drag(page, ".other-stage canvas", -80);
     expect(await pose(page)).toEqual(back);
-    await page.getByRole("button", { name: "Linked" }).click();
+    await look(page, "Turn both together");
     await expect.poll(async () => degrees(gaze(await pose(page)), gaze((await other(page))!.pose))).toBeLessThan(3);
   });
 
   await test.step("the picture holds both stances, as they stand beside each other", async () => {
-    const panes = await Promise.all([page.locator(".other-stage").boundingBox(), page.locator("main.stage").boundingBox()]);
-    await page.getByRole("banner").getByRole("button", { name: "Export" }).click();
-    const [picture] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: /^Picture of this view/ }).click()]);
+    const panes = await Promise.all([page.locator(".other-stage").boundingBox(), page.locator(".stage").boundingBox()]);
+    const [picture] = await Promise.all([page.waitForEvent("download"), more(page, "Picture of this view")]);
     const png = readFileSync(await picture.path());
     expect(Math.abs(png.readUInt32BE(16) - 2 * (panes[0]!.width + panes[1]!.width))).toBeLessThanOrEqual(4);
   });
 
   await test.step("the measures are those of the API, as a table and as a file", async () => {
     const asked = page.waitForResponse((answer) => answer.url().endsWith(`/api/fits/${standing}/measures.json?with=${supine}`));
+    await page.keyboard.press("4");
     await page.locator("#measures").click();
     const dialog = page.getByRole("dialog", { name: "Measures" });
     await expect(dialog.locator("tbody tr").first()).toBeVisible();
     const file = (await (await asked).json()) as MeasuresFile;
     await untilStill(page); // the panes are lower now: both bodies as large as each other, and nothing looks out below them
     expect(away((await other(page))!.pose)).toBeCloseTo(away(await pose(page)), 3);
-    for (const panel of [".steps", ".aside"]) await expect(page.locator(panel)).toBeHidden();
-    await expect(page.locator(".footer")).toBeInViewport({ ratio: 0.9 });
     await expect(dialog.locator("thead .group[colspan]")).toHaveText(["Standing", "Supine", "Change: supine − standing"]);
     const names = [...new Set(file.measures.map(({ measure, kind }) => `${measure} ${kind}`))];
     expect(await dialog.locator("tbody tr[data-measure]").count()).toBe(names.length);
@@ -216,21 +214,21 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     await page.getByRole("button", { name: "Work here" }).click();
     await expect.poll(async () => (await state(page)).fit!.id).toBe(standing);
     expect((await state(page)).drawn.lines.present).toHaveLength(1);
-    await expect(page.locator(".stances-bar .segmented button").first()).toHaveAttribute("aria-pressed", "true");
+    await expect(thumb(page, "standing")).toHaveAttribute("aria-pressed", "true");
     expect((await state(page)).stances.other!.drawn.onScan!.from).toBe("standing");
   });
 
   await test.step("drawing goes on, and the other scan follows", async () => {
-    await page.keyboard.press("4");
+    await page.keyboard.press("3");
     await page.getByRole("button", { name: "Tumour", exact: true }).click();
     await expect.poll(() => page.evaluate(() => window.__breastrig!.isReady())).toBe(true);
     await untilStill(page);
-    const box = (await page.locator("main.stage canvas.view").boundingBox())!;
+    const box = (await page.locator(".stage canvas.view").boundingBox())!;
     await page.mouse.click(box.x + box.width * 0.5, box.y + box.height * 0.45);
     expect((await state(page)).drawn.lines.present).toHaveLength(2);
     await expect.poll(async () => (await state(page)).stances.other!.drawn.onScan!.carried.shapes.filter(({ kind }) => kind === "line").length).toBe(2);
     await page.keyboard.press("Escape");
-    await expect(page.locator(".drawing-saved")).toHaveText("Saved");
+    await expect(page.locator(".top-bar .saved")).toHaveText("Saved");
   });
 
   await test.step("after a reload both are there, side by side", async () => {
@@ -242,7 +240,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     expect([now.fit!.id, now.stances.other!.fit!.id]).toEqual([standing, supine]);
     expect(now.drawn.lines.present).toHaveLength(2);
     expect((await other(page))!.picture.colours).toBeGreaterThan(100);
-    await expect(page.locator(".stances-bar .segmented button")).toHaveText(["Standing", "Supine"]);
+    await expect(page.locator(".thumb .thumb-name")).toHaveText(["Standing", "Supine"]);
     expect(now.drawing).toBe(PATTERN);
     expect(now.drawn).toMatchObject({ note: "wants it smaller", depthMm: 20 });
     const plan = (await (await page.request.get(`${base}/api/fits/${supine}/plan.json`)).json()) as PlanOnScan;
@@ -254,9 +252,9 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
   expect((await hook.picture(page)).isLost).toBe(false);
 
   const link = await test.step("a colleague sees the supine result through a link, with a passcode, and nothing else", async () => {
-    await page.locator(".stances-bar .segmented button", { hasText: "Supine" }).click();
+    await page.locator(".other-stage").getByRole("button", { name: "Work here" }).click();
     await expect.poll(async () => (await state(page)).fit!.id).toBe(supine);
-    await page.getByRole("button", { name: "Share", exact: true }).click();
+    await page.getByRole("button", { name: "Make a link" }).first().click();
     const dialog = page.getByRole("dialog", { name: "Share this result" });
     await dialog.getByLabel(/^Passcode/).fill("four words of it");
     await dialog.getByLabel("The plan's notes as well").check();
@@ -281,10 +279,9 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
   });
 
   await test.step("who asks to delete one stance is told what of the plan goes with it, on the other stance too", async () => {
-    await page.locator(".stances-bar .segmented button", { hasText: "Standing" }).click();
+    await page.locator(".other-stage").getByRole("button", { name: "Work here" }).click();
     await expect.poll(async () => (await state(page)).fit!.id).toBe(standing);
-    await page.keyboard.press("1");
-    await page.getByRole("button", { name: "Delete this scan …" }).click();
+    await more(page, "Delete this scan …");
     const question = page.getByRole("dialog", { name: "Delete this scan?" });
     await expect(question).toContainText("Reduction (Wise pattern), Tumour, the note, its fits");
     await expect(question).toContainText("The other stance stays, without what was drawn on this one and carried there.");

@@ -87,11 +87,11 @@ async function open(page: Page, base: string): Promise<void> {
   await page.locator("#scan-file").setInputFiles(SCAN_FILE);
   await hook.ready(page);
   await untilStill(page);
-  await page.keyboard.press("4");
+  await page.keyboard.press("3");
 }
 
 async function kept(page: Page, base: string): Promise<OwnDrawing> {
-  await expect(page.locator(".drawing-saved")).toHaveText("Saved");
+  await expect(page.locator(".top-bar .saved")).toHaveText("Saved");
   const links = await page.evaluate(() => window.__breastrig!.state().scan!.info.links);
   return (await (await page.request.get(base + links.drawing)).json()) as OwnDrawing;
 }
@@ -235,14 +235,14 @@ test("strokes and clicks become lines on the skin; they are kept, undone, named,
     await page.locator("#drawing-file").setInputFiles(other);
     await expect(page.locator(".drawing [role=alert]").first()).toContainText("not valid JSON");
     await page.keyboard.press("z");
-    await expect(page.locator(".drawing-saved")).toHaveText("Saved");
+    await expect(page.locator(".top-bar .saved")).toHaveText("Saved");
   });
 
   await test.step("after a reload the lines are there", async () => {
     const before = await lines(page);
     await page.reload();
     await hook.ready(page);
-    await page.keyboard.press("4");
+    await page.keyboard.press("3");
     await expect.poll(async () => (await lines(page)).map(({ name }) => name)).toEqual(before.map(({ name }) => name));
     for (const [i, line] of (await lines(page)).entries()) {
       expect(line.points).toHaveLength(before[i]!.points.length);
@@ -282,11 +282,11 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   await hook.ready(page);
   await page.keyboard.press("2");
   await page.getByRole("button", { name: "Use the example's landmarks" }).click();
-  await page.keyboard.press("3");
+  await page.keyboard.press("1");
   await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).first().click();
   await untilFitted(page);
   const first = (await hook.fit(page))!.id;
-  await page.keyboard.press("4");
+  await page.keyboard.press("3");
   await untilStill(page);
   const before = await hook.picture(page);
   const pattern = page.locator(".pattern");
@@ -346,7 +346,7 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
 
   // A fit again is not asked to draw the plan, however long that is; where it fails, the page says so where she looks.
   await page.evaluate(() => (document.activeElement as HTMLElement).blur()); // else the key is written into a field
-  await page.keyboard.press("3");
+  await page.keyboard.press("1");
   await page.getByLabel("Follow the skin").uncheck();
   await page.getByRole("button", { name: /^Fit again/ }).first().click();
   await expect.poll(async () => (await hook.fit(page))!.id).not.toBe(first);
@@ -394,7 +394,7 @@ test("a table is hidden and, when it is shown, the pen draws nothing on it, and 
   const loose = page.getByRole("button", { name: "Table and loose pieces" });
   await expect(loose).toHaveAttribute("aria-pressed", "false");
   await loose.click();
-  await page.keyboard.press("4");
+  await page.keyboard.press("3");
   await page.getByRole("button", { name: "Pen", exact: true }).click();
   const canvas = (await page.locator("main canvas.view").boundingBox())!;
   const row = canvas.y + canvas.height / 2;

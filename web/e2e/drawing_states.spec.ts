@@ -2,14 +2,14 @@
 // too small to press, no control over another, nothing beside the screen.
 import { expect, type Page } from "@playwright/test";
 import { overlaps, seriousFindings, smallTargets } from "./audit";
-import { hook, test, untilFitted, untilStill } from "./page";
+import { hook, test, thumb, untilFitted, untilStill } from "./page";
 import { inTheme } from "./states";
 
 async function fitted(page: Page): Promise<void> {
   await hook.ready(page);
   await page.keyboard.press("2");
   await page.getByRole("button", { name: "Use the example's landmarks" }).click();
-  await page.keyboard.press("3");
+  await page.keyboard.press("1");
   await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).first().click();
   await untilFitted(page);
 }
@@ -18,7 +18,7 @@ const STATES: readonly { name: string; reach: (page: Page) => Promise<void> }[] 
   {
     name: "pen",
     reach: async (page) => {
-      await page.keyboard.press("4");
+      await page.keyboard.press("3");
       await page.keyboard.press("p");
       await untilStill(page);
       const box = (await page.locator("canvas.view").boundingBox())!;
@@ -49,7 +49,7 @@ const STATES: readonly { name: string; reach: (page: Page) => Promise<void> }[] 
     name: "second scan",
     reach: async (page) => {
       await page.keyboard.press("Escape");
-      await page.locator("#add-stance").click();
+      await page.locator("#add-scan").click();
       await expect(page.getByRole("dialog")).toBeVisible();
     },
   },
@@ -59,9 +59,9 @@ const STATES: readonly { name: string; reach: (page: Page) => Promise<void> }[] 
       await page.getByRole("dialog").getByRole("button", { name: /patient, supine/i }).click();
       await expect(page.getByRole("dialog")).toHaveCount(0);
       await fitted(page);
-      await page.keyboard.press("4");
+      await page.keyboard.press("3");
       await expect(page.getByText(/Carried lines ±\s\d+\smm, measured across them/)).toBeVisible();
-      await page.locator("#compare").click();
+      await thumb(page, "standing").click();
       await expect.poll(() => page.evaluate(() => window.__breastrig!.other() !== null)).toBe(true);
       await untilStill(page);
     },

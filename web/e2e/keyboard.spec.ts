@@ -109,7 +109,7 @@ test("from page load to the fitted result without a mouse, and the live region s
   });
 
   await test.step("the fit is started, followed and looked at", async () => {
-    await page.keyboard.press("3");
+    await page.keyboard.press("1");
     await tabTo(page, /^Fit with \d+ landmarks$/);
     await page.keyboard.press("Enter");
     await untilFitted(page);

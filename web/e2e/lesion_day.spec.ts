@@ -27,7 +27,7 @@ async function drop(page: Page, file: string): Promise<void> {
     given.items.add(new File([bytes], name));
     return given;
   }, { name: basename(file), content: readFileSync(file).toString("base64") });
-  await page.locator("main.stage").dispatchEvent("drop", { dataTransfer: transfer });
+  await page.locator(".stage").dispatchEvent("drop", { dataTransfer: transfer });
 }
 
 const lesions = (page: Page) => page.evaluate(() => window.__breastrig!.state().drawn.lesions.map(({ name, center, radius_mm }) => ({ name, center, radius_mm })));
@@ -123,7 +123,7 @@ test("an MRI's lesion is found in the same breast of a standing scan, with its n
     await page.locator("#landmark-file").setInputFiles(made(landmarks));
     const count = Object.keys((json(landmarks) as { landmarks: object }).landmarks).length;
     await expect.poll(() => hook.pickCount(page)).toBe(count);
-    await page.keyboard.press("3");
+    await page.keyboard.press("1");
     await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).press("Enter");
     await untilFitted(page);
     return (await hook.fit(page))!.id;
@@ -137,7 +137,7 @@ test("an MRI's lesion is found in the same breast of a standing scan, with its n
 
   const standing = await test.step("a standing scan of the same patient", async () => {
     const before = await scanId(page);
-    await page.locator("#add-stance").click();
+    await page.locator("#add-scan").click();
     await page.locator("#second-scan-file").setInputFiles(made("standing.ply"));
     await another(page, before);
     await expect(page.getByRole("dialog")).toHaveCount(0);
@@ -152,7 +152,7 @@ test("an MRI's lesion is found in the same breast of a standing scan, with its n
     expect(lesion!.center[0], "the patient's left").toBeGreaterThan(30);
     expect(distance(lesion!.center, right)).toBeLessThan(lesion!.error_mm!);
     expect(lesion!.error_mm).toBeLessThan(30);
-    await page.keyboard.press("4");
+    await page.keyboard.press("3");
     await expect(page.locator("[data-layer=lesions] li").filter({ hasText: "Lesion 1" })).toBeVisible();
     const report = info.outputPath("report.pdf");
     writeFileSync(report, await (await page.request.get(`${base}/api/fits/${standing}/report.pdf`)).body());

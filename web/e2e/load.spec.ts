@@ -2,7 +2,7 @@
 // loads; without a graphics card, and when the driver drops the picture.
 import { gzipSync } from "node:zlib";
 import { chromium, expect } from "@playwright/test";
-import { hook, test } from "./page";
+import { hook, test, thumb } from "./page";
 
 const BOUND_KB = 294; // gzip, all of script and style that the first view asks for; three.js is two thirds of it
 
@@ -67,10 +67,10 @@ test("when the driver drops the second pane's picture, that pane says so and off
   await page.goto(base);
   await page.getByRole("button", { name: /standing/i }).click();
   await hook.ready(page);
-  await page.getByRole("button", { name: "Add other stance" }).click();
-  await page.getByRole("dialog", { name: "Add the other stance" }).getByRole("button", { name: /patient, supine/i }).click();
+  await page.locator("#add-scan").click();
+  await page.getByRole("dialog", { name: "Add a scan of this patient" }).getByRole("button", { name: /patient, supine/i }).click();
   await hook.ready(page);
-  await page.getByRole("button", { name: "Side by side" }).click();
+  await thumb(page, "standing").click();
   const pane = page.locator(".other-stage");
   await expect(pane.locator("canvas")).toBeVisible();
   await page.evaluate(() => {
@@ -94,9 +94,9 @@ test("in a browser without any graphics the page says what is missing and what t
     await page.goto(base);
     await expect(page.getByRole("alert").filter({ hasText: "no WebGL 2" })).toContainText("Turn on hardware acceleration");
     await page.getByRole("button", { name: /standing/i }).click();
-    await page.getByRole("button", { name: /^Fit/ }).first().click();
     await page.getByRole("button", { name: "Fit without landmarks" }).click();
     await expect(page.locator(".hero-number")).toHaveText(/^±\u00a0\d+\u00a0mm$/);
+    await page.keyboard.press("4");
     await expect(page.getByRole("link", { name: "Report (PDF)" })).toBeVisible();
   } finally {
     await browser.close();

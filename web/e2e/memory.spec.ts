@@ -28,8 +28,8 @@ test(`after ${OPENED} scans the graphics card holds what it held after the first
   const fit = await api<{ id: string; links: { self: string } }>("/api/fits", { scan: standing.id });
   await expect.poll(async () => ((await (await page.request.get(base + fit.links.self)).json()) as { state: string }).state).toBe("done");
   const patients = [
-    { hash: `#scan=${standing.id}&fit=${fit.id}&step=result`, shown: () => wholeResult(page) },
-    ...[supine, standing].map(({ id }) => ({ hash: `#scan=${id}&step=scan`, shown: () => Promise.resolve() })),
+    { hash: `#scan=${standing.id}&fit=${fit.id}&step=body`, shown: () => wholeResult(page) },
+    ...[supine, standing].map(({ id }) => ({ hash: `#scan=${id}&step=body`, shown: () => Promise.resolve() })),
   ];
   await page.goto(base);
   await goTo(page, patients[2]!.hash); // in its own colours: with the result it may come to the screen in grey only

@@ -4,7 +4,7 @@ import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { expect, type Page } from "@playwright/test";
-import { hook, test, until, untilFitted, untilStill } from "./page";
+import { hook, look, test, until, untilFitted, untilStill } from "./page";
 import { findPython, FOREARM, startService } from "./service";
 
 interface Made {
@@ -60,7 +60,7 @@ test("a fit of the torso looks the same under a service whose model is a forearm
         await page.goto(`${base}/${at}`);
         await hook.ready(page);
         await untilFitted(page);
-        await page.getByRole("button", { name: "Model", exact: true }).click();
+        await look(page, "Model");
         await until(page, () => window.__breastrig!.state().fit?.surface);
         const rig = await settledPicture(page);
         await page.goto(base + shared);

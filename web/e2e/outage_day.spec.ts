@@ -73,7 +73,7 @@ interface Typed {
 
 /** Pattern, its number, the tumour, its depth, notes. */
 async function type(page: Page, { areola, clock, notes }: Typed, isLast = "leave the field"): Promise<void> {
-  await page.keyboard.press("4");
+  await page.keyboard.press("3");
   await page.keyboard.press("Escape");
   const panel = page.locator(".pattern");
   if (!(await panel.evaluate((each) => (each as HTMLDetailsElement).open))) await panel.locator("summary").click();
@@ -108,7 +108,7 @@ const inBrowser = (page: Page) => page.evaluate(() => Object.keys(sessionStorage
 
 test("the service is killed while everything is entered, and comes back: all of it is saved without a click", async ({ page, base }) => {
   const { scan, plan } = await opened(page, base);
-  await page.keyboard.press("4");
+  await page.keyboard.press("3");
   await service.stop();
   const at = trueLandmarks();
   await page.keyboard.press("2");
@@ -117,7 +117,7 @@ test("the service is killed while everything is entered, and comes back: all of 
     await click(page, at[name]!);
   }
   await expect.poll(() => hook.pickCount(page)).toBe(2);
-  await page.keyboard.press("4");
+  await page.keyboard.press("3");
   await page.keyboard.press("p");
   await click(page, at.xiphoid!);
   await click(page, at.umbilicus!);
@@ -155,7 +155,7 @@ test("a reload in the middle of it, also of what stands in a field that was not 
   await page.goto(`${base}/#scan=${scan}`);
   await hook.ready(page);
   await expect.poll(() => kept(scan, plan)).toMatchObject({ patterns: [["reduction", 39]], tumours: [[2, 45, 12, 21]], notes: ["First, and more."] });
-  await page.keyboard.press("4");
+  await page.keyboard.press("3");
   await page.locator(".pattern summary").click();
   await expect(page.locator(".pattern").getByLabel("Notes")).toHaveValue("First, and more.");
   expect(await inBrowser(page)).toBe(0);
@@ -164,7 +164,7 @@ test("a reload in the middle of it, also of what stands in a field that was not 
 test("the session ends while notes and numbers are typed: after signing in all of it is there and saved", async ({ page, context, base }) => {
   const { scan, plan } = await opened(page, base);
   await context.clearCookies();
-  await page.keyboard.press("4");
+  await page.keyboard.press("3");
   await page.locator(".pattern summary").click();
   await page.locator(".pattern").getByLabel("Notes").fill("Typed in an old session.");
   await page.locator(".pattern").getByLabel("Notes").press("Tab");
@@ -172,7 +172,7 @@ test("the session ends while notes and numbers are typed: after signing in all o
   await hook.ready(page);
   await expect.poll(() => kept(scan, plan)).toMatchObject({ notes: ["Typed in an old session."] });
   await context.clearCookies();
-  await page.keyboard.press("4");
+  await page.keyboard.press("3");
   await page.locator(".pattern summary").click();
   const notes = page.locator(".pattern").getByLabel("Notes");
   await expect(notes).toHaveValue("Typed in an old session.");

@@ -49,6 +49,27 @@ export const hook = {
     }),
 };
 
+/** Opens one of the menus on the stage's bar or in the top bar, presses what is called so, and closes it. */
+async function inMenu(page: Page, id: string, name: string | RegExp): Promise<void> {
+  await page.locator(`[popovertarget=${id}]`).click();
+  await page.locator(`#${id}`).getByRole("button", { name, ...(typeof name === "string" ? { exact: false } : {}) }).first().click();
+  if (await page.locator(`#${id}`).isVisible()) await page.keyboard.press("Escape");
+}
+
+/** What of scan and model is shown, or what else can be switched on the stage. */
+export const look = (page: Page, name: "Skin" | "Both" | "Model" | "Beside" | "Swipe" | "Distances" | "Left on right" | "Table and loose pieces" | "Turn both together" | "The scan's own colours"): Promise<void> => inMenu(page, "look-menu", name);
+/** From which side the body is seen. */
+export const lookFrom = (page: Page, side: "Front" | "Left" | "Right" | "Back" | "Top"): Promise<void> => inMenu(page, "view-menu", side);
+export const more = (page: Page, name: string): Promise<void> => inMenu(page, "page-menu", name);
+/** A scan on the strip. */
+export const thumb = (page: Page, stance: "standing" | "supine" | "prone" | "image"): Locator => page.locator(`.thumb[data-stance=${stance}]`);
+/** Opens the details of the body's tab. */
+export async function openDetails(page: Page): Promise<void> {
+  await page.keyboard.press("1");
+  const details = page.locator("#details");
+  if ((await details.getAttribute("open")) === null) await details.locator("> summary").click();
+}
+
 /** Waits until no camera moves and nothing is drawn any more, however seldom a busy machine draws: then places on the screen hold still. */
 export async function untilStill(page: Page): Promise<void> {
   let before = -1;

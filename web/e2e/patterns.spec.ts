@@ -15,7 +15,7 @@ async function fitted(page: Page, base: string): Promise<void> {
   await page.getByRole("button", { name: "Use the example's landmarks" }).click();
   await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).click();
   await untilFitted(page);
-  await page.keyboard.press("4");
+  await page.keyboard.press("3");
   await untilStill(page);
 }
 
@@ -99,7 +99,7 @@ test("the new nipple is dragged: line and number follow, the plan keeps them, un
   await test.step("a reload keeps it", async () => {
     await page.reload();
     await hook.ready(page);
-    await page.keyboard.press("4");
+    await page.keyboard.press("3");
     await expect(handle(page, "values/width_first_L")).toHaveAttribute("aria-label", "Width, left: 56\u00a0mm");
     expect((await state(page)).drawing).toBe("vertical:nipple_above_fold_mm=40,width_mm=56");
     await expect.poll(async () => (await state(page)).drawn.onScan?.patterns.shapes.length).toBe(6);
@@ -223,7 +223,7 @@ test("the tape measures along the skin from click to click and leaves nothing; a
     const reflected = here.map((value, axis) => value - 2 * off * plane!.normal[axis]!) as Vector;
     expect(distance(reflected, there), "in the service's median plane, then on the skin that is there").toBeLessThan(15);
     expect(distance(there, truth.nipple_R!)).toBeLessThan(distance(there, truth.nipple_L!));
-    await expect(page.locator(".drawing-saved")).toHaveText("Saved");
+    await expect(page.locator(".top-bar .saved")).toHaveText("Saved");
   });
   expect(troubles).toEqual([]);
 });
@@ -235,7 +235,7 @@ test("a tab that is looked at again says what was written in another one, and sh
   const second = await context.newPage();
   await second.goto(page.url());
   await hook.ready(second);
-  await second.keyboard.press("4");
+  await second.keyboard.press("3");
   await untilStill(second);
   await second.keyboard.press("p");
   const place = await hook.project(second, trueLandmarks().nipple_L!);
@@ -243,7 +243,7 @@ test("a tab that is looked at again says what was written in another one, and sh
   await second.mouse.down();
   for (let i = 1; i <= 12; i += 1) await second.mouse.move(place.x + 2 * i, place.y - 30 - i);
   await second.mouse.up();
-  await expect(second.locator(".drawing-saved")).toHaveText("Saved");
+  await expect(second.locator(".top-bar .saved")).toHaveText("Saved");
   await page.bringToFront();
   await page.evaluate(() => window.dispatchEvent(new Event("focus"))); // without windows none comes by itself
   await expect(page.getByText("The plan was changed in another tab or by somebody else.")).toBeVisible();
@@ -263,12 +263,12 @@ test("a fit that was asked for a pattern which does not fit on this breast is ke
   await fitted(page, base);
   expect((await hook.fit(page))!.state).toBe("done");
   const said = page.getByText('Not drawn: Reduction (Wise pattern). The limbs of 80 mm reach the fold of the left breast; choose shorter limbs');
-  await page.keyboard.press("3");
+  await page.keyboard.press("1");
   await expect(said).toBeVisible();
   await page.unrouteAll({ behavior: "wait" });
   await page.reload();
   await hook.ready(page);
-  await page.keyboard.press("3");
+  await page.keyboard.press("1");
   await expect(said, "after a reload").toBeVisible();
   expect(troubles).toEqual([]);
 });

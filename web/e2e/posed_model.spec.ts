@@ -7,7 +7,7 @@ import { join } from "node:path";
 import { expect, type Page } from "@playwright/test";
 import type { Unit } from "../src/api/types";
 import { mmFrom } from "../src/ui/units";
-import { hook, test, untilFitted, untilStill } from "./page";
+import { hook, look, test, untilFitted, untilStill } from "./page";
 import { findPython, helper, startService } from "./service";
 
 const TOLERANCE = 0.1; // mm
@@ -126,7 +126,7 @@ async function compare(page: Page, base: string, scan: Made, landmarks?: object)
   await page.goto(`${base}/#scan=${scan.id}&fit=${fit.id}`);
   await hook.ready(page);
   await untilFitted(page);
-  await page.getByRole("button", { name: "Model", exact: true }).click();
+  await look(page, "Model");
   await untilStill(page);
   const { vertices, triangles, at } = readPly(await (await page.request.get(`${base}/api/fits/${fit.id}/fitted.ply`)).body());
   const places = await page.evaluate((size) => {

@@ -18,14 +18,14 @@ test("the stance that is missing is predicted, the pattern is carried there, and
   const scan = await post("/api/examples/standing");
   const { id } = await post("/api/fits", { scan: scan.id, landmarks: trueLandmarks() });
   await expect.poll(async () => ((await (await page.request.get(`${base}/api/fits/${id}`)).json()) as Fit).state).toBe("done");
-  await page.goto(`${base}/#scan=${scan.id}&fit=${id}&step=drawing`);
+  await page.goto(`${base}/#scan=${scan.id}&fit=${id}&step=plan`);
   await hook.ready(page);
   await untilFitted(page);
   await page.locator(".pattern summary").click();
   await page.locator(".pattern select").first().selectOption("reduction");
 
   await test.step("predicted", async () => {
-    await page.locator("#add-stance").click();
+    await page.locator("#add-scan").click();
     await page.getByRole("dialog").getByRole("button", { name: "Predict supine" }).press("Enter");
     await expect(page.getByRole("dialog")).toHaveCount(0);
     const pane = page.getByRole("region", { name: "Supine, predicted" });
@@ -61,7 +61,7 @@ test("the stance that is missing is predicted, the pattern is carried there, and
   });
 
   await test.step("a scan takes its place", async () => {
-    await page.locator("#add-stance").click();
+    await page.locator("#add-scan").click();
     await page.locator("#second-scan-file").setInputFiles(join(process.env.BREASTRIG_E2E_EXAMPLES!, "supine", "scan.ply"));
     await expect(page.getByRole("dialog")).toHaveCount(0);
     await expect.poll(() => page.evaluate(() => window.__breastrig!.state().stances.other?.fit?.id)).toBe(id);

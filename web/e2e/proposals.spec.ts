@@ -81,7 +81,7 @@ test("proposals are dashed until they are confirmed, and then picks like any oth
     }
     await page.keyboard.press("Escape");
     await expect(page.locator("[data-proposed]")).toHaveCount(Object.keys(landmarks).length - wanted);
-    await expect(page.locator("#step-landmarks .saved")).toHaveText("Saved");
+    await expect(page.locator("#side-points .saved")).toHaveText("Saved");
     const kept = (await (await page.request.get(base + scan.links.landmarks)).json()) as { landmarks: object };
     expect(Object.keys(kept.landmarks).length).toBe(wanted);
   });
@@ -102,7 +102,7 @@ test("proposals are dashed until they are confirmed, and then picks like any oth
   });
 
   await test.step("the surface follows the skin, unless the model alone is wanted", async () => {
-    await page.keyboard.press("3");
+    await page.keyboard.press("1");
     await expect(page.getByLabel("Follow the skin")).toBeChecked();
     await page.getByLabel("Follow the skin").uncheck();
     await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).click();

@@ -22,7 +22,7 @@ async function look(page: Page, name: string): Promise<void> {
 
 const row = (page: Page, name: string) => page.locator(`.landmarks [data-landmark=${name}]`);
 const pin = (page: Page, name: string) => page.locator(`.overlay:not(.other .overlay) .pin[data-landmark=${name}]`).first();
-const question = (page: Page) => page.locator("#step-landmarks .question:visible");
+const question = (page: Page) => page.locator("#side-points .question:visible");
 
 /** The example with these landmarks, fitted. */
 async function fitted(page: Page, base: string, landmarks: Record<string, Vector>): Promise<void> {
@@ -92,7 +92,7 @@ test("a pick far off is asked about where it was made, and is calm once it is ta
     expect([...result.landmarks_not_followed!, ...result.landmarks_unusual!].flatMap(({ names }) => names)).not.toContain("xiphoid");
     await expect(question(page)).toHaveCount(0);
     await expect(row(page, "xiphoid").locator(".kept:not(.agreed)")).toBeVisible();
-    await expect(page.locator("#step-landmarks .saved")).toHaveText("Saved");
+    await expect(page.locator("#side-points .saved")).toHaveText("Saved");
     await look(page, "kept");
   });
 

@@ -5,7 +5,7 @@ import { expect, type Page } from "@playwright/test";
 import type { Fit, Result } from "../src/api/types";
 import { distanceWithin, readDistances, SCANNER_MM, summarise } from "../src/fit/distances/distances";
 import { formatMm, formatPercent, formatSignedMm } from "../src/ui/units";
-import { distance, hook, test, until, untilFitted, untilStill } from "./page";
+import { distance, hook, look, test, until, untilFitted, untilStill } from "./page";
 
 /** Shares of strongly blue and strongly orange pixels in a part of the stage (0 to 1 across). */
 async function colours(page: Page, from: number, to: number): Promise<{ coloured: number; skin: number }> {
@@ -72,7 +72,7 @@ test("distances are coloured, read under the pointer, and are the service's", as
 
   await test.step("the map shows with its colour bar; a key takes it away and brings it back", async () => {
     const plain = await hook.picture(page);
-    await page.getByRole("button", { name: "Distances" }).click();
+    await look(page, "Distances");
     await expect(page.locator(".colour-bar")).toBeVisible();
     expect((await hook.picture(page)).checksum).not.toBe(plain.checksum);
     await page.keyboard.press("d");
@@ -119,7 +119,7 @@ test("distances are coloured, read under the pointer, and are the service's", as
     await expect(page.getByRole("banner").getByTitle("The patient's code")).toHaveText(/^[A-Z0-9]{3}-[A-Z0-9]{3}$/);
     expect(picture.suggestedFilename()).toMatch(/^[A-Z0-9]{3}-[A-Z0-9]{3}_standing_\d{4}-\d{2}-\d{2}_view\.png$/);
     const png = readFileSync(await picture.path());
-    const stage = (await page.locator("main.stage").boundingBox())!;
+    const stage = (await page.locator(".stage").boundingBox())!;
     expect(png.readUInt32BE(16)).toBe(2 * stage.width);
     expect(png.readUInt32BE(20)).toBeGreaterThan(2 * stage.height);
     expect(png.includes("tIME"), "no date in it").toBe(false);
@@ -138,7 +138,7 @@ test("distances are coloured, read under the pointer, and are the service's", as
   });
 
   await test.step("side by side: two bodies, the map on the right one only", async () => {
-    await page.getByRole("button", { name: "Beside" }).click();
+    await look(page, "Beside");
     await untilStill(page);
     expect(await read(0.25, 0.4), "over the scan there is no value").toBeNull();
     expect(await read(0.75, 0.45), "over the model, between the breasts").not.toBeNull();
@@ -149,7 +149,7 @@ test("distances are coloured, read under the pointer, and are the service's", as
   });
 
   await test.step("the line between scan and model is moved by keys", async () => {
-    await page.getByRole("button", { name: "Swipe" }).click();
+    await look(page, "Swipe");
     const line = page.getByRole("slider", { name: "Line between scan and model" });
     await line.focus();
     const half = await hook.picture(page);
@@ -168,7 +168,7 @@ test("the model's shape is read off sliders; they pose the picture, not the fit"
   await page.goto(base);
   await page.getByRole("button", { name: /standing/i }).click();
   await hook.ready(page);
-  await page.keyboard.press("3");
+  await page.keyboard.press("1");
   await page.getByRole("button", { name: "Fit without landmarks" }).click();
   await untilFitted(page);
   await page.locator("summary", { hasText: "Shape of the model" }).click();

@@ -45,7 +45,7 @@ test("a forearm is fitted, drawn on, measured, reported and shared", async ({ pa
   });
 
   await test.step("its drawing lies on the skin", async () => {
-    await page.keyboard.press("4");
+    await page.keyboard.press("3");
     await expect(page.locator(".pattern summary")).toHaveText("Drawing and notes"); // no tumour by the clock
     await page.locator(".pattern summary").click();
     const drawings = page.locator(".pattern select").first();
@@ -70,7 +70,7 @@ test("a forearm is fitted, drawn on, measured, reported and shared", async ({ pa
   });
 
   await test.step("and a colleague is shown it by a link", async () => {
-    await page.getByRole("button", { name: "Share", exact: true }).click();
+    await page.getByRole("button", { name: "Make a link" }).first().click();
     const dialog = page.getByRole("dialog", { name: "Share this result" });
     await dialog.getByRole("button", { name: "Make a link" }).click();
     await expect(dialog.getByLabel("Address of the link")).not.toHaveValue("");

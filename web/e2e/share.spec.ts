@@ -113,8 +113,8 @@ test("closing ends the credential, also for a copy of it, and leaves an owner in
 test("a dialog whose code does not arrive says so, and is tried again", async ({ page }) => {
   await signIn(page);
   const id = (links: Record<string, string>): string => links.self!.split("/").at(-1)!;
-  await page.goto(`${owner.base}/#scan=${id(scan)}&fit=${id(fit)}&step=result`);
-  const share = page.getByRole("button", { name: "Share", exact: true });
+  await page.goto(`${owner.base}/#scan=${id(scan)}&fit=${id(fit)}&step=body`);
+  const share = page.getByRole("button", { name: "Make a link" }).first();
   await page.route("**/ShareDialog-*.js", (route) => route.abort());
   await share.click();
   await expect(page.getByText("The service does not answer")).toBeVisible();
@@ -143,8 +143,8 @@ test("a visitor's day: what stood when the link was made, the present state when
 
   await signIn(page);
   const part = (links: Record<string, string>): string => links.self!.split("/").at(-1)!;
-  await page.goto(`${owner.base}/#scan=${part(own.scan)}&fit=${part(own.fit)}&step=result`);
-  await page.getByRole("button", { name: "Share", exact: true }).click();
+  await page.goto(`${owner.base}/#scan=${part(own.scan)}&fit=${part(own.fit)}&step=body`);
+  await page.getByRole("button", { name: "Make a link" }).first().click();
   const dialog = page.getByRole("dialog", { name: "Share this result" });
   await expect(dialog.getByText("without the layer that follows the skin")).toBeVisible();
   await dialog.getByLabel("It shows").selectOption("full");

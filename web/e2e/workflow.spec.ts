@@ -56,7 +56,7 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
     expect(await hook.pick(page, CLICKED.at(-1)!)).toBeNull();
     await page.keyboard.press("Shift+Z");
     expect(await hook.pickCount(page)).toBe(CLICKED.length);
-    await expect(page.locator("#step-landmarks .saved")).toHaveText("Saved");
+    await expect(page.locator("#side-points .saved")).toHaveText("Saved");
     const scan = await page.evaluate(() => window.__breastrig!.state().scan!.info);
     const kept = (await (await page.request.get(base + scan.links.landmarks)).json()) as { landmarks: Record<string, Vector> };
     expect(Object.keys(kept.landmarks).sort()).toEqual([...CLICKED].sort());

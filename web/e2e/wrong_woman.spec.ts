@@ -28,7 +28,7 @@ test("what is another patient's is asked about, and nothing of it is taken befor
   const names = async (): Promise<string[]> => page.evaluate(() => window.__breastrig!.state().drawn.lines.present.map(({ name }) => name));
 
   await test.step("another's drawing in the same frame", async () => {
-    await page.keyboard.press("4");
+    await page.keyboard.press("3");
     const landmarks = JSON.parse(readFileSync(join(EXAMPLES, "standing", "landmarks.json"), "utf8")) as { unit?: string; landmarks: Record<string, [number, number, number]> };
     const { xiphoid, mid_sternum } = landmarks.landmarks;
     const shapes = [{ name: "hers", closed: false, points: [xiphoid, mid_sternum] }];
@@ -45,11 +45,11 @@ test("what is another patient's is asked about, and nothing of it is taken befor
     await page.locator("#drawing-file").setInputFiles(file);
     await dialog.getByRole("button", { name: /^Import/ }).click();
     await expect.poll(names).toEqual(["hers"]);
-    await expect(page.locator(".drawing-saved")).toHaveText("Saved");
+    await expect(page.locator(".top-bar .saved")).toHaveText("Saved");
   });
 
   await test.step("the same file as the other stance", async () => {
-    await page.locator("#add-stance").click();
+    await page.locator("#add-scan").click();
     await page.locator("#second-scan-file").setInputFiles(SCAN_FILE);
     await expect(page.locator(".stances-dialog [role=alert]")).toContainText("This scan is already here");
     const { scans } = (await (await page.request.get(`${base}/api/patients/${mine.patient}`)).json()) as { scans: unknown[] };
@@ -87,13 +87,13 @@ async function withSecond(page: Page, base: string, second: string): Promise<Sca
   const { id } = (await send("post", "/api/fits", { data: { scan: mine.id } })) as Fit;
   await expect.poll(async () => ((await (await page.request.get(`${base}/api/fits/${id}`)).json()) as Fit).state, { timeout: 60_000 }).toBe("done");
   await page.goto("about:blank");
-  await page.goto(`${base}/#scan=${mine.id}&fit=${id}&step=drawing`);
+  await page.goto(`${base}/#scan=${mine.id}&fit=${id}&step=plan`);
   await hook.ready(page);
   await untilFitted(page);
-  await page.locator("#add-stance").click();
+  await page.locator("#add-scan").click();
   await page.locator("#second-scan-file").setInputFiles(second);
   await expect.poll(() => page.evaluate(() => window.__breastrig!.state().stances.isSecond)).toBe(true);
-  await page.keyboard.press("3");
+  await page.keyboard.press("1");
   await page.getByRole("button", { name: "Fit without landmarks" }).click();
   await untilFitted(page);
   return mine;

@@ -25,7 +25,7 @@ async function lookAtLesion(page: Page): Promise<void> {
   const { nipple_L: nipple, midclavicle_L: collarbone, xiphoid } = trueLandmarks();
   const center = nipple!.map((value, i) => 0.6 * value + 0.2 * collarbone![i]! + 0.2 * xiphoid![i]!);
   await page.getByRole("button", { name: "Work here" }).click();
-  await page.keyboard.press("4");
+  await page.keyboard.press("3");
   await page.locator(".pattern").evaluate((pattern: HTMLDetailsElement) => (pattern.open = false));
   const lesions = page.locator(".lesions").first();
   await lesions.locator("summary").first().click();
@@ -38,7 +38,7 @@ async function lookAtLesion(page: Page): Promise<void> {
   await lesions.locator(".lesions > summary").click();
   await page.getByLabel("Show Reduction (Wise pattern)").uncheck(); // its handles would hide the ball
   await page.locator(".lesion-view").scrollIntoViewIfNeeded();
-  const view = (await page.locator("main.stage canvas.view").boundingBox())!;
+  const view = (await page.locator(".stage canvas.view").boundingBox())!;
   await page.mouse.move(view.x + 0.58 * view.width, view.y + 0.48 * view.height);
   for (let turn = 0; turn < 4; turn += 1) await page.mouse.wheel(0, -300);
   await page.mouse.move(2, 2);
@@ -76,7 +76,7 @@ test("pictures", async ({ browser }) => {
   await slider.fill(String(last));
   await frame(REST_MS);
 
-  await page.keyboard.press("4");
+  await page.keyboard.press("3");
   await page.locator(".pattern summary").click();
   await page.locator(".pattern select").first().selectOption("reduction");
   await expect(page.locator(".handle").first()).toBeVisible();
@@ -93,7 +93,7 @@ test("pictures", async ({ browser }) => {
   await page.locator("#compare").click();
   await page.mouse.move(2, 2);
   await frame(REST_MS);
-  const box = (await page.locator("main.stage canvas.view").boundingBox())!;
+  const box = (await page.locator(".stage canvas.view").boundingBox())!;
   let x = box.x + box.width / 2;
   const y = box.y + 70;
   await page.mouse.move(x, y);

@@ -95,12 +95,12 @@ test("a deleted scan cannot be chosen as a second stance any more, and can when 
     await settle();
     return store.get().stances.scans.map(({ id }) => id);
   };
-  expect(await hers()).toEqual(["s1"]);
+  expect(await hers()).toEqual(["s1", "s2"]);
   await actions.deletion.confirm();
-  expect(await hers()).toEqual([]);
+  expect(await hers()).toEqual(["s1"]);
   await actions.scan.leave();
   await actions.deletion.undo();
-  expect(await hers()).toEqual(["s1"]);
+  expect(await hers()).toEqual(["s1", "s2"]);
 });
 
 test("the other stance stays when one is deleted", async () => {

@@ -20,16 +20,15 @@ test("without a scan, and while a fit runs, no step is the next", () => {
 });
 
 test("a fresh scan asks for the first landmark", () => {
-  expect(nextStep(withScan)).toEqual({ kind: "place", landmark: "notch", isArmed: false });
+  expect(nextStep({ ...withScan, step: "points" })).toEqual({ kind: "place", landmark: "notch", isArmed: false });
 });
 
 test("a scan of one's own is looked at first: size and direction; once for each, and never after landmarks were placed", () => {
   const own = { ...withScan, scan: { file: {}, info: { id: "s1" } } } as unknown as Session;
   expect(nextStep(own)).toEqual({ kind: "confirm scan" });
-  expect(nextStep({ ...own, confirmed: "s1" }).kind).toBe("place");
+  expect(nextStep({ ...own, confirmed: "s1" }).kind).toBe("fit");
   expect(nextStep({ ...own, confirmed: "another" }).kind).toBe("confirm scan");
   expect(nextStep({ ...own, picks: startHistory(some) }).kind).toBe("fit");
-  expect(nextStep({ ...own, step: "body" }).kind).toBe("fit");
 });
 
 test("while placing, the wanted landmark is the step", () => {
@@ -44,7 +43,7 @@ test("when all are placed or skipped, the fit is next", () => {
 
 test("a finished fit offers the pen, until a landmark is changed", () => {
   const state: Session = { ...withScan, step: "body", picks: startHistory(some), fit: fitted(some) };
-  expect(nextStep(state)).toEqual({ kind: "draw", isArmed: false });
+  expect(nextStep(state)).toEqual({ kind: "plan" });
   const changed = { ...state, picks: record(state.picks, { ...some, umbilicus: [0, -1, 0] as [number, number, number] }) };
   expect(nextStep(changed)).toEqual({ kind: "fit", again: true, landmarks: 4 });
 });
@@ -66,15 +65,15 @@ const asked = { stance: "auto", preset: "default", refine: true } as const;
 const finished = (more: Partial<Session> = {}): Session => ({ ...withScan, ...asked, step: "body", picks: startHistory(some), fit: { ...fitted(some)!, asked, iterations: [], result: { stance: "standing" } } as unknown as Session["fit"], ...more });
 
 test("as soon as other settings are asked for than the fit was made with, the next step is to fit again", () => {
-  expect(nextStep(finished()).kind).toBe("draw");
+  expect(nextStep(finished()).kind).toBe("plan");
   for (const other of [{ stance: "supine" }, { preset: "paper" }, { refine: false }] satisfies Partial<Session>[]) {
     expect(nextStep(finished(other)), JSON.stringify(other)).toEqual({ kind: "fit", again: true, landmarks: 3 });
   }
-  expect(nextStep(finished({ drawing: "reduction" })).kind, "a pattern is drawn on the body that is there: nothing is fitted again").toBe("add");
+  expect(nextStep(finished({ drawing: "reduction" })).kind, "a pattern is drawn on the body that is there: nothing is fitted again").toBe("plan");
   const asks = { ...finished().fit!, result: { stance: "standing", landmarks_unusual: [{ names: ["notch"], reason: "notch is unusual." }] } } as unknown as Session["fit"];
   expect(nextStep(finished({ fit: asks })).kind).toBe("check");
   expect(nextStep(finished({ fit: asks, preset: "paper" })).kind, "also while picks are asked about").toBe("fit");
-  expect(nextStep(finished({ stance: "standing" })).kind, "which is what the fit decided by itself").toBe("draw");
+  expect(nextStep(finished({ stance: "standing" })).kind, "which is what the fit decided by itself").toBe("plan");
 });
 
 test("when all landmarks were undone the fit belongs to landmarks that are gone, and another one is offered", () => {
@@ -86,13 +85,15 @@ test("when all landmarks were undone the fit belongs to landmarks that are gone,
 
 test("after a good fit a surgeon draws, brings the other stance, changes over to it, and takes the report", () => {
   const line = { name: "Line 1", closed: false, color: "#101010", points: [], corners: [] };
-  const drawn = finished({ drawn: startDrawn([line]) });
-  expect(nextStep(finished({ drawn: { ...startDrawn(), tool: "pen" } }))).toEqual({ kind: "draw", isArmed: true });
+  const drawn = finished({ step: "plan", drawn: startDrawn([line]) });
+  expect(nextStep({ ...drawn, step: "body" })).toEqual({ kind: "plan" });
+  expect(nextStep(finished({ step: "plan", drawn: { ...startDrawn(), tool: "pen" } }))).toEqual({ kind: "draw", isArmed: true });
   expect(nextStep(drawn)).toEqual({ kind: "add", stance: "supine" });
   const other = { ...workspaceOf(drawn), stance: "supine", drawn: startDrawn(), fit: null } as const;
   expect(nextStep({ ...drawn, stances: { ...drawn.stances, other } })).toEqual({ kind: "change over", to: "supine" });
   const both = { ...other, fit: { ...drawn.fit!, result: { ...drawn.fit!.result!, stance: "supine" } } } as typeof other & { fit: NonNullable<Session["fit"]> };
-  expect(nextStep({ ...drawn, stances: { ...drawn.stances, other: both } })).toEqual({ kind: "report" });
+  expect(nextStep({ ...drawn, stances: { ...drawn.stances, other: both } })).toEqual({ kind: "print" });
+  expect(nextStep({ ...drawn, step: "handover" })).toEqual({ kind: "report" });
 });
 
 test("lines found on the skin are looked at before others are drawn, also when they are on the scan that is left", () => {
@@ -102,10 +103,10 @@ test("lines found on the skin are looked at before others are drawn, also when t
   expect(nextStep(open), "crosses are no lines").toEqual({ kind: "ink", count: 2, on: null });
   expect(nextStep({ ...open, step: "plan" }), "there they are in sight").toEqual({ kind: "draw", isArmed: false });
   expect(nextStep({ ...open, drawn: { ...open.drawn, decided: { a: "accepted" } } })).toEqual({ kind: "ink", count: 1, on: null });
-  expect(nextStep({ ...open, drawn: { ...open.drawn, decided: { a: "accepted", b: "dropped" } } }).kind).toBe("draw");
-  expect(nextStep({ ...open, drawn: startDrawn() }).kind, "what was decided before is not known yet").toBe("draw");
+  expect(nextStep({ ...open, drawn: { ...open.drawn, decided: { a: "accepted", b: "dropped" } } }).kind).toBe("plan");
+  expect(nextStep({ ...open, drawn: startDrawn() }).kind, "what was decided before is not known yet").toBe("plan");
   const supine = { ...finished(), ink: found, scan: { ...open.scan!, info: { ...open.scan!.info, id: "s1" } }, fit: { ...open.fit!, result: { ...open.fit!.result!, stance: "supine" as const } } };
-  for (const step of ["drawing", "result"] as const) {
+  for (const step of ["plan", "body"] as const) {
     expect(nextStep({ ...supine, step, stances: { ...supine.stances, other: workspaceOf(open) } })).toEqual({ kind: "ink", count: 2, on: "standing" });
   }
   const both = { ...supine, ink: { ...found, s1: found.s0 }, drawn: open.drawn, stances: { ...supine.stances, other: workspaceOf(open) } } as Session;

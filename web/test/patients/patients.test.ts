@@ -73,6 +73,6 @@ test("a patient goes with the first of her scans", () => {
 
 test("a patient's address opens both of her scans with the fits that are done", () => {
   const both = patient("a", { scans: [scan("s1", { fit: { id: "f1", state: "done", created_at: "", verdict: "good" } }), scan("s2", { fit: { id: "f2", state: "failed", created_at: "", verdict: null } })] });
-  expect(fromHash(addressOfPatient(both))).toMatchObject({ scan: "s1", fit: "f1", step: "result", other: { scan: "s2", fit: null }, isSecond: false });
+  expect(fromHash(addressOfPatient(both))).toMatchObject({ scan: "s1", fit: "f1", step: "body", other: { scan: "s2", fit: null }, isSecond: false });
   expect(fromHash(addressOfPatient(patient("b")))).toMatchObject({ scan: "b1", fit: null, other: null });
 });

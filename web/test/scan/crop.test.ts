@@ -100,7 +100,7 @@ test("cuts are undone and redone step by step, brought back one by one, and the 
   await settled();
   expect(kept()).toEqual([one]);
   actions.scan.crop(two);
-  expect(viewBarShown(store.get()).hasLoose, "it can be looked at again").toBe(true);
+  expect(viewBarShown(store.get()).looks.loose, "it can be looked at again").toBe(false);
   expect(press("z")).toBe(true);
   expect(crops()).toEqual([one]);
   press("Z", true);

@@ -43,7 +43,7 @@ test("a predicted body stands beside the scan, is called so, and nobody works on
   await actions.stances.swap();
   expect(store.get().fit!.id).toBe("f1");
   await vi.waitFor(() => expect(store.get().stances.other!.drawn.onScan?.plan.fit).toBe(fitLinks("f1-supine").plan));
-  expect(nextStep({ ...store.get(), drawing: "reduction", step: "body" }).kind).toBe("report");
+  expect(nextStep({ ...store.get(), drawing: "reduction", step: "handover" }).kind).toBe("report");
 
   await actions.stances.restore("standing", "f1-prone", null, { isSecond: false, isComparing: true });
   expect(stanceNames(store.get()), "from the address").toEqual(["standing", "prone, predicted"]);

@@ -10,7 +10,8 @@ import type { FitState } from "../../src/fit/state";
 import { linkedPose, torsoFromFrame, torsoFromLandmarks } from "../../src/stances/cameras";
 import { carriedNote } from "../../src/stances/carry";
 import { formatCell, formatMargin, measuredDoubts, measuresCsv, measuresTable } from "../../src/stances/measures/measuresTable";
-import { further, stanceNames, workspaceOf } from "../../src/stances/state";
+import { stanceNames, workspaceOf } from "../../src/stances/state";
+import { daysOf, thumbsOf } from "../../src/stances/thumbs";
 
 const rigid = (x: number, y: number, z: number, at: readonly [number, number, number]): Matrix4 =>
   new Matrix4().compose(new Vector3(...at), new Quaternion().setFromEuler(new Euler(x, y, z)), new Vector3(1, 1, 1));
@@ -302,21 +303,32 @@ test("a fit that is deleted elsewhere while its scan waits is said once, and not
   expect(fit).toHaveBeenCalledTimes(1);
 });
 
-test("of three scans two are on the page: the third takes the place of the one that waits, and the page works on it", async () => {
-  const scans = (["standing", "supine", "prone"] as const).map((stance) => ({ id: stance, stance, created_at: "2026-11-25T09:00:00Z", fit: null }));
+test("a tap on the strip shows a scan, a second one another beside it, another tap puts one away", async () => {
+  const scans = (["prone", "supine", "standing"] as const).map((stance) => ({ id: stance, stance, created_at: "2026-11-25T09:00:00Z", thumbnail: "", fit: null }));
   const { store, actions } = page({ patient: async (id: string) => ({ id, code: "K7M-4QX", scans }) as unknown as Patient });
-  const shown = () => [store.get().scan!.info.id, store.get().stances.other?.scan?.info.id, further(store.get().stances).map(({ id }) => id)];
+  const shown = () => Object.fromEntries(thumbsOf(store.get()).map(({ id, pane }) => [id, pane]));
+  const tap = async (id: string): Promise<void> => {
+    await actions.stances.tap(id);
+    await vi.advanceTimersByTimeAsync(0);
+  };
   await actions.scan.open("standing", null);
   await vi.advanceTimersByTimeAsync(0);
-  expect(shown()).toEqual(["standing", undefined, ["supine", "prone"]]);
-  await actions.stances.third(scans[1] as never);
-  await vi.advanceTimersByTimeAsync(0);
-  expect(shown()).toEqual(["supine", "standing", ["prone"]]);
-  await actions.stances.third(scans[2] as never);
-  await vi.advanceTimersByTimeAsync(0);
-  expect(shown()).toEqual(["prone", "supine", ["standing"]]);
-  actions.stances.remove();
-  expect(shown()).toEqual(["prone", undefined, ["standing", "supine"]]);
+  expect(shown()).toEqual({ standing: 1, supine: null, prone: null });
+  await tap("standing");
+  expect(shown(), "one is always seen").toEqual({ standing: 1, supine: null, prone: null });
+  await tap("supine");
+  expect(shown()).toEqual({ standing: 1, supine: 2, prone: null });
+  await tap("prone");
+  expect(shown(), "the one that is not in work gives way").toEqual({ standing: 1, supine: null, prone: 2 });
+  await tap("standing");
+  expect(shown(), "put away, the other one is in work").toEqual({ standing: null, supine: null, prone: 1 });
+  expect(store.get().scan!.info.id).toBe("prone");
+});
+
+test("days of the strip: the newest first, in each the same order", () => {
+  const thumb = (id: string, at: string) => ({ id, at, stance: "standing" as const, isImage: false, isPredicted: false, picture: "", pane: null });
+  const days = daysOf([thumb("a", "2026-03-12T09:00:00Z"), thumb("b", "2026-11-27T09:00:00Z"), thumb("c", "2026-03-12T10:00:00Z")]);
+  expect(days.map(([, thumbs]) => thumbs.map(({ id }) => id))).toEqual([["b"], ["a", "c"]]);
 });
 
 test("what was planned on a fitted scan that is not on the page is laid on the one that is", async () => {
@@ -343,7 +355,7 @@ test("only the patient's own scans are offered, and others by their code, typed 
   await actions.scan.open("s1", null);
   actions.stances.dialog(true);
   await vi.advanceTimersByTimeAsync(0);
-  expect(store.get().stances.scans.map(({ id }) => id)).toEqual(["s2"]);
+  expect(store.get().stances.scans.map(({ id }) => id)).toEqual(["s1", "s2"]);
   await actions.stances.name(" ward 7 ");
   expect(store.get().stances.named?.scans.map(({ id }) => id)).toEqual(["s3"]);
   await actions.stances.name("war");
