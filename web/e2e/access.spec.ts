@@ -1,7 +1,7 @@
 // Who may see what, in a real browser: its cookies, origins and policies are not those of a test client.
 import { expect, test } from "@playwright/test";
 import { seriousFindings, smallTargets } from "./audit";
-import { hook, look, until, untilFitted } from "./page";
+import { hook, look, openShare, until, untilFitted } from "./page";
 import { type Running, startService } from "./service";
 
 const TOKEN = "a-token-of-more-than-sixteen-characters";
@@ -75,7 +75,7 @@ test("a link is made in the dialog, opened, counted and revoked; the page signs 
   await page.keyboard.press("1");
   await page.getByRole("button", { name: "Fit without landmarks" }).click();
   await untilFitted(page);
-  await page.getByRole("button", { name: "Make a link" }).first().click();
+  await openShare(page);
   const dialog = page.getByRole("dialog", { name: "Share this result" });
   await expect(dialog.getByText("None yet.")).toBeVisible();
   await dialog.getByLabel("It shows").selectOption("plain");
@@ -106,7 +106,7 @@ test("a link is made in the dialog, opened, counted and revoked; the page signs 
 
   await page.keyboard.press("Escape");
   await expect(dialog).toBeHidden();
-  await page.getByRole("button", { name: "Make a link" }).first().click();
+  await openShare(page);
   await expect(dialog.getByText(/^Opened 1 time, last on/)).toBeVisible();
   await expect(address).toBeHidden();
   await dialog.getByRole("button", { name: "Revoke" }).click();
@@ -134,5 +134,5 @@ test("when the session has ended the sign-in page comes, and afterwards scan and
   await page.getByRole("button", { name: "Sign in" }).click();
   await hook.ready(page);
   await expect.poll(() => hook.pickCount(page)).toBe(1);
-  await expect(page.locator("#side-points .saved")).toHaveText("Saved");
+  await expect(page.locator(".top-bar .saved")).toHaveText("Saved");
 });

@@ -7,7 +7,7 @@ import { expect, type Page } from "@playwright/test";
 import type { CarriedDrawing, MeasuresFile, PlanOnScan, Vector } from "../src/api/types";
 import { formatCell, formatMargin, measuresTable } from "../src/stances/measures/measuresTable";
 
-import { distance, hook, look, more, test, thumb, untilFitted, untilStill } from "./page";
+import { distance, hook, look, more, openShare, test, thumb, untilFitted, untilStill } from "./page";
 import { type Running, startService } from "./service";
 
 const written = (...[cell, unit, isSigned, step]: Parameters<typeof formatCell>): string => formatCell(cell, unit, isSigned, step) + formatMargin(cell, unit);
@@ -254,7 +254,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
   const link = await test.step("a colleague sees the supine result through a link, with a passcode, and nothing else", async () => {
     await page.locator(".other-stage").getByRole("button", { name: "Work here" }).click();
     await expect.poll(async () => (await state(page)).fit!.id).toBe(supine);
-    await page.getByRole("button", { name: "Make a link" }).first().click();
+    await openShare(page);
     const dialog = page.getByRole("dialog", { name: "Share this result" });
     await dialog.getByLabel(/^Passcode/).fill("four words of it");
     await dialog.getByLabel("The plan's notes as well").check();

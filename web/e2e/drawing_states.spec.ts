@@ -69,6 +69,7 @@ const STATES: readonly { name: string; reach: (page: Page) => Promise<void> }[] 
   {
     name: "measures",
     reach: async (page) => {
+      await page.keyboard.press("4");
       await page.locator("#measures").click();
       await page.getByRole("dialog").locator(".measure-name").first().click();
     },

@@ -1,6 +1,6 @@
 // The whole main job by keys alone: no mouse event is ever sent.
 import { expect, type Page } from "@playwright/test";
-import { distance, hook, test, trueLandmarks, until, untilFitted, untilStill } from "./page";
+import { distance, hook, openDetails, test, trueLandmarks, until, untilFitted, untilStill } from "./page";
 
 /** Tabs until something with this name has the focus; says how many presses it took. */
 async function tabTo(page: Page, name: RegExp, most = 60): Promise<number> {
@@ -127,6 +127,7 @@ test("from page load to the fitted result without a mouse, and the live region s
     await untilStill(page);
     const jump = (await page.evaluate(() => window.__breastrig!.frames())) - drawn;
     expect(jump, "pictures on the way to the front, for somebody who asked for less motion").toBeLessThan(4);
+    await openDetails(page);
     await tabTo(page, /^Iteration$/);
     await page.keyboard.press("Home");
     await expect(page.locator(".timeline .position")).toHaveText(/^0 \//);

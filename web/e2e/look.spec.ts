@@ -2,7 +2,7 @@
 // and the measure that is pointed at in the table.
 import { expect, type Page } from "@playwright/test";
 import { overlaps, seriousFindings, smallTargets } from "./audit";
-import { hook, look, test, trueLandmarks, until, untilFitted, untilStill } from "./page";
+import { hook, look, openDetails, test, trueLandmarks, until, untilFitted, untilStill } from "./page";
 import { inTheme } from "./states";
 
 /** Red over blue of the pixels around page places; skin-coloured clay has more red than a grey scan. */
@@ -46,6 +46,7 @@ test("mixture, mirror, lasso and measures", async ({ page, base, troubles }) => 
 
   await test.step("each pixel of the body is one and the same share of scan and model", async () => {
     await look(page, "Both");
+    await openDetails(page);
     await page.locator(".timeline input[type=range]").fill("2"); // early, when the model is some millimetres off, here before and there behind
     await page.keyboard.press("f");
     await untilStill(page);
@@ -81,7 +82,7 @@ test("mixture, mirror, lasso and measures", async ({ page, base, troubles }) => 
   });
 
   await test.step("the lasso cuts an arm away, Z brings it back, and a fit from before says so", async () => {
-    await page.keyboard.press("1");
+    await openDetails(page);
     await page.getByRole("button", { name: "Lasso" }).click();
     await untilStill(page);
     const arm = await hook.project(page, truth.acromion_R!);
@@ -116,10 +117,10 @@ test("mixture, mirror, lasso and measures", async ({ page, base, troubles }) => 
     await page.evaluate(() => sessionStorage.clear()); // the service keeps it
     await page.reload();
     await hook.ready(page);
-    await page.keyboard.press("4");
+    await page.keyboard.press("1");
     const old = page.getByText("Since this fit, parts of the scan were cut away or brought back.");
     await expect(old).toBeVisible();
-    await page.keyboard.press("1");
+    await openDetails(page);
     await expect(page.getByText("kept with the scan until you bring it back", { exact: false })).toBeVisible();
     const back = page.getByRole("button", { name: "Bring cut 1 back" });
     await untilStill(page);
@@ -128,13 +129,12 @@ test("mixture, mirror, lasso and measures", async ({ page, base, troubles }) => 
     await expect.poll(async () => (await hook.picture(page)).checksum).not.toBe(without);
     await back.press("Enter");
     await expect(page.getByRole("button", { name: "Lasso" })).toBeFocused();
-    await page.keyboard.press("4");
     await expect(old).toBeHidden();
-    await page.keyboard.press("1");
     expect(await seriousFindings(page)).toEqual([]);
   });
 
   await test.step("a measure that is pointed at runs over the body, beside its table", async () => {
+    await page.keyboard.press("4");
     await page.locator("#measures").click();
     const tape = page.locator("[data-measure=notch_nipple][data-kind='along the skin']");
     await expect(tape).toBeVisible();

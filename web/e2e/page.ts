@@ -61,6 +61,11 @@ export const look = (page: Page, name: "Skin" | "Both" | "Model" | "Beside" | "S
 /** From which side the body is seen. */
 export const lookFrom = (page: Page, side: "Front" | "Left" | "Right" | "Back" | "Top"): Promise<void> => inMenu(page, "view-menu", side);
 export const more = (page: Page, name: string): Promise<void> => inMenu(page, "page-menu", name);
+/** Opens the dialog that makes links. */
+export async function openShare(page: Page): Promise<void> {
+  await page.keyboard.press("4");
+  await page.locator("#share").click();
+}
 /** A scan on the strip. */
 export const thumb = (page: Page, stance: "standing" | "supine" | "prone" | "image"): Locator => page.locator(`.thumb[data-stance=${stance}]`);
 /** Opens the details of the body's tab. */

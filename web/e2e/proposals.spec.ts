@@ -81,7 +81,7 @@ test("proposals are dashed until they are confirmed, and then picks like any oth
     }
     await page.keyboard.press("Escape");
     await expect(page.locator("[data-proposed]")).toHaveCount(Object.keys(landmarks).length - wanted);
-    await expect(page.locator("#side-points .saved")).toHaveText("Saved");
+    await expect(page.locator(".top-bar .saved")).toHaveText("Saved");
     const kept = (await (await page.request.get(base + scan.links.landmarks)).json()) as { landmarks: object };
     expect(Object.keys(kept.landmarks).length).toBe(wanted);
   });

@@ -5,7 +5,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { expect } from "@playwright/test";
-import { hook, test, untilFitted } from "./page";
+import { hook, openShare, test, untilFitted } from "./page";
 import { findPython, FOREARM, type Running, startService } from "./service";
 
 const folder = mkdtempSync(join(tmpdir(), "breastrig-rig-"));
@@ -58,6 +58,7 @@ test("a forearm is fitted, drawn on, measured, reported and shared", async ({ pa
   });
 
   await test.step("its lengths are measured, and the report is there", async () => {
+    await page.keyboard.press("4");
     await page.locator("#measures").click();
     const dialog = page.getByRole("dialog", { name: "Measures" });
     await expect(dialog.locator("tbody tr[data-measure=radius]")).toHaveCount(2);
@@ -70,7 +71,7 @@ test("a forearm is fitted, drawn on, measured, reported and shared", async ({ pa
   });
 
   await test.step("and a colleague is shown it by a link", async () => {
-    await page.getByRole("button", { name: "Make a link" }).first().click();
+    await openShare(page);
     const dialog = page.getByRole("dialog", { name: "Share this result" });
     await dialog.getByRole("button", { name: "Make a link" }).click();
     await expect(dialog.getByLabel("Address of the link")).not.toHaveValue("");

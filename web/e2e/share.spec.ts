@@ -5,7 +5,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { type BrowserContext, chromium, expect, type Page, test } from "@playwright/test";
 import { overlaps, scrolledAway, seriousFindings, smallTargets } from "./audit";
-import { until } from "./page";
+import { openShare, until } from "./page";
 import { type Link, Owner } from "./shared";
 
 let owner: Owner;
@@ -144,7 +144,7 @@ test("a visitor's day: what stood when the link was made, the present state when
   await signIn(page);
   const part = (links: Record<string, string>): string => links.self!.split("/").at(-1)!;
   await page.goto(`${owner.base}/#scan=${part(own.scan)}&fit=${part(own.fit)}&step=body`);
-  await page.getByRole("button", { name: "Make a link" }).first().click();
+  await openShare(page);
   const dialog = page.getByRole("dialog", { name: "Share this result" });
   await expect(dialog.getByText("without the layer that follows the skin")).toBeVisible();
   await dialog.getByLabel("It shows").selectOption("full");

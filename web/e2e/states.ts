@@ -1,7 +1,7 @@
 // The states of the page in the order in which a person meets them, for whoever looks at all of them: accessibility,
 // sizes of targets, pictures.  A running fit is held at an iteration, so that it can be looked at.
 import { expect, type Page } from "@playwright/test";
-import { hook, look, until, untilFitted } from "./page";
+import { hook, look, openShare, until, untilFitted } from "./page";
 
 export interface StateOfPage {
   readonly name: string;
@@ -103,7 +103,7 @@ export const STATES: readonly StateOfPage[] = [
   {
     name: "share dialog",
     reach: async (page) => {
-      await page.getByRole("button", { name: "Make a link" }).first().click();
+      await openShare(page);
       const dialog = page.getByRole("dialog", { name: "Share this result" });
       await dialog.getByLabel("It shows").selectOption("plain");
       await dialog.getByRole("button", { name: "Make a link" }).click();
@@ -122,8 +122,8 @@ export const STATES: readonly StateOfPage[] = [
     name: "shared viewer",
     reach: async (page) => {
       await closeDialog(page);
-      await page.getByRole("button", { name: "Make a link" }).first().click();
-      await page.getByRole("button", { name: "Make a link" }).click();
+      await openShare(page);
+      await page.getByRole("dialog").getByRole("button", { name: "Make a link" }).click();
       const address = page.getByLabel("Address of the link");
       await expect(address).toHaveValue(/\/s#/);
       await page.goto(await address.inputValue());

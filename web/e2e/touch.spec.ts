@@ -2,7 +2,7 @@
 // anything else, lying or upright.
 import { expect, type Page } from "@playwright/test";
 import { overlaps, smallTargets } from "./audit";
-import { distance, type FingerEvent, hook, tap, tapAt, test, touch, trueLandmarks, until, untilFitted, untilStill } from "./page";
+import { distance, type FingerEvent, hook, look, tap, tapAt, test, touch, trueLandmarks, until, untilFitted, untilStill } from "./page";
 
 test.use({ hasTouch: true, viewport: { width: 1024, height: 768 } });
 
@@ -23,7 +23,7 @@ test("fingers turn, place, aim and zoom; both ways of holding a tablet have room
   await tap(page.getByRole("button", { name: /standing/i }));
   await hook.ready(page);
   expect(await mess(page)).toEqual([]);
-  await tap(page.getByRole("button", { name: "Landmarks", exact: false }).first());
+  await tap(page.getByRole("button", { name: "Set points myself" }));
   await expect(page.locator("[data-proposed]").first()).toBeAttached();
 
   await test.step("a tap places", async () => {
@@ -85,8 +85,8 @@ test("fingers turn, place, aim and zoom; both ways of holding a tablet have room
     await until(page, () => window.__breastrig?.state().fit?.distances);
     for (const viewport of [{ width: 1024, height: 768 }, { width: 820, height: 1180 }, { width: 1280, height: 720 }]) {
       await page.setViewportSize(viewport);
-      for (const overlay of ["Both", "Beside", "Swipe"]) {
-        await tap(page.getByRole("button", { name: overlay, exact: true }));
+      for (const overlay of ["Both", "Beside", "Swipe"] as const) {
+        await look(page, overlay);
         expect(await mess(page), `${viewport.width} x ${viewport.height}, ${overlay}`).toEqual([]);
       }
     }

@@ -3,7 +3,7 @@ import { writeFileSync } from "node:fs";
 import { expect } from "@playwright/test";
 import type { EventPage, Result, Vector } from "../src/api/types";
 import { formatMm, formatMmWhole, formatPercent, formatSeconds } from "../src/ui/units";
-import { distance, hook, SCAN_FILE, test, trueLandmarks, until, untilFitted, untilStill } from "./page";
+import { distance, hook, openDetails, SCAN_FILE, test, trueLandmarks, until, untilFitted, untilStill } from "./page";
 
 const CLICKED = ["suprasternal_notch", "mid_sternum", "nipple_L", "nipple_R", "umbilicus"];
 const CLOSE_MM = 3;
@@ -56,7 +56,7 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
     expect(await hook.pick(page, CLICKED.at(-1)!)).toBeNull();
     await page.keyboard.press("Shift+Z");
     expect(await hook.pickCount(page)).toBe(CLICKED.length);
-    await expect(page.locator("#side-points .saved")).toHaveText("Saved");
+    await expect(page.locator(".top-bar .saved")).toHaveText("Saved");
     const scan = await page.evaluate(() => window.__breastrig!.state().scan!.info);
     const kept = (await (await page.request.get(base + scan.links.landmarks)).json()) as { landmarks: Record<string, Vector> };
     expect(Object.keys(kept.landmarks).sort()).toEqual([...CLICKED].sort());
@@ -84,6 +84,7 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
       };
       new MutationObserver(note).observe(position, { childList: true, characterData: true, subtree: true });
     });
+    await openDetails(page); // the iterations
     await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).click();
     await untilFitted(page);
     const after = await hook.picture(page);
@@ -94,7 +95,7 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
     const { iterations } = (await hook.fit(page))!;
     expect(iterations).toBeGreaterThan(3);
     expect(seen, "one after another, and all of them").toEqual(Array.from({ length: iterations }, (_, i) => i));
-    const slider = page.locator("input[type=range].timeline-slider, .timeline input[type=range]").first();
+    const slider = page.locator("#iteration");
     await slider.fill("0");
     expect((await hook.picture(page)).checksum, "an early iteration looks different").not.toBe(after.checksum);
     await slider.fill((await slider.getAttribute("max"))!);
@@ -144,6 +145,7 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
   });
 
   await test.step("every offered file can be had", async () => {
+    await page.keyboard.press("4");
     const links = await page.locator(".files a").evaluateAll((all) => all.map((each) => (each as HTMLAnchorElement).href));
     expect(links.length).toBe(5);
     for (const link of links) expect((await page.request.get(link)).status(), link).toBe(200);

@@ -14,6 +14,7 @@ type Shown = Pick<Session, "scan" | "fit">;
 
 export function createHandOver(actions: Actions): Panel<Shown> {
   const share = button(words.share, () => void actions.share.open(), "outlined wide", "link");
+  share.id = "share";
   share.title = words.shareHint;
   const measures = button(words.measures, () => void actions.stances.measures(true), "outlined wide", "tape");
   measures.id = "measures";
