@@ -81,7 +81,7 @@ test("when the driver drops the second pane's picture, that pane says so and off
   const said = pane.getByRole("alert");
   await expect(said).toContainText("dropped this page's picture");
   await expect(said.getByRole("button", { name: "Load the page again" })).toBeVisible();
-  await expect(page.locator("main").getByRole("alert").filter({ hasText: "dropped this page's picture" })).toBeHidden();
+  await expect(page.locator(".stage").getByRole("alert").filter({ hasText: "dropped this page's picture" })).toBeHidden();
   await page.evaluate(() => (window as unknown as { bringBack: () => void }).bringBack());
   await expect(said).toBeHidden();
 });

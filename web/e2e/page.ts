@@ -50,9 +50,9 @@ export const hook = {
 };
 
 /** Opens one of the menus on the stage's bar or in the top bar, presses what is called so, and closes it. */
-async function inMenu(page: Page, id: string, name: string | RegExp): Promise<void> {
+async function inMenu(page: Page, id: string, name: string): Promise<void> {
   await page.locator(`[popovertarget=${id}]`).click();
-  await page.locator(`#${id}`).getByRole("button", { name, ...(typeof name === "string" ? { exact: false } : {}) }).first().click();
+  await page.locator(`#${id}`).getByRole("button", { name: new RegExp(`^${name}`) }).click();
   if (await page.locator(`#${id}`).isVisible()) await page.keyboard.press("Escape");
 }
 

@@ -24,8 +24,8 @@ test("each state can be read and pressed by everybody, in light and dark", async
       const title = document.querySelector("h1")!;
       title.style.color = "rgb(160 160 160)";
       title.style.backgroundColor = "rgb(120 120 120)";
-      document.querySelector<HTMLElement>(".segmented button")!.style.minHeight = "8px";
-      document.querySelector<HTMLElement>(".segmented button")!.style.height = "8px";
+      document.querySelector<HTMLElement>(".view-bar .button")!.style.minHeight = "8px";
+      document.querySelector<HTMLElement>(".view-bar .button")!.style.height = "8px";
     });
     expect(await seriousFindings(page, { runOnly: ["color-contrast"] })).toHaveLength(1);
     expect(await smallTargets(page)).toHaveLength(1);

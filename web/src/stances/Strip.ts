@@ -19,12 +19,12 @@ export function createStrip(stances: StancesActions): Panel<{ readonly thumbs: s
 
   function thumb(of: Thumb, isBusy: boolean): HTMLElement {
     const name = of.isImage ? words.image : words.name(of.stance);
-    const about = [name, ...(of.isPredicted ? [words.predicted] : [time.format(new Date(of.at))]), ...(of.pane === null ? [] : [words.pane(of.pane)])].join(", ");
+    const about = [...(of.isPredicted ? [] : [time.format(new Date(of.at))]), ...(of.pane === null ? [] : [words.pane(of.pane)])];
     return el(
       "button",
-      { type: "button", class: `thumb${of.isPredicted ? " is-predicted" : ""}`, "data-scan": of.id, "data-stance": of.isImage ? "image" : of.stance, "aria-pressed": String(of.pane !== null), "aria-label": about, title: about, disabled: isBusy, onclick: () => void stances.tap(of.id) },
+      { type: "button", class: `thumb${of.isPredicted ? " is-predicted" : ""}`, "data-scan": of.id, "data-stance": of.isImage ? "image" : of.stance, "aria-pressed": String(of.pane !== null), title: [name, ...about].join(", "), disabled: isBusy, onclick: () => void stances.tap(of.id) },
       el("img", { src: of.picture, alt: "", width: 71, height: 68, onerror: ({ target }) => ((target as HTMLElement).style.visibility = "hidden") }),
-      el("span", { class: "thumb-name" }, of.isPredicted ? words.predicted : name),
+      el("span", { class: "thumb-name" }, of.isPredicted ? words.predicted : name, el("span", { class: "visually-hidden" }, ["", ...about].join(", "))),
       of.pane === null ? null : el("span", { class: "thumb-pane", "aria-hidden": "true" }, String(of.pane)),
     );
   }

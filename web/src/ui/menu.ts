@@ -7,7 +7,7 @@ const WIDE = 288; // as wide as ui/menu.css makes it
 /** `look`: classes of the button; its words are `label` until `set` gives others. */
 export function createMenu(id: string, label: string, hint: string, look: string, ...children: HTMLElement[]) {
   const words = el("span", {}, label);
-  const open = el("button", { type: "button", class: `button ${look}`, popovertarget: id, "aria-haspopup": "true", title: hint, "aria-label": label === "" || look.includes("icon-only") ? hint : null }, words);
+  const open = el("button", { type: "button", class: `button ${look}`, popovertarget: id, "aria-haspopup": "true", title: hint, "aria-label": look.includes("icon-only") ? hint : null }, words);
   const card = el("div", { class: "menu", id, popover: "auto", role: "group", "aria-label": hint, onbeforetoggle: (event) => event.newState === "open" && place() }, ...children);
 
   /** Below the button, or above one at the window's foot. */
