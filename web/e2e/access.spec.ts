@@ -1,7 +1,7 @@
 // Who may see what, in a real browser: its cookies, origins and policies are not those of a test client.
 import { expect, test } from "@playwright/test";
 import { seriousFindings, smallTargets } from "./audit";
-import { hook, look, openShare, until, untilFitted } from "./page";
+import { hook, look, more, openShare, until, untilFitted } from "./page";
 import { type Running, startService } from "./service";
 
 const TOKEN = "a-token-of-more-than-sixteen-characters";
@@ -116,7 +116,7 @@ test("a link is made in the dialog, opened, counted and revoked; the page signs 
   await visitor.context().close();
 
   await page.keyboard.press("Escape");
-  await page.getByRole("button", { name: "Sign out" }).click();
+  await more(page, "Sign out");
   await expect(page.getByLabel("Access token")).toBeVisible();
 });
 

@@ -4,7 +4,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { expect, type Page } from "@playwright/test";
 import type { OwnDrawing, PlanOnScan, Vector } from "../src/api/types";
 import { mmFrom } from "../src/ui/units";
-import { distance, hook, SCAN_FILE, test, trueLandmarks, untilFitted, untilStill } from "./page";
+import { distance, hook, look, openDetails, SCAN_FILE, test, trueLandmarks, untilFitted, untilStill } from "./page";
 
 const ON_SKIN_MM = 0.5;
 
@@ -347,6 +347,7 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   // A fit again is not asked to draw the plan, however long that is; where it fails, the page says so where she looks.
   await page.evaluate(() => (document.activeElement as HTMLElement).blur()); // else the key is written into a field
   await page.keyboard.press("1");
+  await openDetails(page);
   await page.getByLabel("Follow the skin").uncheck();
   await page.getByRole("button", { name: /^Fit again/ }).first().click();
   await expect.poll(async () => (await hook.fit(page))!.id).not.toBe(first);
@@ -391,9 +392,8 @@ test("a table is hidden and, when it is shown, the pen draws nothing on it, and 
   await page.locator("#scan-file").setInputFiles(SCAN_FILE.replace("standing", "supine"));
   await hook.ready(page);
   await untilStill(page);
-  const loose = page.getByRole("button", { name: "Table and loose pieces" });
-  await expect(loose).toHaveAttribute("aria-pressed", "false");
-  await loose.click();
+  await expect(page.locator("#loose")).toHaveAttribute("aria-pressed", "false");
+  await look(page, "Table and loose pieces");
   await page.keyboard.press("3");
   await page.getByRole("button", { name: "Pen", exact: true }).click();
   const canvas = (await page.locator("main canvas.view").boundingBox())!;
@@ -422,7 +422,7 @@ test("a table is hidden and, when it is shown, the pen draws nothing on it, and 
   await page.mouse.click(outside, row);
   expect((await drawn(page)).start).toBeNull();
   expect(await lines(page)).toHaveLength(before);
-  await loose.click();
+  await look(page, "Table and loose pieces");
   expect(await page.evaluate(([x, y]) => window.__breastrig!.pickAt(x!, y!), [outside, row]), "hidden it is not there for a click").toBeNull();
   expect(await page.evaluate(([x, y]) => window.__breastrig!.pickAt(x!, y!), [middle, row])).not.toBeNull();
   expect(troubles).toEqual([]);

@@ -1,7 +1,7 @@
 // Proposed landmarks: dashed marks where the API says, confirmed on the canvas, in the list and one after the other, or left to the fit.
 import { expect } from "@playwright/test";
 import type { ProposedLandmarks, Result } from "../src/api/types";
-import { hook, test, untilFitted, untilStill } from "./page";
+import { hook, openDetails, test, untilFitted, untilStill } from "./page";
 
 test("proposals are dashed until they are confirmed, and then picks like any other", async ({ page, base, troubles }) => {
   let answer = (): void => undefined;
@@ -104,6 +104,7 @@ test("proposals are dashed until they are confirmed, and then picks like any oth
   await test.step("the surface follows the skin, unless the model alone is wanted", async () => {
     await page.keyboard.press("1");
     await expect(page.getByLabel("Follow the skin")).toBeChecked();
+    await openDetails(page);
     await page.getByLabel("Follow the skin").uncheck();
     await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).click();
     await untilFitted(page);

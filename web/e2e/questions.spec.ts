@@ -145,6 +145,7 @@ test("exchanged nipples are repaired by one answer", async ({ page, base, troubl
     await page.reload();
     await hook.ready(page);
     await untilFitted(page);
+    await page.keyboard.press("1");
     await page.locator(".numbers details:not(.solver) summary").click();
     const each = page.locator(".numbers details:not(.solver)");
     await expect(each.locator("[data-landmark=nipple_L] dd")).toHaveText(/^\d+\.\d±\u00a03 mm$/);

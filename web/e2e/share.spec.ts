@@ -5,7 +5,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { type BrowserContext, chromium, expect, type Page, test } from "@playwright/test";
 import { overlaps, scrolledAway, seriousFindings, smallTargets } from "./audit";
-import { openShare, until } from "./page";
+import { more, openShare, until } from "./page";
 import { type Link, Owner } from "./shared";
 
 let owner: Owner;
@@ -113,8 +113,8 @@ test("closing ends the credential, also for a copy of it, and leaves an owner in
 test("a dialog whose code does not arrive says so, and is tried again", async ({ page }) => {
   await signIn(page);
   const id = (links: Record<string, string>): string => links.self!.split("/").at(-1)!;
-  await page.goto(`${owner.base}/#scan=${id(scan)}&fit=${id(fit)}&step=body`);
-  const share = page.getByRole("button", { name: "Make a link" }).first();
+  await page.goto(`${owner.base}/#scan=${id(scan)}&fit=${id(fit)}&step=handover`);
+  const share = page.locator("#share");
   await page.route("**/ShareDialog-*.js", (route) => route.abort());
   await share.click();
   await expect(page.getByText("The service does not answer")).toBeVisible();
@@ -204,7 +204,7 @@ test("signing out leaves nothing of patients in the browser", async ({ page }) =
     sessionStorage.setItem("left", "something");
     localStorage.setItem("left", "something");
   });
-  await page.getByRole("button", { name: "Sign out" }).click();
+  await more(page, "Sign out");
   await expect(page.getByLabel("Access token")).toBeVisible();
   expect(await page.evaluate(() => [sessionStorage.getItem("left"), localStorage.getItem("left")])).toEqual([null, null]);
   expect((await page.context().cookies()).map(({ name }) => name)).toEqual([]);
