@@ -128,7 +128,7 @@ test("the service is killed while everything is entered, and comes back: all of 
   await expect(bar(page)).toContainText("Not saved yet");
   await expect(bar(page)).toContainText("kept in this tab");
   expect(await isInView(page)).toBe(true);
-  await page.evaluate(() => document.querySelector("footer")!.scrollIntoView());
+  await page.evaluate(() => document.querySelector(".side-foot")!.scrollIntoView());
   expect(await isInView(page), "however the page is scrolled").toBe(true);
   expect(await bar(page).locator("xpath=..").getAttribute("aria-live")).toBe("polite");
   expect(await seriousFindings(page)).toEqual([]);
