@@ -31,7 +31,7 @@ export function discsOf(state: Shown): Readonly<Record<string, Disc>> {
   const { fit, picks, proposals, step } = state;
   const found: Record<string, Disc> = {};
   if (proposals?.state === "found") {
-    const named = [...(step === "landmarks" ? openProposals(proposals, picks.present).map(({ name }) => name) : []), ...Object.keys(onlyAgreed(state))];
+    const named = [...(step === "points" ? openProposals(proposals, picks.present).map(({ name }) => name) : []), ...Object.keys(onlyAgreed(state))];
     for (const name of named) {
       const { point, error_mm: mm } = proposals.landmarks[name]!;
       if (mm != null) found[name] = { point, mm };
@@ -60,7 +60,7 @@ export class LandmarkDiscs {
   update(state: Shown, isFree: boolean): void {
     const { scan, viewer } = this;
     const isShown = state.scan !== null && state.overlay !== "model" && isFree && scan.bvh !== null;
-    const now = [isShown, scan.bvh, state.fit?.result, state.picks, state.certain, state.proposals, state.step === "landmarks", viewer.palette];
+    const now = [isShown, scan.bvh, state.fit?.result, state.picks, state.certain, state.proposals, state.step === "points", viewer.palette];
     if (now.every((each, i) => each === this.shown[i])) return;
     this.shown = now;
     const discs = isShown ? Object.values(discsOf(state)) : [];
