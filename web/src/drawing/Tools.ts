@@ -1,4 +1,4 @@
-// The tools, in the bar on the stage; what the one in the hand needs stands in the panel.
+// The tools, in the bar on the stage; the panel has what the one in the hand needs.
 import { only } from "../store/store";
 import { segmented } from "../ui/controls";
 import type { Panel } from "../ui/Panel";
