@@ -4,7 +4,7 @@ An observed landmark adds its information to a Gaussian and takes away what it r
 narrow follows without a fit. Each next landmark is the one that leaves the least mean square radius (greedy choice for
 the trace of a covariance: A-optimal design), each observed as well as bodies have it where the model has it: one that
 lies anywhere on bodies says little of lines. The width that is stated after it is the fit's, which follows a pick
-exactly: line_error_mm with the radii of uncertainty/radii.py.
+exactly: line_error_mm with the radii of uncertainty/radii.py. docs/decisions/0032 says what checks are worth.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
