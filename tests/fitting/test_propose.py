@@ -19,7 +19,7 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.clean import clean, compact
 from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
-from breastrig.use.propose_on_scan import propose_on_scan
+from breastrig.use.landmarks import propose_on_scan
 
 pytestmark = pytest.mark.long
 

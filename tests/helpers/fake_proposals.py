@@ -6,7 +6,7 @@ import time
 from typing import Any
 
 from breastrig.core.errors import FitFailed
-from breastrig.use.propose_on_scan import ProposeJob
+from breastrig.use.landmarks import ProposeJob
 
 
 def at_the_nipple(job: ProposeJob) -> dict[str, Any]:

@@ -12,13 +12,13 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.core.assets import asset_folder
-from breastrig.use.propose_on_scan import ProposeJob
+from breastrig.use.landmarks import ProposeJob
 from helpers.remembered_uploads import FOLDER
 
 
 def propose_once(job: ProposeJob) -> dict[str, Any]:
     """As `propose_on_file`."""
-    from breastrig.use.propose_on_scan import propose_on_file
+    from breastrig.use.landmarks import propose_on_file
 
     if FOLDER not in os.environ:
         return propose_on_file(job)

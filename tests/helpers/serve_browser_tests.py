@@ -9,14 +9,14 @@ import sys
 
 from breastrig.core import assets
 from breastrig.execution.worker import preload
-from breastrig.use import fit, propose_on_scan
+from breastrig.use import fit, landmarks
 from helpers import plain_report, remembered_fits, remembered_proposals
 from helpers.remembered_uploads import remember_uploads
 
 if __name__ == "__main__":
     assets.CHECKOUT["example"] = os.environ["BREASTRIG_E2E_EXAMPLES"]
     fit.run_fit = remembered_fits.run_fit_once  # type: ignore[assignment]
-    propose_on_scan.propose_on_file = remembered_proposals.propose_once
+    landmarks.propose_on_file = remembered_proposals.propose_once
     from breastrig.cli.main import main  # takes them from there
     from breastrig.service import reports, share_snapshots
 

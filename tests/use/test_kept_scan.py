@@ -16,7 +16,7 @@ from breastrig.fitting.prepare_scan import keeping, prepared_scan
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
 from breastrig.use.fit import run_fit
-from breastrig.use.propose_on_scan import ProposeJob, propose_on_file
+from breastrig.use.landmarks import ProposeJob, propose_on_file
 from breastrig.use.read_upload import UploadJob, read_upload
 from breastrig.use.steps.settings import FitJob
 

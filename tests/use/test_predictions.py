@@ -24,7 +24,7 @@ from breastrig.report.files.geometry_files import surface_ply
 from breastrig.rig.model import Rig
 from breastrig.use.folder.fit_folder import FitFolder, read_fit_folder
 from breastrig.use.lines.plan_on_fit import plan_document, plan_on_folders
-from breastrig.use.predictions.predict import prediction
+from breastrig.use.predict import prediction
 from breastrig.use.reports.report import stance_of
 from breastrig.volume.predicted import predicted
 

@@ -8,8 +8,8 @@ import pytest
 from helpers.remembered_proposals import propose_once
 from helpers.remembered_uploads import FOLDER
 
-from breastrig.use import propose_on_scan
-from breastrig.use.propose_on_scan import ProposeJob
+from breastrig.use import landmarks
+from breastrig.use.landmarks import ProposeJob
 
 
 def test_the_same_scan_has_the_same_proposals_and_another_one_its_own(
@@ -22,7 +22,7 @@ def test_the_same_scan_has_the_same_proposals_and_another_one_its_own(
         return {"nipple_L": {"point": [1.0, 2.0, float(len(made))]}}
 
     monkeypatch.setenv(FOLDER, str(tmp_path / "remembered"))
-    monkeypatch.setattr(propose_on_scan, "propose_on_file", one)
+    monkeypatch.setattr(landmarks, "propose_on_file", one)
     for name in ("scan", "copy"):
         (tmp_path / name).write_bytes(b"skin")
     job = ProposeJob(tmp_path / "scan", "ply", "mm")

@@ -29,7 +29,7 @@ from breastrig.scan.read import read_scan
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
 from breastrig.use.fit import run_fit
-from breastrig.use.propose_on_scan import ProposeJob, propose_on_file
+from breastrig.use.landmarks import ProposeJob, propose_on_file
 from breastrig.use.read_upload import UploadJob, read_upload
 from breastrig.use.steps.events import Event
 from breastrig.use.steps.settings import FitJob

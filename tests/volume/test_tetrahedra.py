@@ -16,7 +16,7 @@ from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.skinning import pose
 from breastrig.use.folder.fit_folder import fit_folder_of
-from breastrig.use.reports.volume import volume_of
+from breastrig.use.volume import volume_of
 from breastrig.volume.known_volume import known_volume
 from breastrig.volume.tetrahedra import chest_wall, volume_mesh
 from breastrig.volume.untangle import _Shapes

@@ -15,8 +15,8 @@ from breastrig.cli.output_options import (
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import OutputSet, all_or_nothing
 from breastrig.core.private_files import write_files
+from breastrig.drawings.drawing_file import drawing_document
 from breastrig.report.files.exported import SET_FORMAT
-from breastrig.use.lines.transfer_lines import drawing_document
 from breastrig.use.reports.export_fit import EXPORT_FILES, EXPORT_RECORD, export_files
 
 

@@ -11,7 +11,7 @@ from breastrig.core.assets import model_path
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.private_files import write_private
 from breastrig.use.folder.fit_folder import read_fit_folder
-from breastrig.use.reports.volume import breasts_said, volume_file, volume_of
+from breastrig.use.volume import breasts_said, volume_file, volume_of
 from breastrig.volume.mesh_files import check_name
 from breastrig.volume.volume_mesh import REGIONS, SOUND
 

@@ -7,13 +7,15 @@ sentence.  Which fields it may have and their limits are in drawing_schema.py.
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 from pydantic import ValidationError
 
 from breastrig.core.arrays import Array
-from breastrig.core.errors import BadDrawing
+from breastrig.core.errors import BadDrawing, TooLarge
+from breastrig.core.private_files import read_ordinary, shown
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.drawing_schema import GivenDrawing, GivenShape, ReadDrawing
 from breastrig.drawings.line_error import drawn_error
@@ -141,3 +143,20 @@ def _on_model(shape: GivenShape, rig: Rig) -> DrawnShape:
             "sum to 1."
         )
     return DrawnShape(shape.name, shape.label or shape.name, shape.closed, shape.color, SurfacePoints(faces, weights))
+
+
+def drawing_document(file: Path) -> dict[str, Any]:
+    """A drawing file's JSON object."""
+    try:
+        content = read_ordinary(file, FILE_BYTES)
+        if len(content) > FILE_BYTES:
+            raise TooLarge(f"{shown(file.name)} is larger than {FILE_BYTES // 1_000_000} MB; this is no drawing.")
+    except OSError as error:
+        raise BadDrawing(f"There is no drawing {shown(file.name)} that can be read; check the name.") from error
+    try:
+        document = json.loads(content)
+    except (ValueError, RecursionError) as error:
+        raise BadDrawing(f"{file.name} is not JSON; give a file such as drawing.json that a fit leaves.") from error
+    if not isinstance(document, dict):
+        raise BadDrawing(f"{file.name} is no drawing; it must hold a JSON object of the form breastrig/drawing@1.")
+    return document

@@ -20,7 +20,7 @@ from breastrig.storage.documents.scans import Cuts, cuts_digest, get_scan
 from breastrig.storage.files import fit_place
 from breastrig.storage.storage import Storage
 from breastrig.use.reports.report import ReportJob, measures_json_of, report_pdf_of
-from breastrig.use.reports.volume import volume_vtu_of
+from breastrig.use.volume import volume_vtu_of
 
 MAKERS: dict[str, Callable[[ReportJob], bytes]] = {
     "report.pdf": report_pdf_of,

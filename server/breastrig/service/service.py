@@ -13,6 +13,7 @@ import logging
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -47,9 +48,9 @@ from breastrig.storage.folders import new_id
 from breastrig.storage.storage import Storage, Unremoved, utc_now
 from breastrig.use.cases.case_work import Predictor, Runner, Runners
 from breastrig.use.fit import run_fit
-from breastrig.use.lines.transfer_lines import TransferJob, transfer
-from breastrig.use.predictions.run_prediction import run_prediction
-from breastrig.use.propose_on_scan import propose_on_file
+from breastrig.use.landmarks import propose_on_file
+from breastrig.use.predict import run_prediction
+from breastrig.use.transfer import carried_between
 
 CHUNK = 2**20
 HANDS = 4  # patterns or landmarks that are moved at once
@@ -283,8 +284,16 @@ class Service:
         ):
             scans = [get_fit(self.storage, each).scan for each in both]
             is_said = scans[1] in said_same(self.storage, scans[0])
-            job = TransferJob(source, goal, drawing, other_patient, model, True, same_patient or is_said)
-            carried: dict[str, Any] = self._others.result(transfer, (job,), TRANSFER_WALL_S)
+            task = partial(
+                carried_between,
+                source,
+                goal,
+                drawing,
+                model=model,
+                other_patient=other_patient,
+                one_patient=same_patient or is_said,
+            )
+            carried = self._others.result(task, (), TRANSFER_WALL_S)
         return carried | ({"doubts": []} if is_said else {})
 
 

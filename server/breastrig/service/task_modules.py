@@ -6,15 +6,16 @@ TASK_MODULES = (
     *(
         f"breastrig.use.{name}"
         for name in (
-            "propose_on_scan",
+            "ink",
+            "landmarks",
+            "transfer",
+            "volume",
             "lines.checks_on_fit",
-            "lines.find_ink_on_scan",
             "lines.lines_on_skin",
             "lines.plan_on_fit",
             "moving.live_pattern",
             "moving.moved_landmarks",
             "reports.share_snapshot",
-            "reports.volume",
         )
     ),
     "scipy.interpolate",  # which reports need

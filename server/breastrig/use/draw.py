@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from breastrig.core.errors import BadDrawing
 from breastrig.core.one_thread import one_thread
 from breastrig.core.units import distance_text
-from breastrig.drawings.drawing_file import shape_document
+from breastrig.drawings.drawing_file import drawing_document, shape_document
 from breastrig.drawings.line_error import with_errors
 from breastrig.drawings.patterns import asked_drawing, tumour_text
 from breastrig.drawings.plan_schema import PLAN_SCHEMA, Plan, checked_plan
@@ -20,7 +20,6 @@ from breastrig.rig.model import Rig
 from breastrig.use.folder.fit_folder import FitFolder
 from breastrig.use.folder.whose import check_whose
 from breastrig.use.lines.plan_on_fit import plan_document, plan_on_folders
-from breastrig.use.lines.transfer_lines import drawing_document
 from breastrig.use.values.drawing import BLACK, Drawing, Lesion, Line, document_of, drawing_of
 from breastrig.use.values.fit_result import Fit
 
@@ -95,7 +94,7 @@ def _plan(fit: Fit, drawing: Drawn | None, tumours: Sequence[str], same_patient:
     if isinstance(drawing, Drawing):
         drawing = drawing.document
     if not isinstance(drawing, Mapping):
-        return checked_plan(_document([*items_of(drawing, found), *extra]))
+        return checked_plan(_document([*drawn_items(drawing, found), *extra]))
     check_whose(drawing, [found.result], same_patient)
     given = checked_plan(dict(drawing), found.unit)
     return given.model_copy(update={"items": [*given.items, *checked_plan(_document(extra)).items]})
@@ -116,7 +115,7 @@ def _patterns(rig: Rig, text: str) -> list[dict[str, Any]]:
     ]
 
 
-def items_of(given: Sequence[Line | Lesion], fit: FitFolder) -> list[dict[str, Any]]:
+def drawn_items(given: Sequence[Line | Lesion], fit: FitFolder) -> list[dict[str, Any]]:
     """Lines and lesions of a program as items of a plan, in mm.  Raises BadDrawing."""
     to_mm = 1e3 * fit.metres_per_unit
     items = []

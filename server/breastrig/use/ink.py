@@ -1,14 +1,25 @@
-"""Lines that a surgeon drew on the skin, as programs see them."""
+"""Lines that a surgeon drew on the skin: from a scan to a drawing in its own frame.
 
+`find_ink_on_file` is the service's way in: it runs in a process of its own, as reading does, because the file and its
+picture are untrusted; the picture is decoded there, once.
+"""
+
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from breastrig.core.arrays import frozen
 from breastrig.core.errors import BadScan, NeedsAnswer
 from breastrig.core.one_thread import one_thread
+from breastrig.drawings.drawing_file import shape_document
+from breastrig.drawings.drawing_schema import SCHEMA
+from breastrig.scan.read import read_scan
 from breastrig.use.scan import Scan, existing
 from breastrig.use.values.drawing import Drawing, Line
+
+if TYPE_CHECKING:
+    from breastrig.colour.ink.find_ink import InkLine as FoundLine
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -36,16 +47,14 @@ def find_ink(scan: Scan | str | Path, *, units: str = "auto") -> Ink:
     Raises BadScan, with one sentence, for a scan without colours or with colours too coarse for a pen's line.
     """
     from breastrig.colour.ink import find_ink as search  # scikit-image and SciPy's filters are for coloured scans only
-    from breastrig.scan import read as scan_files
     from breastrig.scan.piece import COLOURLESS
-    from breastrig.use.lines.find_ink_on_scan import ink_document
 
     if isinstance(scan, Scan):
         found, file = scan.in_metres, scan.file
     else:
         file = existing(scan)
         try:
-            found = scan_files.read_scan(file, None, units, for_display=False)
+            found = read_scan(file, None, units, for_display=False)
         except NeedsAnswer as error:  # of a label map alone, which has no colours whatever the answer
             raise BadScan(COLOURLESS) from error
     with one_thread():
@@ -65,3 +74,33 @@ def find_ink(scan: Scan | str | Path, *, units: str = "auto") -> Ink:
         for each in strokes
     )
     return Ink(None, found.unit, lines, document, () if file is None else (file,), lines)
+
+
+@dataclass(frozen=True)
+class InkJob:
+    """A scan to be searched for ink."""
+
+    scan: Path
+    file_type: str
+    units: str
+
+
+def find_ink_on_file(job: InkJob) -> dict[str, Any]:
+    """The drawing, in mm, ready for JSON.  Raises a BreastRigError with a sentence."""
+    from breastrig.colour.ink.find_ink import find_ink  # a quarter of a second, which no other task needs
+
+    try:
+        scan = read_scan(job.scan, job.file_type, job.units, for_display=False)
+        return ink_document(find_ink(scan), "mm", 1e-3)
+    except MemoryError as error:
+        raise BadScan("Finding ink on this scan needs more memory than it may use; simplify it first.") from error
+
+
+def ink_document(lines: Sequence["FoundLine"], unit: str, metres_per_unit: float) -> dict[str, Any]:
+    """breastrig/drawing@1 in this unit; each shape says what it is, which marker drew it, and its length in mm."""
+    shapes = [
+        shape_document(each.line, metres_per_unit)
+        | {"kind": each.kind.value, "marker": each.marker.name, "length_mm": round(1e3 * each.length, 1)}
+        for each in lines
+    ]
+    return {"schema": SCHEMA, "unit": unit, "shapes": shapes}

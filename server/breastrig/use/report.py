@@ -9,11 +9,11 @@ from breastrig.core import wall_clock
 from breastrig.core.identity import SAYS_NOTHING, Identity, file_name, random_code
 from breastrig.core.one_thread import one_thread
 from breastrig.core.output_files import Output, OutputSet, all_or_nothing
+from breastrig.drawings.drawing_file import drawing_document
 from breastrig.files.result import FIT_FILES, ResultFile, ResultPatient, read_result
 from breastrig.report.document import SCHEMA
 from breastrig.report.pages.printable import checked_code
 from breastrig.use.folder.earlier_fits import unchecked
-from breastrig.use.lines.transfer_lines import drawing_document
 from breastrig.use.reports.report import MEASURES_TABLE, REPORT_RECORD, ReportJob, write_three_files
 from breastrig.use.transfer import folder_of
 from breastrig.use.values.drawing import Drawing

@@ -1,19 +1,40 @@
-"""A drawing of one scan on another, for programs: of fits in memory or in folders."""
+"""A drawing made on the scan of one fit, shown on the scan of another: of fits in memory or in folders.
 
-from collections.abc import Iterator, Mapping, Sequence
+It reads two scans and solves a small dense system, about a second of work in all, so the service runs it in a
+process of its own, as it does with everything that reads scans.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
-from breastrig.core.errors import BadInput
+from breastrig.core.errors import BadDrawing, BadInput
+from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.one_thread import one_thread
 from breastrig.core.private_files import write_files
 from breastrig.core.scratch import scratch_folder
-from breastrig.drawings.plan_schema import PLAN_SCHEMA
+from breastrig.drawings.drawing_file import Drawing as DrawingFile
+from breastrig.drawings.drawing_file import (
+    drawing_document,
+    lines_on_scan,
+    millimetres,
+    parsed_drawing,
+    shape_document,
+)
+from breastrig.drawings.on_skin import moved_onto_skin
+from breastrig.drawings.plan_schema import PLAN_SCHEMA, Plan, PlanLine, checked_plan, is_plan
+from breastrig.drawings.project_drawing import on_scan
+from breastrig.drawings.transfer import TransferredLine, transferred
 from breastrig.files.result import BODY, FIT_FILES, RESULT, UNCERTAINTY
-from breastrig.rig.model import Rig
-from breastrig.use.draw import Drawn, items_of
-from breastrig.use.lines.transfer_lines import TransferJob, drawing_document, transfer_with
+from breastrig.geometry.polyline import Polyline
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.model import ModelDrawing, Rig
+from breastrig.use.draw import Drawn, drawn_items
+from breastrig.use.folder.fit_folder import FitFolder, fit_folder_of
+from breastrig.use.folder.one_body import check_one_body, doubts_between
+from breastrig.use.folder.whose import check_whose, made_on
+from breastrig.use.lines.plan_on_fit import items_of, lesions_of, plan_document, plan_on_folders, scan_of_plan
 from breastrig.use.values.drawing import Drawing, Lesion, Line, document_of, drawing_of
 from breastrig.use.values.fit_result import Fit
 from breastrig.use.values.model import Model, loaded
@@ -65,8 +86,15 @@ def transfer(
             for each in (source, target)
         ]
         with one_thread():
-            job = TransferJob(folders[0], folders[1], document, other_patient, None, same_patient, same_patient)
-            found = transfer_with(rig, job)
+            found = carried_drawing(
+                folders[0],
+                folders[1],
+                document,
+                rig=rig,
+                other_patient=other_patient,
+                same_patient=same_patient,
+                one_patient=same_patient,
+            )
     return drawing_of(found, inputs)
 
 
@@ -95,7 +123,7 @@ def _document(
     if len(lines) == len(given):
         return document_of(lines), inputs
     fit = (source if isinstance(source, Fit) else Fit.load(source, rig)).in_metres
-    return {"schema": PLAN_SCHEMA, "items": items_of(given, fit)}, inputs
+    return {"schema": PLAN_SCHEMA, "items": drawn_items(given, fit)}, inputs
 
 
 @contextmanager
@@ -107,3 +135,120 @@ def folder_of(fit: Fit | str | Path, names: Sequence[str]) -> Iterator[Path]:
     with scratch_folder() as folder:
         write_files(fit.files.several(names), folder)
         yield folder
+
+
+def carried_drawing(
+    from_fit: Path,
+    to_fit: Path,
+    drawing: dict[str, Any] | None,
+    *,
+    rig: Rig,
+    other_patient: bool = False,
+    same_patient: bool = False,
+    one_patient: bool = False,
+) -> dict[str, Any]:
+    """A drawing on the scan of the fit in one folder, on that of another (breastrig/drawing@1), in its frame and unit.
+
+    `drawing` is a document breastrig/drawing@1 or breastrig/plan@1; None: the one that the first fit left.  A person
+    may have said that it is this `same_patient`'s, whatever its file says, and that both scans are of `one_patient`,
+    whatever their bodies say.
+
+    Raises BadInput, of it NeedsYes for a drawing that is another patient's, and for scans that look like two patients'.
+    """
+    source, goal = fit_folder_of(from_fit, rig), fit_folder_of(to_fit, rig)
+    if drawing is not None:
+        check_whose(drawing, (source.result, goal.result), same_patient)
+    if not other_patient:
+        check_one_body(source, goal, one_patient)
+    if drawing is not None and is_plan(drawing):
+        return _plan_on(rig, checked_plan(drawing), source, goal, other_patient)
+    if drawing is None and source.result.lesions and not other_patient:
+        return _plan_on(rig, _with_lesions(from_fit, source), source, goal, other_patient=False)
+    given = _own(from_fit, source) if drawing is None else parsed_drawing(drawing, rig, source.unit)
+    a = source.fitted_scan
+    b = goal.fitted_scan
+    shapes = list(given.on_scan)
+    if given.on_model:
+        drawn = ModelDrawing(given.name, given.name, given.on_model)
+        shapes += on_scan(rig, a.vertices, drawn, a.target)
+    try:
+        carried = transferred(rig, a, b, shapes, other_patient)
+    except MemoryError as error:
+        raise BadInput("Carrying this drawing needs more memory than it may use; give smaller scans.") from error
+    doubts = [] if other_patient else doubts_between(source, goal)
+    found = _carried_document(given, goal, carried, other_patient)
+    return found | {"doubts": doubts, "moved": _moved(source, given.on_scan)}
+
+
+def carried_between(
+    from_fit: Path,
+    to_fit: Path,
+    drawing: dict[str, Any] | None,
+    *,
+    model: Path | None,
+    other_patient: bool,
+    one_patient: bool,
+) -> dict[str, Any]:
+    """`carried_drawing` of the fits of one service, which has asked whose drawing it is; None: the package's model."""
+    rig = read_rig(model or default_rig_path())
+    return carried_drawing(
+        from_fit, to_fit, drawing, rig=rig, other_patient=other_patient, same_patient=True, one_patient=one_patient
+    )
+
+
+def _moved(source: FitFolder, lines: Iterable[Polyline]) -> list[str]:
+    """A sentence for each line on the source's scan whose points were moved onto its skin."""
+    search = source.fitted_scan.target.search
+    said = (moved_onto_skin(line, search.query(line.points).distances) for line in lines)
+    return [sentence for sentence in said if sentence is not None]
+
+
+def _own(folder: Path, fit: FitFolder) -> DrawingFile:
+    """The fit's own drawing, of any size."""
+    document = drawing_document(folder / "drawing.json")
+    lines = lines_on_scan(document, fit.unit)
+    if not lines:
+        raise BadDrawing("This fit has left no lines; give a drawing.")
+    return DrawingFile(str(document.get("name") or "drawing"), lines, ())
+
+
+def _with_lesions(folder: Path, fit: FitFolder) -> Plan:
+    """A plan of the fit's own drawing and of what its label map shows inside."""
+    lines = [each.model_dump(mode="json") for each in checked_plan(drawing_document(folder / "drawing.json")).items]
+    return checked_plan({"schema": PLAN_SCHEMA, "items": [*lines, *lesions_of(fit)]})
+
+
+def _plan_on(rig: Rig, plan: Plan, source: FitFolder, goal: FitFolder, other_patient: bool) -> dict[str, Any]:
+    """The whole plan on the target: what was made on it as it is, all else carried from the source."""
+    if other_patient:
+        raise BadDrawing("A plan is one patient's; give a drawing to show it on another one.")
+    laid = plan_on_folders(rig, plan, [(goal, ""), (source, "")], home=1)
+    shapes = [
+        item.model_dump(mode="json")
+        for item in items_of(plan, scan_of_plan(plan, source), is_home=True)
+        if isinstance(item, PlanLine)
+    ]
+    missing = {each.item.id for each in laid.missing}
+    lines = lines_on_scan({"unit": "mm", "shapes": [each for each in shapes if each["id"] not in missing]}, "mm")
+    return plan_document(plan, goal, laid) | {"doubts": doubts_between(source, goal), "moved": _moved(source, lines)}
+
+
+def _carried_document(
+    given: DrawingFile, goal: FitFolder, carried: tuple[TransferredLine, ...], other_patient: bool
+) -> dict[str, Any]:
+    return {
+        "schema": "breastrig/drawing@1",
+        "name": given.name,
+        "unit": goal.unit,
+        "notice": LIMITS_OF_USE,
+        **made_on(goal.result),
+        "carried_by": "model" if other_patient else "skin",
+        "shapes": [
+            shape_document(each.line, goal.metres_per_unit)
+            | {
+                "distance_from_mm": millimetres(each.distance_from),
+                "distance_to_mm": millimetres(each.distance_to),
+            }
+            for each in carried
+        ],
+    }

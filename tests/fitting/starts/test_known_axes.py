@@ -23,7 +23,7 @@ from breastrig.scan.piece import BallInside
 from breastrig.scan.read import read_scan
 from breastrig.scan.stored_scan import STORED, write_stored
 from breastrig.use.fit import fit_steps
-from breastrig.use.propose_on_scan import propose_on_scan
+from breastrig.use.landmarks import propose_on_scan
 from breastrig.use.steps.outcome import FitOutcome
 from breastrig.use.steps.prepare import fit_plan, prepare_fit
 from breastrig.use.steps.settings import FitSettings

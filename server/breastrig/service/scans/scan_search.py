@@ -31,8 +31,8 @@ from breastrig.storage.documents.scans import ScanRow, cuts_digest, get_cuts, ge
 from breastrig.storage.documents.searches import drop_ink, get_ink, get_proposals, put_ink, put_proposals
 from breastrig.storage.files import scan_place, upload_name
 from breastrig.storage.storage import Storage
-from breastrig.use.lines.find_ink_on_scan import InkJob, find_ink_on_file
-from breastrig.use.propose_on_scan import ProposeJob
+from breastrig.use.ink import InkJob, find_ink_on_file
+from breastrig.use.landmarks import ProposeJob
 
 Task = tuple[Callable[[Any], dict[str, Any]], Any]  # a function of a named module, and what it is given
 

@@ -23,7 +23,7 @@ from breastrig.files.result import RESULT
 from breastrig.scan.limits import TRIANGLES
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 from breastrig.use.fit import run_fit
-from breastrig.use.predictions.run_prediction import PredictionJob, run_prediction
+from breastrig.use.predict import PredictionJob, run_prediction
 from breastrig.use.read_upload import UploadJob, read_upload
 from breastrig.use.steps.events import Event, Failed, event_json
 from breastrig.use.steps.settings import EarlierFit, FitJob

@@ -8,7 +8,7 @@ from typing import Any
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadInput
-from breastrig.drawings.drawing_file import lines_on_scan, planned_on_scan
+from breastrig.drawings.drawing_file import drawing_document, lines_on_scan, planned_on_scan
 from breastrig.drawings.line_error import fingers
 from breastrig.files.result import DRAWING
 from breastrig.geometry.polyline import Polyline
@@ -16,7 +16,6 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.use.folder.fit_folder import FitFolder, fit_folder_of
 from breastrig.use.lines.line_checks import LineChecks, line_checks
 from breastrig.use.lines.plan_on_fit import PlanLines
-from breastrig.use.lines.transfer_lines import drawing_document
 
 
 @dataclass(frozen=True)

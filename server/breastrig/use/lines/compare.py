@@ -12,7 +12,7 @@ from breastrig.core.documents import csv_table, json_bytes
 from breastrig.core.errors import BadDrawing
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.private_files import shown, write_files
-from breastrig.drawings.drawing_file import Drawing, parsed_drawing
+from breastrig.drawings.drawing_file import Drawing, drawing_document, parsed_drawing
 from breastrig.drawings.on_skin import check_on_skin
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.superimposition import gaps
@@ -22,7 +22,6 @@ from breastrig.rig.model import ModelDrawing
 from breastrig.rig.similarity import umeyama
 from breastrig.use.folder.fit_folder import fit_folder_of
 from breastrig.use.folder.whose import check_whose
-from breastrig.use.lines.transfer_lines import drawing_document
 
 SCHEMA = "breastrig/compare@1"
 COMPARE_RECORD = "compare.json"

@@ -17,6 +17,7 @@ from breastrig.drawings.drawing_file import shape_document
 from breastrig.drawings.inside.lesions import BALL, Distance, PlacedLesion, Slice
 from breastrig.drawings.plan_on_scan import PlannedLine, PlannedScan, PlanOnScan, plan_on_scan
 from breastrig.drawings.plan_schema import (
+    PLAN_SCHEMA,
     Plan,
     PlanItem,
     PlanLesion,
@@ -196,3 +197,24 @@ def _shape(each: PlannedLine, metres_per_unit: float) -> dict[str, Any]:
         **({} if depth is None else {"depth_mm": depth}),
         **({"mirrored": True} if isinstance(item, PlanLine) and item.mirrored else {}),
     }
+
+
+def lesions_of(fit: FitFolder) -> list[dict[str, Any]]:
+    """The fit's lesions as items of a plan."""
+    to_mm = 1e3 * fit.metres_per_unit
+    return [
+        {
+            "kind": "lesion",
+            "id": f"lesion-{number}",
+            "name": each.name,
+            "center": [to_mm * value for value in each.center],
+            "radius_mm": each.radius_mm,
+        }
+        for number, each in enumerate(fit.result.lesions, 1)
+    ]
+
+
+def lesions_document(fit: FitFolder) -> dict[str, Any]:
+    """The lesions of the fit's label map, as a plan on its own scan."""
+    plan = checked_plan({"schema": PLAN_SCHEMA, "items": lesions_of(fit)})
+    return plan_document(plan, fit, plan_on_folders(fit.rig, plan, [(fit, "")]))

@@ -247,7 +247,7 @@ class Fit:
     @cached_property
     def lesions(self) -> tuple[Lesion, ...]:
         """The lesions of the label map that was fitted, with depth and distances; `transfer` takes them."""
-        from breastrig.use.lines.transfer_lines import lesions_document  # skin maps and plans, as for the picture below
+        from breastrig.use.lines.plan_on_fit import lesions_document
 
         with one_thread():
             return drawing_of(lesions_document(self.in_metres)).lesions

@@ -1,1 +1,0 @@
-"""Stances that were not scanned."""
