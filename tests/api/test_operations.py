@@ -113,6 +113,6 @@ def test_operations_need_no_token_and_show_nothing_that_needs_one(config: Config
 
 
 def test_a_killed_idle_process_does_not_make_the_service_unready(service: Service) -> None:
-    os.kill(service.pool.lane(1, 2**32).result(os.getpid, (), 30.0, "idle"), signal.SIGKILL)
-    readiness = Readiness(service.storage, {"fit": service.pool.lane(1, 2**32)})
+    os.kill(service.pool.queue(1, 2**32).result(os.getpid, (), 30.0, "idle"), signal.SIGKILL)
+    readiness = Readiness(service.storage, {"fit": service.pool.queue(1, 2**32)})
     assert readiness.troubles() == ()

@@ -219,9 +219,9 @@ def test_the_model_follows_a_landmark_that_is_dragged_and_nothing_is_kept(real: 
     assert client.post(links["moved"], json={"landmarks": nowhere}).status_code == 200
     again = [client.post(links["moved"], json={"landmarks": moved}).json for _ in range(3)][-1]  # it came back
     assert np.linalg.norm(at(again["nodes"]) - at(live["nodes"]), axis=1).mean() < 0.1
-    assert {fit_id, scan["id"]} <= set(service.pool.kept_keys)
+    assert {fit_id, scan["id"]} <= set(service.pool.idle_keys)
     client.delete(scan["links"]["self"])
-    assert not {fit_id, scan["id"]} & set(service.pool.kept_keys)
+    assert not {fit_id, scan["id"]} & set(service.pool.idle_keys)
     problem(client.post(links["moved"], json={"landmarks": picked}), 404)
 
 
@@ -267,7 +267,7 @@ def test_a_pattern_follows_a_hand_and_its_parameters_give_the_same_lines_in_the_
     ):
         answer = client.post(place, json=wrong)
         assert (answer.status_code, sentence in answer.json["detail"]) == (status, True), answer.json
-    assert {fit["id"], scan["id"]} <= set(service.pool.kept_keys)
+    assert {fit["id"], scan["id"]} <= set(service.pool.idle_keys)
     assert client.delete(scan["links"]["self"]).status_code == 204
-    assert not {fit["id"], scan["id"]} & set(service.pool.kept_keys)
+    assert not {fit["id"], scan["id"]} & set(service.pool.idle_keys)
     assert client.post(place, json={"name": "vertical"}).status_code == 404

@@ -17,16 +17,16 @@ from breastrig.batch.run import DIED, Batch, BatchStopped, exclusive, run_batch
 from breastrig.batch.table import Outcome, write_table
 from breastrig.batch.task import FitOfBytes, fit_of_bytes
 from breastrig.core.errors import BadSettings
-from breastrig.execution.pool import Lane, Pool
+from breastrig.execution.pool import Pool, TaskQueue
 from breastrig.execution.worker import preload
 from breastrig.use.steps.events import Event
 from breastrig.use.steps.settings import FitJob, FitSettings
 
 
 @pytest.fixture(scope="module")
-def processes() -> Iterator[Lane]:
+def processes() -> Iterator[TaskQueue]:
     preload(["breastrig.batch.task", "helpers.fake_batch"])
-    processes = Pool().lane(2, 4 * 2**30)
+    processes = Pool().queue(2, 4 * 2**30)
     yield processes
     processes.stop()
 
@@ -44,7 +44,7 @@ def silent(_outcome: Outcome) -> None:
     pass
 
 
-def test_a_failing_row_stops_no_other_and_says_why(processes: Lane, tmp_path: Path) -> None:
+def test_a_failing_row_stops_no_other_and_says_why(processes: TaskQueue, tmp_path: Path) -> None:
     scans = {"one": "fail", "two": "bug", "three": "die", "four": "greedy", "five": "slow 60", "six": "fine"}
     outcomes_seen: list[Outcome] = []
     outcomes = run_batch(batch_of(tmp_path, scans), processes, outcomes_seen.append)
@@ -74,7 +74,7 @@ def test_what_a_landmark_file_calls_certain_reaches_the_fit() -> None:
         assert fit_of_bytes(task, runner) == {"certain": expected}
 
 
-def test_only_what_failed_is_missing_or_has_changed_is_done_again(processes: Lane, tmp_path: Path) -> None:
+def test_only_what_failed_is_missing_or_has_changed_is_done_again(processes: TaskQueue, tmp_path: Path) -> None:
     batch = batch_of(tmp_path, {name: f"fine {name}" for name in "abcde"} | {"f": "fail"})
     out = batch.folder
     first = run_batch(batch, processes, silent)
@@ -84,7 +84,7 @@ def test_only_what_failed_is_missing_or_has_changed_is_done_again(processes: Lan
     (tmp_path / "f.ply").write_text("fine f")
     (out / "c" / "inputs.json").unlink()
     (out / "d" / "result.json").write_text('{"half')
-    changed = {"b": replace(batch.rows[1], stance="supine")}
+    changed = {"b": replace(batch.rows[1], settings=replace(batch.rows[1].settings, stance="supine"))}
     again = replace(batch, rows=[changed.get(row.name, row) for row in batch.rows])
     second = run_batch(again, processes, silent)
 
@@ -102,7 +102,7 @@ def test_only_what_failed_is_missing_or_has_changed_is_done_again(processes: Lan
         after["e"] = (out / "e" / "result.json").stat().st_ino
 
 
-def test_a_result_names_what_it_was_made_from_but_no_file(processes: Lane, tmp_path: Path) -> None:
+def test_a_result_names_what_it_was_made_from_but_no_file(processes: TaskQueue, tmp_path: Path) -> None:
     batch = batch_of(tmp_path, {"one": "fine"})
     run_batch(batch, processes, silent)
     text = (batch.folder / "one" / "inputs.json").read_text()

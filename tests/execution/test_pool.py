@@ -19,7 +19,7 @@ from helpers.waiting import until
 
 from breastrig.core.errors import BadScan, TooMany
 from breastrig.execution import worker as execution
-from breastrig.execution.pool import Lane, Pool, client_key
+from breastrig.execution.pool import Pool, TaskQueue, client_key
 
 pytestmark = pytest.mark.long
 
@@ -28,15 +28,15 @@ GIB = 2**30
 
 @pytest.fixture
 def pool() -> Iterator[Pool]:
-    pool = Pool(kept=2)
+    pool = Pool(most_idle=2)
     yield pool
     pool.stop()
 
 
 @pytest.fixture
-def lane(pool: Pool) -> Lane:
+def queue(pool: Pool) -> TaskQueue:
     """One place, and three tasks a client."""
-    return pool.lane(1, 4 * GIB, 3)
+    return pool.queue(1, 4 * GIB, 3)
 
 
 @contextmanager
@@ -56,15 +56,15 @@ def is_alive(pid: int) -> bool:
     return True
 
 
-def ask(lane: Lane, key: str | None, word: str) -> tuple[int, list[str]]:
+def ask(queue: TaskQueue, key: str | None, word: str) -> tuple[int, list[str]]:
     """The process, and all words that it was asked to remember."""
-    pid, words = lane.result(in_worker.remember, (word,), 30.0, key)
+    pid, words = queue.result(in_worker.remember, (word,), 30.0, key)
     return int(pid), list(words)
 
 
-def at_rest(lane: Lane, file: Path, key: str | None = None) -> "tuple[Future[Any], int]":
+def at_rest(queue: TaskQueue, file: Path, key: str | None = None) -> "tuple[Future[Any], int]":
     """A task that runs for ever, and its process."""
-    task = lane.schedule(in_worker.sign_in_and_rest, (str(file), 600.0, 1), 900.0, key)
+    task = queue.schedule(in_worker.sign_in_and_rest, (str(file), 600.0, 1), 900.0, key)
     until(lambda: file.exists() and file.read_text().endswith("\n"), "the task to run")
     return task, int(file.read_text())
 
@@ -72,8 +72,8 @@ def at_rest(lane: Lane, file: Path, key: str | None = None) -> "tuple[Future[Any
 # What a task is given
 
 
-def test_a_task_runs_alone_within_its_limits_and_with_one_thread(lane: Lane) -> None:
-    first, second = (lane.result(in_worker.describe, (), 30.0) for _ in range(2))
+def test_a_task_runs_alone_within_its_limits_and_with_one_thread(queue: TaskQueue) -> None:
+    first, second = (queue.result(in_worker.describe, (), 30.0) for _ in range(2))
     assert first["pid"] != second["pid"]
     assert (first["memory"][0], first["core"]) == (4 * GIB, (0, 0))
     assert first["threads"] == [1]
@@ -102,38 +102,38 @@ def test_stopping_while_processes_start_leaves_no_traceback_and_no_process() -> 
 # What ends it
 
 
-def test_errors_come_to_whoever_asked(lane: Lane) -> None:
+def test_errors_come_to_whoever_asked(queue: TaskQueue) -> None:
     with pytest.raises(BadScan, match=r"^no scan$"):
-        lane.result(in_worker.refuse, ("no scan",), 30.0)
+        queue.result(in_worker.refuse, ("no scan",), 30.0)
     with pytest.raises(RuntimeError, match="Unpicklable: half and half"):
-        lane.result(in_worker.raise_what_cannot_travel, (), 30.0)
+        queue.result(in_worker.raise_what_cannot_travel, (), 30.0)
     with pytest.raises((AttributeError, pickle.PicklingError), match="pickle"):
-        lane.result(in_worker.give_what_cannot_travel, (), 30.0)
+        queue.result(in_worker.give_what_cannot_travel, (), 30.0)
     with pytest.raises(MemoryError):
-        lane.result(in_worker.fill, (8 * GIB,), 30.0)
-    assert lane.answer(30.0)
+        queue.result(in_worker.fill, (8 * GIB,), 30.0)
+    assert queue.answer(30.0)
 
 
-def test_a_task_that_takes_too_long_is_stopped_and_the_next_one_runs(lane: Lane) -> None:
+def test_a_task_that_takes_too_long_is_stopped_and_the_next_one_runs(queue: TaskQueue) -> None:
     with pytest.raises(TimeoutError):
-        lane.result(in_worker.burn, (), 0.2)
-    assert ask(lane, None, "one")[1] == ["one"]
+        queue.result(in_worker.burn, (), 0.2)
+    assert ask(queue, None, "one")[1] == ["one"]
 
 
 def test_a_process_that_dies_fails_its_own_task_only(pool: Pool) -> None:
-    lane = pool.lane(2, 4 * GIB)
-    dead = lane.schedule(in_worker.die, (signal.SIGKILL,), 30.0)
-    fine = lane.schedule(in_worker.rest, (0.2,), 30.0)
+    queue = pool.queue(2, 4 * GIB)
+    dead = queue.schedule(in_worker.die, (signal.SIGKILL,), 30.0)
+    fine = queue.schedule(in_worker.rest, (0.2,), 30.0)
     with pytest.raises(OSError, match="ended unexpectedly"):
         dead.result()
     assert fine.result() is None
 
 
-def test_a_cancelled_task_ends_at_once_whether_it_runs_or_waits(lane: Lane, tmp_path: Path) -> None:
-    running, pid = at_rest(lane, tmp_path / "running")
+def test_a_cancelled_task_ends_at_once_whether_it_runs_or_waits(queue: TaskQueue, tmp_path: Path) -> None:
+    running, pid = at_rest(queue, tmp_path / "running")
     order = tmp_path / "order"
-    waiting = lane.schedule(in_worker.note, (str(order), "never"), 30.0)
-    last = lane.schedule(in_worker.note, (str(order), "last"), 30.0)
+    waiting = queue.schedule(in_worker.note, (str(order), "never"), 30.0)
+    last = queue.schedule(in_worker.note, (str(order), "last"), 30.0)
     assert waiting.cancel()
     assert running.cancel()
     assert running.cancel()  # again, to no effect
@@ -145,11 +145,13 @@ def test_a_cancelled_task_ends_at_once_whether_it_runs_or_waits(lane: Lane, tmp_
     until(lambda: not is_alive(pid), "the end of a process")
 
 
-def test_a_stop_ends_what_runs_waits_and_rests_and_takes_nothing_more(pool: Pool, lane: Lane, tmp_path: Path) -> None:
+def test_a_stop_ends_what_runs_waits_and_rests_and_takes_nothing_more(
+    pool: Pool, queue: TaskQueue, tmp_path: Path
+) -> None:
     others = set(threading.enumerate())
-    resting, _ = ask(lane, "a", "one")
-    running, pid = at_rest(lane, tmp_path / "running")
-    waiting = lane.schedule(in_worker.rest, (0.0,), 30.0)
+    resting, _ = ask(queue, "a", "one")
+    running, pid = at_rest(queue, tmp_path / "running")
+    waiting = queue.schedule(in_worker.rest, (0.0,), 30.0)
     pool.stop()
     assert not is_alive(pid)
     assert not is_alive(resting)
@@ -157,31 +159,31 @@ def test_a_stop_ends_what_runs_waits_and_rests_and_takes_nothing_more(pool: Pool
         with pytest.raises(RuntimeError, match="stopped"):
             task.result(0)
     assert not {one for one in set(threading.enumerate()) - others if one.name == "breastrig-task"}
-    assert not lane.answer(1.0)
+    assert not queue.answer(1.0)
     with pytest.raises(RuntimeError, match="stopped"):
-        lane.schedule(in_worker.rest, (0.0,), 30.0)
+        queue.schedule(in_worker.rest, (0.0,), 30.0)
 
 
-def test_a_process_that_answers_nothing_is_no_pool(lane: Lane, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_process_that_answers_nothing_is_no_pool(queue: TaskQueue, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(execution, "START_S", 0.0)
     with pytest.raises(RuntimeError, match="No process answers"):
-        lane.warm_up()
+        queue.warm_up()
 
 
 # Whose turn it is
 
 
-def test_a_client_with_one_task_does_not_wait_for_all_of_anothers(lane: Lane, tmp_path: Path) -> None:
+def test_a_client_with_one_task_does_not_wait_for_all_of_anothers(queue: TaskQueue, tmp_path: Path) -> None:
     order, end = tmp_path / "order", tmp_path / "end"
 
     def noted(text: str) -> "Future[Any]":
-        return lane.schedule(in_worker.note_and_wait_for, (str(order), text, str(end)), 30.0)
+        return queue.schedule(in_worker.note_and_wait_for, (str(order), text, str(end)), 30.0)
 
     with asking("busy"):
-        running, _ = at_rest(lane, tmp_path / "running")
+        running, _ = at_rest(queue, tmp_path / "running")
         tasks = [noted(f"busy{number}") for number in range(2)]
     with asking("other"):
-        beside, _ = at_rest(lane, tmp_path / "beside")  # the place that is left for others
+        beside, _ = at_rest(queue, tmp_path / "beside")  # the place that is left for others
         tasks.append(noted("other"))
     assert not any(task.done() for task in tasks)
     for task in (beside, running):
@@ -193,37 +195,37 @@ def test_a_client_with_one_task_does_not_wait_for_all_of_anothers(lane: Lane, tm
     assert order.read_text().split()[-1] == "busy1"
 
 
-def test_a_client_has_so_many_and_the_program_itself_any_number(pool: Pool, lane: Lane, tmp_path: Path) -> None:
+def test_a_client_has_so_many_and_the_program_itself_any_number(pool: Pool, queue: TaskQueue, tmp_path: Path) -> None:
     with asking("busy"):
-        running, _ = at_rest(lane, tmp_path / "running")
-        tasks = [lane.schedule(in_worker.rest, (0.0,), 30.0) for _ in range(2)]
+        running, _ = at_rest(queue, tmp_path / "running")
+        tasks = [queue.schedule(in_worker.rest, (0.0,), 30.0) for _ in range(2)]
         with pytest.raises(TooMany, match=r"3 of your tasks .* ask again in 2 s") as refused:
-            lane.schedule(in_worker.rest, (0.0,), 30.0)
+            queue.schedule(in_worker.rest, (0.0,), 30.0)
         assert refused.value.retry_after_s == 2
-        assert lane.answer(1.0)  # which is nobody's task
-        other = pool.lane(1, 4 * GIB)  # where nobody is counted, as in that of the queue of fits
+        assert queue.answer(1.0)  # which is nobody's task
+        other = pool.queue(1, 4 * GIB)  # where nobody is counted, as in that of the queue of fits
         tasks += [other.schedule(in_worker.rest, (0.0,), 30.0) for _ in range(4)]
     with asking(None):
-        tasks += [lane.schedule(in_worker.rest, (0.0,), 30.0) for _ in range(5)]
+        tasks += [queue.schedule(in_worker.rest, (0.0,), 30.0) for _ in range(5)]
     running.cancel()
     assert not wait(tasks, timeout=30).not_done
     with asking("busy"):
-        assert lane.result(in_worker.rest, (0.0,), 30.0) is None
+        assert queue.result(in_worker.rest, (0.0,), 30.0) is None
 
 
 def test_no_client_holds_all_places_while_another_waits(tmp_path: Path) -> None:
-    """Two lanes of two places, a client whose four tasks of each kind take for ever, and two others who come later."""
+    """Two queues of two places, a client whose four tasks of each kind take for ever, and two others who come later."""
     pool = Pool()
-    lanes = [pool.lane(2, 4 * GIB, 9) for _ in range(2)]
+    queues = [pool.queue(2, 4 * GIB, 9) for _ in range(2)]
     files = [tmp_path / str(number) for number in range(8)]
     try:
         with asking("slow"):
             for number, file in enumerate(files):
-                lanes[number % 2].schedule(in_worker.sign_in_and_rest, (str(file), 600.0, 1), 900.0)
-        until(lambda: sum(file.exists() for file in files) == 4, "two tasks in each lane")
+                queues[number % 2].schedule(in_worker.sign_in_and_rest, (str(file), 600.0, 1), 900.0)
+        until(lambda: sum(file.exists() for file in files) == 4, "two tasks in each queue")
         for client in ("one", "two"):
             with asking(client):
-                assert [lane.result(in_worker.rest, (0.0,), 30.0) for lane in lanes] == [None, None]
+                assert [queue.result(in_worker.rest, (0.0,), 30.0) for queue in queues] == [None, None]
         assert sum(file.exists() for file in files) == 4
     finally:
         pool.stop()
@@ -232,65 +234,65 @@ def test_no_client_holds_all_places_while_another_waits(tmp_path: Path) -> None:
 # What is kept for a key
 
 
-def test_a_key_keeps_its_process_and_shares_it_with_no_other(pool: Pool, lane: Lane) -> None:
-    other_lane = pool.lane(1, 3 * GIB)
-    first, _ = ask(lane, "a", "one")
-    second, of_second = ask(lane, "b", "two")
-    assert ask(other_lane, "a", "three") == (first, ["one", "three"])
-    assert other_lane.result(in_worker.describe, (), 30.0, "a")["memory"][0] == 3 * GIB
+def test_a_key_keeps_its_process_and_shares_it_with_no_other(pool: Pool, queue: TaskQueue) -> None:
+    other_queue = pool.queue(1, 3 * GIB)
+    first, _ = ask(queue, "a", "one")
+    second, of_second = ask(queue, "b", "two")
+    assert ask(other_queue, "a", "three") == (first, ["one", "three"])
+    assert other_queue.result(in_worker.describe, (), 30.0, "a")["memory"][0] == 3 * GIB
     assert first != second
     assert of_second == ["two"]
-    assert ask(lane, None, "four")[1] == ["four"]
+    assert ask(queue, None, "four")[1] == ["four"]
 
 
 def test_a_task_does_not_wait_for_the_process_of_its_key(pool: Pool, tmp_path: Path) -> None:
-    lane = pool.lane(2, 4 * GIB)
-    first, _ = ask(lane, "a", "one")
-    _, at_work = at_rest(lane, tmp_path / "running", "a")
+    queue = pool.queue(2, 4 * GIB)
+    first, _ = ask(queue, "a", "one")
+    _, at_work = at_rest(queue, tmp_path / "running", "a")
     assert at_work == first
-    second, words = ask(lane, "a", "two")
+    second, words = ask(queue, "a", "two")
     assert (second != first, words) == (True, ["two"])
 
 
-def test_the_one_that_was_not_asked_for_longest_makes_room(pool: Pool, lane: Lane) -> None:
-    first, _ = ask(lane, "a", "one")
-    second, _ = ask(lane, "b", "one")
-    ask(lane, "a", "two")
-    ask(lane, "c", "one")
-    assert pool.kept_keys == ["a", "c"]
+def test_the_one_that_was_not_asked_for_longest_makes_room(pool: Pool, queue: TaskQueue) -> None:
+    first, _ = ask(queue, "a", "one")
+    second, _ = ask(queue, "b", "one")
+    ask(queue, "a", "two")
+    ask(queue, "c", "one")
+    assert pool.idle_keys == ["a", "c"]
     until(lambda: not is_alive(second), "the end of a process")
-    assert ask(lane, "a", "three") == (first, ["one", "two", "three"])
+    assert ask(queue, "a", "three") == (first, ["one", "two", "three"])
 
 
-def test_a_refusal_is_handed_on_and_the_process_stays(lane: Lane) -> None:
-    first, _ = ask(lane, "a", "one")
+def test_a_refusal_is_handed_on_and_the_process_stays(queue: TaskQueue) -> None:
+    first, _ = ask(queue, "a", "one")
     with pytest.raises(BadScan, match="too small"):
-        lane.result(in_worker.refuse, ("too small",), 30.0, "a")
-    assert ask(lane, "a", "two") == (first, ["one", "two"])
+        queue.result(in_worker.refuse, ("too small",), 30.0, "a")
+    assert ask(queue, "a", "two") == (first, ["one", "two"])
 
 
 @pytest.mark.parametrize("function", [in_worker.lose, in_worker.burn, in_worker.raise_what_cannot_travel])
-def test_what_ends_a_task_badly_ends_its_process(pool: Pool, lane: Lane, function: Callable[[], None]) -> None:
-    first, _ = ask(lane, "a", "one")
+def test_what_ends_a_task_badly_ends_its_process(pool: Pool, queue: TaskQueue, function: Callable[[], None]) -> None:
+    first, _ = ask(queue, "a", "one")
     with pytest.raises((OSError, RuntimeError)):
-        lane.result(function, (), 0.5, "a")
+        queue.result(function, (), 0.5, "a")
     assert not is_alive(first)
-    assert pool.kept_keys == []
-    assert ask(lane, "a", "two")[1] == ["two"]
+    assert pool.idle_keys == []
+    assert ask(queue, "a", "two")[1] == ["two"]
 
 
-def test_a_process_that_was_killed_while_it_rested_is_not_missed(lane: Lane) -> None:
-    first, _ = ask(lane, "a", "one")
+def test_a_process_that_was_killed_while_it_rested_is_not_missed(queue: TaskQueue) -> None:
+    first, _ = ask(queue, "a", "one")
     os.kill(first, signal.SIGKILL)
-    assert ask(lane, "a", "two")[1] == ["two"]
+    assert ask(queue, "a", "two")[1] == ["two"]
 
 
 def test_a_process_that_has_grown_large_is_ended() -> None:
-    pool = Pool(kept=2, large_bytes=1)
+    pool = Pool(most_idle=2, large_bytes=1)
     try:
-        pid, _ = ask(pool.lane(1, 4 * GIB), "a", "one")
+        pid, _ = ask(pool.queue(1, 4 * GIB), "a", "one")
         assert not is_alive(pid)
-        assert pool.kept_keys == []
+        assert pool.idle_keys == []
     finally:
         pool.stop()
 
@@ -308,15 +310,15 @@ def test_a_process_that_was_not_asked_for_a_while_ends_itself() -> None:
 
 
 def test_dropping_a_key_ends_its_tasks_and_processes_and_leaves_others(pool: Pool, tmp_path: Path) -> None:
-    lane = pool.lane(2, 4 * GIB)
-    kept, _ = ask(lane, "b", "one")
-    idle, _ = ask(lane, "a", "one")
-    running = [at_rest(lane, tmp_path / name, "a") for name in ("first", "second")]
-    waiting = lane.schedule(in_worker.rest, (0.0,), 30.0, "a")
+    queue = pool.queue(2, 4 * GIB)
+    kept, _ = ask(queue, "b", "one")
+    idle, _ = ask(queue, "a", "one")
+    running = [at_rest(queue, tmp_path / name, "a") for name in ("first", "second")]
+    waiting = queue.schedule(in_worker.rest, (0.0,), 30.0, "a")
     pool.drop("a")
     assert not any(is_alive(pid) for pid in (idle, *(pid for _, pid in running)))
     for task in (waiting, *(task for task, _ in running)):
         with pytest.raises(RuntimeError, match="was ended"):
             task.result(0)
-    assert pool.kept_keys == ["b"]
-    assert ask(lane, "b", "two") == (kept, ["one", "two"])
+    assert pool.idle_keys == ["b"]
+    assert ask(queue, "b", "two") == (kept, ["one", "two"])

@@ -13,5 +13,5 @@ if __name__ == "__main__":
 
     preload(sys.argv[1:])
     pool = Pool()
-    json.dump(pool.lane(1, 2**32).result(in_worker.describe, (), 30.0)["imported"], sys.stdout)
+    json.dump(pool.queue(1, 2**32).result(in_worker.describe, (), 30.0)["imported"], sys.stdout)
     pool.stop()

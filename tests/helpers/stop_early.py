@@ -18,10 +18,10 @@ MOMENTS_S = [0.004 * step for step in range(12)]
 if __name__ == "__main__":
     servers: set[int] = set()
     for moment in MOMENTS_S:
-        pool = Pool(kept=1)
-        lane = pool.lane(2, 2**32)
-        lane.warm_up()
-        tasks = [lane.schedule(in_worker.rest, (60.0,), 60.0, key) for key in ("a", "b", None)]
+        pool = Pool(most_idle=1)
+        queue = pool.queue(2, 2**32)
+        queue.warm_up()
+        tasks = [queue.schedule(in_worker.rest, (60.0,), 60.0, key) for key in ("a", "b", None)]
         time.sleep(moment)
         pool.stop()
         servers = servers or set(children(os.getpid()))

@@ -14,16 +14,16 @@ from breastrig.storage.storage import Storage
 def test_the_process_of_a_deleted_fit_is_ended_and_that_of_another_stays(storage: Storage, scan_id: str) -> None:
     there, gone = named("there"), named("gone")
     add_waiting_fit(storage, scan_id, there)
-    pool = Pool(kept=4)
-    lane = pool.lane(1, 4 * 2**30)
-    moving = Moving(storage, lane, KeptModels(storage, None))
+    pool = Pool(most_idle=4)
+    queue = pool.queue(1, 4 * 2**30)
+    moving = Moving(storage, queue, KeptModels(storage, None))
     try:
         for fit in (there, gone):
-            lane.result(in_worker.rest, (0.0,), 60.0, fit)
+            queue.result(in_worker.rest, (0.0,), 60.0, fit)
         with moving.dropped_if_deleted(there):
             pass
         with pytest.raises(NotFound, match="no such fit"), moving.dropped_if_deleted(gone):
             raise OSError("cannot be read")
-        assert pool.kept_keys == [there]
+        assert pool.idle_keys == [there]
     finally:
         pool.stop()

@@ -216,7 +216,7 @@ def test_deleting_a_scan_stops_its_fits_and_leaves_nothing(serving, storage: Sto
 
 def test_a_killed_idle_process_does_not_break_the_queue(serving, scan_id: str) -> None:
     with serving(fake_fit.quick) as service:
-        os.kill(service.pool.lane(1, 2**32).result(os.getpid, (), 30.0, scan_id), 9)
+        os.kill(service.pool.queue(1, 2**32).result(os.getpid, (), 30.0, scan_id), 9)
         assert ended(service, ask_for_fit(service, scan_id)).state == "done"
 
 

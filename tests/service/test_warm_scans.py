@@ -20,12 +20,12 @@ STANCES = ("standing", "supine")
 def uploaded(service: Service, stance: str) -> ScanRow:
     with (asset_folder("example") / stance / "scan.ply").open("rb") as source:
         row, _ = service.uploads.add(source, "ply", "auto")
-    assert row.id in service.pool.kept_keys
+    assert row.id in service.pool.idle_keys
     return row
 
 
 def process_of(service: Service, scan: ScanRow) -> int:
-    return int(service.pool.lane(1, 2**32).result(os.getpid, (), 30.0, scan.id))
+    return int(service.pool.queue(1, 2**32).result(os.getpid, (), 30.0, scan.id))
 
 
 def proposing_process(service: Service, scan: ScanRow) -> int:
@@ -71,7 +71,7 @@ def test_deleting_a_scan_ends_the_fit_that_runs_in_its_process(serving) -> None:
         scan = uploaded(service, "standing")
         reader = process_of(service, scan)
         ask_for_fit(service, scan.id)
-        until(lambda: scan.id not in service.pool.kept_keys, "the fit in the scan's process")
+        until(lambda: scan.id not in service.pool.idle_keys, "the fit in the scan's process")
         service.delete_scan(scan.id)
         assert not is_alive(reader)
 
@@ -86,7 +86,7 @@ def test_a_cancelled_fit_takes_its_process_along_and_the_next_one_starts_elsewhe
         assert service.cancel_fit(fit).state == "cancelled"
         until(lambda: not is_alive(reader), "the end of the process")
         again = ask_for_fit(service, scan.id)
-        assert service.pool.kept_keys == []
+        assert service.pool.idle_keys == []
         service.cancel_fit(again)
 
 

@@ -141,7 +141,7 @@ def _executor(options: argparse.Namespace, rows: Sequence[BatchRow]) -> Executor
     limits = FitLimits()
     if options.scheduler is None:
         preload(["breastrig.batch.task", "breastrig.use.default_model"])
-        return Pool().lane(options.jobs or limits.workers, limits.memory_bytes)
+        return Pool().queue(options.jobs or limits.workers, limits.memory_bytes)
     pool = DaskPool(options.scheduler, memory_bytes=limits.memory_bytes)
     if not pool.found_workers:
         print(

@@ -15,7 +15,7 @@ import threading
 from concurrent.futures import wait
 
 from breastrig.core.version import __version__
-from breastrig.execution.pool import Lane, Pool
+from breastrig.execution.pool import Pool, TaskQueue
 from breastrig.execution.worker import Answer, answered
 
 # Only workers of this program and version offer it, so that no other worker of a shared cluster is given a task.
@@ -24,7 +24,7 @@ LOOK_S = 0.1  # between two looks whether the task is still wanted
 UNWANTED = ("cancelled", "released", "forgotten")  # states of a task in the worker's table
 
 _lock = threading.Lock()
-_lanes: dict[int, Lane] = {}  # by memory_bytes
+_queues: dict[int, TaskQueue] = {}  # by memory_bytes
 _running: set[str] = set()  # keys of the tasks that have a child now
 
 
@@ -34,7 +34,7 @@ def execute(call: bytes, timeout: float, memory_bytes: int) -> bytes:
 
     worker = get_worker()
     key = str(worker.get_current_task())
-    child = lane_of(memory_bytes, worker.state.nthreads).schedule(answered, (call,), timeout)
+    child = queue_of(memory_bytes, worker.state.nthreads).schedule(answered, (call,), timeout)
     _running.add(key)
     try:
         while not wait([child], timeout=LOOK_S).done:
@@ -58,14 +58,14 @@ def still_running(keys: list[str]) -> int:
 def stop_children() -> None:
     """Kills the children of this worker; for its end."""
     with _lock:
-        for lane in _lanes.values():
-            lane.stop()
-        _lanes.clear()
+        for queue in _queues.values():
+            queue.stop()
+        _queues.clear()
 
 
-def lane_of(memory_bytes: int, workers: int) -> Lane:
+def queue_of(memory_bytes: int, workers: int) -> TaskQueue:
     """The worker's slots for tasks with this limit."""
     with _lock:
-        if memory_bytes not in _lanes:
-            _lanes[memory_bytes] = Pool().lane(workers, memory_bytes)
-        return _lanes[memory_bytes]
+        if memory_bytes not in _queues:
+            _queues[memory_bytes] = Pool().queue(workers, memory_bytes)
+        return _queues[memory_bytes]

@@ -14,7 +14,7 @@ from typing import Any
 from breastrig.core.errors import BadSettings
 from breastrig.core.scratch import sweep_scratch
 from breastrig.execution.dask_pool import CONNECT_S, UNREACHABLE, distributed, no_scheduler
-from breastrig.execution.dask_task import RESOURCE, lane_of, stop_children
+from breastrig.execution.dask_task import RESOURCE, queue_of, stop_children
 from breastrig.execution.limits import FitLimits
 from breastrig.execution.worker import preload, scratch_swept
 
@@ -53,7 +53,7 @@ async def _work(package: Any, address: str, workers: int, folder: str, on_ready:
         )
     except UNREACHABLE as error:
         raise BadSettings(no_scheduler(address)) from error
-    await asyncio.to_thread(lane_of(FitLimits().memory_bytes, workers).warm_up)
+    await asyncio.to_thread(queue_of(FitLimits().memory_bytes, workers).warm_up)
     on_ready()
     stopping = asyncio.create_task(stop.wait())
     ending = asyncio.create_task(worker.finished())

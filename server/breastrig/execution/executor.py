@@ -1,4 +1,4 @@
-"""Executors of tasks outside of the caller's process: a lane of the local pool, or a Dask cluster.
+"""Executors of tasks outside of the caller's process: a queue of the local pool, or a Dask cluster.
 
 A task is a function importable by name and its arguments, both picklable, because it may run in another process on
 another machine. It may be started twice: a machine that is lost has its tasks run again elsewhere. So a task writes
@@ -15,7 +15,7 @@ STOPPED = "The pool is stopped."
 
 
 class Executor(Protocol):
-    """`Lane` here, `DaskPool` on many machines; nothing else differs for the caller."""
+    """`TaskQueue` here, `DaskPool` on many machines; nothing else differs for the caller."""
 
     @property
     def workers(self) -> int:

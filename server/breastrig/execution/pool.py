@@ -4,9 +4,9 @@ A task has a process of its own, which ends with it: nothing of one patient's da
 that is killed takes no other one with it.  A task with a key finds the process that an earlier task of this key has
 left, when that rests, and leaves its own to the next; only so many are kept, those used last.
 
-A pool has lanes, one a kind of task, so that one kind does not keep another waiting.  In a lane clients take turns, and
-one more task than it has places may run for a client who has none there: however long the tasks of others take, a
-place is left.
+A pool has queues, one a kind of task, so that one kind does not keep another waiting.  In a queue clients take turns,
+and one more task than it has workers may run for a client who has none there: however long the tasks of others take, a
+worker is left.
 """
 
 import threading
@@ -34,16 +34,16 @@ NO_PROCESS = "No process answers: the machine may have no memory left for one."
 
 
 class _Call(Task):
-    """A task of a lane."""
+    """A task of a queue."""
 
-    def __init__(self, lane: "Lane", client: str, call: bytes, timeout: float, key: str | None) -> None:
-        super().__init__(lane.pool.withdraw)
-        self.lane, self.client, self.call, self.timeout, self.key = lane, client, call, timeout, key
+    def __init__(self, queue: "TaskQueue", client: str, call: bytes, timeout: float, key: str | None) -> None:
+        super().__init__(queue.pool.withdraw)
+        self.queue, self.client, self.call, self.timeout, self.key = queue, client, call, timeout, key
         self.worker: Worker | None = None
-        self.thread = threading.Thread(target=lane.pool.run, args=(self,), name="breastrig-task", daemon=True)
+        self.thread = threading.Thread(target=queue.pool.run, args=(self,), name="breastrig-task", daemon=True)
 
 
-class Lane:
+class TaskQueue:
     """An Executor: worker slots for tasks of one kind."""
 
     def __init__(self, pool: "Pool", workers: int, memory_bytes: int, per_client: int | None) -> None:
@@ -57,7 +57,7 @@ class Lane:
     ) -> "Future[Result]":
         """Runs a task as Executor.schedule; `timeout` counts from the start of the task.
 
-        Raises TooMany when the client that asks has as many tasks in this lane as one may have.
+        Raises TooMany when the client that asks has as many tasks in this queue as one may have.
         """
         return self._scheduled(client_key.get(), function, args, timeout, key)
 
@@ -100,23 +100,23 @@ class Lane:
 class Pool:
     """May be used from any thread."""
 
-    def __init__(self, kept: int = 0, large_bytes: int = LARGE_BYTES) -> None:
-        """`kept` processes rest at most."""
-        self._most_kept, self._large_bytes = kept, large_bytes
+    def __init__(self, most_idle: int = 0, large_bytes: int = LARGE_BYTES) -> None:
+        """`most_idle` processes rest at most."""
+        self._most_idle, self._large_bytes = most_idle, large_bytes
         self._lock = threading.RLock()
-        self._lanes: list[Lane] = []
+        self._queues: list[TaskQueue] = []
         self._running: set[_Call] = set()
         self._idle: deque[Worker] = deque()  # the one used last is the last
         self._turn = count()
         self.is_stopped = False
 
-    def lane(self, workers: int, memory_bytes: int, per_client: int | None = None) -> Lane:
+    def queue(self, workers: int, memory_bytes: int, per_client: int | None = None) -> TaskQueue:
         """`memory_bytes` is of address space, for each task; a client may have `per_client` tasks at once."""
-        self._lanes.append(Lane(self, workers, memory_bytes, per_client))
-        return self._lanes[-1]
+        self._queues.append(TaskQueue(self, workers, memory_bytes, per_client))
+        return self._queues[-1]
 
     @property
-    def kept_keys(self) -> list[str | None]:
+    def idle_keys(self) -> list[str | None]:
         """The keys of the idle processes."""
         with self._lock:
             return [worker.key for worker in self._idle]
@@ -143,23 +143,23 @@ class Pool:
         with self._lock:
             if self.is_stopped:
                 raise RuntimeError(STOPPED)
-            most = task.lane.per_client if counts else None
-            own = sum((each.lane, each.client) == (task.lane, task.client) for each in self._tasks())
+            most = task.queue.per_client if counts else None
+            own = sum((each.queue, each.client) == (task.queue, task.client) for each in self._tasks())
             if most is not None and own >= most:
                 raise TooMany(
                     f"{most} of your tasks on scans and reports are being worked on, as many as one client may have; "
                     f"ask again in {RETRY_S} s.",
                     RETRY_S,
                 )
-            task.lane.waiting.append(task)
-            self._begin(task.lane)
+            task.queue.waiting.append(task)
+            self._begin(task.queue)
 
     def withdraw(self, task: Task) -> None:
         """Removes the task; called in the thread that has ended it."""
         assert isinstance(task, _Call)
         with self._lock:
-            if task in task.lane.waiting:
-                task.lane.waiting.remove(task)
+            if task in task.queue.waiting:
+                task.queue.waiting.remove(task)
             if task.worker is not None:
                 task.worker.kill()
 
@@ -176,20 +176,20 @@ class Pool:
             break
         with self._lock:
             self._running.discard(task)
-            task.lane.running[task.client] -= 1
-            task.lane.running += Counter()  # forgets clients with none
-            self._begin(task.lane)
+            task.queue.running[task.client] -= 1
+            task.queue.running += Counter()  # forgets clients with none
+            self._begin(task.queue)
         task.settle(answer.value, answer.error)
 
     def _answer(self, task: _Call) -> Answer:
-        worker = self._kept(task.key) or Worker(task.key)
+        worker = self._idle_worker(task.key) or Worker(task.key)
         keeps = False
         try:
             with self._lock:
                 task.worker = worker
                 if task.done():  # in the meantime
                     raise RuntimeError(ENDED)
-            answer = worker.call(task.call, task.lane.memory_bytes, task.timeout)
+            answer = worker.call(task.call, task.queue.memory_bytes, task.timeout)
             keeps = answer.error is None or isinstance(answer.error, BreastRigError)
             keeps = keeps and task.key is not None and answer.resident_bytes <= self._large_bytes
             return answer
@@ -199,11 +199,11 @@ class Pool:
                 surplus = [] if keeps and not task.done() and not self.is_stopped else [worker]
                 if not surplus:
                     self._idle.append(worker)
-                    surplus = [self._idle.popleft()] if len(self._idle) > self._most_kept else []
+                    surplus = [self._idle.popleft()] if len(self._idle) > self._most_idle else []
             for each in surplus:
                 each.end()
 
-    def _kept(self, key: str | None) -> Worker | None:
+    def _idle_worker(self, key: str | None) -> Worker | None:
         with self._lock:
             for worker in reversed(self._idle):
                 if worker.key == key:
@@ -211,25 +211,25 @@ class Pool:
                     return worker
         return None
 
-    def _begin(self, lane: Lane) -> None:
+    def _begin(self, queue: TaskQueue) -> None:
         """Starts tasks that may run; call with the lock held."""
-        while able := [task for task in lane.waiting if self._may_begin(task)]:
-            task = min(able, key=lambda each: lane.turns.get(each.client, -1))
-            lane.waiting.remove(task)
-            lane.turns[task.client] = next(self._turn)
-            lane.running[task.client] += 1
+        while able := [task for task in queue.waiting if self._may_begin(task)]:
+            task = min(able, key=lambda each: queue.turns.get(each.client, -1))
+            queue.waiting.remove(task)
+            queue.turns[task.client] = next(self._turn)
+            queue.running[task.client] += 1
             self._running.add(task)
             task.thread.start()
-        if not lane.waiting:
-            lane.turns.clear()
+        if not queue.waiting:
+            queue.turns.clear()
 
     def _may_begin(self, task: _Call) -> bool:
-        lane = task.lane
-        return lane.running.total() < lane.workers + (0 if lane.running[task.client] else 1)
+        queue = task.queue
+        return queue.running.total() < queue.workers + (0 if queue.running[task.client] else 1)
 
     def _tasks(self) -> list[_Call]:
         """The tasks that run or wait; call with the lock held."""
-        return [*self._running, *(task for lane in self._lanes for task in lane.waiting)]
+        return [*self._running, *(task for queue in self._queues for task in queue.waiting)]
 
     def _end(self, tasks: list[_Call], idle: list[Worker], why: str) -> None:
         for task in tasks:

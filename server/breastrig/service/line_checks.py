@@ -5,7 +5,7 @@ Made in a process of its own and remembered in memory for each version of the pl
 
 from typing import Any
 
-from breastrig.execution.pool import Lane
+from breastrig.execution.pool import TaskQueue
 from breastrig.service.failed_tasks import explained
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.plans import Plans
@@ -21,7 +21,7 @@ REMEMBERED = 128  # of a kilobyte each
 class LineChecks:
     """The checks of all fits.  May be called from any thread."""
 
-    def __init__(self, storage: Storage, processes: Lane, plans: Plans, models: KeptModels) -> None:
+    def __init__(self, storage: Storage, processes: TaskQueue, plans: Plans, models: KeptModels) -> None:
         self._storage, self._processes, self._plans, self._models = storage, processes, plans, models
         self._remembered: Remembered[dict[str, Any]] = Remembered(REMEMBERED)
 

@@ -12,7 +12,7 @@ from typing import Any
 from breastrig.cases.fits import FitEntry, find_fit
 from breastrig.core.errors import BadInput, Conflict, NotFound
 from breastrig.core.picks import Points
-from breastrig.execution.pool import Lane
+from breastrig.execution.pool import TaskQueue
 from breastrig.service.failed_tasks import explained
 from breastrig.service.kept_models import KeptModels
 from breastrig.storage.documents.fits import FitRow, get_fit
@@ -28,7 +28,7 @@ WALL_S = 90.0  # an answer takes a tenth of a second, the first one; huge scans 
 class Moving:
     """Interactive changes of all fits. May be called from any thread."""
 
-    def __init__(self, storage: Storage, processes: Lane, models: KeptModels) -> None:
+    def __init__(self, storage: Storage, processes: TaskQueue, models: KeptModels) -> None:
         self._storage, self._processes, self._models = storage, processes, models
 
     def pattern(self, fit_id: str, question: LiveQuestion | LengthsQuestion) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from typing import Any
 from breastrig.core.documents import indented
 from breastrig.core.errors import Conflict, NotFound
 from breastrig.drawings.plan_schema import empty_plan_on_scan
-from breastrig.execution.pool import Lane
+from breastrig.execution.pool import TaskQueue
 from breastrig.service.failed_tasks import explained
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.remembered import Remembered
@@ -63,7 +63,7 @@ class PlannedFits:
 class Plans:
     """The plans of all patients.  May be called from any thread."""
 
-    def __init__(self, storage: Storage, processes: Lane, models: KeptModels) -> None:
+    def __init__(self, storage: Storage, processes: TaskQueue, models: KeptModels) -> None:
         self._storage = storage
         self._processes = processes
         self._models = models

@@ -9,7 +9,7 @@ from collections.abc import Callable, Hashable, Sequence
 
 from breastrig.core import wall_clock
 from breastrig.core.identity import SAYS_NOTHING, Identity, file_name
-from breastrig.execution.pool import Lane
+from breastrig.execution.pool import TaskQueue
 from breastrig.service.failed_tasks import explained
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.plans import Plans
@@ -37,7 +37,7 @@ WALL_S = 180.0  # two stances take about four seconds; a slow or busy machine wi
 class Reports:
     """The reports of all fits.  May be called from any thread."""
 
-    def __init__(self, storage: Storage, processes: Lane, plans: Plans, models: KeptModels) -> None:
+    def __init__(self, storage: Storage, processes: TaskQueue, plans: Plans, models: KeptModels) -> None:
         self._storage = storage
         self._plans = plans
         self._processes = processes

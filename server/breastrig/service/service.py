@@ -52,9 +52,8 @@ from breastrig.use.landmarks import propose_on_file
 from breastrig.use.predict import run_prediction
 from breastrig.use.transfer import carried_between
 
-CHUNK = 2**20
-HANDS = 4  # patterns or landmarks that are moved at once
-KEPT = 8  # processes that rest: of a patient's two scans and their fits, each some hundred megabytes
+INTERACTIVE = 4  # patterns or landmarks that are moved at once
+IDLE = 8  # processes that rest: of a patient's two scans and their fits, each some hundred megabytes
 TRANSFER_WALL_S = 180.0  # a transfer takes a second or two; a slow or busy machine with huge scans may take many
 
 log = logging.getLogger(__name__)
@@ -83,12 +82,12 @@ class Service:
         limits = uploads or UploadLimits()
         fit_limits = fits or FitLimits()
         preload(TASK_MODULES)
-        self.pool = Pool(KEPT)
-        self._readers, self._others, hands = (
-            self.pool.lane(places, limits.memory_bytes, limits.waiting_per_client)
-            for places in (limits.workers, limits.workers, HANDS)
+        self.pool = Pool(IDLE)
+        self._readers, self._others, interactive = (
+            self.pool.queue(places, limits.memory_bytes, limits.waiting_per_client)
+            for places in (limits.workers, limits.workers, INTERACTIVE)
         )
-        self._workers = executor or self.pool.lane(fit_limits.workers, fit_limits.memory_bytes)
+        self._workers = executor or self.pool.queue(fit_limits.workers, fit_limits.memory_bytes)
         runners = Runners(runner, predictor)
         self._choice = model_choice(model)
         self._queue = FitQueue(storage, self._workers, fit_limits, runners, self._choice)
@@ -98,9 +97,9 @@ class Service:
         self.ink = InkSearch(storage, self._others, limits.wall_s)
         self.models = KeptModels(storage, model)
         self.plans = Plans(storage, self._others, self.models)
-        self.moving = Moving(storage, hands, self.models)
-        self.skin_checks = SkinChecks(storage, hands)
-        self.line_checks = LineChecks(storage, hands, self.plans, self.models)
+        self.moving = Moving(storage, interactive, self.models)
+        self.skin_checks = SkinChecks(storage, interactive)
+        self.line_checks = LineChecks(storage, interactive, self.plans, self.models)
         self.reports = Reports(storage, self._others, self.plans, self.models)
         self.shares = ShareSnapshots(storage, self._others, self.plans, self.reports, self.models)
         self._notifier = Notifier(storage)

@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from breastrig.core.errors import BadInput, Conflict
-from breastrig.execution.pool import Lane
+from breastrig.execution.pool import TaskQueue
 from breastrig.service.failed_tasks import explained
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.plans import Plans
@@ -40,7 +40,9 @@ log = logging.getLogger(__name__)
 class ShareSnapshots:
     """The links of all fits.  May be called from any thread."""
 
-    def __init__(self, storage: Storage, processes: Lane, plans: Plans, reports: Reports, models: KeptModels) -> None:
+    def __init__(
+        self, storage: Storage, processes: TaskQueue, plans: Plans, reports: Reports, models: KeptModels
+    ) -> None:
         self._storage = storage
         self._processes = processes
         self._plans = plans

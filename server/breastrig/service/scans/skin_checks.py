@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from breastrig.core.errors import NotFound
-from breastrig.execution.pool import Lane
+from breastrig.execution.pool import TaskQueue
 from breastrig.service.failed_tasks import explained
 from breastrig.storage.documents.patients import get_plan, patient_of_scan
 from breastrig.storage.documents.scans import ScanRow, get_scan
@@ -22,7 +22,7 @@ SHOWN = 40  # characters of a note in a sentence
 class SkinChecks:
     """Skin checks on all scans. May be called from any thread."""
 
-    def __init__(self, storage: Storage, processes: Lane) -> None:
+    def __init__(self, storage: Storage, processes: TaskQueue) -> None:
         self._storage, self._processes = storage, processes
 
     def check(self, scan: ScanRow, shapes: Sequence[dict[str, Any]]) -> None:

@@ -16,7 +16,7 @@ from breastrig.core.errors import BadScan, NotFound, unknown_name
 from breastrig.core.model_choice import ModelChoice
 from breastrig.core.picks import Points
 from breastrig.execution.limits import UploadLimits
-from breastrig.execution.pool import Lane
+from breastrig.execution.pool import TaskQueue
 from breastrig.fitting.prepare_scan import keeping
 from breastrig.scan.stored_scan import STORED
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
@@ -49,7 +49,7 @@ class Uploads:
     def __init__(
         self,
         storage: Storage,
-        processes: Lane,
+        processes: TaskQueue,
         limits: UploadLimits,
         models: KeptModels,
         choice: ModelChoice,

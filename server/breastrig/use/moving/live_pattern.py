@@ -1,7 +1,7 @@
 """A pattern that follows a hand, on the scan of one fit: what a process does that is kept for that fit.
 
 The first question reads the fit's folder, half a second of work; what was read stays in the process's memory, so that
-the next ones take a tenth of it.  The process serves one fit and ends with its deletion (execution/kept_processes.py).
+the next ones take a tenth of it.  The process serves one fit and ends with its deletion (execution/pool.py).
 """
 
 from collections.abc import Mapping

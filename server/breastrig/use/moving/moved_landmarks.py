@@ -2,7 +2,7 @@
 
 For a person who drags a landmark. The first question reads, cleans and indexes the scan; the prepared scan stays in the
 process's memory, so that the next ones cost a few iterations. The process serves one fit and ends with its deletion
-(execution/kept_processes.py).
+(execution/pool.py).
 """
 
 import time
