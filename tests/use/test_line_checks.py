@@ -156,6 +156,24 @@ def test_proposals_that_were_only_agreed_to_are_still_to_be_checked(alone: breas
     assert sure.drawn_line_error_mm < agreed.drawn_line_error_mm
 
 
+def test_a_landmark_that_was_cut_away_by_hand_is_not_to_be_checked(alone: breastrig.Fit, folder: Path) -> None:
+    """A lasso of 8 cm around the first one, seen along its normal; the fit was made before."""
+    first = alone.checks().checks[0]
+    place, normal = alone.metres_per_unit * first.place, first.normal
+    right = np.cross([0.0, 1.0, 0.0], normal)
+    axes = np.stack([right / np.linalg.norm(right), np.cross(normal, right / np.linalg.norm(right)), -normal])
+    picture = np.eye(4)
+    picture[:3, :3], picture[:3, 3] = axes, -axes @ place
+    picture[2] *= 1e-3
+    square = [[x, y] for x, y in ((-0.04, -0.04), (0.04, -0.04), (0.04, 0.04), (-0.04, 0.04))]
+    cut = {"to_picture": picture.T.ravel().tolist(), "lasso": square}
+    left = checks_on_fit(ChecksJob(folder, cuts=(cut,)))
+    assert first.name not in {each["name"] for each in left["checks"]}
+    assert left["line_error_mm"] == alone.drawn_line_error_mm, "nothing else has changed"
+    away = cut | {"lasso": [[x + 5.0, y] for x, y in square]}
+    assert checks_on_fit(ChecksJob(folder, cuts=(away,))) == checks_on_fit(ChecksJob(folder))
+
+
 def test_the_file_is_one_of_the_fits_and_may_be_missing(folder: Path, tmp_path: Path) -> None:
     assert CHECKS in FIT_FILES
     for name in FIT_FILES:

@@ -71,6 +71,11 @@ def test_open_are_the_landmarks_that_the_scan_shows_and_nobody_has_picked(torso:
     shut = {name for name, free in zip(names, part.open, strict=True) if not free}
     assert {"midclavicle_L", "midclavicle_R"} <= shut
     assert {"nipple_L", "xiphoid"} <= {*names} - shut
+    points = torso.landmark_points(("xiphoid",)).positions(fitted.state.vertices, torso.faces)
+    whole_skin = np.linalg.norm(target.vertices - points[0], axis=1) > 0.03
+    holed = type(target)(target.vertices, target.faces[whole_skin[target.faces].all(axis=1)])
+    part = basis_of(Posterior(replace(fitted.task, target=holed), fitted.state.x)).observable
+    assert not part.open[names.index("xiphoid")], "in a hole"
 
 
 def test_places_lie_on_the_scan_and_the_breasts_narrow_from_check_to_check(torso: Rig, fitted: Posterior) -> None:

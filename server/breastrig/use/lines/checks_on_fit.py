@@ -1,6 +1,6 @@
 """Which landmarks to check for the plan on a fit's scan: from a folder and a document to a document."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -13,6 +13,7 @@ from breastrig.drawings.line_error import fingers
 from breastrig.files.result import DRAWING
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.scan.hand_cuts import are_cut
 from breastrig.use.folder.fit_folder import FitFolder, fit_folder_of
 from breastrig.use.lines.line_checks import LineChecks, line_checks
 from breastrig.use.lines.plan_on_fit import PlanLines
@@ -25,11 +26,12 @@ class ChecksJob:
     fit: Path  # folder of a fit
     plan: PlanLines | None = None  # its lines, and whether they are all that is wanted; None: the fit's own drawing
     model: Path | None = None  # None: the torso of the package
+    cuts: tuple[dict[str, Any], ...] = ()  # by hand, see scan/hand_cuts.py: what is not shown any more
 
 
 def checks_on_fit(job: ChecksJob) -> dict[str, Any]:
     """The answer of api/wire/checks.py, places in mm.  Raises BadInput for what is no fit."""
-    fit = fit_folder_of(job.fit, read_rig(job.model or default_rig_path()))
+    fit = _without_cuts(fit_folder_of(job.fit, read_rig(job.model or default_rig_path())), job.cuts)
     own: Sequence[Polyline] = ()
     with suppress(BadInput):
         own = lines_on_scan(drawing_document(job.fit / DRAWING), fit.unit)
@@ -41,6 +43,15 @@ def checks_on_fit(job: ChecksJob) -> dict[str, Any]:
     beside = () if is_whole else own
     found = line_checks(fit, (*planned, *beside), (*carried, *(False for _ in beside)))
     return _document(fit, replace(found, lines="plan") if planned and found.lines == "drawing" else found)
+
+
+def _without_cuts(fit: FitFolder, cuts: Sequence[Mapping[str, Any]]) -> FitFolder:
+    """The fit without checks of landmarks that were cut away by hand, perhaps after it was made."""
+    if fit.checks is None:
+        return fit
+    known = fit.checks.observable
+    left = replace(known, open=known.open & ~are_cut(fit.checks.places.points, cuts))
+    return replace(fit, checks=replace(fit.checks, observable=left))
 
 
 def _document(fit: FitFolder, found: LineChecks) -> dict[str, Any]:
