@@ -1,7 +1,7 @@
 """Which landmarks of a fit to check for the lines that are shown on it: its patient's plan, or its own drawing.
 
-Made in a process of its own and remembered in memory for each version of the plan and each set of cuts by hand; plans may
-come from other scans.
+Made in a process of its own and remembered in memory for each version of the plan and each set of cuts by hand; a plan
+may come from other scans.
 """
 
 from typing import Any
