@@ -27,7 +27,7 @@ from breastrig.report.pages.printable import check_printable, checked_code
 from breastrig.scan.hand_cuts import read_cuts
 from breastrig.scan.volumes.answers import checked_answers
 from breastrig.use.cases.case_work import asked_fit, asked_prediction, fit_events, read_into_case
-from breastrig.use.fit import FitRun
+from breastrig.use.fit import FitRun, to_its_end
 from breastrig.use.folder.whose import asked_about
 from breastrig.use.landmarks import Landmarks, landmarks_in_mm
 from breastrig.use.lines.plan_words import texts_of
@@ -160,23 +160,6 @@ class Case:
         """
         put_cuts(self._folder, scan, read_cuts(cuts if isinstance(cuts, Mapping) else Path(cuts)))
 
-    def fit(
-        self,
-        scan: str,
-        *,
-        stance: str = "auto",
-        preset: str = "default",
-        drawing: str | None = FIRST,
-        refine: bool = True,
-        model: str | Path | None = None,
-    ) -> Fit:
-        """Fits the model to a scan with its landmarks and cuts, and keeps the fit with its events in the case.
-
-        Arguments are those of `breastrig.fit`; values are in the scan's unit and frame.  Raises FitFailed or BadInput;
-        the case then says why.
-        """
-        return self.fitting(scan, stance=stance, preset=preset, drawing=drawing, refine=refine, model=model).result()
-
     def fitting(
         self,
         scan: str,
@@ -193,6 +176,17 @@ class Case:
         """
         asked = asked_fit(self._folder, scan, stance=stance, preset=preset, drawing=drawing, refine=refine)
         return self._running(scan, asked, model)
+
+    fit = to_its_end(
+        fitting,
+        "fit",
+        Fit,
+        """Fits the model to a scan with its landmarks and cuts, and keeps the fit with its events in the case.
+
+        Arguments are those of `breastrig.fit`; values are in the scan's unit and frame.  Raises FitFailed or BadInput;
+        the case then says why.
+        """,
+    )
 
     def predict(self, fit: str, stance: str, *, model: str | Path | None = None) -> Fit:
         """The patient of a fit, by its id, in another stance; kept in the case as a fit, with its events.
