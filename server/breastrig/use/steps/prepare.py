@@ -132,18 +132,15 @@ def fit_plan(settings: FitSettings, rig: Rig, landmarks_mm: dict[str, list[float
     """The settings and landmarks (mm, in the scan's frame) checked; a BadInput says what is wrong with them."""
     if settings.stance not in STANCES:
         raise BadSettings(unknown_name("stance", settings.stance, STANCES))
-    recipe = load_recipe(settings.preset)
-    settings = replace(settings, drawing=named_drawing(rig, settings.drawing))
-    drawing = None if settings.drawing is None else asked_drawing(rig, settings.drawing)
+    recipe, words = load_recipe(settings.preset), landmark_words(rig)
+    named = named_drawing(rig, settings.drawing)
+    drawing = None if named is None else asked_drawing(rig, named)
     for name in settings.locked:
         block(rig, name)
     landmarks = checked_landmarks(rig, landmarks_mm)
-    confidence = by_known_names(settings.landmark_confidence, landmark_words(rig))
-    settings = replace(
-        settings,
-        landmark_confidence=confidence,
-        certain=tuple(known_name(name, landmark_words(rig)) for name in settings.certain),
-    )
+    confidence = by_known_names(settings.landmark_confidence, words)
+    certain = tuple(known_name(name, words) for name in settings.certain)
+    settings = replace(settings, drawing=named, landmark_confidence=confidence, certain=certain)
     checked_certain(settings.certain, landmarks, confidence)
     proposed = _only_proposed(landmarks, confidence)
     picked = {name: place for name, place in landmarks.items() if name not in proposed}
