@@ -22,8 +22,7 @@ import numpy as np
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.stances import PRONE, split_side
 from breastrig.fitting.body.hanging import ptotic_shape_weight
-from breastrig.fitting.posterior import Posterior
-from breastrig.fitting.propose import expected_places
+from breastrig.fitting.posterior import Posterior, expected_places
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.solve import checked_iterates
 from breastrig.fitting.starts.orientation import MIN_LANDMARKS

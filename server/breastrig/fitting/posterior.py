@@ -9,15 +9,17 @@ the built-in one put in. In its file: float32, the mean, then the covariance's u
 there is no contribution.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from functools import cached_property
 
 import numpy as np
 
-from breastrig.core.arrays import Array
+from breastrig.core.arrays import Array, Booleans
+from breastrig.correspondence.match import MatchRules, match
+from breastrig.correspondence.target import ScanTarget
 from breastrig.energies.landmarks import LandmarkObservation
 from breastrig.fitting.body.expected_body import built_in_body
-from breastrig.fitting.body.landmarks import expected_gaps
+from breastrig.fitting.body.landmarks import MIDDLE, NOTCH, XIPHOID, expected_gaps, middle_step
 from breastrig.fitting.fit import ScanProblem
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.task import FitTask
@@ -185,6 +187,44 @@ def meant_evidence(posterior: Posterior, pick: LandmarkObservation, name: str) -
     covariance = posterior.landmark_covariances((name,))[0] + body.covariance + pick.covariance
     gap = point.positions(state.vertices, rig.faces)[0] + body.mean - pick.place
     return evidence_along_skin(gap, covariance, point.positions(state.normals, rig.faces)[0])
+
+
+ON_SKIN = MatchRules(method="tree", max_distance=0.015, max_angle=np.pi / 3)
+
+
+def laid_on_scan(posterior: Posterior, by_colour: Mapping[str, Array]) -> tuple[Array, Booleans]:
+    """((L, 3) m, where the rig's landmarks are expected on the scan's skin; (L,) which of them the scan shows)."""
+    rig, target = posterior.task.rig, posterior.task.target
+    normals = rig.landmark_points().directions(posterior.state.normals, rig.faces)
+    places = expected_places(posterior, by_colour)
+    found = match(target, places, normals, ON_SKIN)
+    on_scan = np.zeros(len(places), dtype=np.bool_)
+    on_scan[found.vertices] = True
+    by_form = {name for name, each in posterior.relief.items() if each.is_place}
+    laid = [rig.landmark_names[k] not in by_form for k in found.vertices]  # what the form shows stays where it is seen
+    places[found.vertices[laid]] = found.points[laid]
+    for k, name in enumerate(rig.landmark_names):
+        if name in by_form:  # a shoulder's edge tells of its tip
+            on_scan[k] = to_skin(target, places[k]) <= ON_SKIN.max_distance
+    return places, on_scan
+
+
+def expected_places(posterior: Posterior, by_colour: Mapping[str, Array]) -> Array:
+    """(L, 3) m, where the rig's landmarks are expected: as they are seen, else beside the fitted model's."""
+    rig, state = posterior.task.rig, posterior.state
+    places = dict(zip(rig.landmark_names, rig.landmark_points().positions(state.vertices, rig.faces), strict=True))
+    gaps = expected_gaps(state, posterior.task.stance)
+    beside = {name: place + gaps[name].mean for name, place in places.items() if name not in posterior.task.landmarks}
+    seen = {name: each.place for name, each in posterior.relief.items() if each.is_place} | dict(by_colour)
+    expected = places | beside | seen
+    if expected.keys() >= {NOTCH, XIPHOID, MIDDLE} and MIDDLE not in {*posterior.task.landmarks, *seen}:
+        expected[MIDDLE] = expected[MIDDLE] + middle_step(expected)
+    return np.array([*expected.values()])
+
+
+def to_skin(target: ScanTarget, place: Array) -> float:
+    """m, to the nearest of the scan's vertices."""
+    return float(target.vertex_tree.query(place)[0])
 
 
 BUILT_IN = "default"  # the preset whose prior is the built-in one

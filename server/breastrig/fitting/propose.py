@@ -6,20 +6,16 @@ was not clear may lie the other way round.  The confidence is 1 / (1 + (e / 10 m
 that belongs to that radius.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from breastrig.colour.areolae import ObservedAreola
-from breastrig.core.arrays import Array, Booleans
-from breastrig.correspondence.match import MatchRules, match
-from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.body.landmarks import MIDDLE, NOTCH, XIPHOID, expected_gaps, middle_step
+from breastrig.core.arrays import Array
 from breastrig.fitting.fit import FitTask
 from breastrig.fitting.hypotheses import ScanOrientation, orientation_task, scan_orientation
 from breastrig.fitting.observed.landmarks import areola_of, colour_observations, with_observations
-from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.posterior import Posterior, laid_on_scan, to_skin
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.solve import iterates_with_second_start
@@ -31,7 +27,6 @@ from breastrig.scan.scan import Scan
 USEFUL = 0.01  # m; a proposal this far off still saves the user a search: confidence one half
 LEAST = 0.01  # confidence; 0.1 m off, which no longer pulls at anything
 UNKNOWN = 0.02  # m, error with models of which nobody knows how far bodies are from them
-ON_SKIN = MatchRules(method="tree", max_distance=0.015, max_angle=np.pi / 3)
 
 
 def expected_error(confidence: float) -> float:
@@ -92,44 +87,9 @@ def propose_landmarks(
         radius = None if known is None else known.landmarks[name]
         confidence = confidence_of(UNKNOWN if radius is None else radius / HOLDS_90)
         reason = None if observation is None else observation.reason
-        sure, to_skin = round(confidence, 2), _to_skin(scan.target, places[k])
-        proposals[name] = Proposal(places[k], sure, bool(on_scan[k]), radius, reason, to_skin=to_skin)
+        sure, away = round(confidence, 2), to_skin(scan.target, places[k])
+        proposals[name] = Proposal(places[k], sure, bool(on_scan[k]), radius, reason, to_skin=away)
     return proposals
-
-
-def laid_on_scan(posterior: Posterior, by_colour: Mapping[str, Array]) -> tuple[Array, Booleans]:
-    """((L, 3) m, where the rig's landmarks are expected on the scan's skin; (L,) which of them the scan shows)."""
-    rig, target = posterior.task.rig, posterior.task.target
-    normals = rig.landmark_points().directions(posterior.state.normals, rig.faces)
-    places = expected_places(posterior, by_colour)
-    found = match(target, places, normals, ON_SKIN)
-    on_scan = np.zeros(len(places), dtype=np.bool_)
-    on_scan[found.vertices] = True
-    by_form = {name for name, each in posterior.relief.items() if each.is_place}
-    laid = [rig.landmark_names[k] not in by_form for k in found.vertices]  # what the form shows stays where it is seen
-    places[found.vertices[laid]] = found.points[laid]
-    for k, name in enumerate(rig.landmark_names):
-        if name in by_form:  # a shoulder's edge tells of its tip
-            on_scan[k] = _to_skin(target, places[k]) <= ON_SKIN.max_distance
-    return places, on_scan
-
-
-def expected_places(posterior: Posterior, by_colour: Mapping[str, Array]) -> Array:
-    """(L, 3) m, where the rig's landmarks are expected: as they are seen, else beside the fitted model's."""
-    rig, state = posterior.task.rig, posterior.state
-    places = dict(zip(rig.landmark_names, rig.landmark_points().positions(state.vertices, rig.faces), strict=True))
-    gaps = expected_gaps(state, posterior.task.stance)
-    beside = {name: place + gaps[name].mean for name, place in places.items() if name not in posterior.task.landmarks}
-    seen = {name: each.place for name, each in posterior.relief.items() if each.is_place} | dict(by_colour)
-    expected = places | beside | seen
-    if expected.keys() >= {NOTCH, XIPHOID, MIDDLE} and MIDDLE not in {*posterior.task.landmarks, *seen}:
-        expected[MIDDLE] = expected[MIDDLE] + middle_step(expected)
-    return np.array([*expected.values()])
-
-
-def _to_skin(target: ScanTarget, place: Array) -> float:
-    """m, to the nearest of the scan's vertices."""
-    return float(target.vertex_tree.query(place)[0])
 
 
 def _fitted(task: FitTask) -> tuple[FitTask, RigParameters]:

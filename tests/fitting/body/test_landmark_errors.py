@@ -18,7 +18,7 @@ from breastrig.fitting.body.landmarks import (
     landmark_errors,
     middle_step,
 )
-from breastrig.fitting.propose import expected_places
+from breastrig.fitting.posterior import expected_places
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.relief.limits import relief
