@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from breastrig.core.assets import asset_folder
-from breastrig.fitting import propose
+from breastrig.fitting import posterior
 from breastrig.fitting.fit import fit_iterates
 from breastrig.fitting.hypotheses import scan_orientation
 from breastrig.fitting.observed.landmarks import colour_observations, with_observations
@@ -131,7 +131,7 @@ def test_areolae_where_the_form_has_them_confirm_how_the_body_lies() -> None:
 
 def test_only_what_the_form_shows_is_on_the_scan_for_being_near_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """Beside a scan's border there is skin near, but not that of the landmark."""
-    monkeypatch.setattr(propose, "_to_skin", lambda *_: 0.0)
+    monkeypatch.setattr(posterior, "to_skin", lambda *_: 0.0)
     scan = read_scan(STANDING / "scan.ply", "ply", "auto", texture=False)
     left = (scan.vertices[:, 0] > np.median(scan.vertices[:, 0]))[np.asarray(scan.faces)].all(axis=1)
     half = replace(scan, faces=np.asarray(scan.faces)[left])
