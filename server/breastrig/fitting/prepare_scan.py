@@ -61,10 +61,10 @@ def prepared(surface: Surface, stance: str, frame: Frame | None = None) -> Prepa
     room = _without_background(surface, stance == STANDING, frame)
     body, plane = _without_table(surface.vertices, room)
     skin = room.faces if body is None else room.faces[body]
-    hers, beside = without_other_pieces(surface.vertices, skin, room.is_room)
+    own, beside = without_other_pieces(surface.vertices, skin, room.is_room)
     left, seen, cut_away = surface, room.frame, 0.0
     if beside or room.is_room:
-        faces = np.delete(room.faces, np.flatnonzero(~hers) if body is None else body[~hers], axis=0)
+        faces = np.delete(room.faces, np.flatnonzero(~own) if body is None else body[~own], axis=0)
         cut_away = float(face_areas(surface.vertices, surface.faces).sum() - face_areas(surface.vertices, faces).sum())
         note = _note(room.is_room, len(beside), cut_away)
         left = Surface(*compact(surface.vertices, faces), (*surface.notes, note))
@@ -73,7 +73,7 @@ def prepared(surface: Surface, stance: str, frame: Frame | None = None) -> Prepa
     if body is None:
         target, cut = ScanTarget(left.vertices, left.faces), 0
     else:
-        target = ScanTarget(*compact(surface.vertices, skin[hers]), table=plane)
+        target = ScanTarget(*compact(surface.vertices, skin[own]), table=plane)
         cut = len(room.faces) - len(body)
     return PreparedScan(left, target, cut, seen, cut_away, beside)
 

@@ -162,7 +162,7 @@ class Lying(SettingsPart):
     sigma: Positive  # m, of the height of the whole back
     profile_sigma: Positive  # m, of each bone's part against the whole
     floor_sigma: Positive  # m, how softly the table is met from above
-    reach: Positive  # m; a plane that is farther off than this at the start is a wall, or she is raised from it
+    reach: Positive  # m; a plane that is farther off than this at the start is a wall, or the patient is raised from it
     heights: dict[str, float]  # m, expected mean height of the back above the table, by bone
 
 

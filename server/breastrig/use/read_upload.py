@@ -1,6 +1,6 @@
 """The worker's side of one upload: read it, say what it is, write what is kept and the mesh for display.
 
-An upload is hostile until it has been read, and holds more of a patient than her skin.  This runs in a process of its
+An upload is hostile until it has been read, and holds more of a patient than the skin.  This runs in a process of its
 own with limits of memory and time, gives back nothing but numbers and sentences, and writes a file of our own, from
 which everything later starts; the upload itself is not kept.  How the patient lies in the scan is among the numbers:
 proposals and fits of this scan begin with it.

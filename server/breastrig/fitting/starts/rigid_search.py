@@ -33,7 +33,7 @@ FEWEST_PAIRS = 40  # of a step; fewer would turn the body towards a scrap
 HEIGHT = 0.075  # m between tries along the body
 TURNS = 12  # around the front: every 30 degrees, the basin is about 20 wide on each side
 YAWS = (-0.7, 0.0, 0.7)  # rad; the front of half a body is read up to 50 degrees wrong
-MIDDLE = 0.12  # m to the sides of it, where her front is looked for
+MIDDLE = 0.12  # m to the sides of it, where the front is looked for
 SHIFTS = (-0.09, 0.0, 0.09)  # m to the sides; half of half a body's width
 UNCOVERED = 0.034  # m, model to scan; whole scans have 0.021 to 0.031, partial ones 0.037 to 0.049
 OTHER_TURN = 0.7  # rad; a try turned farther than this is another position
@@ -214,7 +214,7 @@ def _starts(body: Array, scan: Array, rotations: Array, scale: float) -> list[Si
     local = np.ascontiguousarray((scan @ rotations).transpose(2, 0, 1))  # (3, T, V)
     low, high = np.percentile(local[1], [1, 99], axis=1)  # (T) each, of heights
     middles = np.median(local[0], axis=1)
-    near = np.abs(local[0] - middles[:, None]) < MIDDLE  # not the hands before her
+    near = np.abs(local[0] - middles[:, None]) < MIDDLE  # not the hands before the body
     near |= ~near.any(axis=1, keepdims=True)  # a surface may have no vertex in its middle
     depths = np.sort(np.where(near, local[2], -np.inf), axis=1)
     fronts = depths[np.arange(len(depths)), len(scan) - 1 - near.sum(axis=1) // 100]
