@@ -219,7 +219,7 @@ def test_the_service_uploads_with_its_own_model(tmp_path: Path) -> None:
         Service(Storage(tmp_path / "data"), model=model, fits=FitLimits(workers=1)).started() as service,
         (EXAMPLE / "scan.ply").open("rb") as scan,
     ):
-        row, _ = service.add_scan(scan, "ply", "auto")
+        row, _ = service.uploads.add(scan, "ply", "auto")
     assert row.facts["orientation"]["model_sha256"] == read_rig(model).sha256
 
 
