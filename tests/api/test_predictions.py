@@ -3,7 +3,6 @@
 import io
 import json
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,16 +15,12 @@ from helpers.waiting import ended
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
-from breastrig.cases.fits import cancel_fit
-from breastrig.cases.layout import new_id
 from breastrig.execution.limits import FitLimits
 from breastrig.files.result import RESULT, Verdict, read_result
 from breastrig.service import kept_models
 from breastrig.service.service import Service
-from breastrig.storage.documents.fits import NewFit, add_fit
-from breastrig.storage.documents.scans import ScanRow, add_scan
 from breastrig.storage.files import fit_place
-from breastrig.storage.storage import Storage, utc_now
+from breastrig.storage.storage import Storage
 
 LESION = {"kind": "lesion", "id": "lump", "name": "lump", "radius_mm": 6.0}
 NOT_SCANNED = "Predicted from the standing scan: no scan shows the patient supine."
@@ -179,18 +174,3 @@ def test_a_prediction_shows_nothing_that_was_cut_away_since_and_goes_with_its_sc
     assert real.client.delete(f"/api/scans/{real.scan['id']}").status_code == 204
     problem(real.client.get(real.predicted["links"]["self"]), 404)
     assert not files.exists()
-
-
-def test_one_that_was_cancelled_is_made_again(tmp_path: Path) -> None:
-    storage = Storage(tmp_path / "data")
-    storage.prepare()
-    scan, a, b, d = (new_id() for _ in range(4))
-    add_scan(storage, ScanRow(scan, utc_now(), "ply", "ab" * 32, {}))
-    supine = NewFit(scan=scan, stance="supine", landmarks_mm={}, predicted_from=new_id())
-    assert add_fit(storage, utc_now(), a, supine) == a
-    assert add_fit(storage, utc_now(), b, supine) == a
-    case, _ = storage.case_of_fit(a)
-    cancel_fit(case, scan, a)
-    storage.index.refresh(case.id)
-    assert add_fit(storage, utc_now(), d, supine) == d
-    storage.close()

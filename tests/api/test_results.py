@@ -1,5 +1,6 @@
 """A fit's files, alone and in one; what is sent of them ends with the scan."""
 
+import errno
 import io
 import zipfile
 from pathlib import Path
@@ -51,6 +52,37 @@ def test_the_zip_has_every_file_as_its_own_address_answers_it(
     assert read_fit_folder(tmp_path, model).rig.sha256 == read_rig(model).sha256
 
 
+def test_results_are_sent_in_parts_and_as_heads(client: FlaskClient, fit_id: str) -> None:
+    links = client.get(f"/api/fits/{fit_id}").json["links"]
+    for name in ("result", "fitted_glb", "distances"):
+        place = links[name]
+        whole = client.get(place)
+        assert (whole.status_code, whole.headers["Accept-Ranges"]) == (200, "bytes")
+        part = client.get(place, headers={"Range": "bytes=3-7"})
+        assert (part.status_code, part.data) == (206, whole.data[3:8])
+        assert part.headers["Content-Range"] == f"bytes 3-7/{len(whole.data)}"
+        last = client.get(place, headers={"Range": "bytes=-4", "If-Range": whole.headers["ETag"]})
+        assert (last.status_code, last.data) == (206, whole.data[-4:])
+        assert client.get(place, headers={"Range": f"bytes={len(whole.data)}-"}).status_code == 416
+        head = client.head(place)
+        assert (head.status_code, head.content_length, head.data) == (200, len(whole.data), b"")
+    told = client.get(links["events"] + ".json").json["events"][-1]["event"]["result"]
+    assert client.get(links["result"]).json == told
+
+
+def test_files_that_cannot_be_reached_for_now_give_503(
+    client: FlaskClient, service: Service, fit_id: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def gone(*_asked: object) -> None:
+        raise OSError(errno.EIO, "the disk does not answer")
+
+    monkeypatch.setattr(service.storage.files, "find", gone)
+    answer = client.get(f"/api/fits/{fit_id}/result.json")
+    monkeypatch.undo()
+    assert (answer.status_code, answer.headers["Retry-After"]) == (503, "10")
+    assert problem(answer, 503) == "The service cannot reach its files at the moment; try again later."
+
+
 @pytest.mark.slow
 def test_a_fit_without_results_has_no_zip(client: FlaskClient, scan_id: str) -> None:
     links = client.post("/api/fits", json={"scan": scan_id, "preset": "paper"}).json["links"]
@@ -75,8 +107,10 @@ def test_a_zip_of_a_fit_that_is_deleted_meanwhile_is_not_there(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("what", ["fits/{fit}/fitted.ply", "fits/{fit}/result.zip", "scans/{scan}/mesh.glb"])
-@pytest.mark.parametrize("deleted", ["scan", "patient"])
+@pytest.mark.parametrize(
+    ("what", "deleted"),
+    [("fits/{fit}/fitted.ply", "patient"), ("fits/{fit}/result.zip", "scan"), ("scans/{scan}/mesh.glb", "scan")],
+)
 def test_the_owners_download_under_way_ends_when_the_scan_is_deleted(
     client: FlaskClient,
     service: Service,

@@ -1,7 +1,6 @@
 import hashlib
 import io
 import json
-import re
 import struct
 from dataclasses import replace
 
@@ -9,9 +8,8 @@ import numpy as np
 import pytest
 from flask.testing import FlaskClient
 from helpers.named_scans import NAME, NAMED
-from helpers.on_disk import bytes_below
+from helpers.on_disk import kept_below
 from helpers.problems import problem
-from helpers.scan_files import ply_text
 from helpers.uploads import torso as torso_ply
 from helpers.waiting import until
 
@@ -34,6 +32,8 @@ def test_an_upload_says_what_was_read(client: FlaskClient, torso: bytes) -> None
     assert scan["unit"] == "m"
     assert scan["unit_reason"].endswith(".")
     assert scan["size_doubt"] == ""
+    in_mm = upload(client, torso_ply(1000.0), units="mm").json
+    assert (in_mm["unit"], in_mm["bounds_m"]["max"][1]) == ("mm", pytest.approx(0.5, abs=1e-6))
     large = upload(client, torso_ply(3.5), "scan.ply").json
     assert large["unit"] == "m"
     assert large["size_doubt"].startswith("Read in metres the body is 2.")
@@ -50,29 +50,19 @@ def test_an_upload_says_what_was_read(client: FlaskClient, torso: bytes) -> None
     assert client.delete(scan["links"]["self"]).status_code == 204
 
 
-def test_the_unit_that_was_asked_for_is_used(client: FlaskClient) -> None:
-    answer = upload(client, torso_ply(1000.0), units="mm")
-    assert answer.json["unit"] == "mm"
-    assert np.allclose(answer.json["bounds_m"]["max"][1], 0.5, atol=1e-6)
-
-
-def test_no_file_name_is_kept_anywhere(client: FlaskClient, service: Service, torso: bytes) -> None:
-    upload(client, torso, "Erika Mustermann 1970.ply")
-    assert not [path for path in service.storage.root.rglob("*") if "Mustermann" in path.name]
-    assert b"Mustermann" not in bytes_below(service.storage.root)
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", NAMED)
-def test_no_word_of_an_upload_is_kept_anywhere(client: FlaskClient, service: Service, kind: str) -> None:
-    data = NAMED[kind]()
-    answer = upload(client, data, f"scan.{kind.rsplit('.', 1)[-1]}")
-    assert answer.status_code == 201, answer.json
-    place = service.storage.files.scan(answer.json["id"])
-    assert {path.name for path in place.iterdir()} == {"scan.json", "scan.stored", "mesh.glb", "thumbnail.png"}
-    assert NAME.encode() not in bytes_below(service.storage.root)
-    assert get_scan(service.storage, answer.json["id"]).sha256 == hashlib.sha256(data).hexdigest()
-    assert client.delete(answer.json["links"]["self"]).status_code == 204
+def test_no_word_and_no_name_of_an_upload_is_kept_anywhere(client: FlaskClient, service: Service) -> None:
+    scans = []
+    for kind, make in NAMED.items():
+        data = make()
+        answer = upload(client, data, f"{NAME}.{kind.rsplit('.', 1)[-1]}")
+        assert answer.status_code == 201, answer.json
+        scans.append(answer.json["links"]["self"])
+        place = service.storage.files.scan(answer.json["id"])
+        assert {path.name for path in place.iterdir()} == {"scan.json", "scan.stored", "mesh.glb", "thumbnail.png"}
+        assert get_scan(service.storage, answer.json["id"]).sha256 == hashlib.sha256(data).hexdigest()
+    assert NAME.encode() not in kept_below(service.storage.root)
+    assert [client.delete(scan).status_code for scan in scans] == [204] * len(NAMED)
 
 
 def test_the_mesh_for_display_is_a_glb_that_no_browser_keeps(client: FlaskClient, scan_id: str) -> None:
@@ -96,22 +86,9 @@ def test_delete_removes_everything_and_may_be_repeated(client: FlaskClient, serv
     assert not service.storage.files.scan(scan_id).exists()
 
 
-ONE_TRIANGLE = ply_text(np.eye(3), np.array([[0, 1, 2]]))
-MANY_NUMBERS = re.compile(rb"(?m)^-?\d+\.\d+(?= )")
-BAD_FILES = {
-    "empty": (b"", "scan.ply"),
+BAD_FILES = {  # how each format can be broken is a question of tests/scan
     "text named .ply": (b"Dear colleague,\nplease find the scan attached.\n", "scan.ply"),
-    "one triangle": (ONE_TRIANGLE, "scan.ply"),
-    "NaN vertices": (MANY_NUMBERS.sub(b"nan", torso_ply()), "scan.ply"),
-    "infinite vertices": (MANY_NUMBERS.sub(b"inf", torso_ply()), "scan.ply"),
     "truncated GLB": (b"glTF" + struct.pack("<II", 2, 100000) + b"\x10\0\0\0JSON{", "scan.glb"),
-    "GLB of noise": (b"glTF" + bytes(range(256)) * 20, "scan.glb"),
-    "truncated PLY": (torso_ply()[:20000], "scan.ply"),
-    "points without triangles": (ply_text(np.eye(3), np.zeros((0, 3), int)), "scan.ply"),
-    "faces beyond the vertices": (ply_text(np.eye(3), np.array([[0, 1, 9]])), "scan.ply"),
-    "OBJ of nothing": (b"# nothing\n", "scan.obj"),
-    "STL that promises more": (bytes(80) + struct.pack("<I", 10**6) + bytes(100), "scan.stl"),
-    "zip of noise": (b"PK\3\4" + bytes(100), "scan.zip"),
 }
 
 
@@ -133,15 +110,15 @@ def test_too_many_triangles_are_refused(client: FlaskClient, service: Service, m
     assert "3,072 triangles" in problem(upload(client, torso_ply()), 413)
 
 
-NAMES = ["IM000001", "1.2.840.113619.2.5.1762583153", "scan", "scan.ply.doc", ".ply", "scan.stored", "../../etc/passwd"]
+NAMES = ["IM000001", "scan.ply.doc", "../../etc/passwd"]
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_the_bytes_decide_and_no_name(client: FlaskClient, torso: bytes, name: str) -> None:
-    assert upload(client, torso, name).status_code == 201
+def test_the_bytes_decide_and_no_name(client: FlaskClient, torso: bytes) -> None:
+    for name in NAMES:
+        assert upload(client, torso, name).status_code == 201
     sentence = "This file is no 3D scan that can be read; give PLY, OBJ, STL, GLB, glTF, USDZ, PCD, a table of points, "
     sentence += "a label map (NIfTI, DICOM SEG), or a zip of one of them."
-    assert problem(upload(client, b"\x89PNG\r\n\x1a\n" + bytes(500), name), 422) == sentence
+    assert problem(upload(client, b"\x89PNG\r\n\x1a\n" + bytes(500), "IM000001"), 422) == sentence
 
 
 def test_a_form_without_a_file_is_refused(client: FlaskClient) -> None:
@@ -157,7 +134,7 @@ def test_an_unknown_unit_is_refused_with_the_known_ones(client: FlaskClient, tor
     assert "'mm'" in sentence
 
 
-@pytest.mark.parametrize(("unit", "factor"), [("mm", 1.0), ("m", 0.001), ("cm", 0.1), ("in", 1 / 25.4)])
+@pytest.mark.parametrize(("unit", "factor"), [("m", 0.001), ("in", 1 / 25.4)])
 def test_landmarks_in_any_unit_are_kept_in_mm(client: FlaskClient, scan_id: str, unit: str, factor: float) -> None:
     sent = {"unit": unit, "landmarks": {"nipple_L": [factor * each for each in (70.0, 350.0, 120.5)]}}
     answer = client.put(f"/api/scans/{scan_id}/landmarks", json=sent).json
@@ -183,39 +160,27 @@ def test_landmarks_are_kept(client: FlaskClient, scan_id: str) -> None:
     assert client.put(place, json={"landmarks": {}}).json == empty
 
 
-@pytest.mark.parametrize(
-    ("body", "word"),
-    [
+def test_landmarks_that_cannot_be_meant_are_refused(client: FlaskClient, scan_id: str) -> None:
+    for body, word in (
         ({"landmarks": {"elbow": [0, 0, 0]}}, '"elbow" is not a landmark; known are: suprasternal_notch'),
         ({"landmarks": {"nipple_L": [0, 0]}}, "landmarks.nipple_L"),
-        ({"landmarks": {"nipple_L": [0, 0, "a"]}}, "landmarks.nipple_L.2"),
         ({"landmarks": {"nipple_L": [0, 0, 9000]}}, "nipple_L lies 8.8"),
-        ({"landmarks": {"nipple_L": [0, 0, 0]}, "unit": "ell"}, "unit"),
         ({"landmark": {}}, "landmarks: Field required (1 more)"),
         ({"landmarks": {}, "certain": ["nipple_L"]}, '"certain" names nipple_L, which is not among these landmarks'),
-        ({"landmarks": {}, "certain": "nipple_L"}, "certain: "),
-        ([], "valid"),
         ("null", "valid"),
-    ],
-)
-def test_landmarks_that_cannot_be_meant_are_refused(client: FlaskClient, scan_id: str, body, word: str) -> None:
-    assert word in problem(client.put(f"/api/scans/{scan_id}/landmarks", json=body), 422)
+    ):
+        assert word in problem(client.put(f"/api/scans/{scan_id}/landmarks", json=body), 422)
 
 
 @pytest.mark.parametrize(
     ("content", "found"),
     [
         (b"id,label,pos x,pos y,pos z\n1,Left Nipple,70,350,120\n", {"nipple_L": [70.0, 350.0, 120.0]}),
-        ("NIPPLE R;-0,07;0,35;0,12\nSuprasternal Notch;0;0,3;0,1\n".encode("utf-16"), {
-            "nipple_R": [-70.0, 350.0, 120.0], "suprasternal_notch": [0.0, 300.0, 100.0],
-        }),
         (b'{"landmarks": {"nipple_L": [70, 350, 120]}, "unit": "mm", "certain": ["nipple_L"]}', {
             "nipple_L": [70.0, 350.0, 120.0]
         }),
         (b"nose,70,350,120", '"nose" is not a landmark; known are: suprasternal_notch'),
-        (b"nipple_L,70,350", '"nipple_L" needs three numbers'),
         (b"nipple_L,70,350,9000", "nipple_L lies 9,000 m outside"),
-        (b"", "is empty"),
     ],
 )  # fmt: skip
 def test_a_file_of_landmarks_is_read_as_the_command_line_reads_it(

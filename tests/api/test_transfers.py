@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 from flask.testing import FlaskClient
-from helpers.blank_pictures import blank_pictures_in_reports
 from helpers.other_body import with_other_body
 from helpers.problems import problem
 from helpers.remembered_fits import run_fit_once
@@ -17,7 +16,6 @@ from helpers.waiting import ended
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
-from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.drawing_file import parsed_drawing, rounded_mm, shape_document
 from breastrig.drawings.drawing_schema import DrawnShape
 from breastrig.drawings.line_error import across
@@ -52,29 +50,22 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Service, Fl
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("other_patient", [False, True])
-def test_the_fits_own_drawing_is_shown_on_the_other_scan(
-    other_patient: bool, real: tuple[Service, FlaskClient, dict[str, str]]
-) -> None:
+def test_the_fits_own_drawing_is_shown_on_the_other_scan(real: tuple[Service, FlaskClient, dict[str, str]]) -> None:
+    """Where it lies is a question of tests/cli/test_transfer_command.py."""
     service, client, fits = real
-    wish = {"from_fit": fits["standing"], "to_fit": fits["supine"], "other_patient": other_patient}
+    wish = {"from_fit": fits["standing"], "to_fit": fits["supine"]}
     answer = client.post("/api/transfers", json=wish)
     assert answer.status_code == 201, answer.json
     drawing = answer.json
-    assert drawing["carried_by"] == ("model" if other_patient else "skin")
+    assert drawing["carried_by"] == "skin"
     assert {shape["name"] for shape in drawing["shapes"]} == {"sternum_upper", "sternum_lower", "breast_L", "breast_R"}
-    goal = read_fit_folder(service.storage.files.fit(fits["supine"]))
-    assert drawing["unit"] == goal.unit
-    target = ScanTarget(goal.surface.vertices, goal.surface.faces)
-    for shape in drawing["shapes"]:
-        points, bridged = goal.metres_per_unit * np.array(shape["points"]), np.array(shape["bridged"])
-        assert bridged.mean() < 0.3
-        assert target.search.query(points[~bridged]).distances.max() < 0.3e-3
-        for key in ("distance_from_mm", "distance_to_mm"):
-            known = [gap for gap in shape[key] if gap is not None]
-            assert len(shape[key]) == len(points)
-            assert np.mean(known) < 5.0
-        assert [gap is None for gap in shape["distance_to_mm"]] == shape["bridged"]
+    assert drawing["unit"] == read_fit_folder(service.storage.files.fit(fits["supine"])).unit
+    assert [gap is None for gap in drawing["shapes"][0]["distance_to_mm"]] == drawing["shapes"][0]["bridged"]
+    left = json.loads((service.storage.files.fit(fits["standing"]) / "drawing.json").read_text())
+    assert client.post("/api/transfers", json=wish | {"drawing": left}).json == drawing, "it may be sent as it is"
+    back = {"from_fit": wish["to_fit"], "to_fit": wish["from_fit"], "drawing": drawing, "other_patient": True}
+    returned = client.post("/api/transfers", json=back)
+    assert (returned.status_code, returned.json["carried_by"]) == (201, "model")
 
 
 @pytest.mark.slow
@@ -90,21 +81,6 @@ def test_a_drawing_of_the_caller_comes_back_in_the_other_scans_unit(
     assert len(shape["points"]) == 1
     there = goal.metres_per_unit * np.array(shape["points"][0])
     assert np.linalg.norm(there - goal.landmarks["nipple_L"]) < 6e-3
-
-
-@pytest.mark.slow
-def test_what_a_fit_left_may_be_sent_as_it_is_and_a_carried_drawing_sent_back(
-    real: tuple[Service, FlaskClient, dict[str, str]],
-) -> None:
-    service, client, fits = real
-    left = json.loads((service.storage.files.fit(fits["standing"]) / "drawing.json").read_text())
-    wish = {"from_fit": fits["standing"], "to_fit": fits["supine"]}
-    there = client.post("/api/transfers", json=wish | {"drawing": left}).json
-    assert there == client.post("/api/transfers", json=wish).json
-    back = client.post(
-        "/api/transfers", json={"from_fit": wish["to_fit"], "to_fit": wish["from_fit"], "drawing": there}
-    )
-    assert back.status_code == 201
 
 
 @pytest.mark.slow
@@ -152,12 +128,7 @@ def test_a_polyline_stays_what_it_is_from_fit_to_file_to_api_to_transfer_to_repo
     ("drawing", "sentence"),
     [
         ({"shapes": []}, "This drawing is empty; draw at least one line or point first."),
-        ({"shapes": [{"name": "a", "points": []}]}, "This drawing is empty; draw at least one line or point first."),
         ({"unit": "m", "shapes": [{"name": "a", "points": [[9, 9, 9]]}]}, 'Point 1 of "a" is '),
-        (
-            {"shapes": [{"name": "a", "surface_points": [{"face": 99999, "barycentric": [1, 0, 0]}]}]},
-            "another model",
-        ),
         ({"shapes": [{"name": "a", "color": "red"}]}, "color"),
     ],
 )
@@ -205,9 +176,8 @@ def stored_tag(answer: Any) -> dict[str, str]:
 
 @pytest.mark.slow
 def test_a_whole_plan_is_carried_and_nothing_of_it_is_made_anew_on_the_other_body(
-    real: tuple[Service, FlaskClient, dict[str, str]], monkeypatch: pytest.MonkeyPatch
+    real: tuple[Service, FlaskClient, dict[str, str]],
 ) -> None:
-    """The tumour is at the same skin as the service's own transfer says, not at the same hour of another breast."""
     service, client, fits = real
     scans = {name: client.get(f"/api/fits/{fit}").json["scan"] for name, fit in fits.items()}
     standing = client.get(f"/api/scans/{scans['standing']}").json
@@ -252,22 +222,6 @@ def test_a_whole_plan_is_carried_and_nothing_of_it_is_made_anew_on_the_other_bod
         assert [each["item"] for each in plan["missing"]] == ["off"]
         assert plan["notes"] == [{"item": "n", "text": "here", "at": "n"}]
     assert next(each for each in own["shapes"] if each["item"] == "g")["bridged"] == [False, True, False]
-    made_there = [each for each in own["shapes"] if not each["carried"]]
-    drawing = {
-        "unit": own["unit"],
-        "shapes": [{key: each[key] for key in ("name", "closed", "color", "points", "bridged")} for each in made_there],
-    }
-    wish = {"from_fit": fits["standing"], "to_fit": fits["supine"], "drawing": drawing}
-    expected = client.post("/api/transfers", json=wish).json
-    perunit = 1e3 * {"m": 1.0, "mm": 1e-3}[expected["unit"]]
-    for shape in expected["shapes"]:
-        item = next(each["item"] for each in made_there if each["name"] == shape["name"])
-        found = next(e for e in carried["shapes"] if e["item"] == item and e["name"].startswith(shape["name"]))
-        gap = perunit * np.linalg.norm(np.subtract(found["points"], shape["points"]), axis=1)
-        # drawing files round to a thousandth of a millimetre, which turns over the nearest place of single points
-        assert np.percentile(gap, 95) < 0.02, shape["name"]
-        assert gap.max() < 0.1, shape["name"]
-        np.testing.assert_allclose(np.array(found["error_mm"], float), np.array(shape["error_mm"], float), atol=0.01)
     assert next(each for each in carried["shapes"] if each["item"] == "t")["depth_mm"] == 20.0
 
     # an item that was made on a scan without a fit is said to be missing
@@ -279,15 +233,8 @@ def test_a_whole_plan_is_carried_and_nothing_of_it_is_made_anew_on_the_other_bod
     assert [each["item"] for each in missing] == ["off", "z"]
     assert "not fitted yet" in missing[1]["reason"]
 
-    blank_pictures_in_reports(monkeypatch)
-    # the report shows the plan and not what the fit itself had drawn; a tumour that is taken back is gone at once
-    whole = client.get(f"/api/fits/{fits['supine']}/report.pdf?with={fits['standing']}")
-    assert whole.status_code == 200
     client.put(standing["links"]["plan"], json={"items": []}, headers=stored_tag(stored))
     assert plan_on(client, fits["supine"])["shapes"] == []
-    bare = client.get(f"/api/fits/{fits['supine']}/report.pdf?with={fits['standing']}")
-    assert bare.status_code == 200
-    assert bare.data != whole.data
 
 
 @pytest.mark.slow
@@ -318,7 +265,6 @@ def test_nothing_is_carried_between_scans_that_do_not_look_like_one_patients_bef
     assert said.startswith("These do not look like scans of one patient: ")
     assert said.endswith("say same_patient.")
     assert client.post("/api/transfers", json=wish | {"same_patient": True}).json["doubts"]
-    assert client.post("/api/transfers", json=wish | {"other_patient": True}).status_code == 201
     problem(client.put(whose, json={"patient": patient, "same_as": ["nobody"]}), 404)
 
     assert client.put(whose, json={"patient": patient, "same_as": [standing]}).status_code == 200

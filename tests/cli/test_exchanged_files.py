@@ -8,12 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from helpers.blank_pictures import blank_pictures
 from helpers.example_fits import write_example_fits
+from helpers.remembered_measures import measured_once
 from helpers.results import without_hashes, write_patient
 
 import breastrig
 from breastrig.cli.main import main
 from breastrig.files.result import HASHED
+from breastrig.use.reports import report
 
 
 @pytest.fixture(scope="module")
@@ -129,19 +132,16 @@ def test_a_fit_in_memory_and_a_prediction_leave_hashes_too(fits: Path, tmp_path:
 
 
 def test_folders_of_earlier_versions_are_read_and_it_is_said(
-    fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    fits: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    blank_pictures(monkeypatch)
+    monkeypatch.setattr(report, "measures", measured_once)
     fit = without_hashes(shutil.copytree(fits / "standing", tmp_path / "fit"))
-    for command in commands(fit, fits, tmp_path):
-        code = main(command)
+    for command in (each for each in commands(fit, fits, tmp_path) if each[0] in ("compare", "export", "volume")):
+        assert main(command) == 0, command
         said = capsys.readouterr().err
-        if command[0] == "cohort":  # the example is nobody's patient
-            assert (code, "the package's example" in said) == (2, True)
-            continue
-        assert code == 0, command
-        if command[0] == "report":
-            report = json.loads(next(Path(command[-1]).glob("report.json")).read_text())
-            assert any(doubt.startswith("fit is a fit of an earlier version") for doubt in report["doubts"])
-        else:
-            assert "fit is a fit of an earlier version, which kept no hashes" in said, command
+        assert "fit is a fit of an earlier version, which kept no hashes" in said, command
+    assert main(["report", str(fit), "-o", str(tmp_path / "report")]) == 0
+    doubts = json.loads((tmp_path / "report" / "report.json").read_text())["doubts"]
+    assert any(doubt.startswith("fit is a fit of an earlier version") for doubt in doubts)
     assert breastrig.Fit.load(fit).stance == "standing"

@@ -39,7 +39,7 @@ def test_all_landmarks_are_proposed_near_their_places_and_sides_are_right(stance
 
 
 def test_what_an_mri_does_not_show_is_not_proposed_and_it_is_said(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Its field of view ends above the navel, and before the shoulders."""
     rig = read_rig(default_rig_path())
@@ -47,7 +47,14 @@ def test_what_an_mri_does_not_show_is_not_proposed_and_it_is_said(
     labels, low = above_navel(whole, start, size)
     mri = tmp_path / "mri.nii.gz"
     mri.write_bytes(gzip.compress(nifti(labels, low=low, sizes=np.full(3, size))))
-    proposals = propose_landmarks(mri, units="mm")
+    made: list[Proposals] = []
+    monkeypatch.setattr(
+        landmarks_command,
+        "propose_landmarks",
+        lambda *given, **more: made.append(propose_landmarks(*given, **more)) or made[0],
+    )
+    assert main(["landmarks", str(mri), "--units", "mm", "-o", str(tmp_path / "guess.json")]) == 0
+    [proposals] = made
     unseen = "The scan shows no skin where it is expected."
     unsure = "It may lie more than 100 mm from where it is expected."
     missing = dict(proposals.not_proposed)
@@ -57,7 +64,6 @@ def test_what_an_mri_does_not_show_is_not_proposed_and_it_is_said(
     assert {"nipple_L", "nipple_R"} < set(proposals)
     assert {*proposals, *missing} == set(rig.landmark_names)
     assert all(each.on_scan and each.error is not None and each.error <= 100.0 for each in proposals.values())
-    assert main(["landmarks", str(mri), "--units", "mm", "-o", str(tmp_path / "guess.json")]) == 0
     document = json.loads((tmp_path / "guess.json").read_text())
     assert (set(document["landmarks"]), document["not_proposed"]) == (set(proposals), missing)
     said = capsys.readouterr().err

@@ -148,7 +148,7 @@ def test_a_transfer_replaces_neither_fit_nor_a_drawing_that_is_not_its_own(
 ) -> None:
     pair = ["transfer", "--from", str(fits / "standing"), "--to", str(fits / "supine")]
     before = files(fits)
-    for name in FIT_FILES:
+    for name in ("result.json", "drawing.json"):
         for folder in ("standing", "supine"):
             assert "which this command reads" in refused([*pair, "-o", str(fits / folder / name), "--force"], capsys)
     own = tmp_path / "mine.json"

@@ -6,11 +6,14 @@ from pathlib import Path
 import pypdf
 import pytest
 from helpers import fake_batch
+from helpers.blank_pictures import blank_pictures
+from helpers.remembered_measures import measured_once
 
 import breastrig
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.report.pages.names import plainly
+from breastrig.use.reports import report as report_module
 
 EXAMPLE = asset_folder("example") / "standing"
 GIVEN = [str(EXAMPLE / "scan.ply"), "--landmarks", str(EXAMPLE / "landmarks.json")]
@@ -49,7 +52,11 @@ def test_the_fit_is_the_same_the_rest_is_drawn_and_the_reason_said(
 
 
 @pytest.mark.slow
-def test_alone_it_leaves_an_empty_drawing_that_the_report_and_a_program_explain(tmp_path: Path) -> None:
+def test_alone_it_leaves_an_empty_drawing_that_the_report_and_a_program_explain(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    blank_pictures(monkeypatch)
+    monkeypatch.setattr(report_module, "measures", measured_once)
     out, report = tmp_path / "out", tmp_path / "report"
     (missing,) = fitted(out, "--drawing", TOO_LONG)["drawing_missing"]
     assert shape_names(out) == []
@@ -69,9 +76,7 @@ def test_alone_it_leaves_an_empty_drawing_that_the_report_and_a_program_explain(
     ("tumour", "why"),
     [
         ("L:3,190,10", "beside the left breast; check side, hour and distance."),
-        ("at:9000,0,0,10", "off the skin; check its frame and unit."),
         ("at:1e308,0,0,10", "off the skin; check its frame and unit."),
-        ("at:-1e300,0,0,10", "off the skin; check its frame and unit."),
     ],
 )
 def test_a_tumour_that_is_nowhere_on_the_skin_is_one_line(

@@ -11,7 +11,6 @@ import breastrig
 from breastrig.cli.main import main
 from breastrig.files.result import FIT_FILES
 from breastrig.rig.similarity import umeyama
-from breastrig.use.folder.fit_folder import read_fit_folder
 
 
 @pytest.fixture(scope="module")
@@ -42,25 +41,6 @@ def test_a_drawing_is_shown_where_the_prediction_has_its_skin(fits: Path, tmp_pa
         assert np.median(near) < (2.0 if own["unit"] == "mm" else 0.002)
 
 
-def test_a_lesion_is_carried_into_a_prediction_with_a_radius_of_what_it_leaves_open(fits: Path, tmp_path: Path) -> None:
-    standing, foretold = (read_fit_folder(fits / name) for name in ("standing", "predicted"))
-    place = standing.rig.landmark_points(("nipple_L",))
-    nipple = place.positions(standing.vertices, standing.rig.faces)[0]
-    center = nipple + 0.3 * (standing.vertices[standing.rig.regions["breast_L"]].mean(axis=0) - nipple)
-    lesion = {"kind": "lesion", "id": "a", "name": "", "center": (1e3 * center).tolist(), "radius_mm": 5.0}
-    plan, there = tmp_path / "plan.json", tmp_path / "there.json"
-    plan.write_text(json.dumps({"schema": "breastrig/plan@1", "items": [lesion]}))
-    given = ["--from", str(fits / "standing"), "--to", str(fits / "predicted"), "--drawing", str(plan)]
-    assert main(["transfer", *given, "-o", str(there)]) == 0
-    (found,) = json.loads(there.read_text())["lesions"]
-    moved = foretold.metres_per_unit * np.array(found["center"]) - center
-    skin = place.positions(foretold.vertices - standing.vertices, standing.rig.faces)[0]
-    assert np.linalg.norm(moved - skin) < 0.4 * np.linalg.norm(skin)
-    assert foretold.radii is not None
-    assert found["error_mm"] > 1e3 * foretold.radii[standing.rig.regions["breast_L"]].min()
-    assert json.loads((fits / "predicted" / "result.json").read_text()).get("lesions", []) == []
-
-
 def test_the_prediction_is_nearer_to_the_lying_patient_than_she_was_standing(fits: Path) -> None:
     standing, lying, foretold = (breastrig.Fit.load(fits / name) for name in ("standing", "supine", "predicted"))
     names = sorted(standing.picked.keys() & lying.picked.keys())
@@ -74,14 +54,6 @@ def test_the_prediction_is_nearer_to_the_lying_patient_than_she_was_standing(fit
         return float(np.mean([gap for name, gap in zip(names, gaps, strict=True) if name.startswith("nipple")]))
 
     assert nipples(foretold) < 0.75 * nipples(standing)
-
-
-def test_the_stance_of_the_scan_is_not_predicted(
-    fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["predict", str(fits / "supine"), "--stance", "supine", "-o", str(tmp_path / "none")]) == 2
-    assert "A scan is supine already; ask for another stance." in capsys.readouterr().err
-    assert not (tmp_path / "none").exists()
 
 
 def test_programs_predict_what_the_command_does(fits: Path) -> None:

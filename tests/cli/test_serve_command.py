@@ -15,7 +15,6 @@ from helpers.real_server import children, server
 from helpers.toy_rig import toy_rig
 from helpers.waiting import PATIENCE_S
 
-from breastrig.api.config import checked_token
 from breastrig.cli import interruption, serve_command
 from breastrig.cli.main import main
 from breastrig.cli.serve_command import _stop_on_signals
@@ -66,12 +65,6 @@ def test_it_makes_a_token_and_prints_the_address_that_lets_a_browser_in(tmp_path
             [cookie] = browser.cookies
             assert cookie == f"breastrig_session_{address.rstrip('/').rpartition(':')[2]}"
     assert token not in (tmp_path / "log").read_text()
-
-
-def test_the_token_is_another_at_each_start() -> None:
-    tokens = {checked_token("127.0.0.1", None) for _ in range(3)}
-    assert len(tokens) == 3
-    assert None not in tokens
 
 
 @pytest.mark.slow

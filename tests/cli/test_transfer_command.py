@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pypdf
 import pytest
-from helpers.blank_pictures import blank_pictures, coarse_pictures
+from helpers.blank_pictures import blank_pictures
 from helpers.example_fits import write_example_fits
 from helpers.remembered_measures import measured_once
 from helpers.results import without_hashes
@@ -92,9 +92,7 @@ def test_a_drawing_on_the_model_and_one_on_the_scan_arrive_at_the_same_place(fit
     ("drawing", "word"),
     [
         ('{"shapes": []}', "empty"),
-        ("[1, 2]", "JSON object"),
         ("Dear surgeon", "not JSON"),
-        ('{"unit": "m", "shapes": [{"name": "a", "points": [[7, 7, 7]]}]}', "away from the scan"),
         ('{"shapes": [{"name": "a", "surface_points": [{"face": 99999, "barycentric": [1, 0, 0]}]}]}', "another model"),
         (None, "no drawing"),
     ],
@@ -137,7 +135,6 @@ def test_it_says_which_points_it_moved_onto_the_skin(
     assert [line for line in capsys.readouterr().err.splitlines() if "moved" in line] == [
         f"breastrig: {each}" for each in said
     ]
-    assert transfer(fits, "standing", "supine", tmp_path / "own.json")["moved"] == []
 
 
 def test_a_folder_that_is_no_fit_is_one_line(fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -147,7 +144,7 @@ def test_a_folder_that_is_no_fit_is_one_line(fits: Path, tmp_path: Path, capsys:
 
 
 def test_two_drawings_are_superimposed(fits: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    coarse_pictures(monkeypatch)
+    blank_pictures(monkeypatch)
     there = transfer(fits, "standing", "supine", tmp_path / "there.json")
     own = fits / "supine" / "drawing.json"
     on = ["--on", str(fits / "supine")]
@@ -288,7 +285,6 @@ def test_what_a_label_map_shows_inside_is_carried_without_being_asked_for(fits: 
 @pytest.mark.parametrize(
     ("wrong", "word"),
     [
-        ({"items": [{"kind": "spell"}]}, "items.0"),
         ({"items": [PLAN["items"][0]] * 2}, 'have the id "t"'),
         ({}, "items"),
     ],

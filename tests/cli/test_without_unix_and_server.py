@@ -28,16 +28,15 @@ def said(missing: str, *commands: str, folder: Path) -> subprocess.CompletedProc
 @pytest.mark.slow
 def test_fit_to_report_work_as_they_do_on_windows(tmp_path: Path) -> None:
     coarse_example(tmp_path / "example")
-    standing, supine = tmp_path / "example" / "standing", tmp_path / "example" / "supine"
+    standing = tmp_path / "example" / "standing"
     (tmp_path / "inked.zip").write_bytes(inked_zip())
     run = said(
         "unix",
         f"fit {standing}/scan.ply --landmarks {standing}/landmarks.json -o a",
-        f"fit {supine}/scan.ply --landmarks {supine}/landmarks.json -o b",
-        f"fit {supine}/scan.ply --landmarks {supine}/landmarks.json -o b",  # in the place of an earlier one
-        "transfer --from a --to b -o there.json",
-        "compare b/drawing.json there.json --on b -o both",
-        "report b -o report",
+        f"fit {standing}/scan.ply --landmarks {standing}/landmarks.json -o a",  # in the place of an earlier one
+        "transfer --from a --to a -o there.json",
+        "compare a/drawing.json there.json --on a -o both",
+        "report a -o report",
         "export a -o export",
         f"landmarks {standing}/scan.ply -o proposed.json",
         "ink inked.zip --units m -o ink.json",
@@ -47,7 +46,7 @@ def test_fit_to_report_work_as_they_do_on_windows(tmp_path: Path) -> None:
     done = [line for line in run.stdout.splitlines() if line.partition(":")[0] in COMMANDS]
     assert run.returncode == 0, run.stderr
     assert done == [
-        *("fit: 0", "fit: 0", "fit: 0", "transfer: 0", "compare: 0", "report: 0", "export: 0", "landmarks: 0"),
+        *("fit: 0", "fit: 0", "transfer: 0", "compare: 0", "report: 0", "export: 0", "landmarks: 0"),
         *("ink: 0", "model: 0"),
     ], run.stderr
     files = [file for file in tmp_path.rglob("*") if file.is_file()]

@@ -1,10 +1,9 @@
-"""The two ways to run the service: its own processes carry out the fits, or a Dask cluster on its machine."""
+"""A service whose fits a Dask cluster on its machine carries out."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
 from breastrig.execution.executor import Executor
 from helpers.dask_cluster import Cluster, scheduler, wait_until_ready
@@ -12,28 +11,11 @@ from helpers.dask_cluster import Cluster, scheduler, wait_until_ready
 MEMORY_BYTES = 6 * 2**30
 
 
-class Installation(Protocol):
-    name: str
-
-    def executor(self) -> Executor | None:
-        """Who carries out fits; None: processes of the service's own."""
-
-
-class Small:
-    """Local processes."""
-
-    name = "local"
-
-    def executor(self) -> Executor | None:
-        return None
-
-
 @dataclass(frozen=True)
 class Large:
     """A Dask cluster."""
 
     cluster: Cluster
-    name = "dask"
 
     def executor(self) -> Executor:
         from breastrig.execution.dask_pool import DaskPool

@@ -1,4 +1,4 @@
-"""A service in one of the two installations, with fits that need no numerics."""
+"""A service on a cluster, with fits that need no numerics."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,7 +16,7 @@ from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
 from breastrig.use.cases.case_work import Runner
 from helpers import fake_fit, fake_proposals
-from helpers.installations import Installation
+from helpers.installations import Large
 
 
 class Client(FlaskClient):
@@ -33,12 +33,12 @@ class Running:
     service: Service
     client: FlaskClient
     root: Path
-    installation: Installation
+    installation: Large
 
 
 @contextmanager
 def serving(
-    installation: Installation, root: Path, model: Path, runner: Runner = fake_fit.mostly_patient
+    installation: Large, root: Path, model: Path, runner: Runner = fake_fit.mostly_patient
 ) -> Iterator[Running]:
     """A service on that place, which is left as it is at the end."""
     service = Service(

@@ -1,4 +1,4 @@
-"""The two installations, each started once for a file of tests, with services around them.
+"""A Dask cluster, started once for a file of tests, with services around it.
 
 Each file has its own: what nobody asks anything any more takes a twelfth of a core all the same, to the end of the run.
 """
@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from helpers.installations import Installation, Large, Small, two_workers
+from helpers.installations import Large, two_workers
 from helpers.installed_service import Running, serving
 from helpers.remembered_uploads import remembering_uploads
 from helpers.toy_rig import toy_rig
@@ -29,11 +29,6 @@ def large(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Large]:
         yield Large(cluster)
 
 
-@pytest.fixture(scope="module", params=["local", "dask"])
-def installation(request: pytest.FixtureRequest) -> Installation:
-    return Small() if request.param == "local" else request.getfixturevalue("large")
-
-
 @pytest.fixture(scope="session")
 def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("model")
@@ -47,7 +42,7 @@ def torso() -> bytes:
 
 
 @pytest.fixture(scope="module")
-def running(installation: Installation, model: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
+def running(large: Large, model: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
     """The service that most tests share."""
-    with serving(installation, tmp_path_factory.mktemp(installation.name) / "data", model) as found:
+    with serving(large, tmp_path_factory.mktemp("dask") / "data", model) as found:
         yield found

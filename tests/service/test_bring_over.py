@@ -108,7 +108,7 @@ def check(storage: Storage) -> None:
         assert not (storage.root / name).exists()
 
 
-@pytest.mark.parametrize("patients", range(PATIENTS + 1))
+@pytest.mark.parametrize("patients", [0, 2, PATIENTS])
 def test_it_may_be_interrupted_at_each_patient(root: Path, patients: int, monkeypatch: pytest.MonkeyPatch) -> None:
     left, real = [patients], os.rename
 
@@ -182,7 +182,7 @@ def test_the_index_of_an_early_version_is_made_of_its_patients(root: Path, capsy
     assert "of an earlier version is damaged" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("content", [b"no database at all", b"\xa5" * 20_000])
+@pytest.mark.parametrize("content", [b"\xa5" * 20_000])
 def test_a_damaged_database_of_an_early_version_is_one_sentence_and_stays(
     root: Path, content: bytes, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from flask.testing import FlaskClient
+from helpers.blank_pictures import blank_pictures_in_reports
 from helpers.remembered_fits import run_fit_once
 from helpers.toy_rig import toy_rig
 from helpers.waiting import ended
@@ -38,7 +39,10 @@ def toy(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.slow
-def test_all_of_a_fit_is_answered_after_a_restart_with_another_model(tmp_path: Path, toy: Path) -> None:
+def test_all_of_a_fit_is_answered_after_a_restart_with_another_model(
+    tmp_path: Path, toy: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    blank_pictures_in_reports(monkeypatch)
     with serving(tmp_path, None) as (service, client):
         scan = client.post("/api/examples/standing").json
         picked = scan["example_landmarks"]["landmarks"]

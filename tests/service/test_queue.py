@@ -9,7 +9,7 @@ from helpers.rows import add_waiting_fit, append, named
 from helpers.waiting import ask_for_fit, ended, stored_events, until
 
 from breastrig.cases.fits import OTHER_MODEL, TOO_OFTEN, claimed, find_fit
-from breastrig.core.errors import Conflict, NotFound
+from breastrig.core.errors import NotFound
 from breastrig.service.fits import queue
 from breastrig.service.fits.fit_worker import UNSEEN
 from breastrig.storage.documents.events import events_after
@@ -48,11 +48,11 @@ def test_a_fit_stores_its_events_in_order_and_leaves_its_files(serving, scan_id:
 )
 def test_whatever_befalls_one_fit_is_said_and_the_next_one_runs(serving, scan_id: str, runner, sentence: str) -> None:
     with serving(runner) as service:
-        for _ in range(3):  # more than there are workers
-            fit = ended(service, ask_for_fit(service, scan_id))
-            assert fit.state == "failed"
-            assert fit.reason is not None
-            assert fit.reason.startswith(sentence)
+        for fit in [ask_for_fit(service, scan_id) for _ in range(3)]:  # more than there are workers
+            row = ended(service, fit)
+            assert row.state == "failed"
+            assert row.reason is not None
+            assert row.reason.startswith(sentence)
 
 
 def test_a_fit_that_takes_too_long_is_stopped(serving, scan_id: str) -> None:
@@ -84,22 +84,6 @@ def test_cancelling_a_waiting_fit_means_that_it_never_runs(serving, scan_id: str
         assert [event.kind for event in events_after(service.storage, waiting, 0)] == ["cancelled"]
 
 
-def test_a_fit_that_is_done_cannot_be_cancelled(serving, scan_id: str) -> None:
-    with serving(fake_fit.quick) as service:
-        fit_id = ask_for_fit(service, scan_id)
-        ended(service, fit_id)
-        with pytest.raises(Conflict, match="it is done"):
-            service.cancel_fit(fit_id)
-        with pytest.raises(NotFound):
-            service.cancel_fit("nobody")
-
-
-def test_more_fits_than_workers_all_run(serving, scan_id: str) -> None:
-    with serving(fake_fit.quick) as service:
-        fit_ids = [ask_for_fit(service, scan_id) for _ in range(7)]
-        assert {ended(service, fit_id).state for fit_id in fit_ids} == {"done"}
-
-
 KINDS = ["started", *["iterated"] * 4, "done"]
 
 
@@ -117,7 +101,7 @@ def begun(storage: Storage, scan_id: str, fit_id: str, events: int, attempts: in
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("stored", range(6))
+@pytest.mark.parametrize("stored", [0, 2, 5])
 def test_after_a_restart_a_fit_goes_on_with_its_events_where_it_stopped(
     serving, storage: Storage, scan_id: str, stored: int
 ) -> None:

@@ -9,38 +9,12 @@ from helpers.waiting import ended, until
 from breastrig.core.errors import TooMany
 from breastrig.execution.limits import UploadLimits
 from breastrig.execution.pool import client_key
-from breastrig.service.events.feeds import Queued
 from breastrig.service.service import Service
-from breastrig.storage.documents.events import StoredEvent
-from breastrig.storage.documents.fits import NewFit, Once, get_fit, queue_positions
+from breastrig.storage.documents.fits import NewFit, Once, get_fit
 
 
 def ask(service: Service, scan_id: str, client: str | None = None, **more: object) -> str:
     return service.add_fit(NewFit(scan=scan_id, preset="paper", landmarks_mm={}), client=client, **more)
-
-
-def test_places_in_the_queue_count_from_one_and_move_up(serving, scan_id: str) -> None:
-    with serving(fake_fit.patient, workers=1) as service:
-        running, *waiting = [ask(service, scan_id) for _ in range(4)]
-        until(lambda: get_fit(service.storage, running).state == "running", "the first to run")
-        assert queue_positions(service.storage, [running, *waiting]) == dict(zip(waiting, (1, 2, 3), strict=True))
-        service.cancel_fit(waiting[0])
-        assert queue_positions(service.storage, waiting) == dict(zip(waiting[1:], (1, 2), strict=True))
-
-
-def test_who_follows_a_waiting_fit_hears_its_place_each_time_it_changes(serving, scan_id: str) -> None:
-    with serving(fake_fit.patient, workers=1) as service:
-        running, second, third = (ask(service, scan_id) for _ in range(3))
-        until(lambda: get_fit(service.storage, running).state == "running", "the first to run")
-        heard = service.follow(third, 0, 60.0)
-        assert next(heard) == [Queued(2)]
-        service.cancel_fit(second)
-        assert next(heard) == [Queued(1)]
-        service.cancel_fit(running)
-        first = next(heard)[0]
-        assert isinstance(first, StoredEvent)
-        assert (first.number, first.kind) == (1, "started")
-        heard.close()
 
 
 def test_nobody_has_more_fits_waiting_than_a_share(serving, scan_id: str) -> None:

@@ -24,13 +24,6 @@ def test_only_the_owner_can_look_into_the_data_folder(storage: Storage, fit_id: 
     assert {path for path in found if path.stat().st_mode & 0o077} <= {storage.root / MARK}  # that is no secret
 
 
-def test_a_folder_that_cannot_be_made_gives_a_sentence(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("in the way")
-    storage = Storage(tmp_path / "file" / "data")
-    with pytest.raises(BadSettings, match="cannot be created"):
-        storage.prepare()
-
-
 def test_a_prior_that_a_service_had_learned_does_not_outlive_its_patients(storage: Storage) -> None:
     learned = storage.root / "models" / "priors.json"
     learned.write_text('{"a model": "sums over patients"}')
