@@ -48,10 +48,10 @@ def needed(name: str, skin: FittedSkin) -> dict[str, float | str]:
 
 
 def tries(parameter: PatternParameter, given: dict[str, float | str]) -> list[float]:
-    """From one limit to the other, what a person may type."""
+    """The middle and both limits of what a person may type."""
     if parameter.min is None or parameter.max is None:
         return [float(given[parameter.name])]
-    return [float(value) for value in np.linspace(parameter.min, parameter.max, 5)]
+    return [0.5 * (parameter.min + parameter.max), parameter.min, parameter.max]
 
 
 @pytest.mark.parametrize(("name", "parameter"), NUMBERS, ids=[f"{name} {each.name}" for name, each in NUMBERS])
@@ -62,6 +62,8 @@ def test_every_number_of_every_pattern_is_measured_and_said(
     fit = SimpleNamespace(rig=torso, vertices=skin.vertices, seen={}, landmarks={})
     measured = 0
     for asked in tries(parameter, given):
+        if measured == 2:
+            break
         parameters = given | {parameter.name: asked}
         try:
             found = as_drawn(pattern_of(name, parameters), skin)

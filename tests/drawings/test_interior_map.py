@@ -44,7 +44,7 @@ def fitted(rig: Rig, vertices: Array, stance: str = "standing", radius: float | 
     return FittedScan(ScanTarget(vertices, rig.faces), vertices, {}, stance, radii)
 
 
-@pytest.mark.parametrize("stances", [("standing", "supine"), ("supine", "standing"), ("standing", "standing")])
+@pytest.mark.parametrize("stances", [("supine", "standing"), ("standing", "standing")])
 def test_what_is_inside_moves_with_a_rigid_body(ball: Rig, stances: tuple[str, str]) -> None:
     a, b = fitted(ball, ball.template, stances[0]), fitted(ball, moved(ball.template), stances[1])
     there = InteriorMap(ball, a, b).moved(INSIDE)

@@ -294,8 +294,7 @@ SIZES = {  # what differs from the mean body, and whether a Wise pattern fits on
 }
 
 
-@pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize("side", ["L", "R"])
+@pytest.mark.parametrize(("size", "side"), zip(SIZES, "LRLRLR", strict=True))
 def test_a_wise_pattern_looks_like_one_or_says_that_the_breast_is_too_small(torso: Rig, size: str, side: str) -> None:
     shapes, fits = SIZES[size]
     weights = rest_parameters(torso).weights.copy()
@@ -325,8 +324,7 @@ def test_another_rig_without_the_needed_marks_says_which(toy_rig: Rig) -> None:
         drawn(bare, bare.template, "reduction")
 
 
-@pytest.mark.parametrize("below", [12.0, -8.0])
-@pytest.mark.parametrize("side", ["L", "R"])
+@pytest.mark.parametrize(("side", "below"), [("L", 12.0), ("R", -8.0)])
 def test_a_new_fold_lies_below_her_own_by_a_tapes_length_and_the_limbs_end_on_it(
     torso: Rig, side: str, below: float
 ) -> None:

@@ -116,8 +116,7 @@ def test_beyond_the_end_of_the_scan_it_fades_to_the_model(toy_rig: Rig) -> None:
     assert beyond[-1] < 1e-6
 
 
-@pytest.mark.parametrize("far", [0.03, 0.025, 0.018, 0.012, -0.02], ids=["arm", "25", "18", "12", "table behind"])
-@pytest.mark.parametrize("radius", [0.008, 0.03, 0.05])
+@pytest.mark.parametrize(("far", "radius"), [(0.012, 0.008), (0.018, 0.03), (0.03, 0.05), (-0.02, 0.05)])
 def test_through_a_hole_it_does_not_jump_to_another_sheet(toy_rig: Rig, far: float, radius: float) -> None:
     scan = joined(holed(sheet(0.002), radius), sheet(far))
     line = laid(toy_rig, plane(), straight(80), scan)

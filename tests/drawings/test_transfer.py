@@ -116,14 +116,13 @@ def test_over_a_gap_of_the_first_scan_the_line_goes_straight(toy_rig: Rig) -> No
     assert not found.line.bridged.any()
 
 
-@both_ways
-def test_each_point_says_how_far_both_fits_were_from_their_scans(other_patient: bool, toy_rig: Rig) -> None:
+def test_each_point_says_how_far_both_fits_were_from_their_scans(toy_rig: Rig) -> None:
     vertices, faces = sphere()
     rig = rig_of(toy_rig, vertices, faces)
     scan = subdivided(vertices, faces)
     a, b = fitted(1.02 * vertices, faces, scan), fitted(vertices, faces, scan)  # 2 mm outside of its scan
     points = scan[0][np.linalg.norm(scan[0] - [0.0, 0.0, 0.1], axis=1) < 0.03]
-    (found,) = transferred(rig, a, b, [shape(points[:1])], other_patient)
+    (found,) = transferred(rig, a, b, [shape(points[:1])])
     assert found.distance_from == pytest.approx([0.002], abs=0.03e-3)
     assert found.distance_to == pytest.approx([0.0], abs=0.03e-3)
     assert np.linalg.norm(found.line.points[0] - points[0]) < 0.3e-3
@@ -139,8 +138,7 @@ def wall_with_a_hole(vertices: Array, faces: Integers, behind: bool) -> tuple[Ar
     return np.concatenate([holed, back]), np.concatenate([left, faces[:, ::-1] + len(holed)])
 
 
-@both_ways
-@pytest.mark.parametrize("behind", [False, True])
+@pytest.mark.parametrize(("behind", "other_patient"), [(True, False), (False, True)])
 def test_a_hole_is_bridged_and_nothing_falls_through_it(behind: bool, other_patient: bool, toy_rig: Rig) -> None:
     vertices, faces = plane(0.3, 60)
     rig = rig_of(toy_rig, vertices, faces)
@@ -162,8 +160,7 @@ def torso() -> Rig:
     return read_rig(default_rig_path())
 
 
-@both_ways
-def test_a_round_trip_from_a_scan_to_itself_returns_each_point(other_patient: bool, torso: Rig) -> None:
+def test_a_round_trip_from_a_scan_to_itself_returns_each_point(torso: Rig) -> None:
     vertices = torso.template
     scan_vertices, scan_faces = subdivided(vertices, torso.faces)
     rng = np.random.default_rng(7)
@@ -172,7 +169,7 @@ def test_a_round_trip_from_a_scan_to_itself_returns_each_point(other_patient: bo
     breasts = np.concatenate([torso.regions["breast_L"], torso.regions["breast_R"]])
     points = a.target.search.query(vertices[breasts]).points
     shapes = [Polyline(str(k), False, "#000000", point[None], np.zeros(1, np.bool_)) for k, point in enumerate(points)]
-    found = transferred(torso, a, a, shapes, other_patient)
+    found = transferred(torso, a, a, shapes)
     back = np.concatenate([each.line.points for each in found])
     kept = ~np.concatenate([each.line.bridged for each in found])
     assert kept.mean() > 0.99
@@ -209,9 +206,8 @@ def lines_on_a_sphere(rng: np.random.Generator, target: ScanTarget, count: int) 
     return shapes
 
 
-@both_ways
 def test_lines_are_carried_together_as_each_would_be_alone_and_searched_for_once(
-    other_patient: bool, toy_rig: Rig, rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
+    toy_rig: Rig, rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A drawing of 200 lines took 43 s, as everything was prepared and asked again for each line."""
     vertices, faces = sphere()
@@ -231,11 +227,11 @@ def test_lines_are_carried_together_as_each_would_be_alone_and_searched_for_once
 
     monkeypatch.setattr(ClosestPointSearch, "query", counted_query)
     monkeypatch.setattr(ClosestPointSearch, "__init__", counted_init)
-    together = transferred(rig, a, b, shapes, other_patient)
+    together = transferred(rig, a, b, shapes)
     all_asked, all_made = asked[0], made[0]
     asked[0] = made[0] = 0
     for shape, found in zip(shapes, together, strict=True):
-        (alone,) = transferred(rig, a, b, [shape], other_patient)
+        (alone,) = transferred(rig, a, b, [shape])
         assert alone.line.name == found.line.name
         np.testing.assert_allclose(found.line.points, alone.line.points, atol=1e-12)
         np.testing.assert_array_equal(found.line.bridged, alone.line.bridged)

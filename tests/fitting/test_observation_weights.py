@@ -66,9 +66,8 @@ def assert_same_body(first: tuple[Array, Array], second: tuple[Array, Array], ri
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(2))
-def test_a_rig_subdivided_all_over_or_on_one_side_fits_as_the_original(seed: int, torso: Rig) -> None:
-    target, landmarks, _ = patient(torso, seed, smooth=True)
+def test_a_rig_subdivided_all_over_or_on_one_side_fits_as_the_original(torso: Rig) -> None:
+    target, landmarks, _ = patient(torso, 0, smooth=True)
     recipe = load_recipe("default")
     original = places(torso, target, landmarks, recipe)
     for other in (finer(torso), finer(torso, left_half(torso))):
@@ -77,10 +76,9 @@ def test_a_rig_subdivided_all_over_or_on_one_side_fits_as_the_original(seed: int
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("stance", ["standing", "supine"])
-def test_on_the_example_scans_a_subdivided_rig_fits_as_the_original(stance: str) -> None:
+def test_on_the_example_scans_a_subdivided_rig_fits_as_the_original() -> None:
     """Where they show skin: noise is sampled at other places, and what is hidden follows it (0.2 and 0.4 mm)."""
-    task = example_task(EXAMPLE.with_name(stance) / "scan.ply", stance=stance)
+    task = example_task(EXAMPLE.with_name("supine") / "scan.ply", stance="supine")
     first, second = (
         BodyState(rig, list(fit_iterates(replace(task, rig=rig)))[-1].parameters) for rig in (task.rig, finer(task.rig))
     )
@@ -90,9 +88,8 @@ def test_on_the_example_scans_a_subdivided_rig_fits_as_the_original(stance: str)
     assert np.percentile(off[seen], 95) < 2.0 * SAME
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_every_second_vertex_fits_as_all(seed: int, torso: Rig) -> None:
-    target, landmarks, _ = patient(torso, seed)
+def test_every_second_vertex_fits_as_all(torso: Rig) -> None:
+    target, landmarks, _ = patient(torso, 0)
     recipe = load_recipe("default")
     last = recipe.stages[-1].model_copy(update={"every": 2})
     halved = recipe.model_copy(update={"stages": (*recipe.stages[:-1], last)})

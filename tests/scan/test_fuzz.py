@@ -46,7 +46,7 @@ LANDMARKS = {
 def test_a_damaged_scan_is_refused_or_sound(kind: str) -> None:
     data = SCANS[kind]
 
-    @(FEW if kind.startswith("usd") else BOUNDED)
+    @(FEW if kind.startswith("usd") else bounded(80))
     @given(damage(len(data)))
     def run(edits: Edits) -> None:
         refused_or_sound(damaged(data, edits), kind.split("_")[0])

@@ -41,7 +41,7 @@ def test_the_skin_and_the_lesion_lie_where_they_are(turned: bool, packed: bool) 
     off = np.abs(off_skin(1e3 * scan.vertices))
     assert np.percentile(off, 95) < 0.4
     assert off.max() < 3.0  # in the crease between ball and plane
-    assert np.ptp(1e3 * scan.vertices, axis=0) == pytest.approx([259.0, 70.0, 178.0], abs=2.5)
+    assert np.ptp(1e3 * scan.vertices, axis=0) == pytest.approx([259.0, 70.0, 150.0], abs=2.5)
     outwards = vertex_normals(scan.vertices, scan.faces)
     flat = np.abs(1e3 * scan.vertices[:, 1] - CHEST) < 0.2
     assert outwards[flat].mean(axis=0) == pytest.approx([0.0, -1.0, 0.0], abs=0.05)
@@ -82,7 +82,7 @@ def test_a_segment_that_is_too_large_for_a_lesion_is_none() -> None:
 
 
 def test_a_label_that_is_noise_is_no_lesion() -> None:
-    labels = body_labels()
+    labels = body_labels()[PART]
     noise = np.random.default_rng(0).random(labels.shape) < 0.001
     labels[noise & (labels == 1)] = 4
     (lesion,) = read_scan(nifti(labels)).lesions
@@ -121,47 +121,49 @@ def test_what_is_no_label_map_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -
     assert gzip.compress(b"")[:2] == read.GZIP_START
 
 
+PART = np.s_[110:, :, 24:64]  # a breast with the lesion, and what is around it
+PART_LOW = LOW + SIZES * [110.0, 0.0, 24.0]
+
+
 def stored(labels: np.ndarray, dtype: type, kind: type = nibabel.Nifti1Image, order: str = "<") -> bytes:
     header = kind.header_class(endianness=order)  # type: ignore[attr-defined]
-    image = kind(labels.astype(dtype), to_ras(), header)
+    image = kind(labels.astype(dtype), to_ras(PART_LOW), header)
     image.header.set_xyzt_units("mm")
     return bytes(image.to_bytes())
 
 
 def scaled(labels: np.ndarray, dtype: type) -> bytes:
     """Floats that nibabel stretches over all numbers of a kind."""
-    image = nibabel.Nifti1Image(labels.astype(np.float64), to_ras())
+    image = nibabel.Nifti1Image(labels.astype(np.float64), to_ras(PART_LOW))
     image.set_data_dtype(dtype)
     return bytes(image.to_bytes())
 
 
 def test_labels_are_read_however_they_are_stored() -> None:
-    labels = body_labels()
+    labels = body_labels()[PART]
     noise = np.random.default_rng(0).normal(0.0, 1e-4, labels.shape)
     with_nan = np.where(labels == 0, np.nan, labels)
+    plain, holed = stored(labels, np.uint8), stored(with_nan, np.float32)
     for data in (
-        stored(labels, np.int8),
+        gzip.compress(plain[:5000]) + gzip.compress(plain[5000:]) + bytes(512),
         stored(labels, np.uint16, order=">"),
         stored(labels, np.float64, nibabel.Nifti2Image),
-        stored(labels, np.int32, nibabel.Nifti2Image, ">"),
         stored(labels[..., None], np.uint8),
         stored(labels + noise, np.float32),
-        stored(with_nan, np.float32),
-        scaled(labels, np.int16),
+        holed,
         scaled(labels, np.uint8),
         scaled(200.0 * (labels == 2) + 3.0 * (labels > 0), np.uint8),
     ):
-        (lesion,) = read_scan(data).lesions
+        scan = read_scan(data)
+        (lesion,) = scan.lesions
         assert 1e3 * lesion.center == pytest.approx(LESION, abs=0.2)
         assert 1e3 * lesion.radius == pytest.approx(RADIUS, abs=0.1)
-    members = gzip.compress(stored(labels, np.uint8)[:5000]) + gzip.compress(stored(labels, np.uint8)[5000:])
-    assert read_scan(members + bytes(512)).lesions
-    assert "Voxels without a number (NaN) were taken for air." in read_scan(stored(with_nan, np.float32)).notes
+        assert ("Voxels without a number (NaN) were taken for air." in scan.notes) == (data is holed)
 
 
 def test_an_image_is_none_whatever_it_is_stored_as() -> None:
     rng = np.random.default_rng(0)
-    body = body_labels()
+    body = body_labels()[PART]
     grey = np.clip(rng.normal(100.0, 30.0, body.shape), 1, 255) * (body > 0)
     colours = np.zeros(body.shape, [("R", "u1"), ("G", "u1"), ("B", "u1")])
     for data in (
@@ -169,8 +171,8 @@ def test_an_image_is_none_whatever_it_is_stored_as() -> None:
         stored(grey, np.float32),
         scaled(grey, np.uint8),
         stored(np.where(body == 2, np.inf, body), np.float32),
-        bytes(nibabel.Nifti1Image(body.astype(np.complex64), to_ras()).to_bytes()),
-        bytes(nibabel.Nifti1Image(colours, to_ras()).to_bytes()),
+        bytes(nibabel.Nifti1Image(body.astype(np.complex64), to_ras(PART_LOW)).to_bytes()),
+        bytes(nibabel.Nifti1Image(colours, to_ras(PART_LOW)).to_bytes()),
     ):
         with pytest.raises(BadScan, match="This is an image, not a label map"):
             read_scan(data)
@@ -183,13 +185,13 @@ def test_small_files_do_not_ask_for_much(monkeypatch: pytest.MonkeyPatch) -> Non
             read_scan(nifti(body_labels(), sizes=np.full(3, size)))
     labels = body_labels()
     for number in range(4, 60):
-        labels[number * 3 % 260, 120 + number % 30, :] = number
+        labels[number * 3 % 260, 70 + number % 30, :] = number
     looked_at = []
     parts = segments._parts
-    monkeypatch.setattr(segments, "LOOKED_AT", 200_000)
+    monkeypatch.setattr(segments, "LOOKED_AT", 100_000)
     monkeypatch.setattr(segments, "_parts", lambda inside, *rest: looked_at.append(inside.size) or parts(inside, *rest))
     scan = read_scan(nifti(labels))
-    assert sum(looked_at) <= 200_000
+    assert sum(looked_at) <= 100_000
     assert len(scan.segments) == 59
     assert any(note.startswith("The other") and "were taken for tissue" in note for note in scan.notes)
     assert len(scan.notes) < 10

@@ -55,7 +55,7 @@ def test_the_side_that_no_header_names_is_asked() -> None:
     choices = question_of(unplaced(np.asfortranarray(labels)))
     assert list(choices)[:4] == ["RAS", "LAS", "RAI", "LAI"]
     assert {value[1] for value in choices} == {"A"}  # the front has air, so that is known
-    for value, side, up in (("RAS", "L", 1), ("LAS", "R", 1), ("RAI", "L", -1)):
+    for value, side, up in (("LAS", "R", 1), ("RAI", "L", -1)):
         lesions = choices[value]["lesions"]
         assert isinstance(lesions, list)
         (shown,) = lesions
@@ -131,8 +131,8 @@ def test_one_of_both_that_holds_alone_is_taken(which: str) -> None:
 
 
 def test_answers_that_do_not_fit_are_one_sentence() -> None:
-    for given, sentence in (("up", "This is no frame"), ("RLS", "This is no frame"), ("RASS", "This is no frame")):
-        with pytest.raises(BadInput, match=sentence):
+    for given in ("up", "RLS", "RASS"):
+        with pytest.raises(BadInput, match="This is no frame"):
             breastrig.read_scan(nifti(body_labels()), frame=given)
     with pytest.raises(BadInput, match="so that there is no sform to be taken"):
         breastrig.read_scan(unplaced(body_labels()), frame="sform")

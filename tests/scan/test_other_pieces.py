@@ -46,9 +46,10 @@ def beside(vertices: np.ndarray, faces: np.ndarray, other: tuple[np.ndarray, np.
 PLACES = {"flank": [0.22, -0.1, 0.02], "shoulder": [0.08, 0.35, 0.1], "front": [-0.03, 0.05, 0.24]}
 
 
-@pytest.mark.parametrize("stance", ["auto", "standing", "supine"])
-@pytest.mark.parametrize("seen_from", [None, [0.2, 0.1, 1.0]], ids=["whole", "from the front"])
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize(
+    ("place", "seen_from", "stance"),
+    [("flank", None, "auto"), ("shoulder", [0.2, 0.1, 1.0], "standing"), ("front", [0.2, 0.1, 1.0], "supine")],
+)
 def test_a_hand_goes_and_is_said(place: str, seen_from: list[float] | None, stance: str) -> None:
     vertices, faces = front()
     other = hand(PLACES[place], seen_from)
@@ -75,8 +76,7 @@ def front_alone(stance: str) -> PreparedScan:
     return prepared(clean_of(*front()), stance)
 
 
-@pytest.mark.parametrize("width", [0.01, 0.02, 0.035])
-@pytest.mark.parametrize("tear", ["along", "across", "island"])
+@pytest.mark.parametrize(("tear", "width"), [("along", 0.035), ("across", 0.01), ("island", 0.035)])
 def test_skin_that_was_torn_apart_stays(tear: str, width: float) -> None:
     vertices, faces = front()
     x, y, _ = vertices[faces].mean(axis=1).T

@@ -64,8 +64,7 @@ def test_a_right_navel_is_not_asked_about(stance: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("stance", ["standing", "supine"])
-@pytest.mark.parametrize("angle", np.radians([0, 60, 120, 180, 240, 300]))
+@pytest.mark.parametrize(("stance", "angle"), [("standing", np.radians(60)), ("supine", np.radians(240))])
 def test_a_navel_beside_its_concavity_is_named_with_its_distance(stance: str, angle: float) -> None:
     task = example(stance)
     pick = beside(task, angle, 0.05)
@@ -105,7 +104,7 @@ def test_a_fit_that_goes_on_without_a_pick_ends_where_one_ends_that_never_had_it
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "angle"),
-    [("inframammary_fold_L", 180), ("inframammary_fold_R", 0), ("nipple_L", 0), ("nipple_R", 180)],
+    [("inframammary_fold_L", 180), ("nipple_R", 180)],
 )
 def test_the_neighbours_of_a_wrong_pick_are_right(name: str, angle: float) -> None:
     """It bends the lying breast so far that to first order the nipples are beyond their limits as well."""

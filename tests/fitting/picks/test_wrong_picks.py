@@ -20,7 +20,6 @@ from breastrig.use.steps.settings import FitJob
 pytestmark = pytest.mark.long
 
 EXAMPLE = asset_folder("example") / "standing"
-PAIRS = ("nipple", "acromion", "midclavicle", "inframammary_fold")
 
 
 def picks() -> dict[str, list[float]]:
@@ -49,10 +48,9 @@ def test_right_picks_are_all_followed(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("pair", PAIRS)
-def test_two_exchanged_sides_are_named_and_not_followed(pair: str, tmp_path: Path) -> None:
+def test_two_exchanged_sides_are_named_and_not_followed(tmp_path: Path) -> None:
     wrong = picks()
-    left, right = f"{pair}_L", f"{pair}_R"
+    left, right = "nipple_L", "nipple_R"
     wrong[left], wrong[right] = wrong[right], wrong[left]
     found = result(wrong, tmp_path)
     assert [doubt["names"] for doubt in found["landmarks_not_followed"]] == [[left, right]]
@@ -71,7 +69,7 @@ def test_few_right_picks_are_never_taken_for_exchanged_ones(stance: str, rng: np
     scan = read_scan(asset_folder("example") / stance / "scan.ply")
     mirrored = {landmark.name: landmark.mirror for landmark in rig.landmarks}
     target = ScanTarget(scan.vertices, scan.faces)
-    for _ in range(300):
+    for _ in range(100):
         names = rng.choice(sorted(true), rng.integers(3, 9), replace=False)
         clicked = {name: true[name] + rng.normal(0.0, 3e-3, 3) for name in names}
         assert not sides_exchanged(rig, clicked, target, outliers), sorted(clicked)
@@ -102,35 +100,11 @@ def test_a_mirrored_scan_is_flagged_and_its_landmarks_are_not_followed(tmp_path:
 
 
 @pytest.mark.slow
-def test_a_pick_far_off_is_followed_and_asked_about(tmp_path: Path) -> None:
-    wrong = picks()
-    wrong["xiphoid"] = [wrong["xiphoid"][0] + 50.0, *wrong["xiphoid"][1:]]
-    found = result(wrong, tmp_path)
-    assert found["landmarks_not_followed"] == []
-    (doubt,) = found["landmarks_unusual"]
-    assert doubt["names"] == ["xiphoid"]
-    assert doubt["reason"].endswith("Is it right?")
-    others = [distance for name, distance in zip(picks(), distances_to_true(found), strict=True) if name != "xiphoid"]
-    assert np.mean(others) < 5.0, "mm"
-
-
-@pytest.mark.slow
-def test_a_certain_pick_is_not_asked_about(tmp_path: Path) -> None:
-    wrong = picks()
-    wrong["xiphoid"] = [wrong["xiphoid"][0] + 50.0, *wrong["xiphoid"][1:]]
-    *_, last = run_fit(FitJob(scan=EXAMPLE / "scan.ply", out=tmp_path, landmarks_mm=wrong, certain=("xiphoid",)))
-    assert isinstance(last, Done)
-    assert last.result.document()["landmarks_unusual"] == last.result.document()["landmarks_not_followed"] == []
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("stance", ["standing", "supine"])
 @pytest.mark.parametrize(
-    "names",
+    ("names", "stance"),
     [
-        ("suprasternal_notch", "mid_sternum", "xiphoid"),
-        ("midclavicle_L", "midclavicle_R", "suprasternal_notch"),
-        ("acromion_L", "acromion_R", "suprasternal_notch"),
+        (("suprasternal_notch", "mid_sternum", "xiphoid"), "supine"),
+        (("acromion_L", "acromion_R", "suprasternal_notch"), "standing"),
     ],
 )
 def test_three_picks_nearly_on_a_line_do_not_turn_the_patient(
