@@ -67,6 +67,20 @@ def toy_rig() -> Rig:
 
 
 @pytest.fixture(scope="session")
+def torso() -> Rig:
+    """The rig of the package."""
+    from breastrig.gltf.read_rig import default_rig_path, read_rig
+
+    return read_rig(default_rig_path())
+
+
+@pytest.fixture(scope="session")
+def rig(torso: Rig) -> Rig:
+    """The same, by the name of tests that have no other."""
+    return torso
+
+
+@pytest.fixture(scope="session")
 def repository() -> Path:
     """The root of the checkout (or of the unpacked sdist)."""
     return REPOSITORY

@@ -4,17 +4,11 @@ import pytest
 
 from breastrig.batch.manifest import BadManifest, BatchRow, read_manifest
 from breastrig.core.assets import asset_folder
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.scan.volumes.answers import VolumeAnswers
 from breastrig.use.steps.settings import FitSettings
 
 EXAMPLE = asset_folder("example") / "standing"
-
-
-@pytest.fixture(scope="module")
-def rig() -> Rig:
-    return read_rig(default_rig_path())
 
 
 @pytest.fixture

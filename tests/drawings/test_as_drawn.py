@@ -12,7 +12,6 @@ from breastrig.drawings.handles.as_drawn import as_drawn, differs
 from breastrig.drawings.pattern_parameters import PatternParameter, parameters_of
 from breastrig.drawings.patterns import PATTERNS, pattern_of
 from breastrig.drawings.plan_schema import checked_plan
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.skinning import shaped
@@ -21,11 +20,6 @@ from breastrig.use.lines.plan_words import planned_items
 NUMBERS = [
     (name, each) for name, kind in PATTERNS.items() for each in parameters_of(kind).values() if each.name != "side"
 ]
-
-
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
 
 
 @pytest.fixture(scope="module")

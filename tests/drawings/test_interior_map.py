@@ -17,7 +17,6 @@ from breastrig.drawings.skin_maps.lying_motion import lying_motion
 from breastrig.drawings.skin_maps.skin_map import FittedScan, SkinMap
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.rotations import exp_so3
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 
 TURN, SHIFT = exp_so3(np.array([0.7, -0.4, 1.3])), np.array([0.3, -0.2, 0.5])
@@ -60,11 +59,6 @@ def test_what_is_inside_follows_a_body_that_is_pressed_flat_and_comes_back(ball:
     )
     back = InteriorMap(ball, b, a).moved(there)
     np.testing.assert_allclose(back, INSIDE, atol=2e-4)
-
-
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
 
 
 def scanned(rig: Rig, vertices: Array, stance: str, landmarks: bool) -> FittedScan:

@@ -15,14 +15,8 @@ from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.drawings.transfer import transferred
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.polyline import Polyline
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.volume.predicted import predicted
-
-
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
 
 
 @pytest.fixture(scope="module")

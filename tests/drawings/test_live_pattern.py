@@ -18,7 +18,6 @@ from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.geometry import geodesic
 from breastrig.geometry.polyline import Polyline
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.skinning import shaped
@@ -42,11 +41,6 @@ HANDLES = {
     "ellipse": {"length_lateral", "length_medial", "width_upper", "width_lower", "axis"},
     "tumour": {"centre", "radius"},
 }
-
-
-@pytest.fixture(scope="module")
-def rig() -> Rig:
-    return read_rig(default_rig_path())
 
 
 @pytest.fixture(scope="module")

@@ -12,16 +12,10 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.skin_maps.lying_motion import BEYOND, Motions, lying_motion
 from breastrig.drawings.skin_maps.skin_map import FittedScan, SkinMap, carried
 from breastrig.geometry.rotations import exp_so3
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig_studies.lying_motion import Pair, agreed, differing, estimated
 
 TURN, SHIFT = exp_so3(np.array([1.2, -0.4, 0.3])), np.array([0.4, -0.2, 1.0])
-
-
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
 
 
 def known(rig: Rig) -> Array:

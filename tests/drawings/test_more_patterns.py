@@ -10,15 +10,9 @@ from breastrig.drawings.patterns import asked_drawing
 from breastrig.geometry.geodesic import Geodesics
 from breastrig.geometry.polyline import length
 from breastrig.geometry.surface_points import SurfacePoints, joined
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import DrawnShape, Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.skinning import shaped
-
-
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
 
 
 @pytest.fixture(scope="module")

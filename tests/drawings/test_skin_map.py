@@ -13,15 +13,9 @@ from breastrig.drawings.skin_maps.settings import skin_map_settings
 from breastrig.drawings.skin_maps.skin_map import FittedScan, SkinMap, carried, spread_out, within_reach
 from breastrig.geometry.normals import unit_vectors, vertex_normals
 from breastrig.geometry.rotations import exp_so3
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 
 TURN, SHIFT = exp_so3(np.array([1.2, -0.4, 0.3])), np.array([0.4, -0.2, 1.0])
-
-
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
 
 
 def fitted_scan(rig: Rig, vertices: Array, stance: str = "standing") -> FittedScan:

@@ -16,7 +16,6 @@ from breastrig.drawings.transfer import transferred
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.rotations import exp_so3
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.scan.clean import compact
 
@@ -153,11 +152,6 @@ def test_a_hole_is_bridged_and_nothing_falls_through_it(behind: bool, other_pati
     assert np.isnan(found.distance_to[found.line.bridged]).all()
     assert np.isfinite(found.distance_to[~found.line.bridged]).all()
     assert np.isfinite(found.distance_from).all()
-
-
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
 
 
 def test_a_round_trip_from_a_scan_to_itself_returns_each_point(torso: Rig) -> None:

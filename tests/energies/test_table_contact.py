@@ -10,15 +10,9 @@ from breastrig.fitting.body.expected_body import prior_terms, table_contact
 from breastrig.fitting.fit import FitTask
 from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.plane import Plane
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.state import BodyState
-
-
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
 
 
 def contact(rig: Rig, height: float) -> TableContact:

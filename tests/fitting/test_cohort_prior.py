@@ -14,7 +14,6 @@ from breastrig.fitting.fit import FitIterate, fit_iterates
 from breastrig.fitting.posterior import Posterior, built_in, contribution, contribution_bytes, parsed_contribution
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.task import FitTask, ended
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.cohort_prior import CohortPrior, Sums, cohort_of_scans, no_cohort, with_prior
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
@@ -22,11 +21,6 @@ from breastrig.rig.skinning import pose
 
 WOMEN = 30
 LEFT = 0.01  # m, from where on a scan shows her
-
-
-@pytest.fixture(scope="module")
-def rig() -> Rig:
-    return read_rig(default_rig_path())
 
 
 @pytest.fixture(scope="module")

@@ -1,13 +1,11 @@
 """Skin that a scan asks to fold stays unfolded: triangles of the fitted model keep the side that faces outwards."""
 
 import numpy as np
-import pytest
 
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import FitTask, fit_iterates
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.geometry.normals import face_normals
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig.rig.skinning import pose, shaped
@@ -20,11 +18,6 @@ OVER_THE_MIDLINE = {
     "position_lateral_R": -0.76,
     "muscle": 0.72,
 }
-
-
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
 
 
 def folded(rig: Rig) -> RigParameters:

@@ -42,11 +42,6 @@ astray = 0.02
 
 
 @pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
-
-
-@pytest.fixture(scope="module")
 def alone(torso: Rig) -> Posterior:
     """A forearm of which as much is known as of the torso, fitted without landmarks."""
     known = {

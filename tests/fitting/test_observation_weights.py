@@ -16,7 +16,6 @@ from breastrig.fitting.fit import FitTask, fit_iterates, observation_weights
 from breastrig.fitting.recipe import Observations, Recipe, load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.geometry.normals import face_areas
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
 from breastrig.rig.state import BodyState
@@ -25,11 +24,6 @@ pytestmark = pytest.mark.long
 
 SAME = 0.1e-3  # m
 SLID = 0.25e-3  # m, single landmarks along smooth skin, where little holds them
-
-
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
 
 
 @pytest.fixture(scope="module")

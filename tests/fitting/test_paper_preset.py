@@ -16,7 +16,6 @@ from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.task import FitTask
 from breastrig.geometry.rotations import log_so3
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
@@ -24,11 +23,6 @@ from breastrig.rig.state import BodyState
 
 CM = 100.0  # per metre
 DATA, SCALES, SHAPES, JOINTS, LANDMARKS = 10e-3, 10e-2, 10e-3, 10e-2, 10e-4  # the paper's λ, as printed
-
-
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
 
 
 @pytest.fixture(scope="module")

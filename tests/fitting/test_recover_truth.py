@@ -11,18 +11,12 @@ from breastrig.fitting.fit import FitIterate, FitTask, fit_iterates
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.geometry.normals import vertex_normals
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
 from breastrig.rig.joints import Joints
 from breastrig.rig.model import LEAST_GAP, Rig
 from breastrig.rig.skinning import pose
 
 pytestmark = pytest.mark.long
-
-
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
 
 
 def for_scans_without_noise(recipe: Recipe) -> Recipe:

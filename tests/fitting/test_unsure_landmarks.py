@@ -8,14 +8,8 @@ from breastrig.fitting.fit import FitTask, fit_iterates
 from breastrig.fitting.propose import USEFUL, expected_error
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
-
-
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
 
 
 def test_error_of_a_confidence() -> None:

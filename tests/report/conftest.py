@@ -5,16 +5,10 @@ import pytest
 from helpers.subdivide import subdivided
 
 from breastrig.geometry.polyline import Polyline
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.stance import Stance
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig.rig.skinning import pose
-
-
-@pytest.fixture(scope="session")
-def rig() -> Rig:
-    return read_rig(default_rig_path())
 
 
 def stance_on(rig: Rig, vertices: np.ndarray, picked: dict[str, np.ndarray] | None = None) -> Stance:

@@ -7,7 +7,6 @@ import pytest
 
 from breastrig.core.arrays import Array
 from breastrig.core.stances import SIDES
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.bands import KNOWN_MM, OF_90, between_sides, without_unknown
 from breastrig.report.body_frame import body_frame
 from breastrig.report.calibration import Spread, measure_calibration
@@ -17,11 +16,6 @@ from breastrig.report.table import Row, Value, changes, csv_bytes, flat_rows
 from breastrig.rig.model import Rig
 
 RADIUS = 1.5  # times the deviation over all three axes
-
-
-@pytest.fixture(scope="module")
-def rig() -> Rig:
-    return read_rig(default_rig_path())
 
 
 def covariance(rig: Rig, seed: int) -> Array:

@@ -10,7 +10,6 @@ from scipy.optimize import least_squares
 from breastrig.drawings.clock import FittedSkin, circle_around, on_clock
 from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.rotations import exp_so3
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.body_frame import body_frame
 from breastrig.report.pages.names import spoken
 from breastrig.report.pages.tape import (
@@ -26,11 +25,6 @@ from breastrig.report.pages.tape import (
 from breastrig.report.pages.tape_sheet import ROOM, SIZE, tape_sheet
 from breastrig.report.stance import Place, Stance
 from breastrig.rig.model import Rig
-
-
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
 
 
 def line(points: np.ndarray, closed: bool = False, error: float | None = None) -> Polyline:

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from breastrig.geometry.polyline import resampled
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.bands import OF_RATIO, Points, half_width, ratio_half_width
 from breastrig.report.body_frame import body_frame
 from breastrig.report.calibration import Spread, measure_calibration
@@ -16,11 +15,6 @@ from breastrig.report.stance import Stance
 from breastrig.report.table import Row
 from breastrig.report.volume import SPACING, breast_outline, breast_volume, vertices_within
 from breastrig.rig.model import Rig
-
-
-@pytest.fixture(scope="module")
-def rig() -> Rig:
-    return read_rig(default_rig_path())
 
 
 def stance(rig: Rig, **changes: Any) -> Stance:

@@ -9,18 +9,12 @@ import pytest
 
 from breastrig.core.errors import BadInput
 from breastrig.fitting.posterior import FARTHEST, built_in, parsed_contribution
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.cohort_posterior import Gaussian, posterior_of
 from breastrig.rig.cohort_prior import CohortPrior, Sums, cohort_of, no_cohort, parsed_prior, with_prior
 from breastrig.rig.model import Rig
 
 KEPT = 0.1  # of the built-in variance, after a scan
 FAMILY = np.array([2.0, -1.5, 1.0])  # where the women's mean is, in units of the built-in prior
-
-
-@pytest.fixture(scope="module")
-def rig() -> Rig:
-    return read_rig(default_rig_path())
 
 
 @pytest.fixture(scope="module")

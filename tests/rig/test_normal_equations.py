@@ -6,16 +6,10 @@ import numpy as np
 import pytest
 from helpers.random_pose import random_parameters, skinned_by
 
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.normal_equations import normal_equations, vertex_variances
 from breastrig.rig.skinning import in_pose
 from breastrig.rig.vertex_groups import vertex_groups
-
-
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
 
 
 def assert_equal_to_dense(rig: Rig, chosen: np.ndarray, rng: np.random.Generator) -> None:

@@ -10,18 +10,13 @@ from helpers.random_pose import random_parameters, skinned_by
 
 from breastrig.core.errors import BadModel
 from breastrig.geometry.rotations import exp_so3
-from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.gltf.read_rig import read_rig
 from breastrig.gltf.write_rig import write_rig
 from breastrig.rig.model import Rig, Skinning
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.skinning import Posed, in_pose, pose
 
 WAYS: tuple[Skinning, ...] = ("linear", "dual_quaternion", "corrective")
-
-
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
 
 
 @pytest.mark.parametrize("skinning", WAYS)

@@ -6,13 +6,7 @@ import pytest
 from helpers.cohort import FEW, write_patient
 from helpers.cohort import write_case as write_case  # other tests of this folder take it from here
 
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
-
-
-@pytest.fixture(scope="session")
-def rig() -> Rig:
-    return read_rig(default_rig_path())
 
 
 @pytest.fixture

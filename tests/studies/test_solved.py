@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.volume.breast_skin import breast_skins
@@ -13,11 +12,6 @@ from breastrig.volume.tetrahedra import chest_wall
 from breastrig_studies.gravity import solved as study
 from breastrig_studies.gravity.estimate import read_women
 from breastrig_studies.gravity.soft_breast import published
-
-
-@pytest.fixture(scope="module")
-def rig() -> Rig:
-    return read_rig(default_rig_path())
 
 
 def test_the_wall_under_the_template_is_the_rigs_and_larger_breasts_leave_it_where_it_is(rig: Rig) -> None:

@@ -18,7 +18,6 @@ from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.task import FitTask
 from breastrig.gltf.pose_nodes import node_poses, posed_by_nodes
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.similarity import Similarity
@@ -30,11 +29,6 @@ from breastrig.use.steps.events import Event
 from breastrig.use.steps.settings import EarlierFit, FitJob
 
 PICKS = json.loads((EXAMPLE / "landmarks.json").read_text())["landmarks"]
-
-
-@pytest.fixture(scope="module")
-def rig() -> Rig:
-    return read_rig(default_rig_path())
 
 
 def events_of(out: Path, picks: dict[str, list[float]], **more: object) -> list[Event]:

@@ -18,7 +18,6 @@ from breastrig.drawings.plan_on_scan import PlanOnScan
 from breastrig.drawings.plan_schema import PLAN_SCHEMA, checked_plan
 from breastrig.drawings.skin_maps.settings import skin_map_settings
 from breastrig.fitting.uncertainty.radii import line_error
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.body_frame import body_frame
 from breastrig.report.files.geometry_files import surface_ply
 from breastrig.rig.model import Rig
@@ -29,11 +28,6 @@ from breastrig.use.reports.report import stance_of
 from breastrig.volume.predicted import predicted
 
 PICKED = ("suprasternal_notch", "nipple_L", "nipple_R", "xiphoid")
-
-
-@pytest.fixture(scope="module")
-def rig() -> Rig:
-    return read_rig(default_rig_path())
 
 
 def body(rig: Rig) -> np.ndarray:

@@ -5,14 +5,6 @@ from pathlib import Path
 import pytest
 from helpers.example_fits import write_example_fits
 
-from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.rig.model import Rig
-
-
-@pytest.fixture(scope="session")
-def rig() -> Rig:
-    return read_rig(default_rig_path())
-
 
 @pytest.fixture(scope="session")
 def fits(tmp_path_factory: pytest.TempPathFactory) -> Path:

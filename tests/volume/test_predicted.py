@@ -5,7 +5,6 @@ import pytest
 
 from breastrig.core.errors import BadInput
 from breastrig.drawings.skin_maps.settings import skin_map_settings
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.volume.breast_skin import breast_skins
 from breastrig.volume.predicted import (
@@ -18,11 +17,6 @@ from breastrig.volume.predicted import (
     predicted,
     with_breasts,
 )
-
-
-@pytest.fixture(scope="module")
-def rig() -> Rig:
-    return read_rig(default_rig_path())
 
 
 def test_what_is_seen_in_one_stance_says_the_others_as_bayes_has_it() -> None:

@@ -23,7 +23,6 @@ from breastrig.fitting.solve import checked_iterates, iterates_with_second_start
 from breastrig.fitting.starts.orientation import start_from_scan
 from breastrig.fitting.task import FitTask, ended
 from breastrig.fitting.verdicts.fit_signals import fit_signals
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
@@ -39,11 +38,6 @@ FRONT = np.array([[0.0, 0.0, 1.0]])
 HANGING = replace(Numbers(), nipples_over_folds=(-0.04, -0.04))
 NIPPLES = ("nipple_L", "nipple_R")
 STANCES = ("standing", "supine")
-
-
-@pytest.fixture(scope="module")
-def rig() -> Rig:
-    return read_rig(default_rig_path())
 
 
 @cache

@@ -9,14 +9,8 @@ from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.body.refine import HiddenSkin, hidden_skin, refined
 from breastrig.geometry.normals import vertex_normals
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig_studies.bodies.hidden_skin import about_the_back, agreed_form, estimated
-
-
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
 
 
 @pytest.fixture(scope="module")

@@ -5,18 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.body_statistics import body_statistics
 from breastrig.rig.cohort_posterior import mirrored_places
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig_studies.bodies.body_statistics import KnownBody, document, mixed, statistics
 from breastrig_studies.studies.sensitivity import with_shapes
-
-
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
 
 
 def test_the_torsos_statistics_prefer_no_side(torso: Rig) -> None:

@@ -10,16 +10,10 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.body.refine import TrunkDepth, hidden_skin, skin_behind, trunk_depth
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.plane import Plane
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig_studies.bodies.trunk_depth import Body, estimated
 
 FORWARD = np.array([0.0, 0.0, 1.0])
-
-
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
 
 
 @pytest.fixture(scope="module")

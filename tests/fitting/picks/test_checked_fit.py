@@ -12,15 +12,9 @@ from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.solve import checked_iterates
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.task import FitIterate, without
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
-
-
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
 
 
 def task_of(rig: Rig, seed: int, picks: dict[str, Array], true: dict[str, Array]) -> FitTask:

@@ -11,14 +11,8 @@ from breastrig.fitting.fit import FitTask, fit_iterates
 from breastrig.fitting.posterior import LeaveOneOut, Posterior
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
-
-
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
 
 
 def task_with(rig: Rig, seed: int, moved: dict[str, Array]) -> FitTask:

@@ -22,11 +22,6 @@ from breastrig.rig.validation.torso import LANDMARKS
 NOT_PRONE = {"umbilicus", "acromion", "midclavicle"}  # what an MRI does not show
 
 
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
-
-
 def without_sides(names: Iterable[str]) -> set[str]:
     return {name.removesuffix("_L").removesuffix("_R") for name in names}
 

@@ -10,19 +10,12 @@ import pytest
 from helpers.results import result_file
 
 from breastrig.core.errors import NeedsYes
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.volume import vertices_within
 from breastrig.rig.cohort_posterior import Gaussian
 from breastrig.rig.model import Rig
 from breastrig.scan.clean import Surface
 from breastrig.use.folder.fit_folder import FitFolder
 from breastrig.use.folder.one_body import body_doubt, check_one_body, doubts_between
-
-
-@pytest.fixture(scope="module")
-def rig() -> Rig:
-    return read_rig(default_rig_path())
-
 
 BODY = {  # mm
     "suprasternal_notch": [0.0, 420.0, 80.0],
