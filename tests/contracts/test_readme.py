@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from breastrig.cli.main import main
 from breastrig.files.result import FIT_FILES
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 
@@ -69,23 +68,6 @@ def test_the_python_client_does_a_whole_fit(repository: Path, tmp_path: Path) ->
         assert packed.namelist() == [*FIT_FILES, "plan.json"]
     assert cases == []  # it deletes what it has uploaded
     assert "'mean'" in run.stdout.splitlines()[-1]
-
-
-def test_every_command_that_is_printed_exists(documents: list[Path]) -> None:
-    printed = "".join(document.read_text() for document in documents)
-    commands = set(re.findall(r"^breastrig (\w+(?: (?:info|check))?)", printed, re.MULTILINE))
-    assert {"fit", "transfer", "serve", "model info"} <= commands
-    for command in sorted(commands):
-        with pytest.raises(SystemExit) as left:
-            main([*command.split(), "--help"])
-        assert left.value.code == 0, command
-
-
-def test_every_target_that_is_printed_exists(repository: Path, documents: list[Path]) -> None:
-    makefile = (repository / "Makefile").read_text()
-    printed = "".join(document.read_text() for document in documents)
-    for target in set(re.findall(r"(?:^|`)make ([a-z]+)", printed, re.MULTILINE)):
-        assert re.search(rf"^{target}:", makefile, re.MULTILINE), f"the Makefile has no target {target}"
 
 
 def test_links_and_pictures_lead_somewhere(documents: list[Path]) -> None:

@@ -288,7 +288,7 @@ SIZES = {  # what differs from the mean body, and whether a Wise pattern fits on
 }
 
 
-@pytest.mark.parametrize(("size", "side"), zip(SIZES, "LRLRLR", strict=True))
+@pytest.mark.parametrize(("size", "side"), [*zip(SIZES, "LRLRLR", strict=True)])
 def test_a_wise_pattern_looks_like_one_or_says_that_the_breast_is_too_small(torso: Rig, size: str, side: str) -> None:
     shapes, fits = SIZES[size]
     weights = rest_parameters(torso).weights.copy()

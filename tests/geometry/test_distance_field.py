@@ -79,10 +79,10 @@ def test_distances_are_those_of_another_implementation(make, rng: np.random.Gene
 @pytest.mark.parametrize("make", MESHES)
 def test_a_path_lies_on_the_mesh_and_is_as_long_as_the_exact_distance(make, rng: np.random.Generator) -> None:
     vertices, faces = make(rng)
-    sources, goals = somewhere(faces, 6, rng), somewhere(faces, 15, rng)
+    sources, goals = somewhere(faces, 3, rng), somewhere(faces, 10, rng)
     mesh, checked = HalfEdges(vertices, faces), 0
-    fields = DistanceFields(mesh, sources, np.full(6, np.inf))
-    for k in range(6):
+    fields = DistanceFields(mesh, sources, np.full(3, np.inf))
+    for k in range(3):
         far = fields.at(k, goals)
         for goal in np.flatnonzero(np.isfinite(far)):
             way = fields.path(k, one(goals, int(goal)))
@@ -90,10 +90,10 @@ def test_a_path_lies_on_the_mesh_and_is_as_long_as_the_exact_distance(make, rng:
             np.testing.assert_allclose(way[-1], one(goals, int(goal)).positions(vertices, faces)[0], atol=1e-12)
             assert length(way) == pytest.approx(far[goal], abs=1e-11)
             assert lies_on(vertices, faces, way)
-            back = Geodesics(vertices, faces).path(one(goals, int(goal)), one(sources, k)) if goal < 3 else way
+            back = Geodesics(vertices, faces).path(one(goals, int(goal)), one(sources, k)) if goal < 2 else way
             assert length(back) == pytest.approx(far[goal], abs=1e-9)
             checked += 1
-    assert checked > 60
+    assert checked > 20
 
 
 def test_measured_from_several_places_at_once_it_is_the_same(rng: np.random.Generator) -> None:
@@ -129,7 +129,7 @@ def test_two_parts_that_touch_in_a_point_are_connected_by_it() -> None:
     np.testing.assert_allclose(way, [[-2.0 / 3.0, 0.0, 0.0], [0.0, 0.0, 0.0], [2.0 / 3.0, 0.0, 0.0]], atol=1e-15)
 
 
-@pytest.mark.parametrize("radius", [0.004, 0.012, 0.03])
+@pytest.mark.parametrize("radius", [0.004, 0.03])
 def test_circles_on_the_torso_are_those_of_another_implementation(radius: float) -> None:
     torso = read_rig(default_rig_path())
     skin = Geodesics(torso.template, torso.faces)

@@ -89,17 +89,12 @@ def test_what_colours_show_counts_beside_picks_of_other_landmarks() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("stance", ["standing", "supine"])
-def test_three_true_picks_make_no_other_landmark_less_sure(stance: str) -> None:
+def test_three_true_picks_make_no_other_landmark_less_sure() -> None:
     """What form and colours say of the others stays beside picks, and so do the factors of their radii."""
-    place = asset_folder("example") / stance
+    place = asset_folder("example") / "supine"
     scan, (true, _) = breastrig.read_scan(place / "scan.ply", "m"), read_landmarks(place / "landmarks.json")
     before = breastrig.fit(scan).result["landmark_uncertainty_mm"]
-    for names in (("xiphoid", "acromion_L", "acromion_R"), ("suprasternal_notch", "midclavicle_L", "nipple_R")):
-        fit = breastrig.fit(scan, {name: [1e-3 * x for x in true[name]] for name in names})
-        after = fit.result["landmark_uncertainty_mm"]
-        grown = {
-            name: (before[name], after[name]) for name in after.keys() - names if after[name] > 1.02 * before[name]
-        }
-        assert not grown
-        assert sum(after[name] < 0.9 * before[name] for name in after) >= 5
+    picks = {name: [1e-3 * x for x in true[name]] for name in ("suprasternal_notch", "midclavicle_L", "nipple_R")}
+    after = breastrig.fit(scan, picks).result["landmark_uncertainty_mm"]
+    assert {name for name in after.keys() - picks.keys() if after[name] > 1.02 * before[name]} == set()
+    assert sum(after[name] < 0.9 * before[name] for name in after) >= 5

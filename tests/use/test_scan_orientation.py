@@ -14,7 +14,6 @@ import breastrig.fitting.starts.orientation as orientation_module
 import breastrig.use.fit as run_fit_module
 import breastrig.use.read_upload as read_upload_module
 from breastrig.core.assets import asset_folder
-from breastrig.execution.limits import FitLimits
 from breastrig.fitting import hypotheses, prepare_scan, propose, solve
 from breastrig.fitting import prepare_scan as kept_scan
 from breastrig.fitting.task import FitIterate, FitTask
@@ -26,8 +25,6 @@ from breastrig.scan import background
 from breastrig.scan.clean import Surface
 from breastrig.scan.hand_cuts import HandCut, cut_triangles
 from breastrig.scan.read import read_scan
-from breastrig.service.service import Service
-from breastrig.storage.storage import Storage
 from breastrig.use.fit import run_fit
 from breastrig.use.landmarks import ProposeJob, propose_on_file
 from breastrig.use.read_upload import UploadJob, read_upload
@@ -95,13 +92,12 @@ def events_of(scan: Path, out: Path, picks: dict[str, list[float]], **more: obje
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("picks", [PICKS, {}], ids=["with landmarks", "without"])
 def test_with_stance_auto_the_fit_that_shows_the_stance_is_the_fit(
-    picks: dict[str, list[float]], calls: dict[str, int], bare: dict[str, Path], tmp_path: Path
+    calls: dict[str, int], bare: dict[str, Path], tmp_path: Path
 ) -> None:
-    auto = events_of(bare["standing"], tmp_path / "auto", picks)
+    auto = events_of(bare["standing"], tmp_path / "auto", {})
     assert calls["fits"] == 1
-    asked = events_of(bare["standing"], tmp_path / "asked", picks, stance="standing")
+    asked = events_of(bare["standing"], tmp_path / "asked", {}, stance="standing")
     assert auto[0].stance == "standing"
     assert "the patient seems to stand" in auto[0].stance_reason
     assert [each.nodes for each in auto[1:-1]] == [each.nodes for each in asked[1:-1]]
@@ -209,18 +205,6 @@ def test_the_small_picture_is_the_same_with_the_rays_of_the_fit(
     monkeypatch.setattr(read_upload_module, "thumbnail_png", with_and_without)
     upload(bare[stance], tmp_path)
     assert made[0] == made[1]
-
-
-@pytest.mark.slow
-def test_the_service_uploads_with_its_own_model(tmp_path: Path) -> None:
-    write_rig(toy_rig(), tmp_path)
-    model = tmp_path / "toy.glb"
-    with (
-        Service(Storage(tmp_path / "data"), model=model, fits=FitLimits(workers=1)).started() as service,
-        (EXAMPLE / "scan.ply").open("rb") as scan,
-    ):
-        row, _ = service.uploads.add(scan, "ply", "auto")
-    assert row.facts["orientation"]["model_sha256"] == read_rig(model).sha256
 
 
 @pytest.mark.slow

@@ -25,10 +25,10 @@ from breastrig.volume.volume_mesh import REGIONS, VolumeMesh, outer_triangles
 Fitted = tuple[VolumeMesh, Array]
 
 
-@pytest.fixture(scope="module", params=["standing", "supine"])
-def fitted(request: pytest.FixtureRequest, rig: Rig, fits: Path) -> Fitted:
+@pytest.fixture(scope="module")
+def fitted(rig: Rig, fits: Path) -> Fitted:
     """The mesh of a fit, and the (V, 3) m skin that it was made from."""
-    fit = fit_folder_of(fits / request.param, rig)
+    fit = fit_folder_of(fits / "supine", rig)
     return volume_of(fit), fit.vertices
 
 

@@ -143,8 +143,6 @@ UNPICKED = {"radius": 80.0, "picked": False}
     ("standing", "lying", "said"),
     [
         ((1.0, 1.0), (1.5, 1.5), r"the breasts are \d+ % larger .*on the supine scan than on the standing scan"),
-        ((1.5, 1.5), (1.0, 1.0), r"the breasts are \d+ % smaller "),
-        ((1.0, 1.0), (1.6, 0.7), r"the left breast's part of both is \d+ % larger "),
         ((1.0, 1.0), (0.6, 1.6), r"the left breast's part of both is \d+ % smaller "),
     ],
 )
