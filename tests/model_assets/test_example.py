@@ -8,7 +8,6 @@ import pytest
 import trimesh
 
 from breastrig.core.assets import asset_folder
-from breastrig.geometry.boundary import boundary_edges
 from breastrig.rig.validation.torso import LANDMARKS
 
 STANCES = ("standing", "supine")
@@ -31,30 +30,6 @@ def places(stance: Path) -> dict[str, np.ndarray]:
     return {name: 1e-3 * np.array(place) for name, place in content["landmarks"].items()}
 
 
-def test_the_scan_has_the_size_of_a_tablet_scan_in_metres(scan: trimesh.Trimesh) -> None:
-    assert 25_000 <= len(scan.faces) <= 60_000
-    assert np.isfinite(scan.vertices).all()
-    assert 0.4 < np.ptp(scan.vertices, axis=0).max() < 1.0
-
-
-def test_the_files_are_small_and_binary(stance: Path) -> None:
-    data = (stance / "scan.ply").read_bytes()
-    assert data.startswith(b"ply\nformat binary_little_endian 1.0\n")
-    assert len(data) < 1_500_000
-
-
-def test_the_scan_has_skin_colours(scan: trimesh.Trimesh) -> None:
-    colours = np.asarray(scan.visual.vertex_colors)[:, :3].astype(float)
-    assert colours.std(axis=0).min() > 2.0
-    red, _, blue = np.median(colours, axis=0)
-    assert red > blue + 10
-
-
-def test_the_scan_is_open_and_has_holes_like_a_real_one(scan: trimesh.Trimesh) -> None:
-    assert len(boundary_edges(np.asarray(scan.faces))) > 300
-    assert scan.area > 0.25
-
-
 def test_every_landmark_lies_on_the_skin_that_was_scanned(stance: Path, scan: trimesh.Trimesh) -> None:
     marks = places(stance)
     assert set(marks) == set(LANDMARKS)
@@ -74,31 +49,6 @@ def test_left_is_the_patients_left(stance: Path, scan: trimesh.Trimesh) -> None:
     left = np.cross(head, front)
     for name in ("nipple", "acromion", "midclavicle", "inframammary_fold"):
         assert (marks[f"{name}_L"] - marks[f"{name}_R"]) @ left > 0
-
-
-def test_standing_is_upright_to_a_few_degrees_and_supine_looks_up() -> None:
-    for stance, front in (("standing", [0.0, 0.0, 1.0]), ("supine", [0.0, 1.0, 0.0])):
-        marks = places(asset_folder("example") / stance)
-        head = marks["suprasternal_notch"] - marks["xiphoid"]
-        across = marks["acromion_L"] - marks["acromion_R"]
-        found = np.cross(across, head)
-        assert found @ front / np.linalg.norm(found) > 0.8
-
-
-def test_lying_down_the_breasts_flatten_and_move_apart() -> None:
-    """In the frame of the breastbone of each stance."""
-    apart, depth = {}, {}
-    for stance in STANCES:
-        marks = places(asset_folder("example") / stance)
-        chest = (marks["suprasternal_notch"] + marks["xiphoid"]) / 2
-        across = marks["acromion_L"] - marks["acromion_R"]
-        across /= np.linalg.norm(across)
-        head = marks["suprasternal_notch"] - marks["xiphoid"]
-        front = np.cross(across, head / np.linalg.norm(head))
-        apart[stance] = (marks["nipple_L"] - marks["nipple_R"]) @ across
-        depth[stance] = ((marks["nipple_L"] + marks["nipple_R"]) / 2 - chest) @ front
-    assert apart["supine"] > apart["standing"] + 0.01
-    assert depth["supine"] < depth["standing"] - 0.01
 
 
 def test_the_case_says_what_it_is(stance: Path) -> None:

@@ -52,28 +52,19 @@ def test_only_the_versions_of_node_that_vite_runs_on_are_taken(
     assert build_page.is_new_enough(version) is answer
 
 
-def test_a_page_built_from_its_sources_is_fresh(build_page: ModuleType, web: Path) -> None:
+def test_a_page_is_fresh_until_one_of_its_sources_changes_or_it_is_gone(build_page: ModuleType, web: Path) -> None:
+    (web / "node_modules").mkdir()
+    for name in ("node_modules/three.js", "README.md"):  # it is not made from these
+        (web / name).write_text("")
     assert build_page.is_page_fresh(web)
-
-
-def test_a_changed_source_makes_the_page_stale(build_page: ModuleType, web: Path) -> None:
-    (web / "src" / "main.ts").write_text("2;")
+    source = web / "src" / "main.ts"
+    source.write_text("2;")
     assert not build_page.is_page_fresh(web)
-
-
-def test_a_new_source_makes_the_page_stale(build_page: ModuleType, web: Path) -> None:
+    source.write_text("1;")
     (web / "src" / "style.css").write_text("")
     assert not build_page.is_page_fresh(web)
-
-
-def test_files_that_the_page_is_not_made_from_do_not_matter(build_page: ModuleType, web: Path) -> None:
-    (web / "node_modules").mkdir()
-    (web / "node_modules" / "three.js").write_text("")
-    (web / "README.md").write_text("")
+    (web / "src" / "style.css").unlink()
     assert build_page.is_page_fresh(web)
-
-
-def test_a_missing_page_is_not_fresh(build_page: ModuleType, web: Path) -> None:
     (web / "dist" / "index.html").unlink()
     assert not build_page.is_page_fresh(web)
 

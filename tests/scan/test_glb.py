@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.scan_files import as_bytes, picture, tube
+from helpers.scan_files import picture
 from helpers.toy_rig import toy_rig
 
 import breastrig.scan.formats.gltf.glb as glb
@@ -372,11 +372,3 @@ def test_a_texture_is_placed_by_the_coordinates_that_its_material_names() -> Non
     scan = read_scan(changed(second, mesh_glb(RIG.template, RIG.faces, uv=RIG.uv, texture=picture())))
     assert scan.uv is not None
     np.testing.assert_allclose(scan.uv, RIG.uv, atol=1e-6)
-
-
-def test_the_libraries_reader_of_plain_files_agrees() -> None:
-    """Against trimesh's writer: meshes in a scene, with colours."""
-    mesh = tube()
-    scan = read_scan(as_bytes(mesh, "glb"))
-    np.testing.assert_allclose(scan.vertices, mesh.vertices, atol=1e-6)
-    np.testing.assert_array_equal(scan.faces, mesh.faces)

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 
 from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.scan.pictures import joined_textures
-from breastrig.scan.pictures.texture import LEFT_OUT, TURNED, pixels_of
+from breastrig.scan.pictures.texture import TURNED, pixels_of
 from breastrig.scan.piece import UNCOLOURED
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
@@ -48,28 +48,6 @@ def test_a_binary_stl_whose_title_begins_with_solid_is_not_taken_for_text() -> N
     assert len(read_scan(b"solid".ljust(80) + data[80:]).faces) == 384
 
 
-def test_quads_become_triangles() -> None:
-    rig = toy_rig()
-    lines = ["v {} {} {}".format(*vertex) for vertex in rig.template]
-    lines += [
-        f"f {12 * r + k + 1} {12 * r + (k + 1) % 12 + 1} {12 * r + (k + 1) % 12 + 13} {12 * r + k + 13}"
-        for r in range(16)
-        for k in range(12)
-    ]
-    assert len(read_scan("\n".join(lines).encode()).faces) == 384
-
-
-@pytest.mark.parametrize("kind", ["ply", "obj"])
-def test_vertex_colours_are_kept(kind: str) -> None:
-    mesh = tube()
-    colours = np.random.default_rng(3).integers(0, 256, (len(mesh.vertices), 3)).astype(np.uint8)
-    mesh.visual = trimesh.visual.ColorVisuals(mesh, vertex_colors=colours)
-    scan = read_scan(as_bytes(mesh, kind))
-    assert scan.colour_kind == "vertex"
-    assert scan.colours is not None
-    assert np.abs(scan.colours.astype(int) - colours).max() <= 1
-
-
 @pytest.mark.parametrize(("other", "shows"), [(180, False), (181, True)])
 def test_one_colour_everywhere_shows_nothing(other: int, shows: bool) -> None:
     mesh = tube()
@@ -81,87 +59,11 @@ def test_one_colour_everywhere_shows_nothing(other: int, shows: bool) -> None:
     assert scan.shows_colour == shows
 
 
-COLOURED = np.random.default_rng(6).integers(0, 256, (len(toy_rig().template), 3))
-
-
-def coloured_text(kind: str, numbers: str, colours: np.ndarray, names: str = "red green blue") -> bytes:
-    """The tube as text with these colours behind its places."""
-    rig = toy_rig()
-    rows = [
-        " ".join([*(f"{number:.9g}" for number in place), *(f"{number:.9g}" for number in colour)])
-        for place, colour in zip(rig.template, colours, strict=True)
-    ]
-    if kind == "obj":
-        faces = ["f {} {} {}".format(*(face + 1)) for face in rig.faces]
-        return "\n".join([*(f"v {row}" for row in rows), *faces, ""]).encode()
-    head, body = ply_text(rig.template, rig.faces).split(b"end_header\n", 1)
-    faces = body.decode().splitlines()[len(rows) :]
-    more = "".join(f"property {numbers} {name}\n" for name in names.split())
-    text = head.decode().replace("element face", f"{more}element face") + "end_header\n"
-    return (text + "\n".join([*rows, *faces, ""])).encode()
-
-
-@pytest.mark.parametrize(
-    "data",
-    [
-        coloured_text("obj", "", COLOURED / 255.0),
-        coloured_text("obj", "", COLOURED),
-        coloured_text("obj", "", np.column_stack([COLOURED / 255.0, np.ones(len(COLOURED))])),
-        coloured_text("ply", "uchar", COLOURED),
-        coloured_text("ply", "float", COLOURED / 255.0),
-        coloured_text("ply", "ushort", COLOURED * 257),
-        coloured_text("ply", "uchar", COLOURED, "diffuse_red diffuse_green diffuse_blue"),
-        coloured_text("ply", "uchar", COLOURED, "r g b"),
-    ],
-    ids=["OBJ to 1", "OBJ to 255", "OBJ with opacity", "PLY", "PLY to 1", "PLY of 16 bits", "diffuse", "r g b"],
-)
-def test_vertex_colours_are_read_however_a_program_writes_them(data: bytes) -> None:
-    scan = read_scan(data)
-    assert scan.colours is not None
-    np.testing.assert_array_equal(scan.colours, COLOURED)
-
-
-def test_our_own_display_mesh_comes_back_with_the_same_colours() -> None:
-    rig = toy_rig()
-    colours = np.random.default_rng(4).integers(30, 256, (len(rig.template), 3)).astype(np.uint8)
-    scan = read_scan(mesh_glb(rig.template, rig.faces, colours=colours))
-    assert scan.colours is not None
-    assert np.abs(scan.colours.astype(int) - colours).max() <= 1
-
-
-@pytest.mark.parametrize("kind", ["JPEG", "PNG"])
-def test_a_zip_with_obj_material_and_picture_keeps_its_texture(kind: str) -> None:
-    name = "skin.jpg" if kind == "JPEG" else "skin.png"
-    scan = read_scan(zipped({**textured_obj(name), name: picture(kind), "Preview.jpg": picture()}))
-    assert scan.colour_kind == "texture"
-    assert scan.shows_colour
-    assert scan.texture is not None
-    assert scan.uv is not None
-    assert pixels_of(scan.texture).shape == (8, 16, 3)
-    assert b"Jane Doe" not in scan.texture
-    assert scan.uv.shape == (len(scan.vertices), 2)
-
-
 def test_texture_coordinates_stay_with_their_vertices() -> None:
     scan = read_scan(zipped({**textured_obj(), "skin.jpg": picture()}))
     rig = toy_rig()
     assert scan.uv is not None
     np.testing.assert_allclose(scan.uv[scan.faces], rig.uv[rig.faces], atol=1e-5)
-
-
-def test_the_texture_of_a_glb_survives_writing_and_reading() -> None:
-    rig = toy_rig()
-    scan = read_scan(mesh_glb(rig.template, rig.faces, uv=rig.uv, texture=picture()))
-    assert scan.colour_kind == "texture"
-    assert scan.uv is not None
-    np.testing.assert_allclose(scan.uv, rig.uv, atol=1e-6)
-
-
-def test_an_obj_on_disk_finds_its_material_beside_it(tmp_path: Path) -> None:
-    for name, content in {**textured_obj(), "skin.jpg": picture()}.items():
-        (tmp_path / name).write_bytes(content)
-    assert read_scan(tmp_path / "model.obj").colour_kind == "texture"
-    assert read_scan(tmp_path / "model.obj", texture=False).texture is None
 
 
 def test_an_obj_never_reaches_outside_its_folder(tmp_path: Path) -> None:
@@ -173,17 +75,6 @@ def test_an_obj_never_reaches_outside_its_folder(tmp_path: Path) -> None:
     assert read_scan(inside / "model.obj").texture is None
     (inside / "secret.jpg").symlink_to(tmp_path / "secret.jpg")
     assert read_scan(inside / "model.obj").texture is None
-
-
-def test_a_missing_material_leaves_a_plain_scan() -> None:
-    scan = read_scan(textured_obj()["model.obj"])
-    assert scan.colour_kind == "none"
-
-
-def test_a_picture_of_another_kind_is_left_out_and_said(tmp_path: Path) -> None:
-    scan = read_scan(zipped({**textured_obj("skin.png"), "skin.png": b"GIF89a" + bytes(50)}))
-    assert scan.texture is None
-    assert scan.notes == (LEFT_OUT,)
 
 
 @pytest.mark.parametrize("turned", [False, True])
@@ -360,13 +251,6 @@ def test_words_in_any_character_set_do_not_matter() -> None:
             assert len(read_scan(data).faces) == 384
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "latin-1"])
-def test_a_picture_is_found_by_a_name_with_umlauts(encoding: str) -> None:
-    name = "Häut".encode(encoding)
-    files = {file: content.replace(b"skin", name) for file, content in textured_obj().items()}
-    assert read_scan(zipped({**files, "Häut.jpg": picture()})).colour_kind == "texture"
-
-
 @pytest.mark.parametrize("ends", [b"\r\n", b"\r"])
 @pytest.mark.parametrize("kind", ["ply", "obj", "stl_ascii"])
 def test_line_ends_of_any_system_do_not_matter(kind: str, ends: bytes) -> None:
@@ -380,26 +264,6 @@ def test_a_binary_ply_may_have_windows_line_ends_in_its_header() -> None:
     head, body = as_bytes(tube(), "ply").split(b"end_header\n", 1)
     data = head.replace(b"\n", b"\r\n") + b"end_header\r\n" + body
     np.testing.assert_array_equal(read_scan(data).vertices, read_scan(as_bytes(tube(), "ply")).vertices)
-
-
-def test_corners_counted_backwards_are_the_same_triangles() -> None:
-    """Some programs write each part of a mesh with corners such as -1, the last vertex so far."""
-    files = {**textured_obj(), "skin.jpg": picture()}
-    scan = read_scan(zipped(files))
-    lines = files["model.obj"].decode().splitlines()
-    places = [line for line in lines if line.startswith("v ")]
-    coordinates = [line for line in lines if line.startswith("vt ")]
-    faces = [line for line in lines if line.startswith("f ")]
-
-    def backwards(corner: str) -> str:
-        return "/".join(str(int(number) - 1 - len(places)) for number in corner.split("/"))
-
-    turned = ["f " + " ".join(map(backwards, line.split()[1:])) for line in faces]
-    again = [*lines[:2], *2 * [*places, *coordinates, *turned], ""]
-    other = read_scan(zipped({**files, "model.obj": "\n".join(again).encode()}))
-    found, wanted = (np.concatenate([one.vertices[one.faces], one.uv[one.faces]], axis=2) for one in (other, scan))
-    for half in (found[:384], found[384:]):
-        np.testing.assert_allclose(half, wanted, atol=1e-6)
 
 
 def test_a_text_ply_of_other_types_and_elements_is_read_whole() -> None:
