@@ -21,8 +21,7 @@ pytestmark = pytest.mark.long
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("all_sides", [False, True])
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize(("seed", "all_sides"), [(0, False), (1, True)])
 def test_a_scan_turned_at_random_is_put_upright(seed: int, all_sides: bool) -> None:
     rig = read_rig(default_rig_path())
     rng = np.random.default_rng(seed)
@@ -47,7 +46,7 @@ def test_a_scan_turned_at_random_is_put_upright(seed: int, all_sides: bool) -> N
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("part", ["left half", "above the nipples", "below the nipples"])
+@pytest.mark.parametrize("part", ["left half", "below the nipples"])
 def test_a_part_of_a_body_is_put_where_it_belongs(part: str) -> None:
     """Half the body's width or height, as a camera saw it from the front."""
     rig = read_rig(default_rig_path())
@@ -58,7 +57,6 @@ def test_a_part_of_a_body_is_put_where_it_belongs(part: str) -> None:
     nipples = true[rig.landmark_names.index("nipple_L"), 1]
     kept = {
         "left half": centres[:, 0] > 0.0,
-        "above the nipples": centres[:, 1] > nipples,
         "below the nipples": centres[:, 1] < nipples,
     }[part]
     fine, triangles = subdivided(vertices, rig.faces[kept & (centres[:, 2] > -0.02)])

@@ -4,7 +4,6 @@ sdist and wheel are built as `pip` would, the wheel from the sdist.  `npm` is bo
 package that carries its built page must not need Node.
 """
 
-import json
 import os
 import subprocess
 import sys
