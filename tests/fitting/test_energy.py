@@ -26,8 +26,7 @@ def energy(task: FitTask, x: RigParameters) -> float:
     return problem.energy(problem.terms(stage, 1.0, state, problem.matches(stage, 1.0, state)), state)
 
 
-@pytest.mark.parametrize("axis", range(3))
-@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@pytest.mark.parametrize(("axis", "sign"), [(0, 1.0), (1, -1.0), (2, 1.0)])
 def test_the_farther_a_fit_is_pushed_off_the_dearer_it_is(
     axis: int, sign: float, task: FitTask, fitted: RigParameters
 ) -> None:

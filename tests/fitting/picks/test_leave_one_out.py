@@ -41,7 +41,7 @@ def left_out_for_real(task: FitTask, name: str) -> float:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["nipple_L", "acromion_R", "umbilicus", "xiphoid"])
+@pytest.mark.parametrize("name", ["nipple_L", "umbilicus"])
 def test_first_order_agrees_with_a_fit_without_the_pick(torso: Rig, name: str) -> None:
     task = task_with(torso, 4, {name: np.array([0.0, 0.010, 0.0])})
     picks = left_out(task)
