@@ -108,7 +108,6 @@ def test_a_scan_of_one_colour_has_no_ink() -> None:
 )
 def test_hostile_scans_end_in_one_sentence(what: str, sentence: str, inked: Scan) -> None:
     assert inked.uv is not None
-    assert inked.picture is not None
     half = inked.picture[:5000]
     change = {
         "one uv": {"uv": np.zeros_like(inked.uv)},
@@ -125,7 +124,6 @@ def test_hostile_scans_end_in_one_sentence(what: str, sentence: str, inked: Scan
 def test_a_texture_at_random_shows_no_lines_and_a_scan_turned_inside_out_the_same(
     inked: Scan, ink: tuple[InkLine, ...]
 ) -> None:
-    assert inked.uv is not None
     assert find_ink(replace(inked, uv=3.0 * np.random.default_rng(0).normal(size=inked.uv.shape))) == ()
     assert [each.kind for each in find_ink(replace(inked, faces=inked.faces[:, ::-1]))] == [each.kind for each in ink]
 

@@ -43,7 +43,6 @@ def test_a_scratch_folder_is_its_owners_alone_and_is_gone_at_the_end(place: Path
 
 def test_the_folder_of_a_killed_process_is_removed_and_that_of_a_living_one_is_not(place: Path) -> None:
     with subprocess.Popen([sys.executable, "-c", HOLD], stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
         folder = Path(process.stdout.readline().strip())
         sweep_scratch()
         assert (folder / "scan.ply").is_file()

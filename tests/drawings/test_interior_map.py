@@ -95,7 +95,6 @@ def test_tissue_of_the_breasts_follows_the_skin_and_that_of_an_arm_the_fit(torso
 
 def test_tissue_sinks_outwards_on_both_sides_and_comes_back_the_same_way(torso: Rig) -> None:
     motions = lying_motion(torso)
-    assert motions is not None
     motion = motions[0]
     a = scanned(torso, torso.template, "standing", False)
     b = scanned(torso, moved(torso.template + motion), "supine", False)

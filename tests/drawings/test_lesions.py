@@ -87,7 +87,6 @@ def test_nine_of_ten_true_places_and_distances_are_held(ball: Rig) -> None:
         each = distances[kind]
         along = (each.point - found.center) / each.length
         changed = off @ along + known / 1.6449 * rng.normal(size=len(off))
-        assert each.margin is not None
         assert (np.abs(changed) <= each.margin).mean() == pytest.approx(0.9, abs=0.01), kind
     (standing,) = LesionsOnScan(walled, a, 0.5 * walled.template).own(given.items)
     assert {each.kind: each.margin for each in standing.distances}["chest_wall"] == pytest.approx(0.002)

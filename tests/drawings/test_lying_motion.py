@@ -20,7 +20,6 @@ TURN, SHIFT = exp_so3(np.array([1.2, -0.4, 0.3])), np.array([0.4, -0.2, 1.0])
 
 def known(rig: Rig) -> Array:
     moves = lying_motion(rig)
-    assert moves is not None
     return np.asarray(moves[0])
 
 
@@ -78,7 +77,6 @@ def test_skin_that_moves_as_in_everybody_is_carried_without_any_landmark(torso: 
 def test_a_woman_who_differs_is_carried_by_the_way_in_which_she_does(way: int, torso: Rig) -> None:
     """By two standard deviations, in one of the three ways in which women differ most; her nipples alone are known."""
     moves = lying_motion(torso)
-    assert moves is not None
     a = fitted_scan(torso, torso.template, "standing")
     b = fitted_scan(torso, (torso.template + moves[0] + 2.0 * moves[1 + way]) @ TURN.T + SHIFT, "supine")
     points = torso.landmark_points(("nipple_L", "nipple_R"))

@@ -27,7 +27,6 @@ LEFT = 0.01  # m, from where on a scan shows her
 def family(rig: Rig) -> CohortPrior:
     """Women with long trunks and large breasts that lie wide apart, whose scans left little open."""
     own = built_in(rig, "standing")
-    assert own is not None
     rng, prior = np.random.default_rng(8), no_cohort(rig)
     for _ in range(WOMEN):
         sums = Sums.of_woman(woman(rig, rng), 0.02 * own.covariance)
@@ -71,14 +70,11 @@ def test_what_a_fit_says_of_her_does_not_depend_on_the_prior_that_it_had(rig: Ri
     found = [
         contribution(Posterior(replace(task, rig=each), last.parameters)) for each in (rig, with_prior(rig, family))
     ]
-    assert found[0] is not None
-    assert found[1] is not None
     x, posterior = last.parameters, Posterior(task, last.parameters)
     np.testing.assert_allclose(found[0].mean, np.concatenate([x.scales.ravel(), x.weights]), atol=1e-6)
     assert np.trace(found[0].covariance) < np.trace(posterior.covariance())
     np.testing.assert_allclose(found[1].covariance, found[0].covariance, atol=1e-5)
     sums = parsed_contribution(contribution_bytes(found[0]), rig, "standing")
-    assert sums is not None
     np.testing.assert_allclose(sums.means, found[0].mean, atol=1e-6)
 
 
@@ -111,11 +107,9 @@ def test_the_geometric_mean_of_both_is_expected(rig: Rig, family: CohortPrior) -
     """Its log density is the mean of theirs, up to a constant."""
     recipe, own, rng = load_recipe("default"), built_in(rig, "standing"), np.random.default_rng(3)
     assert recipe.body is not None
-    assert own is not None
     known = with_prior(rig, family)
     posterior = cohort_posterior(known, recipe.shapes, recipe.body, "standing")
     expected = expected_body(known, recipe.shapes, recipe.body, "standing")
-    assert posterior is not None
     assert expected is not None
     bodies = own.mean + rng.standard_normal((5, len(own.mean))) @ np.linalg.cholesky(own.covariance).T
     found, theirs, built = (
@@ -129,16 +123,13 @@ def test_a_lying_fit_is_learned_of_and_expected_among_those_who_lie(rig: Rig) ->
     last = last_of(task)
     found = contribution(Posterior(ended(task, last), last.parameters))
     sums = parsed_contribution(contribution_bytes(found), rig, "supine")
-    assert found is not None
     assert sums is not None
     known = with_prior(rig, cohort_of_scans(rig, ((str(number), "supine", sums) for number in range(WOMEN))))
     off = {}
     for stance in ("supine", "standing"):
         own, recipe = built_in(rig, stance), load_recipe("default")
-        assert own is not None
         assert recipe.body is not None
         expected = expected_body(known, recipe.shapes, recipe.body, stance)
-        assert expected is not None
         away = np.array([expected.mean, own.mean]) - found.mean
         off[stance] = np.linalg.norm(np.linalg.solve(np.linalg.cholesky(own.covariance), away.T), axis=0)
         again = prior_terms(replace(task, rig=known, stance=stance))[0]

@@ -62,12 +62,9 @@ def test_an_unclear_start_makes_the_lines_less_sure_and_the_verdict_says_how_far
     alone: Posterior, clearness: float
 ) -> None:
     found, wanted = judge(alone, Status.CONVERGED, NONE, clearness=clearness), radii(alone, clearness)
-    assert found.radii is not None
-    assert wanted is not None
     assert found.radii.lines == wanted.lines
     assert found.radii.landmarks == wanted.landmarks
     limits = verdict_limits(alone.task.rig)
-    assert limits is not None
     far = "Lines may be far off; "
     assert any(reason.startswith(far) for reason in found.verdict.reasons) == (wanted.lines > limits.lines.check)
     assert (wanted.lines > limits.lines.check) == (clearness < 0.2)
@@ -93,8 +90,6 @@ def test_an_unusual_size_is_a_note_and_an_unlikely_one_is_to_be_checked(
     larger: float, deviations: float, level: str | None, torso: Rig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     limits = verdict_limits(torso)
-    assert limits is not None
-    assert limits.size is not None
     assert (limits.size.asked, limits.size.unlikely) == (2.0, 3.0)
     sign = 1.0 if larger > 1.0 else -1.0
     monkeypatch.setattr(verdict_module, "times_larger", lambda *_: (larger, sign * deviations))
@@ -142,7 +137,6 @@ def test_notes_stand_behind_what_is_to_be_checked_and_make_no_fit_worth_a_check(
 
 def test_no_place_is_known_where_lines_may_be_a_breasts_radius_off() -> None:
     limits = verdict_limits(read_rig(default_rig_path()))
-    assert limits is not None
     assert limits.lines.check < limits.lines.placed < limits.lines.unknown == pytest.approx(ACROSS * 0.06, abs=1e-3)
     assert said(error=0.999 * limits.lines.placed).level == "good"
     assert said(error=1.001 * limits.lines.placed).level == "check"
@@ -152,7 +146,6 @@ def test_no_place_is_known_where_lines_may_be_a_breasts_radius_off() -> None:
 
 def test_breasts_that_hang_have_limits_of_their_own() -> None:
     limits = verdict_limits(read_rig(default_rig_path()))
-    assert limits is not None
     own = {name: limit for name, limit in limits.signals.items() if limit.hanging is not None}
     assert own
     alone = GivenLandmarks(picked=0, left=12, followed=0)

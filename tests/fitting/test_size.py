@@ -16,7 +16,6 @@ TURN = exp_so3(np.array([0.3, -1.1, 0.7]))
 
 def size_of(vertices: Array) -> tuple[float, float]:
     limits = verdict_limits(RIG)
-    assert limits is not None
     assert limits.size is not None
     found = times_larger(RIG, vertices, ScanTarget(vertices, RIG.faces), "standing", limits.size)
     assert found is not None

@@ -44,7 +44,6 @@ NAVEL = PickIssue(
 
 def beyond_no_torso(*names: str) -> FitSignals:
     """A right fit but for these signals, which are a little beyond their second limit."""
-    assert LIMITS is not None
     values = {}
     for name in names:
         limit = LIMITS.signals[name]
@@ -53,7 +52,6 @@ def beyond_no_torso(*names: str) -> FitSignals:
 
 
 def test_the_limits_stand_on_the_side_that_they_say() -> None:
-    assert LIMITS is not None
     for name, limit in LIMITS.signals.items():
         assert (limit.no_torso > limit.check) == limit.above, name
         value = asdict(RIGHT)[name]
@@ -77,7 +75,6 @@ def test_one_signal_alone_is_to_be_checked_and_named(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_where_landmarks_place_the_fit_a_signal_that_no_right_fit_has_is_a_note(name: str) -> None:
-    assert LIMITS is not None
     limit = LIMITS.signals[name]
     between = replace(RIGHT, **{name: 0.1 * limit.check + 0.9 * limit.no_torso})
     assert verdict(between, Status.CONVERGED, LIMITS, ALL) == Verdict("good", ())
@@ -88,7 +85,6 @@ def test_where_landmarks_place_the_fit_a_signal_that_no_right_fit_has_is_a_note(
 
 
 def test_more_and_more_signals_make_it_unusable_and_then_no_torso() -> None:
-    assert LIMITS is not None
     levels = [
         verdict(beyond_no_torso(*NAMES[:count]), Status.CONVERGED, LIMITS, NONE) for count in range(len(NAMES) + 1)
     ]
@@ -251,7 +247,6 @@ STRENGTHS = (0.5, 1.5)  # between both limits, beyond the second
 def all_verdicts() -> Iterator[tuple[str, GivenLandmarks, Verdict]]:
     """Every combination of what decides, with signals alone and together."""
     limits = LIMITS
-    assert limits is not None
 
     def with_signals(strengths: dict[str, float]) -> FitSignals:
         span = {n: limits.signals[n].no_torso - limits.signals[n].check for n in strengths}

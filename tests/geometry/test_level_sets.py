@@ -47,7 +47,6 @@ def test_the_longest_of_two_loops_is_taken_in_order() -> None:
         np.linalg.norm(vertices - [0.04, 0.0, 0.0], axis=1), np.linalg.norm(vertices - [-0.06, 0.0, 0.0], axis=1) + 0.01
     )
     loop = longest_loop(faces, values, 0.03)
-    assert loop is not None
     ends = vertices[loop.edges]
     assert (ends[:, :, 0] > 0.0).all()  # the circle of 30 mm, not the one of 20
     inside = values[loop.edges] < 0.03

@@ -45,7 +45,6 @@ def refused_or_sound(folder: Path, name: str, content: bytes) -> None:
         assert refused.endswith(".")
         assert "\n" not in refused
         return
-    assert rig is not None
     vertices = len(rig.template)
     assert rig.faces.max() < vertices
     assert rig.skin_weights.shape == (vertices, len(rig.bones))

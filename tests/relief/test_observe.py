@@ -56,7 +56,6 @@ def seen(target: ScanTarget, name: str, heights: Heights) -> LandmarkObservation
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_navel_is_found_where_its_dent_is(at: tuple[float, float], seed: int) -> None:
     found = seen(skin(lambda x, y: belly(x, y) + dent(x, y, at), seed=seed), NAVEL, belly)
-    assert found is not None
     assert found.is_place
     assert found.reason == "dent seen"
     off = found.place - [*at, float((belly(*np.array([at]).T) + dent(*np.array([at]).T, at))[0])]
@@ -103,7 +102,6 @@ def furrow(x: Array, y: Array) -> Array:
 
 def test_a_fold_says_how_high_it_is_and_not_where_along_it_the_landmark_lies() -> None:
     found = seen(skin(furrow), FOLD, belly)
-    assert found is not None
     assert not found.is_place
     up = np.array([0.0, 1.0, 0.0])
     assert abs(found.place @ up - 0.006) < 0.003
@@ -120,7 +118,6 @@ def test_a_notch_is_drawn_to_where_the_profile_is_most_concave() -> None:
         return np.asarray(-(x**2) / 0.5 + 0.6 * bend - dent(x, y, (0.0, 0.012)) * -0.5)
 
     found = seen(skin(neck), NOTCH, neck)
-    assert found is not None
     off = found.place - [0.0, 0.012, found.place[2]]
     assert np.linalg.norm(off) < 0.007
     assert off @ np.linalg.solve(found.covariance, off) < 2.0**2

@@ -32,7 +32,6 @@ def tip_of(length: float, near: Array) -> ShoulderTip | None:
 @pytest.mark.parametrize("off", [(0.0, 0.03, 0.0), (0.02, 0.02, 0.02), (-0.01, 0.05, -0.02)])
 def test_the_tip_lies_above_the_joint_wherever_the_form_had_it(off: tuple[float, float, float]) -> None:
     found = tip_of(0.25, JOINT + off)
-    assert found is not None
     out, up, front = found.place - JOINT
     assert out == pytest.approx(RADIUS - RULES.edge_beyond, abs=0.003)
     assert front == pytest.approx(RADIUS - RULES.front_before, abs=0.003)
@@ -43,9 +42,7 @@ def test_the_tip_lies_above_the_joint_wherever_the_form_had_it(off: tuple[float,
 
 def test_a_wider_shoulder_has_its_tip_farther_out() -> None:
     narrow = tip_of(0.25, JOINT + RADIUS * UP)
-    assert narrow is not None
     moved = shoulder_tip(*scaled(1.2), 1.2 * JOINT + RADIUS * UP, RULES)
-    assert moved is not None
     assert moved.place[0] > narrow.place[0] + 0.025
 
 

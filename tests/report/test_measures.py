@@ -71,7 +71,6 @@ def test_a_symmetric_model_has_ratios_of_1_and_differences_of_0(of_at_rest: dict
     assert {row.measure for row in rows} == {*LENGTHS, "volume", "M1", "M2", "M3", "M4", "M5", "M6"}
     for row in rows:
         if row.kind == "ratio":
-            assert row.value is not None
             assert row.value.value == pytest.approx(1.0, abs=1e-3)
         elif row.difference is not None:
             assert row.difference.value == pytest.approx(0.0, abs=TOLERANCE[row.unit])
@@ -93,16 +92,11 @@ def test_the_larger_breast_has_more_volume_and_a_longer_way_to_the_notch(
     of_the_asymmetric: dict[tuple[str, str], Row],
 ) -> None:
     volume = of_the_asymmetric["volume", "volume"]
-    assert volume.left is not None
-    assert volume.right is not None
     assert volume.left.value > volume.right.value + 50.0
     for side in (volume.left, volume.right):
-        assert side.low is not None
-        assert side.high is not None
         assert 0.0 < side.low < side.value < side.high
     for kind in ("straight", "along the skin"):
         difference = of_the_asymmetric["notch_nipple", kind].difference
-        assert difference is not None
         assert difference.value > 3.0
     ratios = [row.value.value for row in of_the_asymmetric.values() if row.kind == "ratio" and row.value]
     assert all(0.0 <= ratio <= 1.0 for ratio in ratios)
@@ -132,7 +126,6 @@ def test_picked_landmarks_win_and_every_row_says_so(rig: Rig, asymmetric: Stance
     pick = at["nipple_L"] + [0.0, 0.004, 0.003]
     rows = by_name(measures(replace(asymmetric, picked={"nipple_L": pick})))
     row = rows["notch_nipple", "straight"]
-    assert row.left is not None
     assert row.left.value == pytest.approx(1e3 * np.linalg.norm(pick - at["suprasternal_notch"]), abs=1e-9)
     assert "nipple_L (picked)" in row.landmarks
     assert "suprasternal_notch (model)" in row.landmarks
@@ -154,8 +147,6 @@ def test_the_base_is_as_wide_as_callipers_held_in_front_of_the_chest_find_it(
 ) -> None:
     width = of_at_rest["base_width", "straight"].left
     outline = at_rest.shape("breast_base_L")
-    assert width is not None
-    assert outline is not None
     line = outline.points.positions(at_rest.vertices, at_rest.rig.faces)
     assert width.value == pytest.approx(1e3 * np.ptp(line[:, 0]), abs=0.5)  # not 147 mm, the way through the chest
 
@@ -199,9 +190,6 @@ def test_bands_are_as_wide_as_the_radii_of_the_ends_say(
     known = replace(at_rest, landmark_radii=radii, radii=np.full(len(at_rest.vertices), 0.006))
     rows = by_name(measures(known))
     notch = rows["notch_nipple", "straight"].left
-    assert notch is not None
-    assert notch.low is not None
-    assert notch.high is not None
     assert notch.high - notch.value == pytest.approx(5.0)
     assert notch.value - notch.low == pytest.approx(5.0)
     for row in rows.values():
@@ -222,7 +210,6 @@ def test_every_row_has_the_lines_that_were_measured_and_they_are_as_long_as_it_s
             assert set(row.paths) == {name for name, value in sides.items() if value is not None}
             for name, line in row.paths.items():
                 value = sides[name]
-                assert value is not None
                 walked = 1e3 * np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
                 assert walked == pytest.approx(abs(value.value), abs=1e-6), (row.measure, row.kind)
         elif row.measure == "M1":
@@ -309,7 +296,6 @@ def test_ratios_compare_the_lowest_and_the_most_lateral_point_of_each_breast(
         apart["M6"].append(abs(float(frame.lateral(far))))
     for name, pair in apart.items():
         value = rows[name, "ratio"].value
-        assert value is not None
         assert value.value == pytest.approx(min(pair) / max(pair))
         assert value.value < 0.995
 
@@ -323,7 +309,6 @@ def test_the_band_of_a_volume_is_smaller_inwards_and_larger_outwards(
 
     monkeypatch.setattr(volume_module, "volume_above", above)
     found = volume_module.breast_volume(at_rest, "R")
-    assert found is not None
     gap = 0.01 * abs(float(np.nanmean(at_rest.distances[vertices_within(at_rest.rig, "R")])))
     assert found.value == pytest.approx(1e-3)
     assert (found.low, found.high) == pytest.approx((1e-3 - np.hypot(4e-4, gap), 1e-3 + np.hypot(6e-4, gap)))

@@ -55,12 +55,9 @@ def lowered(stance: Stance, nipple_mm: float, side: str = "L") -> Stance:
 def test_the_nipples_height_is_measured_against_the_fold_of_its_own_side(at_rest: Stance, wanted: float) -> None:
     rows = by_name(lowered(at_rest, wanted))
     heights, before = rows["nipple_above_fold"], by_name(picked(at_rest))["nipple_above_fold"]
-    assert heights.left is not None
     assert heights.left.value == pytest.approx(wanted, abs=0.01)
     assert heights.right == before.right
     graded = rows["ptosis"]
-    assert graded.left is not None
-    assert rows["lowest_point_above_fold"].left is not None
     assert graded.left.value == grade(1e-3 * wanted, 1e-3 * rows["lowest_point_above_fold"].left.value)
     assert graded.difference is None
 
@@ -69,8 +66,6 @@ def test_more_ptosis_of_the_model_is_a_lower_nipple_and_contour(at_rest: Stance,
     rest, hanging = by_name(picked(at_rest)), by_name(picked(asymmetric))
     for measure, least_mm in (("nipple_above_fold", 2.0), ("lowest_point_above_fold", 0.3)):
         before, after = rest[measure].left, hanging[measure].left
-        assert before is not None
-        assert after is not None
         assert after.value < before.value - least_mm, measure
 
 
@@ -80,16 +75,11 @@ def test_the_band_of_picked_heights_is_a_clicks_and_the_leans_and_opens_the_grad
     known = replace(stance, landmark_radii=radii, radii=np.full(len(stance.vertices), 0.006))
     rows, errors = by_name(known), measure_calibration(at_rest.rig).heights
     value, graded, low = (rows[name].left for name in ("nipple_above_fold", "ptosis", "lowest_point_above_fold"))
-    assert value is not None
-    assert value.high is not None
     offset = (stance.picked["nipple_L"] - stance.picked["inframammary_fold_L"])[[0, 2]]
     assert value.high - value.value == pytest.approx(
         1e3 * np.linalg.norm([errors.picked, errors.picked, LEAN * np.linalg.norm(offset)]), rel=1e-3
     )
-    assert low is not None
-    assert low.high is not None
     assert low.high - low.value >= 1e3 * np.hypot(errors.picked, errors.lowest)
-    assert graded is not None
     assert (graded.low, graded.value) == (0.0, 1.0)
     assert grade_text(graded).split()[0] == "I"
     assert grade_text(graded).startswith("I  (none to ")
@@ -119,10 +109,8 @@ def test_a_fold_that_its_breast_covers_is_taken_at_the_xiphoids_level(at_rest: S
         radii=np.full(len(at_rest.vertices), 0.006),
     )
     row = by_name(stance)["nipple_above_fold"]
-    assert row.left is not None
     assert row.right is not None
     assert row.left.value == pytest.approx(-20.0 - 1e3 * errors.fold_over_xiphoid, abs=0.01)
-    assert row.left.low is not None
     assert row.left.value - row.left.low > 1e3 * errors.hidden_fold
     assert {"xiphoid (picked)", "inframammary_fold_R (model)"} <= set(row.landmarks)
     assert "inframammary_fold_L (model)" not in row.landmarks

@@ -46,7 +46,6 @@ def stance(rig: Rig, joint: Array | None, **changes: object) -> Stance:
 def between(rig: Rig, joint: Array) -> Array:
     """(3 L, 3 L) m², of which differences of the two sides are drawn."""
     known = measure_calibration(rig)
-    assert known is not None
     shared = between_sides(
         (tuple(rig.landmark_names), joint), body_frame(rig, rig.template), known.sides.apart["standing"]
     )
@@ -83,12 +82,8 @@ def test_nine_of_ten_true_lengths_and_differences_are_held(name: str, rig: Rig) 
     assert row.difference is not None
     left, apart = lengths(draws(rig, joint))[0], np.subtract(*lengths(draws(rig, between(rig, joint))))
     for true, value in ((1e3 * left, row.left), (1e3 * apart, row.difference)):
-        assert value.low is not None
-        assert value.high is not None
         assert np.mean((true >= value.low) & (true <= value.high)) == pytest.approx(0.9, abs=0.02)
     alone = straight(stance(rig, None))[name]
-    assert alone.between is not None
-    assert row.difference.margin is not None
     assert row.difference.margin < 0.3 * alone.between
 
 
@@ -106,13 +101,8 @@ def test_nine_of_ten_differences_of_the_distances_to_the_midline_are_held(seed: 
         return [off[:, names.index(name)] - plane for name in ("nipple_L", "nipple_R")]
 
     for true, value in ((outwards(joint)[0], row.left), (sum(outwards(between(rig, joint))), row.difference)):
-        assert value is not None
-        assert value.margin is not None
         assert np.mean(np.abs(1e3 * true) <= value.margin) == pytest.approx(0.9, abs=0.02)
-    assert row.difference is not None
     assert alone.not_known == ("difference",)
-    assert alone.left is not None
-    assert row.difference.margin is not None
     assert row.difference.margin < 0.3 * (alone.left.margin or 0.0)
 
 
@@ -146,11 +136,9 @@ def test_sides_are_off_alike_more_and_unlike_less_than_a_fit_says(apart: float, 
 def test_what_is_no_landmark_is_off_alike_on_both_sides(rig: Rig) -> None:
     """M6 has no landmark at all: its ends are off by what was measured, most of it on both sides."""
     found, known, frame = stance(rig, covariance(rig, 1)), measure_calibration(rig), body_frame(rig, rig.template)
-    assert known is not None
     assert 0.6 < known.sides.lowest < 0.9
     assert 0.6 < known.sides.lateral < 0.9
     (row,) = (row for row in measures(found) if row.measure == "M6")
-    assert row.value is not None
     lengths = [abs(float(frame.lateral(row.paths[side][0]))) for side in ("left", "right")]
     half, shared = known.ends.lateral.of(0.004), known.sides.lateral
     drawn = np.random.default_rng(3).multivariate_normal([0.0, 0.0], [[1.0, shared], [shared, 1.0]], 50_000)
@@ -165,14 +153,10 @@ def test_differences_of_what_the_outline_measures_take_what_both_sides_share(
 ) -> None:
     row = next(row for row in measures(stance(rig, covariance(rig, 1))) if row.measure == name)
     known = measure_calibration(rig)
-    assert known is not None
     shared = getattr(known.sides, correlation)
     assert 0.4 < shared < 0.7
-    assert row.left is not None
-    assert row.right is not None
     a, b = row.left.margin or 0.0, row.right.margin or 0.0
     pair = np.random.default_rng(3).multivariate_normal([0.0, 0.0], [[1.0, shared], [shared, 1.0]], 50_000) / 1.645
-    assert row.between is not None
     assert np.mean(np.abs(pair @ [a, -b]) <= row.between) == pytest.approx(0.9, abs=0.01)
 
 
@@ -192,7 +176,6 @@ def test_of_picked_ends_the_one_that_both_sides_share_counts_by_what_it_changes(
     at = dict(zip(rig.landmark_names, rig.landmark_points().positions(rig.template, rig.faces), strict=True))
     found = stance(rig, covariance(rig, 1), picked=at, landmark_radii=dict.fromkeys(at, 0.005))
     row = straight(found)["notch_nipple"]
-    assert row.difference is not None
     ways = {side: at[f"nipple_{side}"] - at["suprasternal_notch"] for side in SIDES}
     left, right = (ways[side] / np.linalg.norm(ways[side]) for side in SIDES)
     wanted = 5.0 * np.sqrt(2.0 + float((left - right) @ (left - right)))
@@ -216,7 +199,6 @@ def halves(*rows: Row, of: str) -> tuple[float, ...]:
 
 def test_two_fits_without_picks_are_off_alike_in_a_length(rig: Rig) -> None:
     known = measure_calibration(rig)
-    assert known is not None
     shared = known.stances.lengths
     assert 0.3 < shared < 0.7
     one, two, change = changed(rig, "notch_nipple")
@@ -302,8 +284,6 @@ def test_ratios_are_sure_of_what_moves_both_sides_alike(name: str, rig: Rig) -> 
         sure_skin(rig, None, landmark_radii=stance(rig, joint).landmark_radii)[name],
     )
     exact = sure_skin(rig, np.zeros_like(joint))[name].value
-    assert row.value is not None
-    assert exact is not None
     assert row.value.margin == pytest.approx(exact.margin, abs=2e-3)  # of the ends that are no landmarks, if it has any
     assert name == "M5" or alone.value is None or (alone.value.margin or 0.0) > 0.05
 
@@ -315,7 +295,6 @@ def test_nine_of_ten_true_ratios_are_held(name: str, rig: Rig) -> None:
     assert value is not None
     names, axes = list(rig.landmark_names), body_frame(rig, rig.template).axes
     drawn, known = draws(rig, between(rig, joint)), measure_calibration(rig)
-    assert known is not None
     error, shared = {
         "M2": (known.ends.lowest, known.sides.lowest),
         "M4": (known.ends.lateral, known.sides.lateral),
@@ -347,12 +326,7 @@ def test_differences_of_heights_are_sure_of_folds_that_move_alike(name: str, rig
     nipples = {each: at[each] for each in ("nipple_L", "nipple_R")}
     row = sure_skin(rig, moved_alike(rig), picked=nipples)[name]
     known = measure_calibration(rig)
-    assert known is not None
     own = known.heights.picked if name.startswith("nipple") else known.heights.lowest
-    assert row.difference is not None
-    assert row.left is not None
-    assert row.left.margin is not None
     assert 1e3 * np.sqrt(2.0) * own <= (row.difference.margin or 0.0) < row.left.margin + 1e3 * own
-    assert row.between is not None
     unshared = sure_skin(rig, np.diag(np.diag(moved_alike(rig))), picked=nipples)[name]
     assert row.between < 0.6 * (unshared.between or 0.0)

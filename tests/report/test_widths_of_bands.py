@@ -34,8 +34,6 @@ def ratios(found: Stance) -> dict[str, Row]:
 
 def margin(row: Row) -> float:
     """Downwards, where no ratio's end is in the way."""
-    assert row.value is not None
-    assert row.value.low is not None
     return row.value.value - row.value.low
 
 
@@ -52,7 +50,6 @@ def test_nine_of_ten_ratios_are_held(correlation: float) -> None:
     spread = np.outer(halves, halves) * np.array([[1.0, correlation], [correlation, 1.0]]) / 1.645**2
     a, b = rng.multivariate_normal([one, other], spread, 100_000).T
     found = ratio_half_width((one, other), ((), ()), Points(halves, correlation), None, 1.0)
-    assert found is not None
     assert np.mean(np.abs(a / b - one / other) <= found) == pytest.approx(0.9, abs=0.01)
     turned = ratio_half_width((other, one), ((), ()), Points(halves[::-1], correlation), None, 1.0)
     assert turned == pytest.approx(found)
@@ -115,7 +112,6 @@ def test_nipples_that_rise_together_keep_their_difference_in_height(rig: Rig) ->
     nipples = rig.landmark_points(("nipple_L", "nipple_R")).positions(stance(rig).vertices, rig.faces)
     apart = float(np.abs(np.diff(frame.lateral(nipples)))[0])
     known = measure_calibration(rig)
-    assert known is not None
     share = known.sides.apart["standing"]
     assert margin(own) == pytest.approx(share * 1.645 * 0.01 * np.sqrt(2.0) * frame.axes[1, 1] / apart, rel=1e-3)
 
@@ -132,7 +128,6 @@ def test_an_error_grows_with_the_radius_from_its_least_on_and_lying_breasts_have
     spread = Spread(least=0.003, share=0.5)
     assert [spread.of(radius) for radius in (0.0, 0.008)] == pytest.approx([0.003, 0.005])
     known = measure_calibration(rig)
-    assert known is not None
     assert known.outline("supine") == known.supine != known.standing
     assert known.outline("standing") == known.outline("prone") == known.standing
 
@@ -141,10 +136,8 @@ def test_a_volume_is_off_by_its_outline_and_by_the_skin_between(rig: Rig) -> Non
     """The outline's error is that of the mean radius along it; skin off by 2 mm is off by that over the whole area."""
     found = stance(rig)
     whole = breast_volume(found, "L")
-    assert whole is not None
     off = found.vertices + 0.002 * np.array([0.0, 0.0, 1.0])
     gap = breast_volume(replace(found, scan_vertices=off), "L")
-    assert gap is not None
     assert gap.value == pytest.approx(whole.value)
     inside = vertices_within(rig, "L")
     hidden = gap.area * abs(float(np.nanmean(replace(found, scan_vertices=off).distances[inside])))
@@ -156,13 +149,9 @@ def test_a_volume_is_off_by_its_outline_and_by_the_skin_between(rig: Rig) -> Non
     uneven = np.random.default_rng(1).uniform(0.002, 0.018, len(found.radii))
     near = breast_volume(replace(found, radii=uneven), "L")
     outline = breast_outline(rig, "L")
-    assert outline is not None
     line = resampled(outline.points.positions(found.vertices, rig.faces), SPACING, closed=True)
     mean = float(found.on_model(line).positions(uneven[:, None], rig.faces).mean())
     even = breast_volume(replace(found, radii=np.full(len(uneven), mean)), "L")
     most = breast_volume(replace(found, radii=np.full(len(uneven), 0.018)), "L")
-    assert near is not None
-    assert even is not None
-    assert most is not None
     assert near.high == pytest.approx(even.high, rel=1e-6)
     assert most.high - most.value > 1.3 * (near.high - near.value)

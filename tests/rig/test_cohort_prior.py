@@ -66,7 +66,6 @@ def test_a_prior_is_of_one_rig(rig: Rig, own: Gaussian) -> None:
     known = with_prior(rig, prior)
     assert known is with_prior(rig, parsed_prior(prior.content(), "again"))
     found = cohort_of(known)
-    assert found is not None
     assert found.content() == prior.content()
     assert with_prior(rig, no_cohort(rig)) is rig
 
@@ -100,7 +99,6 @@ def test_women_of_a_family_move_the_mean_and_narrow_what_they_share(rig: Rig, ow
     root = np.linalg.cholesky(own.covariance)
     sums = women(rig, own, 60, 5, shift=1.0).stances["standing"]
     posterior = posterior_of(rig, sums, own)
-    assert posterior is not None
     whitened = np.linalg.solve(root, np.linalg.solve(root, posterior.expected.covariance).T)
     assert np.linalg.eigvalsh(whitened).min() > 0.0
     assert posterior.gain > 1.0
@@ -126,7 +124,6 @@ def test_no_side_is_preferred(rig: Rig, own: Gaussian) -> None:
         0.5 * (own.mean + own.mean[other]), 0.5 * (own.covariance + own.covariance[np.ix_(other, other)])
     )
     posterior = posterior_of(rig, women(rig, own, 30, 7, shift=1.0).stances["standing"], symmetric)
-    assert posterior is not None
     np.testing.assert_allclose(posterior.expected.mean, posterior.expected.mean[other], atol=1e-9)
     np.testing.assert_allclose(
         posterior.expected.covariance, posterior.expected.covariance[np.ix_(other, other)], atol=1e-9
@@ -143,8 +140,6 @@ def test_a_woman_beyond_all_bounds_counts_as_one_at_the_bound(rig: Rig, own: Gau
     bound = FARTHEST * np.sqrt(len(own.mean))
     far = parsed_contribution(content(100.0 * bound), rig, "standing")
     near = parsed_contribution(content(0.5 * bound), rig, "standing")
-    assert far is not None
-    assert near is not None
     assert np.linalg.norm(np.linalg.solve(root, far.means - own.mean)) == pytest.approx(bound, rel=1e-4)
     np.testing.assert_allclose(near.means, own.mean + 0.5 * bound * root[:, 0], atol=1e-5)
     for wrong in (b"", content(1.0)[:-4], content(float("nan")), content(1.0)[:328] + content(1.0)[:328] * 41):

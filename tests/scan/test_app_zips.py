@@ -58,7 +58,6 @@ def test_the_textured_mesh_is_read_with_its_own_picture(app: str) -> None:
     scan = read_scan(zipped(APPS[app]))
     rig = toy_rig()
     assert scan.colour_kind == "texture"
-    assert scan.uv is not None
     np.testing.assert_allclose(scan.vertices[scan.faces], rig.template[rig.faces], atol=1e-6)
     np.testing.assert_allclose(scan.uv[scan.faces], rig.uv[rig.faces], atol=1e-5)
 

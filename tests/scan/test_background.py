@@ -128,7 +128,6 @@ def test_the_planes_are_kept_with_the_scan() -> None:
     place = Similarity(1.0, np.eye(3), np.zeros(3))
     known = ScanOrientation(rig.sha256, ready.frame, place, 0.5, "standing", "So it is.")
     kept = orientation_from(json.loads(json.dumps(known.facts())), rig)
-    assert kept is not None
     assert len(kept.frame.background) == 2
     again = prepared(joined(body(), FLOOR, WALL), "auto", kept.frame)
     np.testing.assert_array_equal(again.target.vertices, ready.target.vertices)

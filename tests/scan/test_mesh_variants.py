@@ -362,7 +362,6 @@ def test_a_tile_whose_picture_is_missing_is_said(written: str) -> None:
     scan = read_scan(zipped({"a.obj": tiled_obj(), "scan.mtl": f"{MTL}map_Kd {written}\n".encode(), **pictures}))
     assert scan.notes == (tiles.MISSING.format(count=1), UNPAINTED)
     found = shown_colours(scan)
-    assert found is not None
     far, which = cKDTree(scan.vertices[scan.faces].mean(axis=1)).query(CENTRES)
     assert far.max() < 2e-5
     assert np.abs(found[which] - TRUE)[ACROSS < 2].mean() < 3.0
@@ -373,7 +372,6 @@ def test_a_tile_whose_picture_is_missing_is_said(written: str) -> None:
 def test_a_picture_without_others_beside_it_is_no_tile(name: str) -> None:
     scan = read_scan(zipped({"a.obj": tiled_obj(), "scan.mtl": f"{MTL}map_Kd {name}\n".encode(), name: saved("PNG")}))
     assert scan.notes == ()
-    assert scan.uv is not None
     assert scan.uv.max() > 2.0  # repeated, as ever
 
 
@@ -446,7 +444,6 @@ def test_an_obj_that_is_coloured_in_part_says_so() -> None:
     rows = [list(row) if k > 20 else [] for k, row in enumerate(SHARES)]
     scan = read_scan(obj("", False, rows))  # type: ignore[arg-type]
     assert scan.notes == (PARTLY_COLOURED,)
-    assert scan.colours is not None
     np.testing.assert_array_equal(scan.colours[21:], WHOLE[21:])
 
 

@@ -49,7 +49,6 @@ def test_a_cloud_of_points_in_any_file_becomes_a_coloured_surface_through_them(k
     heights = np.abs(np.einsum("vi,vi->v", scan.vertices - POINTS[who], NORMALS[who]))
     assert np.quantile(heights, 0.99) < 0.0012  # the curve between neighbours of 6 mm is 0.1 mm high
     assert cKDTree(scan.vertices).query(POINTS)[0].max() < 0.006
-    assert scan.colours is not None
     assert np.abs(scan.colours.astype(float) - colours_of(POINTS)[who]).mean() < 3.0
 
 
@@ -243,5 +242,4 @@ def test_a_pcd_with_a_column_for_each_colour(kind: str, most: float) -> None:
         f"COUNT 1 1 1 1 1 1\nWIDTH {len(rows)}\nHEIGHT 1\nPOINTS {len(rows)}\nDATA ascii\n"
     )
     cloud = pcd_points((head + "\n".join(" ".join(f"{n:.6g}" for n in row) for row in rows) + "\n").encode())
-    assert cloud.colours is not None
     assert np.abs(cloud.colours.astype(float) - colours_of(POINTS)).max() <= 1.0

@@ -62,7 +62,6 @@ def test_one_colour_everywhere_shows_nothing(other: int, shows: bool) -> None:
 def test_texture_coordinates_stay_with_their_vertices() -> None:
     scan = read_scan(zipped({**textured_obj(), "skin.jpg": picture()}))
     rig = toy_rig()
-    assert scan.uv is not None
     np.testing.assert_allclose(scan.uv[scan.faces], rig.uv[rig.faces], atol=1e-5)
 
 
@@ -126,7 +125,6 @@ def test_a_mesh_that_the_scanner_app_split_keeps_its_one_picture(materials: tupl
     scan = read_scan(zipped(files))
     rig = toy_rig()
     assert scan.colour_kind == "texture"
-    assert scan.uv is not None
     found = np.concatenate([scan.vertices[scan.faces], scan.uv[scan.faces]], axis=2).reshape(384, -1)
     wanted = np.concatenate([rig.template[rig.faces], rig.uv[rig.faces]], axis=2).reshape(384, -1)
     order = [np.lexsort(np.round(rows.T, 4)) for rows in (found, wanted)]  # parts may come in another order
@@ -157,7 +155,6 @@ def as_png(pixels: np.ndarray) -> bytes:
 
 def colours_at(scan: Scan) -> np.ndarray:
     """(F, 3) of the scan's picture in the middle of each triangle."""
-    assert scan.uv is not None
     assert scan.picture is not None
     pixels = pixels_of(scan.picture).astype(float)
     u, v = scan.uv[scan.faces].mean(axis=1).T

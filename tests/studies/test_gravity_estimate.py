@@ -89,7 +89,6 @@ def test_the_file_says_what_was_estimated(rig: Rig) -> None:
     factors = {name: rng.normal(0.0, 0.01, (3, count * 3)) for name in STANCES}
     prior = GravityPrior(mean, factors, observation=0.043, band=2.345, posture=0.0125)
     read = gravity_prior(replace(rig, known={FILE: json.dumps(document(prior, 9))}))
-    assert read is not None
     assert (read.observation, read.band, read.posture) == pytest.approx((0.043, 2.345, 0.0125))
     for name in STANCES:
         assert read.mean[name] == pytest.approx(mean[name], abs=0.51 * TENTH)

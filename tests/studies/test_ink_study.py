@@ -1,6 +1,5 @@
 """Recall and precision of ink mean what they say, and the factor of a row was chosen on other patients."""
 
-import io
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.inked_scan import inked_zip, place, strokes
-from PIL import Image
 
 from breastrig.core.errors import BadInput
 from breastrig.fitting.recipe import load_recipe
@@ -18,12 +16,11 @@ from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.gltf.read_rig import default_rig_path
 from breastrig.scan.read import read_scan
 from breastrig_studies.cohort import Case, read_cohort
-from breastrig_studies.output import ink_pictures as section
 from breastrig_studies.studies import ink as study
 from breastrig_studies.studies.ink import FACTORS, SAMPLE, TrueLines, ink_study, ink_transfer_study, true_lines
 from breastrig_studies.studies.plan import Plan
 from breastrig_studies.studies.result_cache import Record, Unit
-from breastrig_studies.tables.ink import chosen_factor, console, ink_table, ink_transfer_table
+from breastrig_studies.tables.ink import chosen_factor, console, ink_table
 
 
 @pytest.fixture(scope="module")
@@ -186,50 +183,3 @@ def test_a_pair_whose_ink_is_not_known_on_the_other_scan_is_not_asked(pair: tupl
     (pair[0].folder / "ink_in_supine.json").unlink()
     assert ink_transfer_study(pair, None, None) == {"rows": []}
     assert ink_transfer_study(pair[:1], None, None) == {"rows": []}
-
-
-def _transfer_record(rows: list[dict[str, Any]], reason: str | None = None) -> Record:
-    case = Case("a", "standing", "standing", "makehuman", "m", Path("a"))
-    unit = Unit((case,), "ink_transfer", load_recipe("default"), Path("model.glb"))
-    return Record(unit, {"rows": rows}, reason)
-
-
-def test_the_table_of_carried_ink_says_how_much_finding_adds() -> None:
-    rows = [
-        {"from": "standing", "to": "supine", "points": 400, "found_mm": 4.5, "true_mm": 4.2},
-        {"from": "standing", "to": "supine_2", "points": 0, "found_mm": None, "true_mm": None},
-        {"from": "standing", "to": "supine_3", "points": 100, "found_mm": 6.0, "true_mm": 5.9},
-    ]
-    table = ink_transfer_table([_transfer_record(rows)])
-    assert [row.cells[:4] for row in table.rows[:2]] == [
-        ("a", "standing", "supine", 400),
-        ("a", "standing", "supine_3", 100),
-    ]
-    assert table.rows[0].cells[-1] == pytest.approx(0.3)
-    assert table.rows[-1].mean
-    assert table.rows[-1].cells[-1] == pytest.approx(0.2)
-    assert "supine_3" in console([_transfer_record(rows)])
-    assert ink_transfer_table([_transfer_record([])]).rows == []
-
-
-def test_pictures_show_found_ink_missed_ink_and_what_is_no_ink(cohort: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (case,) = read_cohort(cohort)
-    record = replace(
-        _record("one", "standing", 1.0, 900.0), unit=Unit((case,), "ink", load_recipe("default"), Path("m"))
-    )
-    true = true_lines(case, None)
-    upper = true.places[:, 1] > 0.08  # of what the case calls ink; the rest is none
-    below = true.places - [0.0, 0.03, 0.0]
-    known = TrueLines(
-        np.concatenate([true.places[upper], below[upper]]),
-        np.concatenate([true.wanted[upper], true.wanted[upper]]),
-        None,
-    )
-    monkeypatch.setattr(section, "read_scene", _scene)
-    monkeypatch.setattr(section, "true_lines", lambda _case, _other: known)
-    ((name, png),) = section.ink_pictures([record]).items()
-    assert name == f"ink_{case.patient}_{case.name}"
-    picture = np.asarray(Image.open(io.BytesIO(png)).convert("RGB")).astype(float) / 255
-    assert picture.shape == (section.SIZE[1], len(section.VIEWS) * section.SIZE[0], 3)
-    for colour in (section.FOUND, section.MISSED, section.WRONG):
-        assert (np.abs(picture - colour).max(axis=2) < 0.12).sum() > 40, colour

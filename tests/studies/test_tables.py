@@ -1,27 +1,21 @@
 """Tables: families and stances apart, means without what failed or is not known, the same numbers in every file."""
 
 import csv
-from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from breastrig.fitting.recipe import load_recipe
-from breastrig.gltf.read_rig import default_rig_path
 from breastrig.rig.model import Rig
 from breastrig_studies.cohort import Case
-from breastrig_studies.evaluate import Results, possible_tables
-from breastrig_studies.output.publish import TABLES
-from breastrig_studies.studies.plan import Plan, counts, first_shapes, shape_effects
+from breastrig_studies.studies.plan import counts, first_shapes, shape_effects
 from breastrig_studies.studies.result_cache import Record, Unit
-from breastrig_studies.tables.accuracy import console, groups, landmarks_table, turn_numbers, turns_table
+from breastrig_studies.tables.accuracy import groups, turn_numbers, turns_table
 from breastrig_studies.tables.breasts import by_breasts, of_all
 from breastrig_studies.tables.certainty import believed_table, certainty_table
 from breastrig_studies.tables.prone import prone_table
 from breastrig_studies.tables.table import Column, Row, Table, mean_row
-from breastrig_studies.tables.verdicts import verdicts_table
 
 
 def record(
@@ -101,40 +95,6 @@ def test_tables_are_split_by_whether_breasts_hang() -> None:
     ]
 
 
-def test_where_nobody_says_whether_breasts_hang_a_table_stays_as_it_is() -> None:
-    records = [record("makehuman", "standing", {"fits": {"none": {"error_mm": 1.0, "level": "good"}}, "whole": True})]
-    for each in (records, [replace(r, unit=replace(r.unit, question="verdicts")) for r in records]):
-        assert by_breasts(verdicts_table, each) == verdicts_table(each)
-        assert of_all(verdicts_table(each)) == verdicts_table(each)
-
-
-def test_of_landmarks_only_the_means_are_split_and_the_terminal_shows_them() -> None:
-    def fits(name: str, landmarks: float, hanging: bool | None) -> list[Record]:
-        three = {"surface_mm": {"mean": 1.0}, "landmark_mm": {"mean": landmarks}, "truth_mm": {"mean": None}}
-        two = {"surface_mm": 2.0, "landmarks_mm": 3.0 * landmarks, "truth_mm": None}
-        answers = {"accuracy": three, "halves": {"landmarks_mm": 2.0 * landmarks}, "no_landmarks": two}
-        return [record("independent", name, answer, None, q, hanging) for q, answer in answers.items()]
-
-    records = [*fits("standing", 2.0, True), *fits("supine", 4.0, False), *fits("supine", 6.0, True)]
-    table = by_breasts(partial(landmarks_table, preset="default"), records, means=True)
-    place = [column.name for column in table.columns].index("all_given_landmarks_mm")
-    assert [(row.cells[0], row.cells[2], row.mean, row.cells[place]) for row in table.rows] == [
-        ("all", "standing", False, 2.0),
-        ("all", "standing", True, 2.0),
-        ("all", "supine", False, 4.0),
-        ("all", "supine", False, 6.0),
-        ("all", "supine", True, 5.0),
-        ("hanging", "standing", True, 2.0),
-        ("hanging", "supine", True, 6.0),
-        ("not hanging", "supine", True, 4.0),
-    ]
-    lines = [line.split() for line in console(records, "default").splitlines()]
-    assert ["independent,", "supine,", "hanging", "1.00", "-", "6.00", "12.00", "18.00"] in lines
-    assert ["independent,", "supine", "1.00", "-", "5.00", "10.00", "15.00"] in lines
-    unknown = [replace(r, unit=replace(r.unit, cases=(replace(r.case, hanging=None),))) for r in records]
-    assert "hanging" not in console(unknown, "default")
-
-
 def test_useful_shapes_come_first_and_every_count_has_as_many(rig: Rig) -> None:
     names = rig.shape_names
     effect = {name: float(k % 7) for k, name in enumerate(names)}
@@ -150,12 +110,6 @@ def test_useful_shapes_come_first_and_every_count_has_as_many(rig: Rig) -> None:
             assert len(first_shapes(rig, list(useful), order, count)) == count
     assert first_shapes(rig, list(useful), "rig", 5) == names[:5]
     assert first_shapes(rig, list(useful), "usefulness", 1) == (names[3],)
-
-
-def test_an_evaluation_knows_each_of_its_tables_as_a_file_of_its_own() -> None:
-    plan = Plan((), (load_recipe("default"),), default_rig_path(), rotations=1, quick=False)
-    made = [table.name for table in possible_tables(Results(plan, [], {}))]
-    assert sorted(made) == sorted({*TABLES} - {"blendshape_order"})  # that one only where the plan has a scan
 
 
 def test_prone_fits_have_medians_worst_and_shares_by_what_was_given() -> None:

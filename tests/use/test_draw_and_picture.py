@@ -75,7 +75,6 @@ def test_a_lesion_is_drawn_and_carried_with_the_lines_beside_it(fits: Fits) -> N
     assert own.distances_mm["nipple_L"][0] == pytest.approx(30.0, abs=0.5)
     there = breastrig.transfer(standing, supine, here)
     [carried] = there.lesions
-    assert carried.error_mm is not None
     assert carried.error_mm > 2.0
     assert {line.name for line in there.lines} == {"Lesion 1", standing.drawing.lines[0].name}
 

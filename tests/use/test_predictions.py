@@ -68,7 +68,6 @@ def made(rig: Rig, tmp_path_factory: pytest.TempPathFactory) -> Made:
 def test_its_radii_are_the_fits_and_gravitys_errors_together(made: Made, rig: Rig) -> None:
     fit, lying, _ = made("mm")
     alone = predicted(rig, fit.vertices, STANDING, SUPINE)
-    assert lying.radii is not None
     assert lying.radii == pytest.approx(np.sqrt(alone.radii**2 + radii_of(rig) ** 2), rel=1e-5)
     points = rig.landmark_points()
     within = dict(zip(rig.landmark_names, points.positions(lying.radii[:, None], rig.faces)[:, 0], strict=True))
@@ -126,8 +125,6 @@ def test_a_scan_in_another_unit_gives_the_same_prediction(unit: str, made: Made,
             assert one[name] == pytest.approx(times * np.array(place), abs=2e-3 * times)
     lines = [json.loads((each / "drawing.json").read_text())["shapes"][0]["points"] for each in (there, folder)]
     assert np.array(lines[0]) == pytest.approx(times * np.array(lines[1]), abs=2e-3 * times)
-    assert ours.median_plane is not None
-    assert theirs.median_plane is not None
     assert ours.median_plane.normal == pytest.approx(theirs.median_plane.normal, abs=1e-6)
     assert ours.median_plane.offset == pytest.approx(times * theirs.median_plane.offset, abs=2e-3 * times)
 
@@ -136,7 +133,6 @@ def test_a_scan_in_another_unit_gives_the_same_prediction(unit: str, made: Made,
 def test_its_plane_is_where_its_middle_is_and_what_was_seen_follows_its_skin(unit: str, made: Made, rig: Rig) -> None:
     fit, lying, folder = made(unit)
     result, frame = lying.result, body_frame(rig, lying.vertices)
-    assert result.median_plane is not None
     assert result.median_plane.normal == pytest.approx(frame.axes[:, 0], abs=1e-6)
     middle = float(np.array(result.median_plane.normal) @ frame.middle)
     assert fit.metres_per_unit * result.median_plane.offset == pytest.approx(middle, abs=1e-6)
@@ -157,14 +153,11 @@ def test_what_is_carried_into_a_prediction_has_its_radius_in_full(made: Made, ri
     fit, lying, _ = made("mm")
     settings = skin_map_settings(rig)
     assert settings.error_skin is not None
-    assert settings.error_share is not None
     assert settings.error_share < 1.0
     some = rig.regions["chest"][:20]
     assert fit.fitted_scan.predicted is False
     assert lying.fitted_scan.predicted is True
     found = carried_errors(rig, fit.fitted_scan, lying.fitted_scan, fit.vertices[some], lying.vertices[some])
-    assert fit.radii is not None
-    assert lying.radii is not None
     shared = settings.error_skin**2 + (settings.error_share * fit.radii[some]) ** 2
     assert found == pytest.approx(np.sqrt(shared + lying.radii[some] ** 2), rel=1e-3)
 
@@ -178,13 +171,11 @@ def test_the_file_of_a_plan_says_what_is_known_of_a_carried_lesion_in_millimetre
     found = plan_on_folders(rig, plan, [(lying, ""), (fit, "")], home=1)
     (placed,) = found.lesions
     (said,) = plan_document(plan, lying, found)["lesions"]
-    assert placed.error is not None
     assert said["error_mm"] == pytest.approx(1e3 * placed.error, abs=0.01)
     axes = np.array(said["ellipsoid_mm"])
     assert (axes**2).sum() == pytest.approx(3.0 * said["error_mm"] ** 2, rel=1e-3)  # the ball's, flatter
     assert axes @ axes.T == pytest.approx(np.diag((axes**2).sum(axis=1)), abs=0.1)
     for each, one in zip(said["distances"], placed.distances, strict=True):
-        assert one.margin is not None
         assert each["high_mm"] == pytest.approx(1e3 * (one.length + one.margin), abs=0.01)
         assert each["low_mm"] == pytest.approx(max(1e3 * (one.length - one.margin), 0.0), abs=0.01)
 

@@ -92,7 +92,6 @@ def test_vtk_and_gmsh_have_sets_and_model_vertices(volume: breastrig.Volume, sav
 def test_the_sofa_scene_reads_back(volume: breastrig.Volume, saved: Path) -> None:
     root = Xml.parse(saved / "torso.scn").getroot()
     body = root.find("Node[@name='torso']")
-    assert body is not None
     containers = {each.get("name"): each for each in body.findall("TetrahedronSetTopologyContainer")}
     mesh = volume.in_metres
     np.testing.assert_allclose(numbers(containers["mesh"].get("position"), 3), mesh.points, atol=1e-8)
@@ -141,8 +140,6 @@ def test_the_command_writes_the_same_and_says_what(
     said = capsys.readouterr().out
     assert "breast_L 0." in said
     (row,) = (each for each in breastrig.measure(fits / "standing") if each.name == "volume")
-    assert row.left is not None
-    assert row.right is not None
     assert f"; {row.left.value:.0f} and {row.right.value:.0f} ml in a report, down to where the skin would be" in said
 
 

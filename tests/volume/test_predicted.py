@@ -59,7 +59,6 @@ def test_no_place_is_known_exactly() -> None:
 @pytest.mark.parametrize("goal", ["supine", "prone"])
 def test_posture_and_breast_are_off_independently_and_each_side_by_its_own(goal: str, rig: Rig) -> None:
     prior = gravity_prior(rig)
-    assert prior is not None
     assert 0.001 < prior.posture < 0.05  # m
     skins = breast_skins(rig)
     within = [np.linspace(0.001, 0.03, len(skins[0].skin)), np.full(len(skins[1].skin), 0.2)]
@@ -138,7 +137,6 @@ def test_a_turned_body_is_predicted_alike(rig: Rig) -> None:
 
 def test_the_skin_joins_at_the_edge_of_the_breasts(rig: Rig) -> None:
     prior = gravity_prior(rig)
-    assert prior is not None
     left = breast_skins(rig)[0].skin
     rim = np.isin(left, rig.faces[~np.isin(rig.faces, left).all(axis=1)])
     for goal in ("supine", "prone"):

@@ -86,7 +86,6 @@ def test_the_middle_of_the_breast_bone_is_between_two_crosses_along_the_skin(mon
     error = features().crosses.error
     crossed = {name: Observation(true[name], error**2 / 2.0 * np.eye(3), "") for name in CROSSED}
     seen = middle_of(crossed, moved(true[BETWEEN_CROSSES], 0.0, 0.015, 0.0), monkeypatch)
-    assert seen is not None
     assert np.linalg.norm(seen.place - true[BETWEEN_CROSSES]) < 0.002
     assert seen.reason == "between two crosses"
     assert features().crosses.between < seen.error < 0.007

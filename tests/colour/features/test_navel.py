@@ -21,7 +21,6 @@ def seen(woman: PaintedBody, aside: float, higher: float) -> Observation | None:
 def test_the_navel_is_found_centimetres_from_where_the_form_has_it(tone: int, plan: str, higher: float) -> None:
     woman = painted_body(tone=tone, plan=plan, side=640)
     found = seen(woman, 0.004, higher)
-    assert found is not None
     gap = np.linalg.norm(found.place - woman.body.landmarks["umbilicus"])
     assert gap < 0.007
     assert gap < 3.0 * np.sqrt(np.trace(found.covariance))

@@ -45,7 +45,6 @@ def woman(numbers: Numbers, stance: str = "standing") -> tuple[ScanTarget, dict[
     """The skin of one woman of the virtual cohort that a camera before her sees, and her landmarks."""
     source = next(each for each in read_sources() if each.name == "cohort_patient_4")
     warped = warped_body(source, source.lying[0], numbers)
-    assert warped is not None
     body = warped.standing if stance == "standing" else warped.supine
     vertices, places = body.vertices, body.landmarks
     middles = vertices[source.faces].mean(axis=1)
@@ -95,7 +94,6 @@ def test_skin_that_faces_down_is_unexplained_on_its_own_side_only(rig: Rig) -> N
     assert unexplained_overhang(rig, target, hanging) == {"L": 0.0, "R": 0.0}
     missed = unexplained_overhang(rig, target, rest)
     settings = load_recipe("default").hanging
-    assert settings is not None
     assert missed["L"] > settings.least
     assert missed["R"] < settings.least
     start = hanging_start(rig, rest, settings, missed)
@@ -175,5 +173,4 @@ def test_an_orientation_tells_of_breasts_that_were_seen_to_hang(rig: Rig) -> Non
     assert iterates
     assert found.hanging == iterates[-1].hanging == ("ptosis_L", "ptosis_R")
     again = orientation_from(json.loads(json.dumps(found.facts())), rig)
-    assert again is not None
     assert again.hanging == found.hanging

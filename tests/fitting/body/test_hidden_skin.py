@@ -36,7 +36,6 @@ def test_both_sides_are_alike_and_the_front_is_not_hidden(torso: Rig, heights: A
 
 def test_of_lying_bodies_the_form_of_the_back_is_known_and_not_how_high_it_lies(torso: Rig) -> None:
     known = hidden_skin(torso, "supine")
-    assert known is not None
     np.testing.assert_allclose(known[torso.mirror_vertices], known, atol=0.5e-3)
     back = known[torso.regions["back"]]
     assert np.abs(back).max() > 2e-3

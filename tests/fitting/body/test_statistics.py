@@ -15,7 +15,6 @@ from breastrig_studies.studies.sensitivity import with_shapes
 
 def test_the_torsos_statistics_prefer_no_side(torso: Rig) -> None:
     known = body_statistics(torso)
-    assert known is not None
     other = mirrored_places(torso)
     assert sorted(other.tolist()) == list(range(len(other)))
     np.testing.assert_allclose(known.mean_scales, known.mean_scales[other[: len(known.mean_scales)]], atol=1e-3)
@@ -27,7 +26,6 @@ def test_the_torsos_statistics_prefer_no_side(torso: Rig) -> None:
 def test_bodies_are_as_deep_as_they_are_wide(torso: Rig) -> None:
     """What the prior is there for: an unseen back follows from the seen width."""
     known = body_statistics(torso)
-    assert known is not None
     chest = 3 * torso.bone_names.index("lower_thorax")
     width, depth = chest, chest + 2
     deviation = np.sqrt(np.diag(known.covariance))
@@ -46,8 +44,6 @@ def test_a_rig_with_some_of_the_shapes_has_their_part(torso: Rig) -> None:
     whole = body_statistics(torso)
     names = torso.shape_names[3:9]
     part = body_statistics(with_shapes(torso, names))
-    assert whole is not None
-    assert part is not None
     scales = 3 * len(torso.bones)
     kept = [*range(scales), *range(scales + 3, scales + 9)]
     np.testing.assert_allclose(part.covariance, whole.covariance[np.ix_(kept, kept)], rtol=1e-12, atol=1e-15)

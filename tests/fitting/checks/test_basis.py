@@ -80,7 +80,6 @@ def test_open_are_the_landmarks_that_the_scan_shows_and_nobody_has_picked(torso:
 
 def test_places_lie_on_the_scan_and_the_breasts_narrow_from_check_to_check(torso: Rig, fitted: Posterior) -> None:
     basis, known = basis_of(fitted), radii(fitted)
-    assert known is not None
     gaps = np.linalg.norm(fitted.task.target.search.query(basis.places.points).points - basis.places.points, axis=1)
     assert gaps.max() < 1e-9
     vertices, widths = basis.widths([on_vertices(part) for part in planned_on(torso, known.seen)])
@@ -98,7 +97,6 @@ def test_the_file_gives_the_basis_back_and_nothing_where_it_is_another_rigs_or_d
     basis, x = basis_of(fitted), fitted.state.x
     content = basis_bytes(basis)
     back = read_basis(content, torso, x)
-    assert back is not None
     np.testing.assert_array_equal(back.covariance, basis.covariance)
     np.testing.assert_array_equal(back.once_picked, basis.once_picked)
     for part in ("points", "normals", "radii", "shown"):

@@ -54,8 +54,6 @@ def test_variances_are_those_of_samples_of_the_posterior(torso: Rig) -> None:
 def test_a_picked_landmark_is_surer_than_one_that_was_not(torso: Rig) -> None:
     half = ("suprasternal_notch", "xiphoid", "nipple_R", "acromion_L")
     all_given, half_given = radii(posterior_of(torso)), radii(posterior_of(torso, half))
-    assert all_given is not None
-    assert half_given is not None
     for name in torso.landmark_names:
         if name not in half:
             assert all_given.landmarks[name] < half_given.landmarks[name], name
@@ -73,8 +71,6 @@ def test_unseen_skin_is_less_sure_than_seen_skin(torso: Rig) -> None:
     assert seen.mean() > 0.98, "the patient's scan shows all of her"
     known = radii(Posterior(task, posterior.state.x))
     whole = radii(Posterior(FitTask(torso, half, posterior.state.x, load_recipe("default"), {}), posterior.state.x))
-    assert known is not None
-    assert whole is not None
     back = torso.regions["back"]
     assert known.vertices[back].mean() > whole.vertices[back].mean()
     assert (known.vertices > 0.0).all()
@@ -83,7 +79,6 @@ def test_unseen_skin_is_less_sure_than_seen_skin(torso: Rig) -> None:
 @pytest.mark.parametrize("stance", ["standing", "supine", "prone"])
 def test_every_landmark_and_region_of_the_torso_has_its_factors(stance: str, torso: Rig) -> None:
     known = calibration(torso)
-    assert known is not None
     found = known.of_stance(stance)
     for landmarks in (found.given, found.others, found.alone, found.proposed):
         assert without_sides(LANDMARKS) - NOT_PRONE <= set(landmarks) <= without_sides(torso.landmark_names) | {"other"}
@@ -102,7 +97,6 @@ def test_what_a_breast_hides_is_less_sure_where_it_hangs_and_nothing_else_is(
     weights[torso.shape_names.index("ptosis_L")], weights[torso.shape_names.index("ptosis_R")] = 2.5, 0.0
     posterior = Posterior(posterior.task, replace(posterior.task.start, weights=weights))
     known = calibration(torso)
-    assert known is not None
     found = []
     for times in (1.5, 1.0):
         stance = known.of_stance("standing").model_copy(update={"hanging": {"breast": times, "nipple": times}})
@@ -126,11 +120,7 @@ def test_without_landmarks_everything_is_less_sure_and_least_where_the_body_may_
     task = FitTask(torso, given.task.target, given.state.x, load_recipe("default"), {})
     alone = Posterior(task, given.state.x)
     with_picks, clear, unclear = radii(given), radii(alone, 0.2), radii(alone, 0.0)
-    assert with_picks is not None
-    assert clear is not None
-    assert unclear is not None
     known = calibration(read_rig(default_rig_path()))
-    assert known is not None
     for name in torso.landmark_names:
         assert with_picks.landmarks[name] < clear.landmarks[name] < 0.1, name
         assert unclear.landmarks[name] > known.without_picks.astray, name
@@ -167,7 +157,6 @@ def test_careful_picks_say_nothing_of_skin_that_the_scan_does_not_show(
     for scatter in (0.5, 1.0, 2.0):
         monkeypatch.setattr(Calibration, "enlarged", lambda *_, found=scatter, **__: found)
         known = radii(posterior)
-        assert known is not None
         far[scatter] = known.vertices
     seen = seen_vertices(posterior)
     np.testing.assert_allclose(far[0.5][seen], 0.5 * far[1.0][seen])
@@ -177,7 +166,6 @@ def test_careful_picks_say_nothing_of_skin_that_the_scan_does_not_show(
 
 def test_skin_has_the_factor_of_its_region_as_it_is_seen_or_not(torso: Rig) -> None:
     posterior, known = posterior_of(torso), calibration(torso)
-    assert known is not None
     factors, count = known.of_stance("standing"), len(torso.template)
     often = np.bincount(np.concatenate([*torso.regions.values()]), minlength=count)
     kinds = {"back": torso.regions["back"], "arm": torso.regions["arm_R"], "other": np.flatnonzero(often == 0)}

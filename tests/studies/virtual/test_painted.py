@@ -29,7 +29,6 @@ def colours_at(woman: PaintedBody, places: Array) -> Array:
     """(M, 3) sRGB 0 to 255 of the texture at the triangles' points that are nearest to the places."""
     scan = woman.scan
     assert scan.texture is not None
-    assert scan.uv is not None
     pixels = np.asarray(Image.open(io.BytesIO(scan.texture)).convert("RGB"), dtype=np.float64)
     middles = scan.vertices[scan.faces].mean(axis=1)
     weights = np.random.default_rng(1).dirichlet(np.ones(3), 6)

@@ -92,7 +92,6 @@ def test_landmarks_that_cannot_be_of_one_body_are_asked_about(
     rig: Rig, stance: str, moved: dict[str, list[float]], said: str
 ) -> None:
     doubt = body_doubt(fit(rig), fit(rig, stance, larger=1.0001, **moved))
-    assert doubt is not None
     assert doubt.is_question
     assert doubt.says.startswith("These do not look like scans of one patient: it is ")
     assert said in doubt.says
@@ -152,7 +151,6 @@ def test_breasts_of_other_volumes_are_asked_about(
     first = with_breasts(fit(rig, **UNPICKED), *standing)
     second = with_breasts(fit(rig, "supine", **UNPICKED, larger=1.03), *lying)
     doubt = body_doubt(first, second)
-    assert doubt is not None
     assert doubt.is_question
     assert re.search(said, doubt.says)
     assert body_doubt(second, first) is not None
@@ -182,7 +180,6 @@ def test_what_was_not_compared_is_said(rig: Rig, case: str) -> None:
     if case == "another rig":
         object.__setattr__(first, "rig", replace(rig, known={}))
     doubt = body_doubt(first, second)
-    assert doubt is not None
     assert not doubt.is_question
     assert "was not compared: " in doubt.says
     check_one_body(first, second, same_patient=False)
@@ -190,7 +187,6 @@ def test_what_was_not_compared_is_said(rig: Rig, case: str) -> None:
 
 def test_a_prone_scan_is_compared_by_landmarks(rig: Rig) -> None:
     doubt = body_doubt(fit(rig), fit(rig, "prone", xiphoid=[0.0, 165.0, 100.0]))
-    assert doubt is not None
     assert doubt.is_question
 
 
@@ -198,6 +194,5 @@ def test_the_same_file_as_two_stances_is_said(rig: Rig) -> None:
     first, second = fit(rig), fit(rig, "supine")
     object.__setattr__(second, "result", first.result)
     doubt = body_doubt(first, second)
-    assert doubt is not None
     assert doubt.says.startswith("Both fits are of the same scan file, as standing and as supine.")
     assert body_doubt(first, first) is None
