@@ -25,12 +25,3 @@ def test_a_fit_after_another_one_is_written_as_if_it_were_the_first() -> None:
     assert near() == first
     _only_the_rig.cache_clear()
     assert near() == first
-
-
-def test_the_models_part_is_made_once() -> None:
-    rig = toy_rig()
-    for _ in range(3):
-        fitted_glb(rig, [rest_parameters(rig)], [0.0], None, {})
-    before = _only_the_rig.cache_info()
-    fitted_glb(rig, [rest_parameters(rig)], [0.0], None, {})
-    assert _only_the_rig.cache_info().misses == before.misses

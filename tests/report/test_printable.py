@@ -38,12 +38,6 @@ def no_packs(monkeypatch: pytest.MonkeyPatch) -> None:
     printable._without_glyph.cache_clear()
 
 
-def test_what_is_let_through_unasked_has_a_glyph() -> None:
-    letters = [chr(code) for code in range(0x180) if printable.ALWAYS.fullmatch(chr(code)) and not chr(code).isspace()]
-    assert printable._without_glyph("".join(letters)) == ""
-    assert printable._without_glyph(f"{letters[0]}\U0010fffe{letters[1]}") == "\U0010fffe"
-
-
 @pytest.mark.usefixtures("no_packs")
 @pytest.mark.parametrize("text", SHIPPED)
 def test_scripts_of_the_fonts_that_are_there_are_printed(text: str) -> None:
