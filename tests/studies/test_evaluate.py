@@ -9,7 +9,6 @@ from functools import partial, wraps
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 import trimesh
 from helpers.cohort import FEW, write_patient
@@ -17,14 +16,11 @@ from helpers.cohort import FEW, write_patient
 from breastrig.cli.main import main
 from breastrig.core.errors import BadInput
 from breastrig.fitting.recipe import load_recipe
-from breastrig.geometry.normals import vertex_normals
 from breastrig.gltf.read_rig import default_rig_path
 from breastrig.rig.model import Rig
-from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig_studies import command as evaluate_command
 from breastrig_studies.cohort import Case, read_cohort
 from breastrig_studies.output import charts, publish
-from breastrig_studies.output.pictures import signed_distances_mm
 from breastrig_studies.studies import landmarks, plan, registry
 from breastrig_studies.studies import result_cache as work
 from breastrig_studies.studies.case import read_scene
@@ -236,14 +232,6 @@ def test_prone_bodies_that_were_made_are_what_is_measured(
     assert seen == ["prone_001_validation"]
 
 
-def test_a_pick_along_the_skin_is_on_the_skin_and_as_far_as_asked(cohort: Path, rng: np.random.Generator) -> None:
-    scene = read_scene(read_cohort(cohort)[0])
-    for name in read_landmarks(cohort / "patient_x/standing/landmarks.json")[0]:
-        moved = scene.along_the_skin(scene.landmarks[name], 0.005, rng)
-        assert scene.target.search.query(moved[None]).distances[0] < 1e-6
-        assert np.linalg.norm(moved - scene.landmarks[name]) == pytest.approx(0.005, abs=0.001)
-
-
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory, rig: Rig) -> Path:
     """A run with all studies on one scan, and its folder."""
@@ -296,27 +284,6 @@ def test_the_tables_of_the_studies_hold_what_was_measured(whole: Path) -> None:
     assert set(methods) == {"BreastRig, default", "rigid closest points", "free-form (nricp_amberg)"}
     surfaces = {method: float(row["surface_mm"]) for method, row in methods.items()}
     assert surfaces["BreastRig, default"] < surfaces["rigid closest points"]
-
-
-@pytest.mark.parametrize(
-    ("numbers", "hanging"),
-    [(None, None), ({}, None), ({"nipples_over_folds": None}, False), ({"nipples_over_folds": [0, 0]}, True)],
-)
-def test_of_warped_bodies_it_is_known_whether_their_breasts_hang(
-    cohort: Path, numbers: dict[str, Any] | None, hanging: bool | None
-) -> None:
-    about = {"family": "makehuman"} | ({} if numbers is None else {"numbers": numbers})
-    (cohort / "patient_x" / "patient.json").write_text(json.dumps(about))
-    assert {case.hanging for case in read_cohort(cohort)} == {hanging}
-
-
-def test_signed_distances_tell_outside_from_inside(cohort: Path, rig: Rig) -> None:
-    scene = read_scene(read_cohort(cohort)[0])
-    skin = scene.truth.vertices  # a vertex for each of the model's
-    normals = vertex_normals(skin, rig.faces)
-    for moved_mm in (2.0, -2.0):
-        found = signed_distances_mm(scene, rig, skin + 1e-3 * moved_mm * normals)
-        assert np.nanmedian(found) == pytest.approx(moved_mm, abs=0.05)
 
 
 def test_without_matplotlib_tables_and_summary_are_still_written(

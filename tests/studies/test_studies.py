@@ -13,20 +13,16 @@ from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig
 from breastrig_studies.cohort import read_cohort
-from breastrig_studies.output.charts import has_numbers
-from breastrig_studies.output.figures import reliability_figure
 from breastrig_studies.studies import case as case_module
 from breastrig_studies.studies.case import read_scene
 from breastrig_studies.studies.measures import measures_study
-from breastrig_studies.studies.orientation import turned, without_table, wrong_way
+from breastrig_studies.studies.orientation import without_table, wrong_way
 from breastrig_studies.studies.reference_fit import reference_fit
-from breastrig_studies.studies.sensitivity import TERMS, scaled_compliance, with_shapes
-from breastrig_studies.studies.transfer import ALL
-from breastrig_studies.studies.trust.certainty import GIVEN, NOT_GIVEN, across, certainty
+from breastrig_studies.studies.sensitivity import TERMS, scaled_compliance
+from breastrig_studies.studies.trust.certainty import across, certainty
 from breastrig_studies.studies.trust.reliability import LEVELS, covered_at_levels
 from breastrig_studies.studies.trust.verdicts import verdicts
 from breastrig_studies.studies.unseen import CUTS, cut_fit, unseen, whole_fit
-from breastrig_studies.tables.certainty import CARRIED, levels_covered, reliability_table
 from breastrig_studies.tables.measures import measures_table, ptosis_table
 from breastrig_studies.tables.verdicts import verdicts_table
 
@@ -60,15 +56,6 @@ def test_a_scan_is_searched_once_for_all_fits_to_it(cohort: Path, rig: Rig, monk
     assert len(searches) == 1
     np.testing.assert_array_equal(alone.rotations, scene.place(rig).parameters.rotations)
     np.testing.assert_array_equal(with_few.rotations, alone.rotations)  # nothing but the scan says where her front is
-
-
-def test_a_turned_scene_is_the_same_body_elsewhere(cohort: Path, rig: Rig) -> None:
-    scene = read_scene(read_cohort(cohort)[0])
-    rotation, shift = exp_so3(np.array([1.0, 2.0, -1.0])), np.array([0.5, -1.0, 0.2])
-    moved = turned(scene, rotation, shift)
-    assert np.allclose((moved.target.vertices - shift) @ rotation, scene.target.vertices)
-    for name, place in scene.landmarks.items():
-        assert np.allclose((moved.landmarks[name] - shift) @ rotation, place)
 
 
 def test_without_the_table_only_the_body_is_left(cohort: Path, rig: Rig) -> None:
@@ -140,18 +127,6 @@ def test_a_compliance_is_the_square_of_its_sigmas_and_of_no_others(preset: str, 
     assert changed <= allowed[term]
 
 
-def test_a_rig_with_fewer_shapes_keeps_what_is_named(rig: Rig) -> None:
-    left = next(shape for shape in rig.shapes if shape.mirror != shape.name)
-    chosen = with_shapes(rig, (left.name,))
-    assert chosen.shape_names == (left.name,)
-    assert chosen.shapes[0].mirror == left.name  # its partner is left out
-    assert np.array_equal(chosen.blendshapes[0], rig.blendshapes[rig.shape_names.index(left.name)])
-    both = with_shapes(rig, (left.name, left.mirror))
-    assert [shape.mirror for shape in both.shapes] == [left.mirror, left.name]
-    assert not with_shapes(rig, ()).blendshapes.any()
-    assert np.array_equal(with_shapes(rig, rig.shape_names).blendshapes, rig.blendshapes)
-
-
 def test_the_reference_lies_on_the_whole_true_skin(cohort: Path, rig: Rig) -> None:
     scene = read_scene(read_cohort(cohort)[0])
     found = reference_fit(scene, rig, load_recipe("default"))
@@ -199,24 +174,6 @@ def record(question: str, answer: dict[str, object]) -> SimpleNamespace:
     return SimpleNamespace(unit=unit, failed=None, answer=answer)
 
 
-def test_the_reliability_of_places_and_carried_lines_adds_up_over_cases() -> None:
-    fit = record("certainty", {"exact": {"levels": {GIVEN: [5, 8, 9, 10, 10]}}})
-    row = {"picks": "true", "line": ALL, "region": ALL, "levels": [1, 2, 3, 4, 4]}
-    carried = record("transfer", {"rows": [row, row | {"region": "chest"}, row | {"picks": "5 mm off"}]})
-    found = [fit, fit, carried]
-    assert levels_covered(found, GIVEN, "exact") == [10, 16, 18, 20, 20]
-    assert levels_covered(found, CARRIED, "exact") == [1, 2, 3, 4, 4]
-    assert levels_covered(found, NOT_GIVEN, "exact") == [0, 0, 0, 0, 0]
-    table = reliability_table(found)
-    said = [(row.cells[0], row.cells[1], *row.cells[2:]) for row in table.rows]
-    assert said == [
-        (GIVEN, "exact picks", 20, 50.0, 80.0, 90.0, 100.0),
-        (CARRIED, "exact picks", 4, 25.0, 50.0, 75.0, 100.0),
-        (CARRIED, "picks 5 mm off", 4, 25.0, 50.0, 75.0, 100.0),
-    ]
-    assert has_numbers(reliability_figure(table))
-
-
 def test_measures_are_compared_with_those_of_the_true_surface(cohort: Path, rig: Rig) -> None:
     scene = read_scene(read_cohort(cohort)[0])
     answer = measures_study(scene, rig, load_recipe("default"))
@@ -238,18 +195,6 @@ def test_measures_are_compared_with_those_of_the_true_surface(cohort: Path, rig:
         assert cells["exact_held"] in (0.0, 50.0, 100.0)
     (row,) = (row for row in ptosis_table([record("measures", answer)]).rows if row.cells[0] == "exact picks")
     assert row.cells[1:4] == ("none", 2, 100.0)
-
-
-def test_grades_are_counted_by_the_true_one_and_by_what_is_left_open() -> None:
-    def graded(true: float, found: float, low: float | None, high: float | None) -> list[object]:
-        return ["ptosis", "grade", "grade", true, found, low, high]
-
-    rows = [graded(2, 2, 1, 3), graded(2, 3, 2, 3), graded(2, 1, 1, 1), graded(2, 4, None, None), graded(0, 0, 0, 1)]
-    table = ptosis_table([record("measures", {"exact": rows, "clicked": [], "none": []})])
-    none, second = (row.cells for row in table.rows)
-    assert none == ("exact picks", "none", 1, 100.0, 0.0, 0.0, 0.0, 0.0, 100.0)
-    assert second == ("exact picks", "II", 4, 0.0, 25.0, 25.0, 25.0, 25.0, 50.0)
-    assert measures_table([record("measures", {"exact": rows, "clicked": [], "none": []})]).rows == []
 
 
 def test_a_right_fit_is_distinguished_from_one_that_is_head_down(cohort: Path, rig: Rig) -> None:

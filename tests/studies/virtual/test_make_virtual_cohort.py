@@ -13,7 +13,6 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import FitTask, fit_iterates
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
-from breastrig.geometry.boundary import boundary_edges
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.skinning import pose
@@ -76,15 +75,6 @@ def test_the_scan_is_near_the_truth_but_not_on_it(case: Case) -> None:
     assert skin.mean() > (0.97 if case.stance == "standing" else 0.5)
 
 
-def test_the_scan_is_partial_and_open(case: Case) -> None:
-    scan, faces = mesh(case.folder / "scan.ply", case.unit)
-    truth, _ = mesh(case.folder / "truth.ply", case.unit)
-    assert 25_000 < len(faces) < 60_000
-    assert len(boundary_edges(faces)) > 300
-    gaps = ClosestPointSearch(scan, faces).query(truth).distances
-    assert 0.2 < (gaps > 0.02).mean() < 0.7  # back, hips, forearms
-
-
 def test_true_landmarks_lie_on_the_true_skin_and_the_case_says_how_far_the_scan_is(case: Case) -> None:
     places = landmarks(case)
     scan, _ = mesh(case.folder / "scan.ply", case.unit)
@@ -105,11 +95,6 @@ def test_the_case_says_where_the_body_is(case: Case) -> None:
     turn = placed[:3, :3] * 1e3 * METRES_PER_UNIT[case.unit]
     np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-9)
     assert np.linalg.det(turn) > 0.0  # never mirrored
-
-
-def test_both_stances_share_their_triangles(folder: Path) -> None:
-    faces = [mesh(case.folder / "truth.ply", case.unit)[1] for case in read_cohort(folder)]
-    np.testing.assert_array_equal(faces[0], faces[1])
 
 
 @pytest.fixture

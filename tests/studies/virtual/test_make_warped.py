@@ -16,9 +16,8 @@ from breastrig_studies.virtual.scan import SimulatedScan
 from breastrig_studies.virtual.warped import captures as captures_module
 from breastrig_studies.virtual.warped import make as make_module
 from breastrig_studies.virtual.warped import make_warped
-from breastrig_studies.virtual.warped.captures import scan_captured
 from breastrig_studies.virtual.warped.make import names_of
-from breastrig_studies.virtual.warped.sources import Source, read_sources
+from breastrig_studies.virtual.warped.sources import read_sources
 
 pytestmark = pytest.mark.long
 
@@ -64,32 +63,6 @@ def test_a_body_is_the_same_alone_and_again_and_then_stays(tmp_path: Path) -> No
     (tmp_path / "both" / name / "patient.json").write_text(json.dumps(about))
     make_warped(tmp_path / "both", said.append, bodies=2)
     assert len(said) == 8
-
-
-def test_poor_sensors_are_coarse_and_parts_are_parts(monkeypatch: pytest.MonkeyPatch) -> None:
-    source = read_sources()[0]
-    body = _standing(source)
-    monkeypatch.setattr(captures_module, "EVERY", 4)
-    scans = {
-        capture: scan_captured(body, source.faces, source.scanned, capture, np.random.default_rng(4))
-        for capture in ("ordinary", "poor_sensor", "large_holes", "below_nipples")
-    }
-    whole = scans["ordinary"]
-    assert _edge(scans["poor_sensor"]) > 1.25 * _edge(whole)  # 8 mm to 5.5 mm, but for the ragged borders
-    assert scans["poor_sensor"].error > 1.1 * whole.error
-    assert len(scans["large_holes"].faces) < 0.985 * len(whole.faces)
-    assert scans["below_nipples"].vertices[:, 1].max() < body.landmarks["nipple_L"][1] + 0.01
-    below = whole.vertices[:, 1] < min(body.landmarks[f"nipple_{side}"][1] for side in "LR") - 0.01
-    assert len(scans["below_nipples"].vertices) > 0.95 * below.sum()
-
-
-def _standing(source: Source) -> VirtualBody:
-    return VirtualBody("standing", source.standing, source.landmarks(source.standing), None)
-
-
-def _edge(scan: SimulatedScan) -> float:
-    ends = scan.vertices[scan.faces]
-    return float(np.median(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1)))
 
 
 def test_two_of_five_bodies_of_each_half_are_independent_where_there_are_such_sources() -> None:

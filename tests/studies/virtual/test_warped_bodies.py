@@ -15,10 +15,8 @@ from breastrig_studies.virtual.warped.body import (
     is_sound_hanging,
     warped_body,
 )
-from breastrig_studies.virtual.warped.captures import shown
 from breastrig_studies.virtual.warped.make import source_of
-from breastrig_studies.virtual.warped.numbers import CAPTURES, NAVEL, SEGMENT, Numbers, draw_numbers
-from breastrig_studies.virtual.warped.proportions import with_segments
+from breastrig_studies.virtual.warped.numbers import Numbers
 from breastrig_studies.virtual.warped.sources import Source, read_sources
 
 pytestmark = pytest.mark.long
@@ -83,36 +81,6 @@ def test_a_segment_becomes_longer_by_its_share_and_the_other_does_not(
         assert height(after, *other) == pytest.approx(height(before, *other), abs=5e-4)
 
 
-def test_all_three_segments_are_exact_together(source: Source) -> None:
-    places = source.landmarks(source.standing)
-    levels = [places[n][1] for n in ("suprasternal_notch", "xiphoid", "umbilicus")]
-    levels.append(levels[-1] - 0.20)
-    points = np.array([[0.0, level, 0.0] for level in levels])
-    moved = with_segments(points, places, (0.15, -0.15, 0.10))[:, 1]
-    np.testing.assert_allclose(np.diff(moved) / np.diff(levels), [1.15, 0.85, 1.10], atol=1e-9)
-
-
-def test_the_navel_moves_along_the_midline_and_the_xiphoid_hardly(source: Source) -> None:
-    before, after = (made(source, replace(Numbers(), navel_up=up)) for up in (0.0, 0.030))
-    step = {name: at - before.standing.landmarks[name] for name, at in after.standing.landmarks.items()}
-    np.testing.assert_allclose(step["umbilicus"], [0.0, 0.030, 0.0], atol=5e-4)
-    assert np.linalg.norm(step["xiphoid"]) < 0.003
-    lying = after.supine.landmarks["umbilicus"] - before.supine.landmarks["umbilicus"]
-    assert np.linalg.norm(lying) == pytest.approx(0.030, abs=0.006)  # the same woman lies down
-
-
-def test_each_fold_and_breast_follows_its_own_number(source: Source) -> None:
-    before = made(source, Numbers()).standing
-    folds = made(source, replace(Numbers(), folds_up=(0.015, -0.010))).standing
-    for side, up in (("L", 0.015), ("R", -0.010)):
-        fold = f"inframammary_fold_{side}"
-        assert folds.landmarks[fold][1] - before.landmarks[fold][1] == pytest.approx(up, abs=0.002)
-    larger = made(source, replace(Numbers(), sizes=(0.15, 0.0))).standing
-    step = {name: at - before.landmarks[name] for name, at in larger.landmarks.items()}
-    assert step["nipple_L"][2] > 0.005
-    assert np.linalg.norm(step["nipple_R"]) < 0.001
-
-
 def test_both_stances_correspond_and_the_back_stays_on_the_table(source: Source, rng: np.random.Generator) -> None:
     body = draw_body(source, rng)
     assert body.standing.vertices.shape == body.supine.vertices.shape == source.standing.shape
@@ -125,20 +93,6 @@ def test_both_stances_correspond_and_the_back_stays_on_the_table(source: Source,
         for name, place in zip(source.names, places, strict=True):
             if name in skin.landmarks:
                 np.testing.assert_array_equal(skin.landmarks[name], place)
-
-
-def test_lengths_of_skin_change_alike_in_both_stances(source: Source) -> None:
-    """What the trunk gains standing it gains lying, arms included: edges are carried, not positions."""
-    body = made(source, replace(Numbers(), notch_xiphoid=0.15, xiphoid_navel=0.10, shoulders_up=0.02))
-    first, second = source.faces[:, 0], source.faces[:, 1]
-
-    def grown(after: np.ndarray, before: np.ndarray) -> np.ndarray:
-        length = [np.linalg.norm(skin[first] - skin[second], axis=1) for skin in (after, before)]
-        return np.asarray(length[0] / length[1])
-
-    free = source.lying[0].vertices[first, 2] > source.lying[0].table + 0.07
-    differs = grown(body.standing.vertices, source.standing) - grown(body.supine.vertices, source.lying[0].vertices)
-    assert np.percentile(np.abs(differs[free]), 90) < 0.06
 
 
 @pytest.mark.parametrize("number", range(1))
@@ -178,38 +132,6 @@ def _off_a_quadric(vertices: np.ndarray, region: np.ndarray) -> float:
     return float(np.sqrt(np.mean((z - terms @ np.linalg.lstsq(terms, z, rcond=None)[0]) ** 2)))
 
 
-def test_drawn_numbers_fill_their_ranges_and_a_tenth_has_a_mastectomy() -> None:
-    drawn = [draw_numbers(np.random.default_rng((7, n))) for n in range(400)]
-    segments = np.array([[d.notch_xiphoid, d.xiphoid_navel, d.navel_hips] for d in drawn])
-    navels = np.array([d.navel_up for d in drawn])
-    assert 0.95 * SEGMENT < np.abs(segments).max() <= SEGMENT
-    assert 0.95 * NAVEL < np.abs(navels).max() <= NAVEL
-    assert 0.06 < np.mean([d.mastectomy != "" for d in drawn]) < 0.14
-    assert np.mean([d.sizes[0] != d.sizes[1] for d in drawn]) == pytest.approx(0.35, abs=0.06)
-
-
-@pytest.mark.parametrize("capture", CAPTURES)
-def test_each_capture_shows_what_it_says(source: Source, capture: str) -> None:
-    places = source.landmarks(source.standing)
-    seen = {
-        name for name, here in zip(places, shown(np.array(list(places.values())), places, capture), strict=True) if here
-    }
-    expected = {
-        "left_half": {name for name in places if name.endswith("_L")},
-        "one_side": {name for name in places if name.endswith("_R")},
-        "above_nipples": {"suprasternal_notch", "acromion_L", "acromion_R", "midclavicle_L", "midclavicle_R"},
-        "below_nipples": {"umbilicus", "xiphoid", "inframammary_fold_L", "inframammary_fold_R"},
-    }.get(capture, set(places))
-    assert expected <= seen
-    opposite = {
-        "left_half": {name for name in places if name.endswith("_R")},
-        "one_side": {name for name in places if name.endswith("_L")},
-        "above_nipples": {"umbilicus", "xiphoid"},
-        "below_nipples": {"suprasternal_notch", "acromion_L"},
-    }.get(capture, set())
-    assert not opposite & seen
-
-
 @pytest.mark.parametrize("above", [-0.04, 0.01])
 def test_a_breast_hangs_as_far_as_its_number_and_its_fold_stays(source: Source, above: float) -> None:
     before = made(source, Numbers()).standing
@@ -220,28 +142,6 @@ def test_a_breast_hangs_as_far_as_its_number_and_its_fold_stays(source: Source, 
         assert np.linalg.norm(fold - before.landmarks[f"inframammary_fold_{side}"]) < 0.001
     for name in ("suprasternal_notch", "umbilicus", "acromion_L"):
         assert np.linalg.norm(body.landmarks[name] - before.landmarks[name]) < 0.002, name
-
-
-def test_only_the_lower_pole_sags(source: Source) -> None:
-    """Glandular ptosis: the nipple stays above the fold, the lowest skin of the breast comes under it."""
-    plain, sagging = (made(source, replace(Numbers(), nipples_over_folds=(0.015, 0.015), sag=s)) for s in (0.0, 0.03))
-    assert sagging.standing.landmarks["nipple_L"][1] == pytest.approx(
-        plain.standing.landmarks["nipple_L"][1], abs=0.002
-    )
-    sunk = plain.standing.vertices[:, 1] - sagging.standing.vertices[:, 1]
-    assert sunk.max() > 0.003
-
-
-def test_what_hangs_is_drawn_beside_the_other_numbers_and_leaves_them(source: Source) -> None:
-    bodies = [draw_body(source, np.random.default_rng(7), np.random.default_rng(seed)).numbers for seed in range(12)]
-    hanging = [numbers for numbers in bodies if numbers.nipples_over_folds is not None]
-    assert 0 < len(hanging) < 12
-    for share, expected in ((0.0, {True}), (1.0, {False})):
-        drawn = (draw_body(source, np.random.default_rng(7), np.random.default_rng(seed), share) for seed in range(3))
-        assert {body.numbers.nipples_over_folds is None for body in drawn} == expected
-    alone = draw_body(source, np.random.default_rng(7)).numbers
-    assert alone in bodies
-    assert {numbers.notch_xiphoid for numbers in bodies} == {alone.notch_xiphoid}
 
 
 def test_a_triangle_folded_against_its_neighbour_is_not_sound_though_a_breast_hangs(source: Source) -> None:
