@@ -2,6 +2,7 @@
 
 import shutil
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -70,8 +71,8 @@ def test_every_kind_of_file_of_the_toy_rig_is_clean(tmp_path: Path) -> None:
 
 
 def test_every_kind_of_file_of_the_torso_is_clean(tmp_path: Path) -> None:
-    path = default_rig_path()
-    result = validate(path, *all_files(read_rig(path), tmp_path))
+    torso = read_rig(default_rig_path())
+    result = validate(default_rig_path(), *all_files(replace(torso, drawings=torso.drawings[:1]), tmp_path))
     assert result.returncode == 0, result.stderr
 
 

@@ -5,14 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import trimesh
 from helpers.gltf_evaluator import GltfScene
 
 from breastrig.core.assets import asset_folder
 from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
 from breastrig.use.fit import run_fit
-from breastrig.use.reports.export_fit import export_files
 from breastrig.use.steps.settings import FitJob
 
 EXAMPLE = asset_folder("example") / "standing"
@@ -64,14 +62,6 @@ def test_the_glb_and_its_last_key(folders: dict[str, Path]) -> None:
     assert np.abs(scene(folders["far"]).positions(name) - mesh("fitted.ply")(folders["far"])).max() < EXACT
 
 
-def test_the_drawing(folders: dict[str, Path]) -> None:
-    def points(folder: Path) -> np.ndarray:
-        shapes = json.loads((folder / "drawing.json").read_text())["shapes"]
-        return np.concatenate([shape["points"] for shape in shapes])
-
-    assert apart(folders, points) < EXACT
-
-
 def test_the_numbers_and_what_is_said(folders: dict[str, Path]) -> None:
     home, far = (json.loads((folders[name] / "result.json").read_text()) for name in ("home", "far"))
     for part in ("surface_distance_mm", "scan_to_model_mm"):
@@ -81,18 +71,3 @@ def test_the_numbers_and_what_is_said(folders: dict[str, Path]) -> None:
         "The scan lies 10,000 m from the origin of its coordinates; results are exact there, "
         "but pictures of it may be rounded to 0.98 mm."
     ]
-
-
-def test_files_for_other_programs(folders: dict[str, Path]) -> None:
-    exported = {name: export_files(folder) for name, folder in folders.items()}
-    for kind in ("ply", "stl"):
-        read = {
-            name: trimesh.load(trimesh.util.wrap_as_stream(files[f"surface.{kind}"]), file_type=kind, process=False)
-            for name, files in exported.items()
-        }
-        corners = {name: np.asarray(one.vertices[one.faces]) for name, one in read.items()}
-        assert np.abs(corners["far"] - FAR - corners["home"]).max() < EXACT
-    drawn = {name: GltfScene(files["drawing.glb"]) for name, files in exported.items()}
-    for node in drawn["home"].nodes:
-        gap = drawn["far"].positions(node["name"]) - FAR - drawn["home"].positions(node["name"])
-        assert np.abs(gap).max() < EXACT
