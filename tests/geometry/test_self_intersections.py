@@ -7,7 +7,7 @@ from breastrig.geometry.self_intersections import crossing_faces, untangled
 
 
 def test_a_sphere_crosses_itself_nowhere() -> None:
-    vertices, faces = sphere()
+    vertices, faces = sphere(0.1, 3)
     assert len(crossing_faces(vertices, faces)) == 0
     assert (untangled(vertices, faces) == vertices).all()
 
@@ -23,7 +23,7 @@ def test_two_sheets_cross_where_they_meet() -> None:
 
 
 def test_a_fold_is_smoothed_out_and_the_rest_stays() -> None:
-    vertices, faces = sphere(0.1, 4)
+    vertices, faces = sphere(0.1, 3)
     folded = vertices.copy()
     patch = np.linalg.norm(vertices - [0.0, 0.0, 0.1], axis=1) < 0.02
     folded[patch] += [0.03, 0.0, -0.008]  # slides over its neighbours and dips below them

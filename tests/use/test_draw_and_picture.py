@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.blank_pictures import blank_pictures
 from helpers.example_fits import write_example_fits
 
 import breastrig
@@ -136,7 +137,10 @@ def test_pictures_show_the_body_and_its_lines(fits: Fits) -> None:
         fit.picture("inside")
 
 
-def test_a_report_of_fits_in_memory_is_that_of_their_folders(fits: Fits, tmp_path: Path) -> None:
+def test_a_report_of_fits_in_memory_is_that_of_their_folders(
+    fits: Fits, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    blank_pictures(monkeypatch)
     pattern = breastrig.draw(fits[0], "reduction:areola_mm=42")
     assert breastrig.write_report(fits[0], tmp_path / "memory", fits[1], plan=pattern, code="P-1") == ()
     for fit, name in zip(fits, ("standing", "supine"), strict=True):
