@@ -100,8 +100,8 @@ test("a link is made in the dialog, opened, counted and revoked; the page signs 
   await look(visitor, "Distances");
   await expect(visitor.locator(".colour-bar")).toBeVisible();
   expect((await hook.picture(visitor)).checksum).not.toBe(model.checksum);
-  const mean = await page.locator(".hero-number").textContent();
-  await expect(visitor.locator(".hero-number")).toHaveText(mean!);
+  const sure = await page.locator(".stage .sureness").textContent();
+  await expect(visitor.locator(".stage .sureness")).toHaveText(sure!);
   await expect(visitor.getByRole("button", { name: /Fit|Place|Share/ })).toHaveCount(0);
 
   await page.keyboard.press("Escape");

@@ -95,7 +95,7 @@ test("in a browser without any graphics the page says what is missing and what t
     await expect(page.getByRole("alert").filter({ hasText: "no WebGL 2" })).toContainText("Turn on hardware acceleration");
     await page.getByRole("button", { name: /standing/i }).click();
     await page.getByRole("button", { name: "Fit without landmarks" }).click();
-    await expect(page.locator(".hero-number")).toHaveText(/^±\u00a0\d+\u00a0mm$/);
+    await expect(page.locator(".stage .sureness")).toContainText(/^(one|two|three) fingers? wide±\s\d+\smm/);
     await page.keyboard.press("4");
     await expect(page.getByRole("link", { name: "Report (PDF)" })).toBeVisible();
   } finally {

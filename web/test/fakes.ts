@@ -116,6 +116,7 @@ export function page(answers: Partial<Client> = {}, tab: Storage = memory()) {
     upload: async () => scanInfo("uploaded"),
     startFit: async () => ({ id: "f1", links: fitLinks("f1"), cuts: "" }),
     moved: vi.fn(async () => ({ nodes: [] })),
+    checks: async () => ({ lines: "breasts", line_error_mm: null, fingers: null, expected_line_error_mm: null, expected_fingers: null, worth_it: false, checks: [], reason: null }),
     fit: async (id: string) => ({ id, links: fitLinks(id), stance: "standing", asked_stance: "auto", preset: "default", drawing: "lumpectomy", refine: true, landmarks: {}, certain: [], cuts: "" }),
     drawing: async () => ({ schema: "breastrig/drawing@1", unit: "mm", shapes: [] }),
     bytes: async () => new TextEncoder().encode(TRIANGLE.padEnd(200)).buffer, // as numbers, 50 distances

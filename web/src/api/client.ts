@@ -1,6 +1,6 @@
 // One function per route.  Whatever goes wrong becomes an ApiError whose message a person can act on.
 import * as text from "./text";
-import type {
+import type { Checks,
   Cut,
   Cuts,
   DrawingFile,
@@ -184,6 +184,8 @@ export const client = {
   dropInk: (scan: Scan, dropped: Readonly<Record<string, boolean>>) => askJson<Ink>(scan.links.ink, "PATCH", { dropped }, true),
   /** Where the model of a fit lies with these picks (mm): for a drag, kept nowhere. */
   moved: (links: FitLinks, landmarks: Record<string, Vector>) => askJson<MovedModel>(links.moved, "POST", { landmarks }),
+  /** Which landmarks are worth checking by a person, and how much surer that makes the lines. */
+  checks: (link: string) => askJson<Checks>(link),
   startFit: (request: FitRequest) => askJson<Pick<Fit, "id" | "links"> & Partial<Pick<Fit, "cuts">>>("/api/fits", "POST", request),
   fit: (fit: string) => askJson<Fit>(`/api/fits/${id(fit)}`),
   /** Predicts a stance that was not scanned; the same prediction is made once. */

@@ -17,6 +17,7 @@ export type {
   InkShape,
   Iterated,
   LandmarkFile,
+  LineChecks as Checks,
   Measure,
   MeasuresFile,
   Meta,

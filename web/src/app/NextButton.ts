@@ -1,7 +1,8 @@
 // The one primary button: it says what to do next, and does it.
+import { checks as checkText } from "../checks/text";
 import { fit as fitText, result as resultText } from "../fit/text";
 import { pickCount } from "../landmarks/state";
-import { landmarks as landmarkText, proposals as proposalText, questions } from "../landmarks/text";
+import { landmarks as landmarkText, proposals as proposalText } from "../landmarks/text";
 import { scan as scanText } from "../scan/text";
 import { measuredFits } from "../stances/state";
 import { only } from "../store/store";
@@ -18,7 +19,7 @@ function wording(next: NextStep, state: NextShown): string {
     const label = entry ? landmarkText.spoken(entry) : next.landmark;
     return next.isArmed ? text.next.armed(label) : text.next.start(label);
   }
-  if (next.kind === "check") return questions.check(next.count);
+  if (next.kind === "check") return `${checkText.begin(next.count, "")}\u2002${checkText.lasts(next.count)}`;
   if (next.kind === "confirm scan") return scanText.confirm;
   if (next.kind === "confirm") return proposalText.confirmSeen(next.names.length);
   if (next.kind === "fit" && next.again) return fitText.again(next.landmarks);
@@ -41,10 +42,7 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
     if (pressed.kind === "confirm scan") actions.scan.confirm();
     if (pressed.kind === "place") actions.landmarks.want(pressed.isArmed ? null : pressed.landmark);
     if (pressed.kind === "confirm") actions.landmarks.confirm(pressed.names);
-    if (pressed.kind === "check") {
-      actions.page.goTo("points");
-      document.querySelector<HTMLElement>("#side-points .question:not([hidden])")?.focus(); // and into view; Enter answers nothing yet
-    }
+    if (pressed.kind === "check") actions.checks.begin();
     if (pressed.kind === "fit") void actions.fit.start();
     if (pressed.kind === "correct") actions.page.goTo("points");
     if (pressed.kind === "plan") actions.page.goTo("plan");
@@ -66,7 +64,7 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
   const element = el("div", { class: "next" }, go, report, other);
   return {
     element,
-    select: only("meta", "step", "loading", "scan", "confirmed", "picks", "certain", "proposals", "skipped", "active", "fit", "isStarting", "stance", "preset", "refine", "drawing", "drawn", "ink", "stances"),
+    select: only("meta", "step", "loading", "scan", "confirmed", "picks", "certain", "proposals", "skipped", "active", "fit", "isStarting", "stance", "preset", "refine", "drawing", "drawn", "ink", "stances", "checks"),
     update(state: NextShown): void {
       next = nextStep(state);
       show(element, next.kind !== "none");

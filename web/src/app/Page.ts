@@ -1,4 +1,5 @@
 // Puts the panels in their places: top bar, strip, stage with its bar, side panel.
+import { asksOf } from "../checks/state";
 import { createDrawingPanel } from "../drawing/DrawingPanel";
 import { createTools } from "../drawing/Tools";
 import { createColourBar } from "../fit/distances/ColourBar";
@@ -102,15 +103,24 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const sliders = createShapeSliders(actions.handPose);
   const handOver = createHandOver(actions);
   const next = createNextButton(actions);
+  const setPoints = (): void => {
+    actions.page.goTo("points");
+    actions.landmarks.wantNext();
+  };
   const numbers = later(
-    (state: Session) => ({ meta: state.meta, fit: state.fit, old: outdated(state), lines: linesOn(state), doubt: doubtOf(state) }),
+    (state: Session) => ({ meta: state.meta, fit: state.fit, old: outdated(state), lines: linesOn(state), doubt: doubtOf(state), asks: asksOf(state) }),
     ({ fit }) => fit !== null,
-    async () => (await import("../fit/distances/NumbersPanel")).createNumbersPanel<Session>({ outdated, doubt: doubtOf, again: () => void actions.fit.start() }),
+    async () => (await import("../fit/distances/NumbersPanel")).createNumbersPanel<Session>({ outdated, doubt: doubtOf, asks: asksOf, again: () => void actions.fit.start(), anotherFile: (file) => void actions.scan.drop([file]), setPoints }),
   );
   const summary = later(
     only("meta", "fit", "drawing", "drawn", "stances"),
     ({ fit }: Pick<Session, "meta" | "fit" | "drawing" | "drawn" | "stances">) => fit !== null,
     async () => (await import("../drawing/PlanSummary")).createPlanSummary(),
+  );
+  const check = later(
+    only("meta", "checks"),
+    ({ checks }: Pick<Session, "meta" | "checks">) => checks.tour !== null,
+    async () => (await import("../checks/CheckCard")).createCheckCard(actions.checks),
   );
   const timeline = createTimeline(actions.player);
   const side = createSidePanel(
@@ -121,6 +131,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       handover: handOver.element,
     },
     next.element,
+    check.element,
   );
   const help = later(only("isHelpOpen"), ({ isHelpOpen }: Pick<Session, "isHelpOpen">) => isHelpOpen, async () => (await import("./HelpDialog")).createHelpDialog(actions));
   const share = later(
@@ -206,6 +217,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(patients);
       on(numbers);
       on(summary);
+      on(check);
       on(timeline);
       on(help);
       on(share);

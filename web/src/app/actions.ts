@@ -1,6 +1,7 @@
 // All that a person or the address can ask of the page: the actions of its features put together.
 import type { Client } from "../api/client";
 import type { Frame } from "../api/types";
+import { checkActions } from "../checks/actions";
 import { drawingActions } from "../drawing/actions";
 import { handleActions } from "../drawing/patterns/handles";
 import { fitActions } from "../fit/actions";
@@ -52,6 +53,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
     handles: handleActions(store, client, drawing.choosePattern),
     plan,
     stances,
+    checks: checkActions(store, client, { landmarks, fit, follower }),
     patients,
     share: shareActions(store, client),
     proposals,

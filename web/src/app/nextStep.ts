@@ -1,11 +1,11 @@
 // The one primary button: what the person would do next, from the state alone.
+import { stepsOf } from "../checks/state";
 import { outdated } from "../fit/outdated";
 import { isFitting } from "../fit/state";
 import { levelOf } from "../fit/verdict";
 import { isMark, openLines } from "../ink/state";
 import { ENOUGH, nextMissing } from "../landmarks/picks";
 import { isSeen, openProposals } from "../landmarks/proposals/proposals";
-import { askedNames, openQuestions } from "../landmarks/questions/questions";
 import { needsConfirming, pickCount } from "../landmarks/state";
 import { cropsOf } from "../scan/crop";
 import { scannedOther, stanceNames, stanceOf } from "../stances/state";
@@ -14,7 +14,7 @@ import type { Session } from "./session";
 /** What of the state decides. */
 export type NextShown = Pick<
   Session,
-  "meta" | "step" | "loading" | "scan" | "confirmed" | "picks" | "certain" | "proposals" | "skipped" | "active" | "fit" | "isStarting" | "stance" | "preset" | "refine" | "drawing" | "drawn" | "ink" | "stances"
+  "meta" | "step" | "loading" | "scan" | "confirmed" | "picks" | "certain" | "proposals" | "skipped" | "active" | "fit" | "isStarting" | "stance" | "preset" | "refine" | "drawing" | "drawn" | "ink" | "stances" | "checks"
 >;
 
 export type NextStep =
@@ -61,7 +61,7 @@ function afterFit(state: NextShown): NextStep {
 }
 
 export function nextStep(state: NextShown): NextStep {
-  if (!state.scan || state.loading || isFitting(state)) return { kind: "none" };
+  if (!state.scan || state.loading || isFitting(state) || state.checks.tour) return { kind: "none" };
   if (state.step === "body" && needsConfirming(state)) return { kind: "confirm scan" };
   const landmarks = pickCount(state);
   if (state.step === "points") {
@@ -73,8 +73,8 @@ export function nextStep(state: NextShown): NextStep {
     const landmark = state.active ?? nextMissing(list, state.picks.present, state.skipped);
     if (landmark !== null) return { kind: "place", landmark, isArmed: state.active !== null };
   }
-  const mayAsk = state.fit?.state === "done" && outdated(state) !== "settings" && state.step !== "plan";
-  const count = mayAsk ? askedNames(openQuestions(state)).size : 0;
+  const mayAsk = state.fit?.state === "done" && outdated(state) !== "settings" && state.step !== "handover";
+  const count = mayAsk ? stepsOf(state).length : 0;
   if (count > 0) return { kind: "check", count };
   if (state.fit?.state === "done" && outdated(state) === null) return afterFit(state);
   if (state.fit) return { kind: "fit", again: true, landmarks };

@@ -1,25 +1,21 @@
 // Makes the 3D view and keeps it up to date; without WebGL the page says so and the rest of it goes on working.
+import { narrowing } from "../checks/state";
 import { CornerPins } from "../drawing/pen/CornerPins";
-import { LesionBalls } from "../drawing/lesions/LesionBalls";
-import { Halos } from "../drawing/lines/Halos";
-import { MirrorOverlay } from "../drawing/mirror/MirrorOverlay";
 import { OwnLines } from "../drawing/lines/OwnLines";
-import { PatternHandles } from "../drawing/patterns/PatternHandles";
 import { listenToPenKeys } from "../drawing/pen/penKeys";
 import { listenToPen } from "../drawing/pen/PenTool";
 import { ReferenceLines } from "../drawing/lines/ReferenceLines";
 import { skinFrom } from "../drawing/lines/skin";
-import { TapeLines } from "../drawing/tape/TapeLines";
+import type { SureParts } from "../drawing/sureParts";
 import { FittedSurface } from "../fit/distances/FittedSurface";
 import { HoverValue } from "../fit/distances/HoverValue";
-import { hasModelShown } from "../fit/state";
+import { hasBoth, hasModelShown } from "../fit/state";
 import { errors as fitErrors } from "../fit/text";
 import { TorsoModel } from "../fit/TorsoModel";
 import { listenToLandmarkKeys } from "../landmarks/canvasKeys";
 import { followWanted } from "../landmarks/questions/closeUp";
 import { listenToDrags } from "../landmarks/dragPins";
 import { listenToFingers } from "../landmarks/fingers";
-import { LandmarkDiscs } from "../landmarks/LandmarkDiscs";
 import { LandmarkPins } from "../landmarks/LandmarkPins";
 import { ModelPicture } from "../landmarks/ModelPicture";
 import { ProposalPins } from "../landmarks/proposals/ProposalPins";
@@ -53,7 +49,7 @@ import type { Session } from "./session";
 /** What of the state the view shows; when something else changes it is not drawn again. */
 const SEEN = [
   ...(["meta", "models", "theme", "step", "overlay", "swipe", "view", "loading", "scan", "showColours", "showLoose", "showRelief", "showMirror", "stances"] as const),
-  ...(["picks", "certain", "proposals", "active", "fit", "handPose", "followed", "showDistances", "drawing", "drawn", "lesion", "ink", "inkPointed", "pointedCut"] as const),
+  ...(["picks", "certain", "proposals", "active", "fit", "handPose", "followed", "showDistances", "drawing", "drawn", "lesion", "ink", "inkPointed", "pointedCut", "checks"] as const),
 ];
 type Seen = Pick<Session, (typeof SEEN)[number]>;
 
@@ -79,30 +75,27 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
   const torso = new TorsoModel(viewer, ready("model", fitErrors.model));
   const fitted = new FittedSurface(viewer, ready("distances", fitErrors.surface));
   const pins = new LandmarkPins(viewer, scan);
-  const discs = new LandmarkDiscs(viewer, scan);
   const proposed = new ProposalPins(viewer, scan);
   const own = new OwnLines(viewer, scan);
   const corners = new CornerPins(viewer, scan);
   const loupe = new Loupe(viewer, scan, stage.canvas);
   const cross = new Crosshair(viewer, scan, loupe);
-  const isFree = ({ drawn }: Pick<Session, "drawn">): boolean => drawn.tool === "none";
-  const balls = new LesionBalls(viewer);
+  const isFree = ({ drawn, checks }: Pick<Session, "drawn" | "checks">): boolean => drawn.tool === "none" && checks.tour === null;
+  const reference = new ReferenceLines(viewer, scan, torso, fitted);
+  let sure: SureParts | null = null;
+  const asFollowed = (state: Seen): Seen => (sure ? { ...state, drawn: sure.drawn(state) } : state);
   const parts: Part<Seen>[] = [
-    { update: ({ drawn, lesion }) => balls.update({ plan: drawn.onScan?.plan ?? null, lesion, line: drawn.chosen }) }, // first: it turns the skin to glass
+    { update: (state) => sure?.lesions(state) }, // first: it turns the skin to glass
     proposed,
     { update: (state) => scan.update(state, hasModelShown(state)) },
     torso,
     fitted,
-    new MirrorOverlay(viewer, fitted, (asymmetry) => queueMicrotask(() => store.set({ asymmetry }))), // a listener may not set
-    new ReferenceLines(viewer, scan, torso, fitted),
-    new Halos(viewer, scan, fitted, stage.canvas),
-    own,
+    { update: (state) => reference.update(asFollowed(state)) },
+    { update: (state) => sure?.update(asFollowed(state), isFree(state), narrowing(state)) },
+    { update: (state) => own.update(asFollowed(state)) },
     corners,
-    new PatternHandles(viewer, scan, actions.drawing, actions.handles, stages.main.canvas),
-    new TapeLines(viewer, scan),
     new MeasureLines(viewer, false),
     { update: (state) => pins.update(state, isFree(state)) },
-    { update: (state) => discs.update(state, isFree(state)) },
     new HoverValue(viewer, fitted, stage.canvas),
     new SideLetters(viewer),
     new ScaleBar(viewer),
@@ -113,7 +106,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
   ];
   /** A part that fails must not keep the others from drawing, nor the state from changing: its error is reported later. */
   const updateAll = (state: Seen): void => {
-    viewer.share(state.fit !== null && isBeside(state.overlay) ? state.overlay : "one", state.swipe);
+    viewer.share(hasBoth(state) && isBeside(state.overlay) ? state.overlay : "one", state.swipe);
     for (const part of parts) {
       try {
         part.update(state);
@@ -124,14 +117,41 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     viewer.invalidate();
   };
 
-  let hasInk = false;
-  store.select(only("ink"), ({ ink }) => {
-    if (hasInk || Object.keys(ink).length === 0) return;
-    hasInk = true;
-    void import("../ink/InkLines").then(({ InkLines }) => {
-      parts.push(new InkLines(viewer));
-      updateAll(store.get());
+  /** A part that is loaded when it is wanted for the first time. */
+  const later = <Kept extends keyof Seen>(keys: readonly Kept[], isWanted: (state: Pick<Seen, Kept>) => boolean, load: () => Promise<void>): void => {
+    let isAsked = false;
+    store.select(only(...keys), (state) => {
+      if (isAsked || !isWanted(state)) return;
+      isAsked = true;
+      void load().then(() => updateAll(store.get()));
     });
+  };
+  later(["fit", "proposals"], ({ fit, proposals }) => fit !== null || proposals !== null, async () => {
+    const { SureParts } = await import("../drawing/sureParts");
+    sure = new SureParts(viewer, scan, fitted, torso, stage.canvas);
+  });
+  later(["drawn"], ({ drawn }) => drawn.live !== null, async () => {
+    const { PatternHandles } = await import("../drawing/patterns/PatternHandles");
+    parts.push(new PatternHandles(viewer, scan, actions.drawing, actions.handles, stages.main.canvas));
+  });
+  later(["drawn"], ({ drawn }) => drawn.tape !== null, async () => {
+    const { TapeLines } = await import("../drawing/tape/TapeLines");
+    parts.push(new TapeLines(viewer, scan));
+  });
+  later(["showMirror"], ({ showMirror }) => showMirror, async () => {
+    const { MirrorOverlay } = await import("../drawing/mirror/MirrorOverlay");
+    parts.push(new MirrorOverlay(viewer, fitted, (asymmetry) => queueMicrotask(() => store.set({ asymmetry })))); // a listener may not set
+  });
+  later(["ink"], ({ ink }) => Object.keys(ink).length > 0, async () => {
+    const { InkLines } = await import("../ink/InkLines");
+    parts.push(new InkLines(viewer));
+  });
+  later(["checks"], ({ checks }) => checks.tour !== null, async () => {
+    const { openCheckStage } = await import("../checks/CheckStage");
+    openCheckStage(store, viewer, scan, torso, stage.canvas, actions.checks);
+  });
+  store.select(only("checks"), ({ checks: { outcome } }, before) => {
+    if (outcome && outcome !== before.checks.outcome && !prefersStill()) sure?.narrow(Math.max(1, (outcome.from ?? 0) / (outcome.to ?? Infinity)));
   });
 
   let theme: Theme | null = null;
@@ -167,6 +187,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
   const fingers = listenToFingers(stage.canvas, viewer, cross, store, actions.landmarks);
   onClick(stage.canvas, (event) => {
     if (fingers.isAimed(event)) return;
+    if (store.get().checks.tour) return;
     const proposal = store.get().active === null ? proposed.at(event.clientX, event.clientY) : null;
     if (proposal !== null) return actions.landmarks.confirm([proposal]);
     const hit = store.get().active === null ? null : pickAt(viewer, scan, event.clientX, event.clientY);

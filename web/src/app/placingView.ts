@@ -4,9 +4,9 @@ import { handsOff, withoutCanvas } from "../drawing/state";
 import { withoutLasso } from "../scan/state";
 import type { Session } from "./session";
 
-type Seen = Pick<Session, "active" | "drawn" | "overlay" | "overlayBefore" | "isCanvasFull" | "isCropping" | "step" | "scan">;
+type Seen = Pick<Session, "active" | "drawn" | "overlay" | "overlayBefore" | "isCanvasFull" | "isCropping" | "step" | "scan" | "checks">;
 
-const isPlacing = ({ active, drawn }: Seen): boolean => active !== null || drawn.tool !== "none";
+const isPlacing = ({ active, drawn, checks }: Seen): boolean => active !== null || checks.tour !== null || drawn.tool !== "none";
 
 /** For the store: what each change leads to. */
 export function withPlacingView<State extends Seen>(changed: State, before: State): State {

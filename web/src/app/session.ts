@@ -1,5 +1,6 @@
 // The whole state of the page: the parts of its features put together.
 import type { Frame, Scan } from "../api/types";
+import { type ChecksSlice, initialChecks } from "../checks/state";
 import { type DrawingSlice, initialDrawing } from "../drawing/state";
 import { type FitSlice, initialFit } from "../fit/state";
 import { initialInk, type InkSlice } from "../ink/state";
@@ -21,7 +22,7 @@ export interface Deletion {
   readonly beside: { readonly scan: string; readonly isSecond: boolean } | null; // the stance that stays on the page, and whether it came second
 }
 
-export interface Session extends PageSlice, ViewSlice, ScanSlice, LandmarksSlice, FitSlice, DrawingSlice, StancesSlice, InkSlice, PatientsSlice, ShareSlice {
+export interface Session extends PageSlice, ViewSlice, ScanSlice, LandmarksSlice, FitSlice, DrawingSlice, StancesSlice, ChecksSlice, InkSlice, PatientsSlice, ShareSlice {
   readonly isSignedIn: boolean; // with a token; a service on one's own machine needs none
   readonly isHelpOpen: boolean;
   readonly leaving: readonly Unsaved[] | null; // asked: may they be lost?
@@ -38,6 +39,7 @@ export const initialSession: Session = {
   ...initialFit,
   ...initialDrawing,
   stances: initialStances,
+  checks: initialChecks,
   ...initialInk,
   patients: initialPatients,
   ...initialShare,

@@ -5,6 +5,7 @@ import { lineErrorOf, marginOf } from "../fit/verdict";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
 import { el, fill, setText, show } from "../ui/dom";
+import { withMargins } from "../ui/margins";
 import type { Panel } from "../ui/Panel";
 import { plannedLabel } from "./DrawingLayers";
 import { type DrawingSlice, type Laid, laidPatterns } from "./state";
@@ -50,7 +51,7 @@ export function createPlanSummary(): Panel<Shown> {
       show(element, state.fit !== null);
       show(none, shown.length === 0);
       setText(none, state.stances.isCarrying ? words.carrying : words.none);
-      fill(list, shown.flat(), () => shown.map(([name, value]) => el("div", { class: "row" }, el("dt", {}, name), el("dd", {}, value))));
+      fill(list, shown.flat(), () => shown.map(([name, value]) => el("div", { class: "row" }, el("dt", {}, name), el("dd", {}, ...withMargins(value)))));
     },
   };
 }

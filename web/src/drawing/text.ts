@@ -12,6 +12,12 @@ export const amount = (value: number, unit: string): string => `${writtenNumber(
 
 const several = (names: readonly string[]): string => (names.length > 3 ? plural(names.length, "line", "lines") : names.join(", "));
 
+export const sureness = {
+  hint: "The grey band holds the true line nine times in ten.",
+  least: (label: string, wide: string) => `Least sure: ${label}, ${wide}.`,
+  wider: (label: string) => `wider: ${label}`,
+};
+
 export const bands = {
   error: (mm: string) => `±\u00a0${mm} mm`,
   of: "the line's true place, 90 %",

@@ -62,7 +62,7 @@ export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<
       setText(warnings, toSay.join(" "));
       const sentences = [...new Set([fit?.started?.stance_reason ?? "", ...(fit?.started?.notes ?? [])])].filter((each) => each !== "");
       setText(notes, sentences.join(" "));
-      wrong.set(state.problems.fit);
+      wrong.set(fit?.state === "failed" ? undefined : state.problems.fit); // why a fit failed is its verdict
     },
   };
 }

@@ -22,7 +22,8 @@ import { type FitSlice, type FitState, withDistances } from "./state";
 import * as text from "./text";
 import { outdated } from "./outdated";
 import { frameOfRig } from "./upright";
-import { isStanceAsked, linesWords, verdictWords } from "./verdict";
+import { linesWords } from "./fingers";
+import { isStanceAsked, verdictWords } from "./verdict";
 
 type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice;
 

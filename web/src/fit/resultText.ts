@@ -14,6 +14,21 @@ export const result = {
   ] as const,
 };
 
+export const fingers = { wide: ["not known how wide", "one finger wide", "two fingers wide", "three fingers wide"] };
+
+export const verdict = {
+  ready: "Ready to draw",
+  doubt: "One question first",
+  check: (count: number) => (count === 1 ? "One point first" : `${["No", "One", "Two", "Three"][count] ?? count} points first`),
+  cannot: "Cannot be used",
+  anotherFile: "Choose another file",
+  setPoints: "It is one: set three points",
+  lines: (wide: string) => `Lines are ${wide}`,
+  band: "The grey band holds the true line nine times in ten.",
+  unknown: "Plan with that in mind.",
+  brings: (count: number, wide: string) => `Checking ${count === 1 ? "one point" : `${count} points`} brings about ${wide.replace(/ wide$/, "")}.`,
+};
+
 export const distances = {
   bar: (scale: number, scanner: number) =>
     `Colour scale from minus ${scale} to plus ${scale} millimetres. Blue: the model lies inside the skin. Orange: outside. Pale: within the scanner's error of ${scanner} millimetres.`,
@@ -36,8 +51,8 @@ export const distances = {
 
 export const numbers = {
   title: "Numbers",
-  verdicts: { good: "A good fit", uncalibrated: "Not calibrated for this model", check: "Check this fit", unusable: "This fit is not usable" },
-  short: { good: "", uncalibrated: "not calibrated", check: "check", unusable: "not usable" },
+  verdicts: { good: "Ready to draw", uncalibrated: "Ready to draw; how wide lines are is not known for this model", check: "To be checked", unusable: "Cannot be used" },
+  short: { good: "", uncalibrated: "", check: "", unusable: "cannot be used" },
   old: "to be done again",
   sure: (range: string) => `landmarks ${range}`,
   unknown: "not known",

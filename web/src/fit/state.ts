@@ -8,6 +8,7 @@ import type { Triangles } from "../viewer/ply";
 import type { ViewSlice } from "../viewer/state";
 import type { ViewBarShown } from "../viewer/ViewBar";
 import type { HandPose } from "./hand_pose/handPose";
+import { levelOf } from "./verdict";
 
 /** What a fit was asked for besides its landmarks; the drawing is the plan's, and follows without a fit. */
 export interface AskedSettings {
@@ -73,6 +74,9 @@ export const shownIteration = (fit: FitState | null): Iterated | null => fit?.it
 /** True when the last iteration is on the screen and there will be no other. */
 export const isAtRest = (fit: FitState): boolean => fit.state !== "running" && fit.shown === fit.iterations.length - 1;
 
+/** It found no body, or the service says that it cannot be used: nothing of it is shown, no model, no line and no number. */
+export const isUnusable = ({ fit }: { readonly fit: Pick<FitState, "state" | "result"> | null }): boolean => fit?.state === "failed" || levelOf(fit?.result) === "unusable";
+
 /** Somebody has posed this fit's model by hand, and sees it so. */
 export const isPosedByHand = ({ fit, handPose }: Pick<FitSlice, "fit" | "handPose">): boolean => fit !== null && handPose?.fit === fit.id && isAtRest(fit);
 
@@ -87,16 +91,16 @@ export const modelOf = (state: Pick<FitSlice & PageSlice, "meta" | "models" | "f
 
 /** How the rig stands on the screen: as it follows a landmark, as posed by hand, else as in the shown iteration. */
 export const shownPoses = (state: Pick<FitSlice, "fit" | "handPose" | "followed">): readonly NodePose[] | null =>
-  isFollowing(state) ? state.followed!.nodes : isPosedByHand(state) ? state.handPose!.nodes : (shownIteration(state.fit)?.nodes ?? null);
+  isUnusable(state) ? null : isFollowing(state) ? state.followed!.nodes : isPosedByHand(state) ? state.handPose!.nodes : (shownIteration(state.fit)?.nodes ?? null);
 
 /** What decides which surface stands for the model. */
 export type Shown = Pick<FitSlice & PageSlice, "meta" | "fit" | "handPose" | "followed" | "models" | "showDistances">;
 
 /** Something of the model is on the stage. */
-export const hasModelShown = (state: Shown): boolean => (state.fit !== null && state.fit.shown >= 0) || showsFittedSurface(state);
+export const hasModelShown = (state: Shown): boolean => (state.fit !== null && state.fit.shown >= 0 && !isUnusable(state)) || showsFittedSurface(state);
 
 /** At rest the surface that the service wrote stands for the posed rig: coloured, or bent onto the skin beyond what a rig can show. */
-export const showsFittedSurface = (state: Shown): boolean => !isFollowing(state) && !isPosedByHand(state) && hasFittedSurface(state);
+export const showsFittedSurface = (state: Shown): boolean => !isFollowing(state) && !isPosedByHand(state) && !isUnusable(state) && hasFittedSurface(state);
 
 const hasFittedSurface = (state: Shown): boolean => {
   const { fit, showDistances } = state;
@@ -104,13 +108,13 @@ const hasFittedSurface = (state: Shown): boolean => {
 };
 
 /** Scan and model are there, so that there is something to choose between. */
-export const hasBoth = ({ scan, fit }: Pick<ScanSlice & FitSlice, "scan" | "fit">): boolean => scan !== null && fit !== null;
+export const hasBoth = ({ scan, fit }: Pick<ScanSlice & FitSlice, "scan" | "fit">): boolean => scan !== null && fit !== null && !isUnusable({ fit });
 
 /** What of the page's state the bar on the stage shows. */
 export const viewBarShown = ({ scan, loading, fit, overlay, view, showDistances, showLoose, showRelief, showColours }: Pick<ViewSlice & ScanSlice & FitSlice, "scan" | "loading" | "fit" | "overlay" | "view" | "showDistances" | "showLoose" | "showRelief" | "showColours">): ViewBarShown => ({
   isShown: scan !== null && loading === null,
   view: view.name,
-  hasOverlays: fit !== null && scan?.mesh !== null,
+  hasOverlays: fit !== null && !isUnusable({ fit }) && scan?.mesh !== null,
   overlay,
   looks: {
     ...(fit?.distances != null ? { distances: showDistances } : {}),

@@ -9,14 +9,6 @@ export const KNOWN_MM = 60; // a larger radius is that of a breast or more: noth
 /** "± 6 mm", of a radius that holds nine of ten places. */
 export const marginOf = (mm: number): string => (mm > KNOWN_MM ? words.unknown : `±\u00a0${formatMmWhole(mm)}\u00a0mm`);
 
-/** "± 3 to 8 mm", or one number where all round to the same; those that are not known are counted. */
-export function marginsOf(radii: readonly number[]): string {
-  const known = radii.filter((mm) => mm <= KNOWN_MM).map(Math.round);
-  if (known.length === 0) return words.unknown;
-  const [least, most] = [Math.min(...known), Math.max(...known)];
-  return `± ${least === most ? most : `${least} to ${most}`} mm${known.length < radii.length ? `, ${words.notKnown(radii.length - known.length)}` : ""}`;
-}
-
 type Drawn = readonly Pick<DrawingFile["shapes"][number], "line_error_mm">[];
 
 /** mm: the service's line error (90 %) of the line of which least is known; null where none is known. */
@@ -45,10 +37,3 @@ export const isStanceAsked = (result: Pick<Result, "stance_asked"> | null | unde
 
 /** In one line, for those who listen. */
 export const verdictWords = ({ verdict }: Pick<Result, "verdict">): string => (verdict ? [`${words.verdicts[verdict.level]}.`, ...verdict.reasons].join(" ") : "");
-
-/** How far off lines of a fit may be, for those who listen; those that it has drawn, where it has. */
-export function linesWords({ drawn_line_error_mm: drawn, line_error_mm: any }: Pick<Result, "drawn_line_error_mm" | "line_error_mm">): string {
-  const said = drawn == null ? words.lines : words.drawnLines;
-  const mm = drawn ?? any ?? null;
-  return mm === null ? "" : `${said.charAt(0).toUpperCase()}${said.slice(1)} ${marginOf(mm)}.`;
-}

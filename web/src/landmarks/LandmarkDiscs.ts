@@ -53,7 +53,7 @@ export class LandmarkDiscs {
     private readonly viewer: Viewer,
     private readonly scan: Surface & { readonly bvh: unknown },
   ) {
-    this.halo = new Halo(viewer, 8.5); // under those of lines
+    this.halo = new Halo(viewer, "discs of landmarks", 8.5); // under those of lines
   }
 
   /** `isFree`: the marks are shown, no tool that draws is in the hand. */

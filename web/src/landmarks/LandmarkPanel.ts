@@ -111,6 +111,7 @@ function makeRow(entry: LandmarkDefinition, number: number, actions: LandmarkAct
   const agreed = el("button", { type: "button", class: "button kept agreed", onclick: () => actions.want(entry.name) }, text.proposals.agreed);
   const confirm = el("button", { type: "button", class: "button confirm", onclick: () => actions.confirm([entry.name]) }, icon("check"), el("span", {}));
   const words = confirm.querySelector("span")!;
+  words.classList.add("pm");
   const element = el("li", { class: "landmark", "data-landmark": entry.name }, place, kept, agreed, icon("check"), icon("alert"), confirm, exchange, remove);
   const question = createQuestionBox("li", actions, () => place.focus());
   return {

@@ -297,6 +297,14 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
       setCertain(withoutPick(store.get().certain, name), text.questions.announceUnkept(labelOf(name) ?? name));
     },
 
+    /** Places that a person has looked at closely: one step of the history, and at once the fit that knows them. */
+    check(places: Picks, announcement: string): void {
+      const { picks, certain } = store.get();
+      const all = { ...picks.present, ...places };
+      store.set({ certain: { ...certain, ...certainAt(all, Object.keys(places)) } });
+      answer(all, announcement);
+    },
+
     takeOut: (name: string): void => answer(withoutPick(store.get().picks.present, name), text.questions.announceTakenOut(labelOf(name) ?? name)),
     exchange: (names: readonly string[]): void => answer(exchanged(store.get().picks.present, names), text.questions.announceExchanged(names.length > 2 ? text.questions.allSides : spokenOf(names))),
 

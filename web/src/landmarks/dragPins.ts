@@ -9,7 +9,7 @@ import type { LandmarkPins } from "./LandmarkPins";
 /** What follows a mark while it is dragged: taken up, here now, and back where it was. */
 export interface DragFollower {
   readonly begin: () => void;
-  readonly move: (name: string, point: Vector) => void;
+  readonly move: (elsewhere: Record<string, Vector>) => void;
   readonly giveUp: () => void;
 }
 
@@ -48,7 +48,7 @@ export function listenToDrags(canvas: HTMLElement, viewer: Viewer, scan: Surface
     held.point = pickAt(viewer, scan, event.clientX, event.clientY)?.point ?? held.point; // beside the body it stays where it was
     if (!held.point) return;
     pins.hold(held.name, held.point);
-    follower.move(held.name, held.point);
+    follower.move({ [held.name]: held.point });
   });
   canvas.addEventListener("pointerup", (event) => {
     if (event.pointerId !== held?.id) return;

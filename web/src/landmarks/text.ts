@@ -75,7 +75,6 @@ export const questions = {
   allSides: "all sides",
   state: "placed, to be checked",
   toCheck: (count: number) => `${count} to check`,
-  check: (count: number) => (count === 1 ? "Check one landmark" : `Check ${count} landmarks`),
   wrongSide: (isSeveral: boolean) => (isSeveral ? "Are left and right swapped? Left points lie on the right side of the body, and right ones on the left." : "Are left and right swapped? Each of the two lies on the other's side of the body."),
   kept: "kept",
   keptState: "placed, kept as picked",

@@ -7,7 +7,7 @@ import { only } from "../store/store";
 import { button, problem } from "../ui/controls";
 import { el, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
-import { marginOf } from "../fit/verdict";
+import { wideOf } from "../fit/fingers";
 import type { StancesActions } from "./actions";
 import { carriedNote } from "./carry";
 import { isPredicted, scannedOther, stanceNames, stanceOf, type StancesSlice } from "./state";
@@ -40,7 +40,7 @@ export function createDrawingCarry(stances: StancesActions): Panel<Shown> {
     const doubts = [...(state.drawn.onScan?.plan.doubts ?? []), ...(other.drawn.onScan?.plan.doubts ?? [])];
     const said = [
       ...doubts.slice(0, 1), // both say the same of the same two bodies
-      notes.error === null ? "" : words.error(marginOf(notes.error)),
+      notes.error === null ? "" : words.error(wideOf(notes.error)),
       notes.bridged > 0 ? words.bridged(notes.bridged, notes.points) : "",
       ...new Set(untold),
     ];

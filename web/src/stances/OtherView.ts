@@ -1,14 +1,12 @@
 // The pane of the stance that waits: a view of its own, made when it is first wanted, whose camera goes with the other's.
 import type { Matrix4 } from "three";
-import { LesionBalls } from "../drawing/lesions/LesionBalls";
-import { Halos } from "../drawing/lines/Halos";
 import { OwnLines } from "../drawing/lines/OwnLines";
 import { ReferenceLines } from "../drawing/lines/ReferenceLines";
+import type { SureParts } from "../drawing/sureParts";
 import type { DrawingSlice } from "../drawing/state";
 import { FittedSurface } from "../fit/distances/FittedSurface";
 import { type FitSlice, hasModelShown } from "../fit/state";
 import { TorsoModel } from "../fit/TorsoModel";
-import { LandmarkDiscs } from "../landmarks/LandmarkDiscs";
 import { LandmarkPins } from "../landmarks/LandmarkPins";
 import type { LandmarksSlice } from "../landmarks/state";
 import { ScanMesh } from "../scan/ScanMesh";
@@ -64,20 +62,23 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
     scan = new ScanMesh(made, ready, foundLoose);
     const torso = new TorsoModel(made, ready);
     const fitted = new FittedSurface(made, ready);
-    const [body, pins, discs] = [scan, new LandmarkPins(made, scan), new LandmarkDiscs(made, scan)];
+    const [body, pins] = [scan, new LandmarkPins(made, scan)];
     const skin = { get mesh() { return body.mesh ?? fitted.mesh; } }; // a predicted body has no scan
-    const balls = new LesionBalls(made);
+    let sure: SureParts | null = null;
+    void import("../drawing/sureParts").then(({ SureParts }) => {
+      sure = new SureParts(made, body, fitted, torso, stage.canvas);
+      update(store.get());
+    });
     parts = [
-      { update: ({ drawn, lesion }) => balls.update({ plan: drawn.onScan?.plan ?? null, lesion, line: drawn.chosen }) },
+      { update: (state) => sure?.lesions(state) },
       { update: (state) => body.update(state, hasModelShown(state)) },
       torso,
       fitted,
       new ReferenceLines(made, scan, torso, fitted),
-      new Halos(made, scan, fitted, stage.canvas),
+      { update: (state) => sure?.update(state, state.drawn.tool === "none") },
       new OwnLines(made, skin),
       new MeasureLines(made, true),
       { update: (state) => pins.update(state, state.drawn.tool === "none") },
-      { update: (state) => discs.update(state, state.drawn.tool === "none") },
       new SideLetters(made),
       new ScaleBar(made),
     ];

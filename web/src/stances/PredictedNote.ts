@@ -1,5 +1,6 @@
 // On the pane of a predicted body: that nobody has scanned it, and how far off it may be.
-import { linesOn, marginOf } from "../fit/verdict";
+import { wideOf } from "../fit/fingers";
+import { linesOn } from "../fit/verdict";
 import { el, setText, show } from "../ui/dom";
 import { isPredicted, type StancesState } from "./state";
 import * as text from "./text";
@@ -20,7 +21,7 @@ export function createPredictedNote() {
       if (!result) return;
       setText(badge, words.badge(result.simulated ?? false)); // links and fits of an earlier version
       const lines = linesOn(other!);
-      const margin = lines === null ? [] : [words.sure(lines.of, marginOf(lines.mm))];
+      const margin = lines === null ? [] : [words.sure(lines.of, wideOf(lines.mm))];
       setText(note, [...(result.verdict?.reasons ?? []), ...margin].join(" "));
       setText(busy, predicting ? words.busy(predicting) : "");
     },

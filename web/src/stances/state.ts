@@ -111,7 +111,7 @@ export function measuredFits({ fit, stances }: Pick<Stances, "fit" | "stances">)
 }
 
 /** Both stances are on the stage.  While landmarks are placed there is one, with its instructions. */
-export const isComparing = (state: Pick<ScanSlice & LandmarksSlice & StancesSlice, "scan" | "active" | "stances">): boolean =>
+export const isComparing = (state: Pick<ScanSlice & LandmarksSlice & StancesSlice, "scan" | "active" | "stances"> ): boolean =>
   state.stances.isComparing && state.stances.other !== null && state.scan !== null && state.active === null;
 
 /** The state as the other pane shows it. */

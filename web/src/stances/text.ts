@@ -27,7 +27,7 @@ export const stances = {
   predicted: {
     badge: (isSimulated: boolean) => (isSimulated ? "simulated, not scanned" : "predicted, not scanned"),
     picture: (name: string) => `${name}, not scanned`,
-    sure: (lines: string, margin: string) => `${lines.charAt(0).toUpperCase()}${lines.slice(1)} ${margin}.`,
+    sure: (lines: string, wide: string) => `${lines.charAt(0).toUpperCase()}${lines.slice(1)} are ${wide}.`,
     offer: "No such scan at hand",
     offerWhat: "Predicted from this scan, with how far off it may be. Nothing can be drawn on it; a scan takes its place.",
     predict: (stance: string) => `Predict ${stance}`,
@@ -60,7 +60,7 @@ export const stances = {
     busy: "Carrying the drawing …",
     done: (name: string) => `Shown on the ${name} scan, lines and patterns; it follows every change.`,
     donePredicted: (name: string) => `Shown on the ${name} body, predicted and not scanned, lines and patterns; it follows every change.`,
-    error: (margin: string) => `Carried lines ${margin}, measured across them: nine of ten places lie within that. The soft band shows where they are less sure, with the number at the pointer.`,
+    error: (wide: string) => `Carried lines are ${wide}: the grey band holds the true line nine times in ten.`,
     bridged: (bridged: number, points: number) => `${bridged} of ${points} points lie over holes of that scan and are dashed.`,
   },
 

@@ -313,6 +313,17 @@ export class Viewer {
     this.move.to(from.multiplyScalar(Math.min(this.far.away, CLOSE / Math.tan((FIELD_OF_VIEW * Math.PI) / 360))), at, true);
   }
 
+  /** Comes so near to a place (scan's axes, mm) that `half` metres are seen above and below it; `from`: unit vector to the eye, in the view's axes. */
+  faceTo(place: Vector, from: Vector3, half: number): void {
+    const at = this.body.localToWorld(new Vector3(...place.map(metresFromMm)));
+    this.move.to(from.clone().multiplyScalar(half / Math.tan((FIELD_OF_VIEW * Math.PI) / 360)), at, true);
+  }
+
+  /** Back to where the eye was. */
+  travel({ eye, target }: Viewer["pose"]): void {
+    this.move.to(eye.clone().sub(target), target, true);
+  }
+
   /** The eye is at once where it is going to. */
   settle(): void {
     this.move.finish();

@@ -7,11 +7,12 @@
 //   window.__breastrig.surfaceAt(x, y)  corners and weights of the fitted surface's triangle there, while it is shown
 //   window.__breastrig.other()          the same of the other stance's pane, and its camera
 //   window.__breastrig.pose()           the camera of the stance in work
+//   window.__breastrig.halo(isOther)    how wide the bands of lines are drawn, mm: least and most; null without any
 //   window.__breastrig.memory()         how many geometries, textures and programs it holds on the graphics card
 //   window.__breastrig.picture()        what is really on the canvas: number of colours, a checksum, context lost or not
 import { Vector3 } from "three";
 import type { Vector } from "../api/types";
-import { metresFromMm } from "../ui/units";
+import { metresFromMm, mmFromMetres } from "../ui/units";
 import { type Hit, isHidden, pickAt, type Surface, surfaceAt, type SurfaceHit } from "./picking";
 import type { Viewer } from "./Viewer";
 
@@ -35,6 +36,7 @@ export interface TestHook<State> {
   project(point: Vector): { x: number; y: number; hidden: boolean };
   pickAt(x: number, y: number): Hit | null;
   surfaceAt(x: number, y: number): SurfaceHit | null;
+  halo(isOther?: boolean): readonly [least: number, most: number] | null;
   memory(): Record<"geometries" | "textures" | "programs", number>;
   picture(): Picture;
   /** the pane of the other stance, once its scan is drawn */
@@ -58,6 +60,7 @@ export function offerTestHook(state: () => unknown, viewer: Viewer, scan: Surfac
     },
     pickAt: (x, y) => pickAt(viewer, scan, x, y),
     surfaceAt: (x, y) => surfaceAt(viewer, fitted.mesh, x, y),
+    halo: (isOther = false) => haloOf(isOther ? (other?.viewer() ?? null) : viewer),
     memory: () => ({ ...viewer.renderer.info.memory, programs: viewer.renderer.info.programs?.length ?? 0 }),
     picture: () => readPicture(viewer),
     other: () => {
@@ -70,6 +73,12 @@ export function offerTestHook(state: () => unknown, viewer: Viewer, scan: Surfac
 }
 
 const poseOf = ({ pose }: Viewer): Record<"eye" | "target", Vector> => ({ eye: pose.eye.toArray(), target: pose.target.toArray() });
+
+/** Of what is on the stage, by the radii that its one mesh is made of. */
+function haloOf(viewer: Viewer | null): readonly [number, number] | null {
+  const radii = (viewer?.body.getObjectByName("halo of lines")?.userData.radii ?? []) as number[];
+  return radii.length === 0 ? null : [mmFromMetres(Math.min(...radii)), mmFromMetres(Math.max(...radii))];
+}
 
 /** Draws and reads at once, as the canvas is empty again after the frame. */
 function readPicture(viewer: Viewer): Picture {

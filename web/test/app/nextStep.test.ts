@@ -53,7 +53,8 @@ test("what a fit asks about comes before its result, until it is answered", () =
   const state: Session = { ...withScan, step: "body", picks: startHistory(some), fit: asks };
   expect(nextStep(state)).toEqual({ kind: "check", count: 1 });
   expect(nextStep({ ...state, step: "points", skipped: new Set(["umbilicus"]) }).kind).toBe("check");
-  expect(nextStep({ ...state, step: "plan" }).kind).toBe("draw");
+  expect(nextStep({ ...state, step: "plan" }).kind, "while it pays").toBe("check");
+  expect(nextStep({ ...state, step: "handover" }).kind).not.toBe("check");
   expect(nextStep({ ...state, certain: { notch: [0, 0, 0] } }), "kept, and not yet fitted so").toEqual({ kind: "fit", again: true, landmarks: 3 });
 });
 

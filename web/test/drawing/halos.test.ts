@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { widthsOf } from "../../src/drawing/lines/Halos";
+import { widthsOf } from "../../src/drawing/lines/widths";
 
 const at = (count: number): [number, number, number][] => Array.from({ length: count }, (_, i) => [i, 0, 0]);
 

@@ -222,5 +222,5 @@ test("who listens hears the verdict with the number", async () => {
   const { store, actions } = await withScan();
   await actions.fit.start();
   FakeEventSource.last!.say("done", { result: { ...result, verdict: { level: "check", reasons: ["Half of the body is missing."] } } });
-  expect(store.get().announcement).toBe("The fit is done: mean distance 1.2 millimetres. Check this fit. Half of the body is missing.");
+  expect(store.get().announcement).toBe("The fit is done: mean distance 1.2 millimetres. To be checked. Half of the body is missing.");
 });

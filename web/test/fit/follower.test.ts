@@ -29,7 +29,7 @@ async function fitted() {
 test("while an answer is awaited only the newest place of the mark is kept, and that is asked for next", async () => {
   const { store, actions, moved, answer, waiting } = await fitted();
   actions.follower.begin();
-  for (const x of [2, 3, 4]) actions.follower.move("nipple_L", [x, 0, 0]);
+  for (const x of [2, 3, 4]) actions.follower.move({ nipple_L: [x, 0, 0] });
   expect(moved).toHaveBeenCalledTimes(1);
   await answer();
   expect(shownPoses(store.get())).toEqual(nodesAt(1).nodes);
@@ -43,7 +43,7 @@ test("while an answer is awaited only the newest place of the mark is kept, and 
 
 test("a drag that is given up leaves the model where it was, whatever answer still comes", async () => {
   const { store, actions, answer } = await fitted();
-  actions.follower.move("nipple_L", [2, 0, 0]);
+  actions.follower.move({ nipple_L: [2, 0, 0] });
   actions.follower.giveUp();
   await answer();
   expect(store.get().followed).toBeNull();
@@ -51,19 +51,19 @@ test("a drag that is given up leaves the model where it was, whatever answer sti
 
 test("a service that cannot follow is no problem that anybody has to read", async () => {
   const { store, actions, answer, waiting } = await fitted();
-  actions.follower.move("nipple_L", [-1, 0, 0]);
+  actions.follower.move({ nipple_L: [-1, 0, 0] });
   await answer();
   expect(store.get()).toMatchObject({ followed: null, problems: {} });
-  actions.follower.move("nipple_L", [3, 0, 0]);
+  actions.follower.move({ nipple_L: [3, 0, 0] });
   expect(waiting(), "the next move asks again").toBe(1);
 });
 
 test("nothing is asked before a fit is done", async () => {
   const { actions, client } = await withScan();
   actions.landmarks.restore({ nipple_L: [1, 0, 0] });
-  actions.follower.move("nipple_L", [2, 0, 0]);
+  actions.follower.move({ nipple_L: [2, 0, 0] });
   await actions.fit.start();
   FakeEventSource.last!.say("iterated", { iteration: 0, stage: "pose", mean_distance_mm: 5, nodes: [] });
-  actions.follower.move("nipple_L", [2, 0, 0]);
+  actions.follower.move({ nipple_L: [2, 0, 0] });
   expect(client.moved).not.toHaveBeenCalled();
 });

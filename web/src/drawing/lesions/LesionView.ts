@@ -1,6 +1,7 @@
 // What is said of the lesion that is looked at: its distances with their bands, and slices through it in three planes, in which
 // a hand or the arrow keys move it.  Loaded when one is chosen.
 import { el, svg } from "../../ui/dom";
+import { withMargins } from "../../ui/margins";
 import type { Vector } from "../../api/types";
 import { type LaidLesion, saidDistances } from "./lesions";
 import { alongSlice, type LesionSlice, movedInSlice } from "./slices";
@@ -21,7 +22,7 @@ export function lesionView(lesion: LaidLesion, line: string | null, hand: Hand |
   return el(
     "div",
     { class: "lesion-view" },
-    el("dl", {}, ...facts.map(([name, value]) => el("div", { class: "row" }, el("dt", {}, name), el("dd", {}, value)))),
+    el("dl", {}, ...facts.map(([name, value]) => el("div", { class: "row" }, el("dt", {}, name), el("dd", {}, ...withMargins(value))))),
     ...(lesion.seen ? [] : [el("p", { class: "look-here" }, words.unseen)]),
     el("div", { class: "lesion-slices" }, ...lesion.slices.map((slice) => sliceView(lesion, slice, hand))),
     lesion.slices.length === 0 ? null : el("p", { class: "muted small" }, hand ? words.slicesMove : words.slices),

@@ -3,8 +3,7 @@
 import { Color, Vector3 } from "three";
 import type { DrawingFile } from "../../api/types";
 import type { FittedSurface } from "../../fit/distances/FittedSurface";
-import { isAtRest, isPosedByHand, type Shown } from "../../fit/state";
-import { KNOWN_MM } from "../../fit/verdict";
+import { isAtRest, isPosedByHand, isUnusable, type Shown } from "../../fit/state";
 import type { ScanMesh } from "../../scan/ScanMesh";
 import { el, setText } from "../../ui/dom";
 import { formatMmWhole, isUnit, metresFromMm, mmFrom } from "../../ui/units";
@@ -17,17 +16,22 @@ import type { Part, Viewer } from "../../viewer/Viewer";
 import { type DrawingSlice, type Layer, layerKey, shownPatterns } from "../state";
 import * as text from "../text";
 import { ownColour } from "./lines";
+import { widthsOf } from "./widths";
 
 type State = Shown & Pick<ViewSlice & DrawingSlice, "overlay" | "drawn">;
 type Skin = Pick<ScanMesh | FittedSurface, "mesh" | "bvh" | "normalAt">;
 type Line = Pick<DrawingFile["shapes"][number], "name" | "points" | "closed" | "color" | "error_mm" | "line_error_mm"> & { readonly kind?: string };
 
 const AWAY = 16; // pixels from the pointer
+const NARROWS_MS = { after: 300, for: 600 }; // when the eye is back from where it looked closely
 
 export class Halos implements Part<State> {
   private readonly halo: Halo;
   private shown: unknown[] = [];
   private skin: Skin | null = null;
+  private lines: readonly Banded[] = [];
+  private share = 1; // of their width, as it is expected
+  private times = 1; // their width, on the way to it
   private readonly value = el("strong", {});
   private readonly note = el("span", {}, text.bands.of);
   private readonly element = el("div", { class: "band-value", hidden: true }, this.value, this.note);
@@ -40,30 +44,54 @@ export class Halos implements Part<State> {
     private readonly fitted: FittedSurface,
     canvas: HTMLCanvasElement,
   ) {
-    this.halo = new Halo(viewer);
+    this.halo = new Halo(viewer, "halo of lines", 9);
     viewer.overlay.append(this.element);
     canvas.addEventListener("pointermove", (event) => this.ask(event.buttons === 0 || event.pointerType === "touch" ? event : null));
     canvas.addEventListener("pointerdown", (event) => this.ask(event.pointerType === "touch" ? event : null));
     canvas.addEventListener("pointerleave", () => this.ask(null));
   }
 
-  update(state: State): void {
+  /** `share` of their width is what is expected of points that are being checked. */
+  update(state: State, share = 1): void {
     const { fit, overlay, drawn } = state;
     const skin: Skin = this.scan.mesh && overlay !== "model" ? this.scan : this.fitted.mesh ? this.fitted : this.scan;
-    const isThere = fit !== null && isAtRest(fit) && !isPosedByHand(state);
+    const isThere = fit !== null && isAtRest(fit) && !isPosedByHand(state) && !isUnusable(state);
     const patterns = isThere ? shownPatterns(state) : null;
     const carried = overlay === "model" && isPosedByHand(state) ? null : (drawn.onScan?.carried ?? null);
     const now = [patterns, carried, drawn.hidden, skin.bvh, this.viewer.palette];
-    if (now.every((each, i) => each === this.shown[i])) return;
+    if (now.every((each, i) => each === this.shown[i])) {
+      if (share === this.share) return;
+      this.share = share;
+      return this.write();
+    }
     this.shown = now;
+    this.share = share;
     this.skin = skin;
     const of = (drawing: { readonly unit: string; readonly shapes: readonly Line[] } | null, layer: Layer): Banded[] => {
       const unit = drawing?.unit;
       if (!drawing || !isUnit(unit)) return [];
       return drawing.shapes.filter(({ name, kind }) => kind !== "note" && !drawn.hidden.has(layerKey(layer, name))).map((line) => banded(line, mmFrom(1, unit), skin, this.viewer.palette.ink));
     };
-    this.halo.set(skin.bvh ? [...of(patterns, "reference"), ...of(carried, "carried")] : [], skin.mesh?.geometry ?? null);
+    this.lines = skin.bvh ? [...of(patterns, "reference"), ...of(carried, "carried")] : [];
+    this.write();
     this.ask(this.pointer);
+  }
+
+  /** They are seen to narrow from so many times their width to their own. */
+  narrow(times: number): void {
+    const begins = performance.now() + NARROWS_MS.after;
+    const step = (now: number): void => {
+      const left = 1 - Math.min(1, Math.max(0, (now - begins) / NARROWS_MS.for));
+      this.times = 1 + (times - 1) * left ** 3;
+      this.write();
+      if (left > 0) requestAnimationFrame(step);
+    };
+    step(begins);
+  }
+
+  private write(): void {
+    const by = this.share * this.times;
+    this.halo.set(by === 1 ? this.lines : this.lines.map((line) => ({ ...line, radii: line.radii.map((radius) => by * radius) })), this.skin?.mesh?.geometry ?? null);
   }
 
   private ask(pointer: PointerEvent | null): void {
@@ -84,22 +112,6 @@ export class Halos implements Part<State> {
     const y = Math.min(pointer.clientY - box.top + AWAY, box.height - this.element.offsetHeight - 8);
     this.element.style.transform = `translate(${x.toFixed(0)}px, ${y.toFixed(0)}px)`;
   }
-}
-
-/** What a line's radii, which count in all directions, are to be multiplied with to stand for its line error, across it. */
-export function acrossOf({ error_mm, line_error_mm }: Pick<Line, "error_mm" | "line_error_mm">): number {
-  const squares = (error_mm ?? []).flatMap((mm) => (mm === null ? [] : [mm * mm]));
-  const mean = Math.sqrt(squares.reduce((sum, each) => sum + each, 0) / squares.length);
-  return line_error_mm == null || !(mean > 0) ? 1 : line_error_mm / mean;
-}
-
-/** Across the line, mm, of each of its points; NaN where it is not known, or so large that nothing is. */
-export function widthsOf(line: Pick<Line, "points" | "error_mm" | "line_error_mm">): number[] {
-  const across = acrossOf(line);
-  return line.points.map((_, i) => {
-    const mm = across * (line.error_mm?.[i] ?? NaN);
-    return mm <= KNOWN_MM ? mm : NaN;
-  });
 }
 
 function banded(line: Line, mmPerUnit: number, skin: Skin, ink: Color): Banded {

@@ -5,15 +5,17 @@ import { plainLabel, sideOf } from "../../landmarks/picks";
 import { landmarks as landmarkText } from "../../landmarks/text";
 import { scan as scanText } from "../../scan/text";
 import type { PageSlice } from "../../store/page";
-import { button, row } from "../../ui/controls";
-import { el, fill, icon, setText, show } from "../../ui/dom";
+import { row } from "../../ui/controls";
+import { el, fill, setText, show } from "../../ui/dom";
+import { margin } from "../../ui/margins";
 import type { Panel } from "../../ui/Panel";
 import { formatMm, formatMmWhole, formatPercent, formatSeconds, formatSignedMm } from "../../ui/units";
 import { createDistanceCurve } from "./DistanceCurve";
 import { SCALE_MM, SCANNER_MM, summarise } from "./distances";
 import type { Outdated } from "../outdated";
-import { type FitSlice, isAtRest, shownIteration } from "../state";
-import { KNOWN_MM, linesOn, marginOf, marginsOf, type WithLines } from "../verdict";
+import { type FitSlice, isAtRest, isUnusable, shownIteration } from "../state";
+import { KNOWN_MM, linesOn, type WithLines } from "../verdict";
+import { type Asks, createVerdictBox, type VerdictShown, type WaysOut } from "../VerdictBox";
 import * as text from "../text";
 
 const words = text.numbers;
@@ -46,7 +48,7 @@ function ofIteration(shown: Iterated): HTMLElement[] {
 function ofLandmark(mm: number | undefined, radius: number | undefined): HTMLElement[] {
   const distance = mm === undefined ? [] : [el("span", {}, formatMm(mm))];
   if (radius !== undefined && radius > KNOWN_MM) return [...distance, el("span", { class: "band", title: words.radiusUnknown }, words.unknown)];
-  const band = radius === undefined ? [] : [el("span", { class: "band", title: words.radiusHint(formatMmWhole(radius)) }, words.radius(formatMmWhole(radius)))];
+  const band = radius === undefined ? [] : [margin(`\u2002${words.radius(formatMmWhole(radius))}`)];
   return [...distance, ...band, el("span", { class: "unit" }, " mm")];
 }
 
@@ -114,68 +116,47 @@ function ofModelAlone({ refined, model_alone: alone }: Result): HTMLElement[] {
   return [block(words.aloneBlock, words.aloneHint, [[words.mean, formatMm(surface.mean), "mm"], ...spread(surface), ...landmarks])];
 }
 
-const verdictLines = ({ level, reasons }: NonNullable<Result["verdict"]>): HTMLElement[] => [
-  el("p", { class: "verdict-level" }, icon(level === "good" ? "check" : "alert"), words.verdicts[level]),
-  ...reasons.map((reason) => el("p", { class: "muted" }, reason)),
-];
+type Shown = Pick<PageSlice & FitSlice, "meta" | "fit"> & Omit<VerdictShown, "result" | "failed">;
 
-/** A doubt that a person has to settle stands first, and no such fit is good. */
-const withDoubt = (verdict: NonNullable<Result["verdict"]>, doubt: string): NonNullable<Result["verdict"]> =>
-  doubt === "" ? verdict : { level: verdict.level === "good" ? "check" : verdict.level, reasons: [doubt, ...verdict.reasons] };
-
-type Shown = Pick<PageSlice & FitSlice, "meta" | "fit"> & { readonly old: Outdated; readonly lines: ReturnType<typeof linesOn>; readonly doubt: string };
-
-/** Where a fit can grow old: whether it has, and how another one is asked for. */
-interface Ageing<More> {
+/** Where a fit can grow old and questions are asked: whether it has, what they are, and what a person can do. */
+interface Ageing<More> extends WaysOut {
   readonly outdated: (state: PageSlice & FitSlice & More) => Outdated;
   readonly doubt: (state: PageSlice & FitSlice & More) => string; // a question that is open, or empty
-  readonly again: () => void;
+  readonly asks: (state: PageSlice & FitSlice & More) => Asks;
 }
 
-/** What the fit is good for first: the verdict and how far off lines may be, then the landmarks; all distances are folded away. */
+const NOTHING_ASKED: Asks = { count: 0, points: 0, expected: null, outcome: "" };
+
+/** What the fit is good for first; then, while it runs, how near it is; each landmark and all distances are folded away. */
 export function createNumbersPanel<More extends Pick<WithLines, "drawn"> = Pick<WithLines, "drawn">>(ageing: Ageing<More> | null = null): Panel<Shown, PageSlice & FitSlice & More> {
   const number = el("span", { class: "hero-number" });
-  const of = el("span", { class: "muted" });
-  const hero = el("p", { class: "hero" }, number, of);
-  const sure = el("p", { class: "muted sure", title: words.eachHint, hidden: true });
-  const verdict = el("div", { class: "verdict", role: "status", hidden: true });
-  const oldWords = el("p", {});
-  const old = el("div", { class: "look-here outdated", role: "status", hidden: true }, oldWords, ageing ? button(words.again, ageing.again, "outlined") : null);
+  const hero = el("p", { class: "hero" }, number, el("span", { class: "muted" }, words.meanDistance));
+  const verdict = createVerdictBox(ageing);
   const curve = createDistanceCurve();
   const now = el("div", { class: "numbers-body" });
   const live = el("div", {}, now);
   const each = el("div", {});
   const body = el("div", { class: "numbers-body" });
   const folded = el("details", { class: "solver" }, el("summary", {}, words.solver), body);
-  const element = el("section", { class: "numbers", "aria-label": words.title }, old, verdict, hero, sure, live, each, folded);
+  const element = el("section", { class: "numbers", "aria-label": words.title }, ...verdict.elements, hero, live, each, folded);
   return {
     element,
-    select: (state) => ({ meta: state.meta, fit: state.fit, old: ageing?.outdated(state) ?? null, lines: linesOn(state), doubt: ageing?.doubt(state) ?? "" }),
+    select: (state) => ({ meta: state.meta, fit: state.fit, old: ageing?.outdated(state) ?? null, lines: linesOn(state), doubt: ageing?.doubt(state) ?? "", asks: ageing?.asks(state) ?? NOTHING_ASKED }),
     update(state: Shown): void {
       const { fit } = state;
       const shown = shownIteration(fit);
       const result = fit && isAtRest(fit) ? fit.result : null;
-      const lines = result ? state.lines : null;
-      show(hero, lines !== null || (!result && shown !== null));
-      hero.title = lines === null ? "" : words.linesHint;
-      setText(number, lines !== null ? marginOf(lines.mm) : shown && !result ? `${formatMm(shown.mean_distance_mm)}\u00a0mm` : "");
-      setText(of, lines !== null ? lines.of : words.meanDistance);
-      const judged = result?.verdict && withDoubt(result.verdict, state.doubt);
-      show(old, state.old !== null && fit?.state !== "running");
-      setText(oldWords, state.old ? words.outdated[state.old] : "");
+      const isOfUse = result !== null && !isUnusable(state);
+      show(hero, !result && shown !== null && fit?.state === "running");
+      setText(number, shown && !result ? `${formatMm(shown.mean_distance_mm)}\u00a0mm` : "");
       element.classList.toggle("is-outdated", state.old !== null);
-      const radii = Object.values(result?.landmark_uncertainty_mm ?? {});
-      show(sure, radii.length > 0);
-      setText(sure, radii.length === 0 ? "" : words.sure(marginsOf(radii)));
-      show(verdict, judged != null);
-      verdict.classList.toggle("look-here", judged?.level === "check");
-      verdict.classList.toggle("is-wrong", judged?.level === "unusable");
-      fill(verdict, [fit?.id, judged?.level, judged?.reasons.join()], () => (judged ? verdictLines(judged) : []));
+      verdict.update({ ...state, result: result ?? null, failed: fit?.state === "failed" ? fit.reason : null, old: fit?.state === "running" ? null : state.old });
       curve.update(state);
       if (result) folded.append(curve.element);
       else live.prepend(curve.element);
-      show(folded, result !== null);
-      fill(each, [fit?.id, result !== null], () => (result ? ofEach(result, state) : []));
+      show(live, !result && !isUnusable(state));
+      for (const part of [each, folded]) show(part, isOfUse);
+      fill(each, [fit?.id, isOfUse], () => (isOfUse ? ofEach(result, state) : []));
       const key = [fit?.id, result ? "result" : shown?.iteration, fit?.distances != null];
       fill(body, key, () => (result ? ofResult(result, state) : []));
       fill(now, key, () => (!result && shown ? ofIteration(shown) : []));

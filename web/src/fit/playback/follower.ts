@@ -11,8 +11,8 @@ type State = Pick<LandmarksSlice, "picks"> & FitSlice;
 export interface Follower {
   /** A mark was taken up: the service gets the fit ready. */
   readonly begin: () => void;
-  /** Where the mark is now. */
-  readonly move: (name: string, point: Vector) => void;
+  /** Where marks are now that are elsewhere than the picks say. */
+  readonly move: (elsewhere: Record<string, Vector>) => void;
   /** The picks as they are now. */
   readonly show: () => void;
   /** The mark is back where it was. */
@@ -54,7 +54,7 @@ export function createFollower(store: Store<State>, client: Pick<Client, "moved"
 
   return {
     begin: () => send(present()),
-    move: (name, point) => send({ ...present(), [name]: point }),
+    move: (elsewhere) => send({ ...present(), ...elsewhere }),
     show: () => send(present()),
     giveUp: () => {
       run += 1;

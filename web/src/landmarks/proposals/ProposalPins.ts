@@ -1,4 +1,4 @@
-// Proposed landmarks as dashed, hollow marks over the picture, with the error that the service expects beside them.
+// Proposed landmarks as dashed, hollow marks over the picture, each in the disc where it may lie (LandmarkDiscs).
 // They must not look like placed ones; a click on one confirms it.
 import { Vector3 } from "three";
 import type { Vector } from "../../api/types";
@@ -11,9 +11,8 @@ import type { ViewSlice } from "../../viewer/state";
 import type { Part, Viewer } from "../../viewer/Viewer";
 import { sideOf } from "../picks";
 import { isLookedAt } from "./agreed";
-import { errorOf, isLikely, type OpenProposal, openProposals, type Proposals } from "./proposals";
+import { isLikely, type OpenProposal, openProposals, type Proposals } from "./proposals";
 import type { LandmarksSlice } from "../state";
-import * as text from "../text";
 
 type Shown = Pick<PageSlice & ViewSlice & ScanSlice & LandmarksSlice, "meta" | "step" | "overlay" | "scan" | "picks" | "proposals" | "active">;
 
@@ -22,7 +21,6 @@ const REACH = 14; // pixels from a mark's middle that still hit it: a target of 
 interface Pin {
   readonly name: string;
   readonly element: HTMLElement;
-  readonly note: string;
   readonly point: Vector3; // scan's frame, metres
   at: { x: number; y: number } | null; // in the host's box; null while it is not to be seen
 }
@@ -77,52 +75,19 @@ export class ProposalPins implements Part<Shown> {
 
   private make(proposal: OpenProposal, number: number): Pin {
     const mark = el("span", { class: `mark side-${sideOf(proposal.name)}` }, el("span", {}, String(number)));
-    const words = proposal.on_scan ? text.proposals.error(errorOf(proposal) ?? text.proposals.unknown) : text.proposals.offScan;
-    const element = el("div", { class: `pin is-proposed note-${sideOf(proposal.name)}${isLikely(proposal) ? "" : " is-rough"}`, "data-proposed": proposal.name }, mark, el("span", { class: "proposal-note" }, words));
+    const element = el("div", { class: `pin is-proposed${isLikely(proposal) ? "" : " is-rough"}`, "data-proposed": proposal.name }, mark);
     this.viewer.overlay.append(element);
-    return { name: proposal.name, element, note: words, point: new Vector3(...proposal.point.map(metresFromMm)), at: null };
+    return { name: proposal.name, element, point: new Vector3(...proposal.point.map(metresFromMm)), at: null };
   }
 
   private place(): void {
     if (!this.isShown) return;
-    const taken: Box[] = [];
     for (const pin of this.pins) {
       const { x, y } = this.viewer.toScreen(pin.point);
       pin.element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
       const hidden = isHidden(this.viewer, this.scan, pin.point, this.scan.normalAt(pin.point));
       pin.element.classList.toggle("is-hidden", hidden);
       pin.at = hidden ? null : { x, y };
-      if (!hidden) taken.push({ left: x - HALF, right: x + HALF, top: y - HALF, bottom: y + HALF });
-    }
-    // Notes that would lie on another mark or note stay away: the list has all of them.
-    for (const pin of this.pins) {
-      const box = pin.at && boxOf(pin, pin.at);
-      const own = pin.at && { left: pin.at.x - HALF, right: pin.at.x + HALF };
-      const isFree = box !== null && !taken.some((other) => isOver(box, other) && !(other.left === own?.left && other.right === own.right));
-      pin.element.classList.toggle("is-crowded", !isFree);
-      if (isFree) taken.push(box);
     }
   }
-}
-
-interface Box {
-  readonly left: number;
-  readonly right: number;
-  readonly top: number;
-  readonly bottom: number;
-}
-
-const HALF = 11; // pixels, of a mark
-const LINE = 15; // pixels, of a note, as in the style sheet
-const LETTER = 6.2; // pixels, at the note's size
-
-const isOver = (a: Box, b: Box): boolean => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
-
-/** Where the note beside a mark stands. */
-function boxOf({ name, note }: Pick<Pin, "name" | "note">, { x, y }: { x: number; y: number }): Box {
-  const wide = LETTER * note.length + 8;
-  const side = sideOf(name);
-  const left = side === "left" ? x + 15 : side === "right" ? x - 15 - wide : x - wide / 2;
-  const top = side === "middle" ? y + 14 : y - LINE / 2;
-  return { left, right: left + wide, top, bottom: top + LINE };
 }

@@ -7,7 +7,7 @@ import type { Picks } from "../picks";
 import type { LandmarksSlice } from "../state";
 
 const SAME_MM = 0.05; // as the service compares them; no click meets a proposal so closely
-const CLOSE_PIXELS = 6; // a millimetre, of the page; a few of them are seen one by one, the whole body has one or two
+export const CLOSE_PIXELS = 6; // a millimetre, of the page; a few of them are seen one by one, the whole body has one or two
 const BY_TOUCH = /^(acromion|midclavicle)(_[LR])?$/; // bone under the skin
 
 type Known = Pick<LandmarksSlice, "picks" | "certain" | "proposals">;

@@ -6,6 +6,7 @@ import { drawing as drawingText } from "../../drawing/text";
 import { result as resultText } from "../../fit/text";
 import { el } from "../../ui/dom";
 import { marginOf } from "../../fit/verdict";
+import { withMargins } from "../../ui/margins";
 import { formatMmWhole } from "../../ui/units";
 import { shared as words } from "../text";
 
@@ -32,7 +33,7 @@ export function listedLines(drawing: DrawingFile | null, plan: PlanOnScan): read
 function row({ name, colour, about }: ListedLine): HTMLElement {
   const stroke = el("span", { class: "stroke", "aria-hidden": "true" });
   if (colour !== null) stroke.style.background = colour;
-  return el("li", { "data-line": name }, stroke, el("span", {}, drawingText.shapeName(name), about === "" ? null : el("span", { class: "muted small about" }, about)));
+  return el("li", { "data-line": name }, stroke, el("span", {}, drawingText.shapeName(name), about === "" ? null : el("span", { class: "muted small about" }, ...withMargins(about))));
 }
 
 const part = (title: string, sentences: readonly string[]): HTMLElement[] => (sentences.length === 0 ? [] : [el("h2", {}, title), ...sentences.map((each) => el("p", { class: "note" }, each))]);

@@ -17,6 +17,7 @@ import { createSwipe } from "../../viewer/Swipe";
 import { errors as viewErrors, view as viewText } from "../../viewer/text";
 import { createViewBar } from "../../viewer/ViewBar";
 import { createLesionList } from "../../drawing/lesions/LesionList";
+import { createSureness } from "../../drawing/Sureness";
 import { lesionsOnScan } from "../../drawing/lesions/lesions";
 import { lesions as lesionText } from "../../drawing/text";
 import { openSharedViewer } from "./openViewer";
@@ -65,6 +66,8 @@ const lesions = createLesionList((lesion) => store.set({ lesion }), null);
 const ofLesions = el("div", { hidden: true }, el("h2", {}, lesionText.heading), lesions.element);
 const files = el("ul", { class: "files" });
 const numbers = createNumbersPanel<VisitorState>();
+const sureness = createSureness();
+host.append(el("div", { class: "pane-caption" }, sureness.element));
 const body = el("div", { class: "side-scroll shared-side", tabindex: 0 }, el("p", {}, words.what), shownAs, until, numbers.element, planned, ofLesions, el("h2", {}, resultText.files), files); // it scrolls by keys too
 const side = el("aside", { class: "side", "aria-label": words.title, hidden: true }, body, el("div", { class: "side-foot" }, el("p", { class: "notice" }, noticeLong)));
 const leave = button(words.close, () => void close(), "quiet outlined", "close");
@@ -77,6 +80,7 @@ follow(store, viewBar);
 follow(store, swipe);
 follow(store, colourBar);
 follow(store, numbers);
+store.select(only("fit", "drawn"), (state) => sureness.update(state));
 store.select(only("plan", "lesion"), ({ plan, lesion }) => {
   const laid = lesionsOnScan(plan);
   show(ofLesions, laid.length > 0);

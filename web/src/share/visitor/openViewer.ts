@@ -1,6 +1,4 @@
 // The shared body: the same parts as the page's own view, without any that change something.
-import { LesionBalls } from "../../drawing/lesions/LesionBalls";
-import { Halos } from "../../drawing/lines/Halos";
 import { ReferenceLines } from "../../drawing/lines/ReferenceLines";
 import { FittedSurface } from "../../fit/distances/FittedSurface";
 import { HoverValue } from "../../fit/distances/HoverValue";
@@ -26,13 +24,10 @@ export function openSharedViewer(store: Store<VisitorState>, stage: Stage, faile
   const scan = new ScanMesh(viewer, ready, (file) => store.set((state) => withLoose(state, file)));
   const torso = new TorsoModel(viewer, ready); // stays empty: the rig is not part of a link
   const fitted = new FittedSurface(viewer, ready);
-  const balls = new LesionBalls(viewer);
   const parts: Part<VisitorState>[] = [
-    { update: ({ plan, lesion }) => balls.update({ plan, lesion, line: null }) }, // first: it turns the skin to glass
     { update: (state) => scan.update(state, hasModelShown(state)) },
     fitted,
     new ReferenceLines(viewer, scan, torso, fitted),
-    new Halos(viewer, scan, fitted, stage.canvas),
     new SideLetters(viewer),
     new HoverValue(viewer, fitted, stage.canvas),
     new ScaleBar(viewer),
@@ -42,6 +37,13 @@ export function openSharedViewer(store: Store<VisitorState>, stage: Stage, faile
     for (const part of parts) part.update(state);
     viewer.invalidate();
   }
+  // Not part of the file that both pages share: the first view of the other one does without.
+  void Promise.all([import("../../drawing/lines/Halos"), import("../../drawing/lesions/LesionBalls")]).then(([{ Halos }, { LesionBalls }]) => {
+    const balls = new LesionBalls(viewer);
+    parts.unshift({ update: ({ plan, lesion }) => balls.update({ plan, lesion, line: null }) }); // first: it turns the skin to glass
+    parts.push(new Halos(viewer, scan, fitted, stage.canvas));
+    update(store.get());
+  });
   let asked = store.get().view.asked;
   store.subscribe((state) => {
     update(state);

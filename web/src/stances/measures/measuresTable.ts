@@ -126,6 +126,9 @@ export function formatMargin(cell: Cell, unit: Measure["unit"]): string {
   return margin === null || unit === "grade" ? "" : `\u00a0±${rounded(margin, stepOf(margin, unit))}`;
 }
 
+/** A measure less sure than a tenth of itself; differences and changes are as sure as what they are made of. */
+export const isVague = (cell: Cell, unit: Measure["unit"]): boolean => (unit === "mm" || unit === "ml") && cell.value !== null && (marginOf(cell) ?? 0) > 0.1 * Math.abs(cell.value);
+
 const COLUMNS = ["stance", "measure", "kind", "unit", "left", "left_low", "left_high", "right", "right_low", "right_high", "difference", "difference_low", "difference_high", "value", "value_low", "value_high", "not_seen", "not_known", "landmarks", "method"] as const satisfies readonly (keyof Measure)[];
 
 const quoted = (cell: string): string => (/[",\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell);

@@ -18,6 +18,8 @@ export const table = {
   csv: "measures.csv",
   report: "report.pdf",
   busy: "Measuring …",
+  vague: "not known well enough",
+  vagueHint: (value: string) => `Its 90 % band is wider than a tenth of it: ${value}. Landmarks placed by hand make it surer.`,
   notSeen: "not seen",
   notKnown: "not known",
   notKnownHint: "What it may be off by is as large as the number itself; landmarks placed by hand make it surer.",

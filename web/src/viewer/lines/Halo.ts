@@ -17,10 +17,10 @@ export class Halo {
   readonly mesh: Mesh<BufferGeometry, ShaderMaterial>;
   private pieces: Pieces = NOTHING;
 
-  /** `order`: see Object3D.renderOrder. */
-  constructor(private readonly viewer: Viewer, order = 9) {
+  /** `name`: whose it is; `order`: see Object3D.renderOrder. */
+  constructor(private readonly viewer: Viewer, name: string, order: number) {
     this.mesh = new Mesh(new BufferGeometry(), bandMaterial());
-    this.mesh.name = "halo";
+    this.mesh.name = name;
     this.mesh.renderOrder = order; // after the translucent model, before the lines
     this.mesh.frustumCulled = false;
     this.mesh.visible = false;
@@ -36,6 +36,7 @@ export class Halo {
     this.pieces = skin?.boundsTree && lines.length > 0 ? piecesOf(lines) : NOTHING;
     const { pieces } = this;
     this.mesh.visible = pieces.count > 0;
+    this.mesh.userData.radii = pieces.count > 0 ? lines.flatMap(({ radii }) => [...radii].filter((radius) => !Number.isNaN(radius))) : []; // for tests
     geometry.dispose();
     for (const name of ["pieces", "entries"] as const) (material.uniforms[name]!.value as DataTexture | null)?.dispose();
     this.viewer.invalidate();

@@ -1,0 +1,155 @@
+// The tour: begun, answered point by point, left; its answers become landmarks in one step, and the fit that knows them is made at once.
+import type { Client } from "../api/client";
+import { ApiError } from "../api/client";
+import type { Stance, Vector } from "../api/types";
+import { saidWide } from "../fit/fingers";
+import type { Follower } from "../fit/playback/follower";
+import type { FitActions } from "../fit/actions";
+import { linesOn } from "../fit/verdict";
+import type { LandmarkActions } from "../landmarks/actions";
+import { type StancesSlice, isPredicted, type Workspace } from "../stances/state";
+import type { PageSlice } from "../store/page";
+import { only, type Store } from "../store/store";
+import { type ChecksSlice, type ChecksState, outcomeWords, stepNow, stepsOf, type Tour } from "./state";
+import * as text from "./text";
+
+const words = text.checks;
+
+type State = PageSlice & Workspace & StancesSlice & ChecksSlice & Pick<FitStarting, "isStarting">;
+interface FitStarting {
+  readonly isStarting: boolean;
+}
+
+interface Others {
+  readonly landmarks: Pick<LandmarkActions, "check" | "keep" | "takeOut" | "exchange">;
+  readonly fit: Pick<FitActions, "chooseStance">;
+  readonly follower: Follower;
+}
+
+export function checkActions<Whole extends State>(store: Store<Whole>, client: Pick<Client, "checks">, { landmarks, fit, follower }: Others) {
+  const set = (change: (state: State) => Partial<State>): void => store.set((state) => change(state) as Partial<Whole>);
+  const put = (part: Partial<ChecksState>, announcement?: string): void => set(({ checks }) => ({ checks: { ...checks, ...part }, ...(announcement === undefined ? {} : { announcement }) }));
+  const asked = new Map<string, unknown>(); // fit -> the plan on it that was asked about last
+
+  /** After each fit and each change of the plan, of both scans that are on the page. */
+  store.select(only("fit", "drawn", "stances"), () => {
+    const state: State = store.get();
+    for (const each of [state, state.stances.other]) {
+      const { fit, drawn } = each ?? {};
+      if (!each || fit?.state !== "done" || isPredicted(each) || (asked.has(fit.id) && asked.get(fit.id) === drawn!.onScan)) continue;
+      asked.set(fit.id, drawn!.onScan);
+      queueMicrotask(() => void ask(fit.id, fit.links.checks));
+    }
+  });
+
+  async function ask(id: string, link: string): Promise<void> {
+    try {
+      const found = await client.checks(link);
+      set(({ checks }) => ({ checks: { ...checks, of: { ...checks.of, [id]: found } } }));
+    } catch (error) {
+      if (!(error instanceof ApiError)) throw error; // without an answer nothing is offered; the next change asks again
+      asked.delete(id);
+    }
+  }
+
+  function over(outcome: ChecksState["outcome"], announcement: string): void {
+    const wasComparing = store.get().checks.tour?.wasComparing ?? false;
+    put({ tour: null, outcome }, announcement);
+    if (wasComparing) set(({ stances }) => ({ stances: { ...stances, isComparing: true } }));
+  }
+
+  function say(tour: Tour): string {
+    const step = tour.steps[tour.at];
+    if (step?.kind !== "point") return step?.kind === "stance" ? words.stance : "";
+    const { check } = step;
+    return words.announce(tour.at + 1, tour.steps.length, check.label, words.ask, saidWide(step.before), saidWide(check.line_error_mm));
+  }
+
+  function begin(): void {
+    const state = store.get();
+    const steps = stepsOf(state);
+    if (steps.length === 0 || !state.fit) return;
+    const tour: Tour = { fit: state.fit.id, steps, at: 0, answers: {}, moved: null, before: linesOn(state)?.mm ?? null, leadsToFit: false, wasComparing: state.stances.isComparing };
+    set(({ stances }) => ({ stances: { ...stances, isComparing: false } })); // one body, seen from near
+    put({ tour, outcome: null }, say(tour));
+    follower.begin();
+  }
+
+  const given = ({ answers }: Tour): Record<string, Vector> => Object.fromEntries(Object.entries(answers).flatMap(([name, at]) => (at ? [[name, at]] : [])));
+
+  function answer(at: Vector | null): void {
+    const { tour } = store.get().checks;
+    const step = stepNow(store.get());
+    if (!tour || step?.kind !== "point") return;
+    goOn({ ...tour, answers: { ...tour.answers, [step.check.name]: at }, leadsToFit: tour.leadsToFit || at !== null });
+  }
+
+  function goOn(tour: Tour): void {
+    const next: Tour = { ...tour, at: tour.at + 1, moved: null };
+    if (next.at < next.steps.length) put({ tour: next }, say(next));
+    else finish(next);
+  }
+
+  /** What was answered is kept, also by who leaves. */
+  function finish(tour: Tour): void {
+    const places = given(tour);
+    const count = Object.keys(places).length;
+    if (!tour.leadsToFit) {
+      follower.giveUp();
+      return over(null, words.nothing);
+    }
+    put({ tour: { ...tour, at: tour.steps.length, moved: null } });
+    if (count > 0) landmarks.check(places, words.fitting(count));
+  }
+
+  /** The fit that knows the answers is there, and the plan lies on it; or there will be none, and the page says why. */
+  function end(): void {
+    const state: State = store.get();
+    const { checks: { tour }, fit, drawn, isStarting } = state;
+    if (!tour || tour.at < tour.steps.length || isStarting || fit?.state === "running") return;
+    const isNew = fit?.state === "done" && fit.id !== tour.fit;
+    if (isNew ? drawn.onScan !== null && !drawn.onScan.key.includes(fit.id) : state.problems.fit === undefined) return;
+    const outcome = isNew ? { fit: fit.id, from: tour.before, to: linesOn(state)?.mm ?? null } : null;
+    over(outcome, outcome ? outcomeWords(outcome) : "");
+  }
+  store.select(only("fit", "drawn", "isStarting", "checks", "problems"), ({ checks: { tour } }) => tour && queueMicrotask(end)); // a listener never sets
+
+  return {
+    begin,
+    /** It is where the dot is. */
+    yes(): void {
+      const { tour } = store.get().checks;
+      const step = stepNow(store.get());
+      if (tour && step?.kind === "point") answer(tour.moved ?? step.check.place);
+    },
+    unseen: (): void => answer(null),
+    move(at: Vector): void {
+      const { tour } = store.get().checks;
+      const step = stepNow(store.get());
+      if (!tour || step?.kind !== "point") return;
+      const from = tour.moved ?? step.check.place;
+      put({ tour: { ...tour, moved: at } }, words.announceMoved(Math.hypot(...at.map((value, axis) => value - from[axis]!))));
+      follower.move({ ...given(tour), [step.check.name]: at });
+    },
+    keep: (names: readonly string[]): void => on(() => landmarks.keep(names)),
+    takeOut: (name: string): void => on(() => landmarks.takeOut(name)),
+    exchange: (names: readonly string[]): void => on(() => landmarks.exchange(names)),
+    stance: (stance: Stance): void => on(() => fit.chooseStance(stance)),
+    leave(): void {
+      const { tour } = store.get().checks;
+      if (!tour) return;
+      if (tour.at < tour.steps.length && Object.keys(given(tour)).length > 0) return finish(tour);
+      follower.giveUp();
+      over(null, "");
+    },
+  };
+
+  /** A question is answered by itself: then what comes next. */
+  function on(answerIt: () => void): void {
+    answerIt();
+    const { tour } = store.get().checks;
+    if (tour) goOn({ ...tour, leadsToFit: true });
+  }
+}
+
+export type CheckActions = ReturnType<typeof checkActions>;
