@@ -19,7 +19,7 @@ function wording(next: NextStep, state: NextShown): string {
     const label = entry ? landmarkText.spoken(entry) : next.landmark;
     return next.isArmed ? text.next.armed(label) : text.next.start(label);
   }
-  if (next.kind === "check") return `${checkText.begin(next.count, "")}\u2002${checkText.lasts(next.count)}`;
+  if (next.kind === "check") return `${checkText.begin(next.count, next.on ?? "")}\u2002${checkText.lasts(next.count)}`;
   if (next.kind === "confirm scan") return scanText.confirm;
   if (next.kind === "confirm") return proposalText.confirmSeen(next.names.length);
   if (next.kind === "fit" && next.again) return fitText.again(next.landmarks);
@@ -42,7 +42,7 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
     if (pressed.kind === "confirm scan") actions.scan.confirm();
     if (pressed.kind === "place") actions.landmarks.want(pressed.isArmed ? null : pressed.landmark);
     if (pressed.kind === "confirm") actions.landmarks.confirm(pressed.names);
-    if (pressed.kind === "check") actions.checks.begin();
+    if (pressed.kind === "check") void (pressed.on === null ? Promise.resolve() : actions.stances.swap()).then(() => actions.checks.begin());
     if (pressed.kind === "fit") void actions.fit.start();
     if (pressed.kind === "correct") actions.page.goTo("points");
     if (pressed.kind === "plan") actions.page.goTo("plan");

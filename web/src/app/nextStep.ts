@@ -23,7 +23,7 @@ export type NextStep =
   | { kind: "place"; landmark: string; isArmed: boolean }
   | { kind: "confirm"; names: readonly string[] }
   | { kind: "fit"; again: boolean; landmarks: number; isProposed?: boolean } // isProposed: others are proposed and open
-  | { kind: "check"; count: number }
+  | { kind: "check"; count: number; on: string | null } // points and questions; `on`: the other scan
   | { kind: "correct" } // a fit that is not usable: its landmarks are looked at again
   | { kind: "ink"; count: number; on: string | null } // lines found on the skin, about which nobody has decided; `on`: the other scan
   | { kind: "plan" }
@@ -57,7 +57,8 @@ function afterFit(state: NextShown): NextStep {
   if (!isPlanned(state) && !(stances.other && isPlanned(stances.other))) return { kind: "draw", isArmed: drawn.tool !== "none" };
   if (stances.other === null) return { kind: "add", stance: stanceOf(state) === "standing" ? "supine" : "standing" };
   if (stances.other.fit?.state !== "done") return { kind: "change over", to: stanceNames(state)[1] };
-  return { kind: "print" };
+  const there = stepsOf({ ...state, ...stances.other }).length;
+  return there > 0 ? { kind: "check", count: there, on: stanceNames(state)[1] } : { kind: "print" };
 }
 
 export function nextStep(state: NextShown): NextStep {
@@ -75,7 +76,7 @@ export function nextStep(state: NextShown): NextStep {
   }
   const mayAsk = state.fit?.state === "done" && outdated(state) !== "settings" && state.step !== "handover";
   const count = mayAsk ? stepsOf(state).length : 0;
-  if (count > 0) return { kind: "check", count };
+  if (count > 0) return { kind: "check", count, on: null };
   if (state.fit?.state === "done" && outdated(state) === null) return afterFit(state);
   if (state.fit) return { kind: "fit", again: true, landmarks };
   if (state.step === "body" || landmarks >= ENOUGH) return { kind: "fit", again: false, landmarks };

@@ -51,7 +51,7 @@ test("a finished fit offers the pen, until a landmark is changed", () => {
 test("what a fit asks about comes before its result, until it is answered", () => {
   const asks = { ...fitted(some), result: { landmarks_unusual: [{ names: ["notch"], reason: "notch is unusual." }] } } as unknown as Session["fit"];
   const state: Session = { ...withScan, step: "body", picks: startHistory(some), fit: asks };
-  expect(nextStep(state)).toEqual({ kind: "check", count: 1 });
+  expect(nextStep(state)).toEqual({ kind: "check", count: 1, on: null });
   expect(nextStep({ ...state, step: "points", skipped: new Set(["umbilicus"]) }).kind).toBe("check");
   expect(nextStep({ ...state, step: "plan" }).kind, "while it pays").toBe("check");
   expect(nextStep({ ...state, step: "handover" }).kind).not.toBe("check");
@@ -94,6 +94,8 @@ test("after a good fit a surgeon draws, brings the other stance, changes over to
   expect(nextStep({ ...drawn, stances: { ...drawn.stances, other } })).toEqual({ kind: "change over", to: "supine" });
   const both = { ...other, fit: { ...drawn.fit!, result: { ...drawn.fit!.result!, stance: "supine" } } } as typeof other & { fit: NonNullable<Session["fit"]> };
   expect(nextStep({ ...drawn, stances: { ...drawn.stances, other: both } })).toEqual({ kind: "print" });
+  const unsure = { ...other, fit: { ...drawn.fit!, result: { ...drawn.fit!.result!, stance: "supine", stance_asked: true } } } as unknown as NonNullable<Session["stances"]["other"]>;
+  expect(nextStep({ ...drawn, stances: { ...drawn.stances, other: unsure } }), "what the other scan asks comes before printing").toEqual({ kind: "check", count: 1, on: "supine" });
   expect(nextStep({ ...drawn, step: "handover" })).toEqual({ kind: "report" });
 });
 
