@@ -19,7 +19,7 @@ EXAMPLE = asset_folder("example") / "standing"
 GIVEN = [str(EXAMPLE / "scan.ply"), "--landmarks", str(EXAMPLE / "landmarks.json")]
 TOO_LONG = "reduction:limb_mm=80"  # of the most that can be asked for
 ROWS = {"usual": "reduction", "long": TOO_LONG}
-SAID = "Not drawn: Reduction (Wise pattern). The limbs of 80 mm reach the fold of the left breast; choose shorter"
+SAID = "Not drawn: Reduction (Wise pattern). No room on the left: limbs of 80 mm reach the fold. Choose shorter"
 
 
 def fitted(out: Path, *options: str, code: int = 4) -> dict[str, object]:
@@ -126,7 +126,7 @@ def test_predicted_or_carried_as_part_of_a_plan_all_else_is_written_and_the_code
     items = [{"kind": "pattern", "id": key, "name": "reduction", "parameters": p} for key, p in patterns.items()]
     plan.write_text(json.dumps({"schema": "breastrig/plan@1", "items": items}), "utf-8")
     assert main(["transfer", "--from", str(out), "--to", str(lying), "--drawing", str(plan), "-o", str(there)]) == 4
-    assert "The limbs of 80 mm reach the fold" in capsys.readouterr().err
+    assert "limbs of 80 mm reach the fold" in capsys.readouterr().err
     carried = json.loads(there.read_text("utf-8"))
     assert len(carried["missing"]) == 1
     assert carried["shapes"] != []

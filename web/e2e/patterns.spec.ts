@@ -262,7 +262,7 @@ test("a fit that was asked for a pattern which does not fit on this breast is ke
   });
   await fitted(page, base);
   expect((await hook.fit(page))!.state).toBe("done");
-  const said = page.getByText('Not drawn: Reduction (Wise pattern). The limbs of 80 mm reach the fold of the left breast; choose shorter limbs');
+  const said = page.getByText('Not drawn: Reduction (Wise pattern). No room on the left: limbs of 80 mm reach the fold. Choose shorter limbs');
   await page.keyboard.press("1");
   await expect(said).toBeVisible();
   await page.unrouteAll({ behavior: "wait" });

@@ -12,16 +12,18 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
+from breastrig.core.stances import sides_of
 from breastrig.drawings.clock import FittedSkin
 from breastrig.drawings.inks import PLAN
 from breastrig.drawings.inside.lesions import LesionsOnScan, PlacedLesion, distances_to_lines
 from breastrig.drawings.line_error import with_errors
 from breastrig.drawings.on_skin import check_on_skin
-from breastrig.drawings.patterns import drawing_with
+from breastrig.drawings.patterns import PATTERNS, drawing_with
 from breastrig.drawings.plan_schema import PlanItem, PlanLesion, PlanLine, PlanNote, PlanPattern, PlanTumour, asked_of
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.drawings.transfer import transferred
+from breastrig.drawings.ways_out import WayOut, side_alone, ways_out
 from breastrig.geometry.polyline import Polyline
 from breastrig.rig.model import Rig
 from breastrig.rig.near_breasts import OUTSIDE
@@ -49,10 +51,11 @@ class PlannedLine:
 
 @dataclass(frozen=True)
 class MissingItem:
-    """An item that cannot be shown on this scan, and why."""
+    """An item that cannot be shown on this scan, or not on one side, and why."""
 
     item: PlanItem
     reason: str
+    instead: tuple[WayOut, ...] = ()  # what can be drawn in its place
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,8 +111,25 @@ def _drawn(rig: Rig, scan: FittedScan, items: Sequence[PlanItem]) -> tuple[list[
         try:
             lines += [PlannedLine(item, line, part, False) for line, part in _lines(skin, scan, item)]
         except BadDrawing as error:
-            missing.append(MissingItem(item, str(error)))
+            drawn, refused = _other_side(skin, scan, item)
+            lines += drawn
+            missing += refused or [MissingItem(item, str(error))]
     return lines, missing
+
+
+def _other_side(skin: FittedSkin, scan: FittedScan, item: PlanItem) -> tuple[list[PlannedLine], list[MissingItem]]:
+    """Of a pattern that does not fit: its lines on the side on which it does, why not on the others, and ways out."""
+    if not isinstance(item, PlanPattern) or item.name not in PATTERNS:
+        return [], []
+    alone = [side_alone(skin, item, side) for side in sides_of(str(item.parameters.get("side", "both")))]
+    lines = [
+        PlannedLine(item, line, part, False)
+        for each in alone
+        if isinstance(each, PlanPattern)
+        for line, part in _lines(skin, scan, each)
+    ]
+    ways = ways_out(skin, item)
+    return lines, [MissingItem(item, str(each), ways) for each in alone if isinstance(each, BadDrawing)]
 
 
 def _lines(skin: FittedSkin, scan: FittedScan, item: PlanItem) -> list[tuple[Polyline, str]]:

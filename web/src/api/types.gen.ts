@@ -419,6 +419,15 @@ export type InkShape = {
   cut?: boolean;
 };
 
+/** A pattern that can be drawn on this patient, on all of its sides. */
+export type InsteadItem = {
+  /** a few words for a button */
+  label: string;
+  /** of the pattern */
+  name: string;
+  parameters: Record<string, number | string>;
+};
+
 /** One iteration. */
 export type Iterated = {
   kind?: "iterated";
@@ -685,6 +694,8 @@ export type Meta = {
 export type MissingItem = {
   item: string;
   reason: string;
+  /** what can be drawn in the place of a pattern that does not fit */
+  instead?: InsteadItem[];
 };
 
 /** The distances without the free-form layer: those of the rig as its bones and shapes have it. */

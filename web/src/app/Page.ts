@@ -1,6 +1,5 @@
 // Puts the panels in their places: top bar, strip, stage with its bar, side panel.
 import { asksOf } from "../checks/state";
-import { createDrawingPanel } from "../drawing/DrawingPanel";
 import { createTools } from "../drawing/Tools";
 import { createColourBar } from "../fit/distances/ColourBar";
 import { createMirrorLegend, hasMirror } from "../drawing/mirror/MirrorLegend";
@@ -98,8 +97,11 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const fit = createFitPanel(actions.fit, () => dismiss("fit"));
   const carry = createDrawingCarry(actions.stances);
   const ink = { scan: el("div", {}), drawing: el("div", {}) }; // lines found on the skin, see ink/open.ts
-  const drawing = createDrawingPanel(actions.drawing, actions.plan, () => dismiss("drawing"), carry.element);
-  drawing.element.prepend(ink.drawing);
+  const plan = later(
+    only("meta", "models", "problems", "scan", "drawing", "fit", "drawn", "lesion", "item", "stances", "hasPen", "fingersDraw"),
+    ({ scan }: Pick<Session, "meta" | "models" | "problems" | "scan" | "drawing" | "fit" | "drawn" | "lesion" | "item" | "stances" | "hasPen" | "fingersDraw">) => scan !== null,
+    async () => (await import("../drawing/panel/PlanPanel")).createPlanPanel(actions.drawing, actions.plan, () => dismiss("drawing"), ink.drawing, carry.element),
+  );
   const sliders = createShapeSliders(actions.handPose);
   const handOver = createHandOver(actions);
   const next = createNextButton(actions);
@@ -112,11 +114,6 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
     ({ fit }) => fit !== null,
     async () => (await import("../fit/distances/NumbersPanel")).createNumbersPanel<Session>({ outdated, doubt: doubtOf, asks: asksOf, again: () => void actions.fit.start(), anotherFile: (file) => void actions.scan.drop([file]), setPoints }),
   );
-  const summary = later(
-    only("meta", "fit", "drawing", "drawn", "stances"),
-    ({ fit }: Pick<Session, "meta" | "fit" | "drawing" | "drawn" | "stances">) => fit !== null,
-    async () => (await import("../drawing/PlanSummary")).createPlanSummary(),
-  );
   const check = later(
     only("meta", "checks"),
     ({ checks }: Pick<Session, "meta" | "checks">) => checks.tour !== null,
@@ -127,7 +124,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
     {
       body: createBodyPanel(() => actions.page.goTo("points"), [ink.scan, scan.asked, fit.element, numbers.element], [timeline.element, scan.element, fit.settings, sliders.element]),
       points: el("div", { class: "panel" }, guide.element, landmarks.element),
-      plan: el("div", { class: "panel" }, summary.element, drawing.element),
+      plan: plan.element,
       handover: handOver.element,
     },
     next.element,
@@ -202,7 +199,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(scan);
       on(landmarks);
       on(fit);
-      on(drawing);
+      on(plan);
       on(canvasBar);
       on(mirror);
       on(carry);
@@ -216,7 +213,6 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(empty);
       on(patients);
       on(numbers);
-      on(summary);
       on(check);
       on(timeline);
       on(help);

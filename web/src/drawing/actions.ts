@@ -61,7 +61,7 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
     }
   }
 
-  const put = (part: Partial<DrawnState>, more: Partial<State> = {}): void => store.set((state) => ({ ...more, drawn: { ...state.drawn, ...part } }));
+  const put = (part: Partial<DrawnState>, more: Partial<State> = {}): void => store.set((state) => ({ ...more, ...(part.chosen ? { lesion: null } : {}), drawn: { ...state.drawn, ...part } }));
 
   /** What waits is sent, and what is on its way has come. */
   async function flush(): Promise<void> {
@@ -183,8 +183,13 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
       store.set({ isCanvasFull, announcement: isCanvasFull ? text.canvas.opened : text.canvas.closed });
     },
 
-    /** The lesion that is seen through the skin, by its id. */
-    lookAt: (lesion: string | null): void => store.set({ lesion }),
+    /** The item of the plan whose numbers are shown (panel/items.ts): a line is chosen, a lesion is seen through the skin. */
+    chooseItem: (item: string | null): void => {
+      const [kind, name] = item?.split(/ (.*)/s) ?? [];
+      const line = kind === "line" && name !== undefined ? name : null;
+      const lesion = kind === "lesion" && name !== undefined ? name : null;
+      store.set((state) => ({ item, lesion, drawn: { ...state.drawn, chosen: lesion === null ? line : state.drawn.chosen, corner: null } }));
+    },
 
     /** What the next line is drawn with. */
     ink: (ink: string): void => put({ ink }),

@@ -124,6 +124,7 @@ export interface DrawingSlice {
   readonly drawn: DrawnState;
   readonly isCanvasFull: boolean; // the body alone, with floating tools
   readonly lesion: string | null; // id of the one that is looked at, through the skin
+  readonly item: string | null; // of the plan: whose numbers are shown where no line and no lesion is chosen, see panel/items.ts; empty for none
   readonly asymmetry: Asymmetry | null; // of the mirrored breast that was made last
   readonly hasPen: boolean; // one was seen on this page: fingers turn the body
   readonly fingersDraw: boolean; // all the same
@@ -156,7 +157,7 @@ export function startDrawn(lines: readonly OwnLine[] = [], words: Words = { note
   };
 }
 
-export const initialDrawing: DrawingSlice = { drawn: startDrawn(), isCanvasFull: false, lesion: null, asymmetry: null, hasPen: false, fingersDraw: false };
+export const initialDrawing: DrawingSlice = { drawn: startDrawn(), isCanvasFull: false, lesion: null, item: null, asymmetry: null, hasPen: false, fingersDraw: false };
 
 /** Without a scan to draw on, and in another step, there is no full canvas. */
 export const withoutCanvas = <State extends Pick<DrawingSlice, "isCanvasFull"> & { readonly step: string; readonly scan: object | null }>(state: State): State =>

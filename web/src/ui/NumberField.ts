@@ -38,6 +38,8 @@ interface Wishes extends Range {
   readonly hint: string;
   /** Whether it may be left empty: then `changed` gets null. */
   readonly mayBeEmpty: boolean;
+  /** Where its sentences stand; without it below the field. */
+  readonly says?: HTMLElement;
   changed(value: number | null): void;
 }
 
@@ -50,7 +52,7 @@ export interface NumberField {
 export function numberField(wishes: Wishes): NumberField {
   let now: number | null = null;
   let note = "";
-  const below = el("span", { class: "field-note small", role: "status", hidden: true });
+  const below = wishes.says ?? el("span", { class: "field-note small", role: "status", hidden: true });
   const say = (sentence: string): void => {
     setText(below, sentence || note);
     show(below, (sentence || note) !== "");
@@ -77,7 +79,7 @@ export function numberField(wishes: Wishes): NumberField {
   };
   const unit = el("span", { class: "unit" }, wishes.unit === "" ? "" : ` ${words.units[wishes.unit] ?? wishes.unit}`);
   return {
-    element: el("label", { class: "field", title: wishes.hint }, el("span", {}, wishes.label, unit), input, below),
+    element: el("label", { class: "field", title: wishes.hint }, el("span", {}, wishes.label, unit), input, wishes.says ? null : below),
     set(value, placeholder = "", said = ""): void {
       const isNew = value !== now;
       now = value;

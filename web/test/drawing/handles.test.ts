@@ -169,6 +169,6 @@ test("handles that cannot be had just now come later; those of a pattern that ca
   expect(live()!.handles).toHaveLength(1);
   const refused = await begun(async () => Promise.reject(new ApiError("The limbs reach the fold.", 422)));
   await vi.advanceTimersByTimeAsync(20_000);
-  expect(refused.asked).toHaveBeenCalledTimes(1);
+  expect(refused.asked).toHaveBeenCalledTimes(3); // the whole, and each side alone
   expect(refused.live()!.handles).toEqual([]);
 });

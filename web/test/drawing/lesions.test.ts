@@ -4,7 +4,7 @@ import { type LaidLesion, lesionAt, readCenter, saidDistances } from "../../src/
 import { alongSlice, type LesionSlice, movedInSlice } from "../../src/drawing/lesions/slices";
 import { lesionView as words } from "../../src/drawing/lesions/viewText";
 import { planChanges } from "../../src/drawing/changes";
-import { planRows } from "../../src/drawing/PlanSummary";
+import { chosenRow, planRows } from "../../src/drawing/panel/items";
 import { laidOnScan, startDrawn, stepOf } from "../../src/drawing/state";
 import { lesionsOn, stepOn, stepTogether, withLesions, withStepOn } from "../../src/plan/items";
 
@@ -64,12 +64,16 @@ test("what a hand moves in a slice moves in the scan's frame, and is seen there 
   expect(alongSlice([1, 2, 3], to, SLICE)).toEqual([4, 5]);
 });
 
-test("beside the body each lesion stands in the plan: while it is carried, then with how sure its place is", () => {
-  const state = { meta: null, fit: null, drawing: "", drawn: startDrawn([], { note: "", depthMm: null, lesions: [LESION] }), stances: { isCarrying: true } };
-  expect(planRows(state)).toEqual([["MRI 1", "being carried here …"]]);
-  const laid = (lesions: object[]) => ({ ...state, drawn: { ...state.drawn, onScan: laidOnScan("supine", [], { unit: "mm", shapes: [], lesions } as unknown as PlanOnScan) }, stances: { isCarrying: false } });
-  expect(planRows(laid([{ id: "m", name: "MRI 1", carried: false, error_mm: 0 }, { id: "o", name: "MRI 2", carried: true, error_mm: 9.2 }]))).toEqual([
-    ["MRI 1", "as given"],
-    ["MRI 2", "±\u00a09\u00a0mm, carried here"],
+test("each lesion stands in the plan: while it is carried, then with its depth and how sure its place is", () => {
+  const state = { meta: null, models: {}, fit: null, drawing: "", lesion: null, item: null, drawn: startDrawn([], { note: "", depthMm: null, lesions: [LESION] }), stances: { isCarrying: true, other: null } };
+  const said = (of: Parameters<typeof planRows>[0]) => planRows(of).map(({ label, says, hint }) => [label, says, hint]);
+  expect(said(state)).toEqual([["MRI 1", "being carried here …", ""]]);
+  const laid = (lesions: object[]) => ({ ...state, drawn: { ...state.drawn, onScan: laidOnScan("supine", [], { unit: "mm", shapes: [], lesions } as unknown as PlanOnScan) }, stances: { isCarrying: false, other: null } });
+  const both = laid([{ id: "m", name: "MRI 1", carried: false, error_mm: 0, depth_mm: 27.2 }, { id: "o", name: "MRI 2", carried: true, error_mm: 9.2, depth_mm: 9 }]);
+  expect(said(both)).toEqual([
+    ["MRI 1", "27\u00a0mm deep", "as given"],
+    ["MRI 2", "9\u00a0mm deep", "±\u00a09\u00a0mm, carried here"],
   ]);
+  expect(chosenRow(planRows(both), both), "no pattern: nothing is chosen by itself").toBeNull();
+  expect(chosenRow(planRows(both), { ...both, lesion: "o" })?.label).toBe("MRI 2");
 });

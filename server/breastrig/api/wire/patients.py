@@ -165,9 +165,20 @@ class PlannedNote(Wire):
     at: str | None = Field(description="name of the shape that is its place; null for a note of the whole")
 
 
+class InsteadItem(Wire):
+    """A pattern that can be drawn on this patient, on all of its sides."""
+
+    label: str = Field(description="a few words for a button")
+    name: str = Field(description="of the pattern")
+    parameters: dict[str, float | str]
+
+
 class MissingItem(Wire):
     item: str
     reason: str
+    instead: list[InsteadItem] = Field(
+        [], exclude_if=not_, description="what can be drawn in the place of a pattern that does not fit"
+    )
 
 
 class CarriedFrom(Wire):

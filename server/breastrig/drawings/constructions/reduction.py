@@ -175,12 +175,12 @@ class Reduction(AroundAreola):
             return found
         if self.limb_mm is None:
             raise BadDrawing(
-                f"The {SIDES[side]} breast is too small for a Wise pattern: there is no room for limbs of "
-                f"{LEAST_LIMB:g} mm between areola and fold (45 to 60 is usual); choose the vertical pattern, "
-                "a smaller areola (areola_mm) or a lower fold (fold_below_mm)."
+                f"No room for a Wise pattern on the {SIDES[side]}: limbs would be under {LEAST_LIMB:g} mm, and 45 to "
+                "60 is usual. Choose the vertical pattern, a smaller areola (areola_mm) or a lower fold "
+                "(fold_below_mm)."
             )
         raise BadDrawing(
-            f"The limbs of {lengths[-1]:g} mm reach the fold of the {SIDES[side]} breast; choose shorter limbs "
+            f"No room on the {SIDES[side]}: limbs of {lengths[-1]:g} mm reach the fold. Choose shorter limbs "
             "(limb_mm), a narrower angle (limb_angle_deg) or a smaller areola (areola_mm)."
         )
 
@@ -204,7 +204,7 @@ class Reduction(AroundAreola):
         if len(above) == 0:
             raise BadDrawing(
                 f"The {SIDES[side]} nipple cannot be moved up to {self.nipple_above_fold_mm:g} mm above the fold: "
-                "that is above the collarbone; check the landmarks."
+                "that is above the collarbone. Check the landmarks."
             )
         k = int(above[-1])  # the last crossing on the way down
         share = (heights[k] - wanted) / max(heights[k] - heights[k + 1], 1e-12)

@@ -91,8 +91,9 @@ class Vertical(AroundAreola):
         along = 1e-3 * self.above_fold_mm
         if length(way) < along + LEAST:
             raise BadDrawing(
-                f"The {SIDES[side]} fold is only {1e3 * length(way):.0f} mm below the nipple; let the limbs meet "
-                "nearer to the fold (above_fold_mm), or take the periareolar pattern."
+                f"No room for a vertical pattern on the {SIDES[side]}: the fold is only {1e3 * length(way):.0f} mm "
+                "below the nipple. Let the limbs meet nearer to the fold (above_fold_mm), or take the periareolar "
+                "pattern."
             )
         return way, skin.nearest(point_along(way, along)[None])
 

@@ -15,7 +15,7 @@ from breastrig.core.arrays import Array
 from breastrig.core.errors import BadInput
 from breastrig.drawings.drawing_file import shape_document
 from breastrig.drawings.inside.lesions import BALL, Distance, PlacedLesion, Slice
-from breastrig.drawings.plan_on_scan import PlannedLine, PlannedScan, PlanOnScan, plan_on_scan
+from breastrig.drawings.plan_on_scan import MissingItem, PlannedLine, PlannedScan, PlanOnScan, plan_on_scan
 from breastrig.drawings.plan_schema import (
     PLAN_SCHEMA,
     Plan,
@@ -131,9 +131,14 @@ def plan_document(plan: Plan, fit: FitFolder, found: PlanOnScan) -> dict[str, An
                 for item in plan.items
                 if isinstance(item, PlanNote)
             ],
-            "missing": [{"item": each.item.id, "reason": each.reason} for each in found.missing],
+            "missing": [_missing(each) for each in found.missing],
         }
     )
+
+
+def _missing(each: MissingItem) -> dict[str, Any]:
+    instead = [{"label": way.label, "name": way.name, "parameters": way.parameters} for way in each.instead]
+    return {"item": each.item.id, "reason": each.reason} | ({"instead": instead} if instead else {})
 
 
 def _lesion(each: PlacedLesion, fit: FitFolder) -> dict[str, Any]:

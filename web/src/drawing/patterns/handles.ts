@@ -2,7 +2,7 @@
 // the hand lets go.  The service draws the pattern anew for each place (one code for lines and numbers); while it does so
 // the hand goes on, and only the newest place is asked for next.
 import { ApiError, type Client } from "../../api/client";
-import type { PatternOnScan, PlannedShape, Vector } from "../../api/types";
+import type { PatternOnScan, PatternQuestion, PlannedShape, Vector } from "../../api/types";
 import { parametersOf, readRequest, requestText, TUMOUR, type Values } from "../../fit/requestedDrawing";
 import { type FitSlice, isAtRest } from "../../fit/state";
 import type { ScanSlice } from "../../scan/state";
@@ -86,28 +86,36 @@ export function handleActions(store: Store<State>, client: Pick<Client, "pattern
     isLooking = true;
     const parts = partsOf(state);
     const link = state.fit.links.self;
-    const late: unknown[] = []; // too many ask just now, or the service is away
-    const answers = [];
+    let isLate = false; // too many ask just now, or the service is away
+    const answers: LiveHandle[] = [];
+    /** False where the service refuses it. */
+    const handlesIf = async (part: LivePart, question: PatternQuestion): Promise<boolean> => {
+      try {
+        answers.push(...handlesOf(part, await client.pattern(link, question)));
+      } catch (error) {
+        if (error instanceof ApiError && error.status === REFUSED) return false;
+        isLate = true;
+      }
+      return true;
+    };
     for (const { part, name, values } of parts) {
       if (isHeld() || keyOf(store.get()) !== key) break;
-      try {
-        answers.push(handlesOf(part, await client.pattern(link, { name, parameters: parametersOf(values) })));
-      } catch (error) {
-        if (!(error instanceof ApiError && error.status === REFUSED)) late.push(error); // else the plan says why it cannot be drawn
-      }
+      const parameters = parametersOf(values);
+      const isAnswered = await handlesIf(part, { name, parameters });
+      // On one side it may fit; why it does not on the other one says the plan.
+      if (!isAnswered) for (const side of ["R", "L"] as const) await handlesIf(part, { name, parameters, side });
     }
     isLooking = false;
     if (isHeld()) return;
     if (keyOf(store.get()) !== key) return look();
-    if (late.length > 0) {
+    if (isLate) {
       setTimeout(() => {
         asked = "";
         void look();
       }, LATER_MS);
       return;
     }
-    const handles = answers.flat();
-    store.set(({ drawn }) => ({ drawn: { ...drawn, live: { key, handles, held: null, values: null, limit: "", dragged: drawn.live?.dragged ?? null } } }));
+    store.set(({ drawn }) => ({ drawn: { ...drawn, live: { key, handles: answers, held: null, values: null, limit: "", dragged: drawn.live?.dragged ?? null } } }));
   }
 
   store.select(only("step", "fit", "drawing", "drawn", "meta"), ({ drawn }, before) => {
