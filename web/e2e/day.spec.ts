@@ -7,7 +7,7 @@ import { expect, type Page } from "@playwright/test";
 import type { CarriedDrawing, MeasuresFile, PlanOnScan, Vector } from "../src/api/types";
 import { formatCell, formatMargin, measuresTable } from "../src/stances/measures/measuresTable";
 
-import { distance, hook, look, more, openShare, test, thumb, untilFitted, untilStill } from "./page";
+import { addToPlan, details, distance, hook, look, more, numberField, openShare, planItem, test, thumb, untilFitted, untilStill } from "./page";
 import { type Running, startService } from "./service";
 
 const written = (...[cell, unit, isSigned, step]: Parameters<typeof formatCell>): string => formatCell(cell, unit, isSigned, step) + formatMargin(cell, unit);
@@ -96,24 +96,24 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     await page.mouse.up();
     expect((await state(page)).drawn.lines.present).toHaveLength(1);
     await page.keyboard.press("Escape");
-    const pattern = page.locator(".pattern");
-    await pattern.locator("summary").click();
-    await pattern.locator("select").first().selectOption("reduction");
-    await pattern.getByLabel("Tumour by the clock").check();
+    await addToPlan(page, /Wise/);
+    await addToPlan(page, /^Tumour by the clock/);
     expect((await state(page)).drawing, "a tumour that nobody has said").toBe("reduction");
-    await expect(pattern.getByText("Nothing is entered yet: say Side, Hour, From the nipple, Radius.")).toBeVisible();
-    await pattern.locator("[data-parameter=side]").last().selectOption("L");
+    await expect(details(page).getByText("Nothing is entered yet: say Side, Hour, From the nipple, Radius.")).toBeVisible();
+    await details(page).locator("[data-parameter=side]").last().selectOption("L");
     for (const [name, value] of Object.entries({ clock: "10", distance_mm: "40", radius_mm: "15" })) {
-      await pattern.locator(`[data-parameter=${name}]`).last().fill(value);
-      await pattern.locator(`[data-parameter=${name}]`).last().press("Tab");
+      await numberField(page, name).fill(value);
+      await numberField(page, name).press("Tab");
     }
     expect((await state(page)).drawing).toBe(PATTERN);
-    await pattern.locator("[data-parameter=depth_mm]").fill("20");
-    await pattern.locator("[data-parameter=depth_mm]").press("Tab");
-    await pattern.getByLabel("Notes").fill("wants it smaller");
-    await pattern.getByLabel("Notes").press("Tab");
-    await expect(page.locator(`[data-layer=reference] [data-line="wise_L"]`)).toHaveCount(1);
-    await expect(page.getByText("To see the drawing on the standing and on the supine body, add the other scan or have it predicted.")).toBeVisible();
+    await details(page).locator("[data-parameter=depth_mm]").fill("20");
+    await details(page).locator("[data-parameter=depth_mm]").press("Tab");
+    await addToPlan(page, /^Note/);
+    await details(page).getByLabel("Notes").fill("wants it smaller");
+    await details(page).getByLabel("Notes").press("Tab");
+    await expect(page.locator(".plan-item")).toHaveText([/Wise pattern.*both/, /Tumour, left breast.*20\smm deep/, /Line 1.*cm/, "wants it smaller"]);
+    await planItem(page, "Wise").click();
+    await expect(page.locator(`.item-details [data-line="wise_L"]`)).toHaveCount(1);
   });
 
   await test.step("the second scan comes with landmarks and a fit of its own", async () => {
@@ -138,8 +138,8 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     expect(shown.map(({ item, name }) => [item, name])).toEqual(expect.arrayContaining([[expect.any(String), "Line 1"], [expect.any(String), "tumour_L"], [expect.any(String), "wise_L"]]));
     expect((await state(page)).drawing, "nothing is made anew on the second body").toBe("");
     expect((await state(page)).fit!.drawingName).toBeNull();
-    await expect(page.getByText("Carried from standing")).toBeVisible();
-    for (const name of ["Line 1", "Tumour, patient's left", "Pattern"]) await expect(page.getByLabel(`Show ${name}`, { exact: true })).toBeVisible();
+    await expect(page.locator(".plan-item")).toHaveText([/^Line 1from standing$/, /^Reduction \(Wise pattern\)from standing$/, /^Tumourfrom standing$/, "wants it smaller"]);
+    await planItem(page, "Line 1").click();
     await untilStill(page);
     const full = await hook.picture(page);
     await page.getByLabel("Show Line 1").uncheck();

@@ -4,7 +4,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { expect, type Page } from "@playwright/test";
 import type { OwnDrawing, PlanOnScan, Vector } from "../src/api/types";
 import { mmFrom } from "../src/ui/units";
-import { distance, hook, look, openDetails, SCAN_FILE, test, trueLandmarks, untilFitted, untilStill } from "./page";
+import { addToPlan, details, distance, hook, look, numberField, openDetails, planItem, SCAN_FILE, test, trueLandmarks, untilFitted, untilStill } from "./page";
 
 const ON_SKIN_MM = 0.5;
 
@@ -173,7 +173,7 @@ test("strokes and clicks become lines on the skin; they are kept, undone, named,
 
   await test.step("a point is dragged, nudged, added and deleted; the line stays on the skin", async () => {
     await page.keyboard.press("e");
-    await page.locator('[data-line="Line 2"] .line-name').focus();
+    await planItem(page, "Line 2").click();
     const before = (await lines(page))[1]!;
     const spot = await at(page, before.points[before.corners[1]!]!);
     await page.mouse.move(spot.x, spot.y);
@@ -204,6 +204,7 @@ test("strokes and clicks become lines on the skin; they are kept, undone, named,
     expect((await lines(page))[1]).not.toEqual(before[1]);
     await page.getByRole("button", { name: "Delete point" }).click();
     expect((await lines(page))[1]!.corners).toHaveLength(3);
+    await planItem(page, "Line 1").click();
     await page.getByRole("button", { name: "Close Line 1 to a ring" }).click();
     expect((await lines(page))[0]!.closed).toBe(true);
     await page.getByLabel("Name of Line 1").fill("incision");
@@ -216,16 +217,19 @@ test("strokes and clicks become lines on the skin; they are kept, undone, named,
     expect((await hook.picture(page)).checksum).not.toBe(full.checksum);
     await page.getByLabel("Show incision").check();
     expect((await hook.picture(page)).checksum).toBe(full.checksum);
+    await planItem(page, "Line 2").click();
     await page.getByRole("button", { name: "Erase Line 2" }).click();
     expect((await lines(page)).map(({ name }) => name)).toEqual(["incision", "Tumour 20 mm"]);
   });
 
   await test.step("out to a file and in again", async () => {
     const waiting = page.waitForEvent("download");
-    await page.locator(".drawing").getByRole("button", { name: "Export" }).click();
+    await page.keyboard.press("4");
+    await page.getByRole("button", { name: "lines.json" }).click();
     const path = info.outputPath("drawing.json");
     await (await waiting).saveAs(path);
     const file = JSON.parse(readFileSync(path, "utf8")) as OwnDrawing;
+    await page.keyboard.press("3");
     expect(file).toMatchObject({ schema: "breastrig/drawing@1", unit: "mm" });
     const other = info.outputPath("other.json");
     writeFileSync(other, JSON.stringify({ ...file, shapes: file.shapes.slice(0, 1) }));
@@ -289,36 +293,34 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   await page.keyboard.press("3");
   await untilStill(page);
   const before = await hook.picture(page);
-  const pattern = page.locator(".pattern");
-  await pattern.locator("summary").click();
-  await pattern.locator("select").first().selectOption("reduction");
-  const areola = pattern.locator("[data-parameter=areola_mm]");
+  await addToPlan(page, /Wise/);
+  const areola = numberField(page, "areola_mm");
   await areola.fill("99");
   await areola.press("Tab");
-  await expect(pattern.getByText("New areola must lie between 30 and 55 mm.")).toBeVisible();
+  await expect(details(page).getByText("New areola, left must lie between 30 and 55 mm.")).toBeVisible();
   await areola.fill("44,5");
   await areola.press("Tab");
-  await pattern.locator("[data-parameter=opening_deg]").fill("95.5");
-  await pattern.locator("[data-parameter=opening_deg]").press("Tab");
-  await pattern.getByLabel("Tumour by the clock").check();
-  await pattern.locator("[data-parameter=side]").last().selectOption("L");
+  await details(page).getByText("side, angles, position, new fold").click();
+  await numberField(page, "opening_deg", "R").fill("95.5");
+  await numberField(page, "opening_deg", "R").press("Tab");
+  await addToPlan(page, /^Tumour by the clock/);
+  await details(page).locator("[data-parameter=side]").last().selectOption("L");
   for (const [name, value] of Object.entries({ clock: "10", distance_mm: "40", radius_mm: "15" })) {
-    await pattern.locator(`[data-parameter=${name}]`).last().fill(value);
-    await pattern.locator(`[data-parameter=${name}]`).last().press("Tab");
+    await numberField(page, name).fill(value);
+    await numberField(page, name).press("Tab");
   }
   const wanted = "reduction:areola_mm=44.5,opening_deg=95.5+tumour:side=L,clock=10,distance_mm=40,radius_mm=15";
   expect((await page.evaluate(() => window.__breastrig!.state())).drawing).toBe(wanted);
   const names = ["wise_L", "wise_R", "areola_L", "tumour_L"];
-  for (const name of names) await expect(page.locator(`[data-layer=reference] [data-line="${name}"]`)).toHaveCount(1);
   expect((await hook.fit(page))!.id, "the fit stays").toBe(first);
   const file = (await (await page.request.get(`${base}/api/fits/${first}/plan.json`)).json()) as { shapes: { name: string; points: Vector[] }[] };
   expect(file.shapes.map(({ name }) => name)).toEqual(expect.arrayContaining(names));
-  await expect(page.locator("[data-layer=reference] > li")).toContainText(["Reduction (Wise pattern)", "Tumour, patient's left"]);
+  await expect(page.locator(".plan-item")).toContainText(["Reduction (Wise pattern)", "Tumour, left breast"]);
   await untilStill(page);
   expect((await hook.picture(page)).checksum).not.toBe(before.checksum);
 
-  const lesions = page.locator(".lesions").first();
-  await lesions.locator("summary").first().click();
+  await addToPlan(page, /^Lesion in an image/);
+  const lesions = page.locator(".item-details");
   await lesions.getByLabel("Centre").fill("1, 2");
   await lesions.getByRole("button", { name: "Add" }).click();
   await expect(lesions.getByText(/needs three numbers/)).toBeVisible();
@@ -328,7 +330,8 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   await lesions.getByLabel("Centre").fill(center.join(" "));
   const without = await hook.picture(page);
   await lesions.getByRole("button", { name: "Add" }).click();
-  await expect(lesions.locator("li")).toContainText(/MRI 1radius 5\smm, \d+\smm deepBelow the skin\d+\smm, \d+ to \d+To the nipple\d+\smm, \d+ to \d+To the chest wall\d+\smm, \d+ to \d+To Wise/);
+  await expect(planItem(page, "MRI 1")).toContainText(/\d+\smm deep/);
+  await expect(lesions).toContainText(/MRI 1Below the skin\d+\smm, \d+ to \d+To the nipple\d+\smm, \d+ to \d+To the chest wall\d+\smm, \d+ to \d+To Wise/);
   await untilStill(page);
   expect((await hook.picture(page)).checksum, "the ball is seen through the skin").not.toBe(without.checksum);
   const laid = (await (await page.request.get(`${base}/api/fits/${first}/plan.json`)).json()) as PlanOnScan;
@@ -357,7 +360,8 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   await hook.ready(page);
   await untilFitted(page);
   expect((await page.evaluate(() => window.__breastrig!.state())).drawing).toBe(wanted);
-  await expect(page.locator(`[data-layer=reference] [data-line="wise_L"]`)).toHaveCount(1);
+  await planItem(page, "Wise").click();
+  await expect(page.locator(`.item-details [data-line="wise_L"]`)).toHaveCount(1);
   expect(troubles).toEqual([]);
 });
 

@@ -2,7 +2,7 @@
 // too small to press, no control over another, nothing beside the screen.
 import { expect, type Page } from "@playwright/test";
 import { overlaps, seriousFindings, smallTargets } from "./audit";
-import { hook, test, thumb, untilFitted, untilStill } from "./page";
+import { addToPlan, hook, test, thumb, untilFitted, untilStill } from "./page";
 import { inTheme } from "./states";
 
 async function fitted(page: Page): Promise<void> {
@@ -39,10 +39,8 @@ const STATES: readonly { name: string; reach: (page: Page) => Promise<void> }[] 
     reach: async (page) => {
       await page.keyboard.press("Escape");
       await page.keyboard.press("t");
-      await page.locator(".pattern summary").click();
-      await page.locator(".pattern select").first().selectOption("reduction");
-      await page.getByLabel("Tumour by the clock").check();
-      await page.locator(".pattern").scrollIntoViewIfNeeded();
+      await addToPlan(page, /Wise/);
+      await addToPlan(page, /^Tumour by the clock/);
     },
   },
   {

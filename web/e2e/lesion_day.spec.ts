@@ -6,7 +6,7 @@ import { basename, join } from "node:path";
 import { expect, type Page } from "@playwright/test";
 import type { PlanOnScan, Vector } from "../src/api/types";
 import { overlaps, seriousFindings, smallTargets } from "./audit";
-import { distance, hook, test, until, untilFitted } from "./page";
+import { distance, hook, planItem, test, until, untilFitted } from "./page";
 import { findPython, helper } from "./service";
 
 let folder = "";
@@ -153,7 +153,7 @@ test("an MRI's lesion is found in the same breast of a standing scan, with its n
     expect(distance(lesion!.center, right)).toBeLessThan(lesion!.error_mm!);
     expect(lesion!.error_mm).toBeLessThan(30);
     await page.keyboard.press("3");
-    await expect(page.locator("[data-layer=lesions] li").filter({ hasText: "Lesion 1" })).toBeVisible();
+    await expect(planItem(page, "Lesion 1")).toBeVisible();
     const report = info.outputPath("report.pdf");
     writeFileSync(report, await (await page.request.get(`${base}/api/fits/${standing}/report.pdf`)).body());
     const words = execFileSync(findPython(), ["-c", "import sys, pypdf; print(' '.join(' '.join(page.extract_text() for page in pypdf.PdfReader(sys.argv[1]).pages).split()))", report], { encoding: "utf8" });

@@ -7,7 +7,7 @@ import { join } from "node:path";
 import { expect, type Page } from "@playwright/test";
 import type { StoredPlan, Vector } from "../src/api/types";
 import { seriousFindings } from "./audit";
-import { hook, test, trueLandmarks, until } from "./page";
+import { addToPlan, details, hook, numberField, planItem, test, trueLandmarks, until } from "./page";
 import { type Running, startService } from "./service";
 
 const TOKEN = "a-token-of-more-than-sixteen-characters";
@@ -75,20 +75,27 @@ interface Typed {
 async function type(page: Page, { areola, clock, notes }: Typed, isLast = "leave the field"): Promise<void> {
   await page.keyboard.press("3");
   await page.keyboard.press("Escape");
-  const panel = page.locator(".pattern");
-  if (!(await panel.evaluate((each) => (each as HTMLDetailsElement).open))) await panel.locator("summary").click();
-  await panel.locator("select").first().selectOption("reduction");
-  const field = (name: string) => panel.locator(`[data-parameter=${name}]`);
-  await field("areola_mm").fill(areola);
-  await field("areola_mm").press("Tab");
-  await panel.getByLabel("Tumour by the clock").check();
-  await panel.locator("[data-parameter=side]").last().selectOption("L");
-  for (const [name, value] of [["clock", clock], ["distance_mm", "45"], ["radius_mm", "12"], ["depth_mm", "21"]] as const) {
-    await field(name).last().fill(value);
-    await field(name).last().press("Tab");
+  const panel = details(page);
+  if ((await planItem(page, "Wise").count()) === 0) await addToPlan(page, /Wise/);
+  else if ((await planItem(page, "Wise").getAttribute("aria-pressed")) === "false") await planItem(page, "Wise").click();
+  await numberField(page, "areola_mm").fill(areola);
+  await numberField(page, "areola_mm").press("Tab");
+  if ((await planItem(page, "Tumour").count()) === 0) await addToPlan(page, /^Tumour by the clock/);
+  else await planItem(page, "Tumour").click();
+  await panel.locator("[data-parameter=side]:visible").last().selectOption("L");
+  for (const [name, value] of [["clock", clock], ["distance_mm", "45"], ["radius_mm", "12"]] as const) {
+    await numberField(page, name).fill(value);
+    await numberField(page, name).press("Tab");
   }
+  await panel.locator("[data-parameter=depth_mm]:visible").fill("21");
+  await panel.locator("[data-parameter=depth_mm]:visible").press("Tab");
+  await toNotes(page);
   await panel.getByLabel("Notes").fill(notes);
   if (isLast === "leave the field") await panel.getByLabel("Notes").press("Tab");
+}
+
+async function toNotes(page: Page): Promise<void> {
+  if (!(await details(page).getByLabel("Notes").isVisible())) await addToPlan(page, /^Note/);
 }
 
 /** What the service has of it. */
@@ -149,15 +156,15 @@ test("a reload in the middle of it, also of what stands in a field that was not 
   await service.stop();
   await type(page, { areola: "39", clock: "2", notes: "First." });
   await expect(bar(page)).toBeVisible();
-  await page.locator(".pattern").getByLabel("Notes").fill("First, and more.");
+  await details(page).getByLabel("Notes").fill("First, and more.");
   await page.reload().catch(() => undefined); // nobody answers
   await comeBack();
   await page.goto(`${base}/#scan=${scan}`);
   await hook.ready(page);
   await expect.poll(() => kept(scan, plan)).toMatchObject({ patterns: [["reduction", 39]], tumours: [[2, 45, 12, 21]], notes: ["First, and more."] });
   await page.keyboard.press("3");
-  await page.locator(".pattern summary").click();
-  await expect(page.locator(".pattern").getByLabel("Notes")).toHaveValue("First, and more.");
+  await toNotes(page);
+  await expect(details(page).getByLabel("Notes")).toHaveValue("First, and more.");
   expect(await inBrowser(page)).toBe(0);
 });
 
@@ -165,16 +172,16 @@ test("the session ends while notes and numbers are typed: after signing in all o
   const { scan, plan } = await opened(page, base);
   await context.clearCookies();
   await page.keyboard.press("3");
-  await page.locator(".pattern summary").click();
-  await page.locator(".pattern").getByLabel("Notes").fill("Typed in an old session.");
-  await page.locator(".pattern").getByLabel("Notes").press("Tab");
+  await toNotes(page);
+  await details(page).getByLabel("Notes").fill("Typed in an old session.");
+  await details(page).getByLabel("Notes").press("Tab");
   await signIn(page);
   await hook.ready(page);
   await expect.poll(() => kept(scan, plan)).toMatchObject({ notes: ["Typed in an old session."] });
   await context.clearCookies();
   await page.keyboard.press("3");
-  await page.locator(".pattern summary").click();
-  const notes = page.locator(".pattern").getByLabel("Notes");
+  await toNotes(page);
+  const notes = details(page).getByLabel("Notes");
   await expect(notes).toHaveValue("Typed in an old session.");
   await notes.fill("Not left yet.");
   await page.evaluate(() => dispatchEvent(new Event("focus"))); // the page asks the service, and learns of the end

@@ -66,6 +66,16 @@ export async function openShare(page: Page): Promise<void> {
   await page.keyboard.press("4");
   await page.locator("#share").click();
 }
+/** Presses what is called so in the plan's menu of what may be added. */
+export async function addToPlan(page: Page, name: RegExp): Promise<void> {
+  await page.locator("[popovertarget=add-menu]").click();
+  await page.locator("#add-menu").getByRole("button", { name }).click();
+}
+/** An item's row in the plan, and what stands below the list for the chosen one. */
+export const planItem = (page: Page, name: string | RegExp): Locator => page.locator(".plan-item").filter({ hasText: name });
+export const details = (page: Page): Locator => page.locator(".item-details");
+/** A number of the chosen pattern, on one side. */
+export const numberField = (page: Page, name: string, side: "L" | "R" | "" = "L"): Locator => page.locator(`.item-details [data-side="${side}"] [data-parameter=${name}]`);
 /** A scan on the strip. */
 export const thumb = (page: Page, stance: "standing" | "supine" | "prone" | "image"): Locator => page.locator(`.thumb[data-stance=${stance}]`);
 /** Opens the details of the body's tab. */

@@ -3,7 +3,7 @@ import { join } from "node:path";
 import { expect, type Page } from "@playwright/test";
 import type { Fit } from "../src/api/types";
 import { overlaps, seriousFindings, smallTargets } from "./audit";
-import { hook, test, trueLandmarks, untilFitted, untilStill } from "./page";
+import { addToPlan, hook, test, trueLandmarks, untilFitted, untilStill } from "./page";
 import { inTheme } from "./states";
 
 const other = (page: Page) =>
@@ -21,8 +21,7 @@ test("the stance that is missing is predicted, the pattern is carried there, and
   await page.goto(`${base}/#scan=${scan.id}&fit=${id}&step=plan`);
   await hook.ready(page);
   await untilFitted(page);
-  await page.locator(".pattern summary").click();
-  await page.locator(".pattern select").first().selectOption("reduction");
+  await addToPlan(page, /Wise/);
 
   await test.step("predicted", async () => {
     await page.locator("#add-scan").click();

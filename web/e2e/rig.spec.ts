@@ -5,7 +5,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { expect } from "@playwright/test";
-import { hook, openShare, test, untilFitted } from "./page";
+import { hook, openShare, planItem, test, untilFitted } from "./page";
 import { findPython, FOREARM, type Running, startService } from "./service";
 
 const folder = mkdtempSync(join(tmpdir(), "breastrig-rig-"));
@@ -46,13 +46,11 @@ test("a forearm is fitted, drawn on, measured, reported and shared", async ({ pa
 
   await test.step("its drawing lies on the skin", async () => {
     await page.keyboard.press("3");
-    await expect(page.locator(".pattern summary")).toHaveText("Drawing and notes"); // no tumour by the clock
-    await page.locator(".pattern summary").click();
-    const drawings = page.locator(".pattern select").first();
-    await expect(drawings.locator("option")).toHaveText(["None", "Incision"]);
+    await page.getByRole("button", { name: "+ Add" }).click();
+    await expect(page.locator("#add-menu .menu-item:visible > span:first-of-type"), "no tumour by the clock").toHaveText(["Incision", "Line", "Circle on the skin", "Lesion in an image", "Note", "Lines of a file"]);
     const before = await hook.picture(page);
-    await drawings.selectOption("incision");
-    await expect(page.locator("[data-line=palmar]")).toHaveCount(1);
+    await page.locator("#add-menu").getByRole("button", { name: "Incision" }).click();
+    await expect(planItem(page, "Incision")).toHaveCount(1);
     await expect.poll(async () => (await hook.picture(page)).checksum).not.toBe(before.checksum);
     if (PICTURES) await page.screenshot({ path: `${PICTURES}/drawn.png` });
   });

@@ -34,7 +34,7 @@ def side_alone(skin: FittedSkin, item: PlanPattern, side: str) -> PlanPattern | 
 
 def ways_out(skin: FittedSkin, item: PlanPattern) -> tuple[WayOut, ...]:
     """At most MOST of them, the least change first; none for a drawing of the model, which has no parameters."""
-    found = []
+    found: list[WayOut] = []
     for way in _thought_of(skin, item):
         if len(found) < MOST and way.name not in {each.name for each in found if each.name != item.name}:
             found += [way] if _refused(skin, way.name, way.parameters) is None else []

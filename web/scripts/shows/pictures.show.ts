@@ -5,7 +5,7 @@ import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { expect, type Page, test } from "@playwright/test";
-import { hook, trueLandmarks, untilFitted, untilStill } from "../../e2e/page";
+import { addToPlan, hook, planItem, trueLandmarks, untilFitted, untilStill } from "../../e2e/page";
 import { findPython, REPOSITORY, startService } from "../../e2e/service";
 
 const SCREEN = { width: 1280, height: 720 };
@@ -26,17 +26,17 @@ async function lookAtLesion(page: Page): Promise<void> {
   const center = nipple!.map((value, i) => 0.6 * value + 0.2 * collarbone![i]! + 0.2 * xiphoid![i]!);
   await page.getByRole("button", { name: "Work here" }).click();
   await page.keyboard.press("3");
-  await page.locator(".pattern").evaluate((pattern: HTMLDetailsElement) => (pattern.open = false));
-  const lesions = page.locator(".lesions").first();
-  await lesions.locator("summary").first().click();
+  await addToPlan(page, /^Lesion in an image/);
+  const lesions = page.locator(".item-details");
   await lesions.getByLabel("Name").fill("MRI 1");
   await lesions.getByLabel("Centre").fill(center.map((mm) => mm.toFixed(1)).join(" "));
   await lesions.getByLabel("Radius").fill("10");
   await lesions.getByLabel("Radius").press("Tab");
   await lesions.getByRole("button", { name: "Add" }).click();
   await expect(page.locator(".lesion-slices")).toBeVisible();
-  await lesions.locator(".lesions > summary").click();
+  await planItem(page, "Wise").click();
   await page.getByLabel("Show Reduction (Wise pattern)").uncheck(); // its handles would hide the ball
+  await planItem(page, "MRI 1").click();
   await page.locator(".lesion-view").scrollIntoViewIfNeeded();
   const view = (await page.locator(".stage canvas.view").boundingBox())!;
   await page.mouse.move(view.x + 0.58 * view.width, view.y + 0.48 * view.height);
@@ -77,8 +77,7 @@ test("pictures", async ({ browser }) => {
   await frame(REST_MS);
 
   await page.keyboard.press("3");
-  await page.locator(".pattern summary").click();
-  await page.locator(".pattern select").first().selectOption("reduction");
+  await addToPlan(page, /Wise/);
   await expect(page.locator(".handle").first()).toBeVisible();
   await page.mouse.move(2, 2);
   await frame(REST_MS);

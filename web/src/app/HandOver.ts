@@ -10,7 +10,7 @@ import * as text from "./text";
 
 const words = text.handover;
 
-type Shown = Pick<Session, "scan" | "fit">;
+type Shown = Pick<Session, "scan" | "fit" | "drawn">;
 
 export function createHandOver(actions: Actions): Panel<Shown> {
   const share = button(words.share, () => void actions.share.open(), "outlined wide", "link");
@@ -22,13 +22,16 @@ export function createHandOver(actions: Actions): Panel<Shown> {
   const files = el("ul", { class: "files" });
   const table = button(text.files.distances, actions.files.saveDistances, "link", "download");
   table.title = text.files.distancesHint;
-  const done = el("div", { class: "panel" }, share, measures, el("details", { class: "file-list", open: true }, el("summary", {}, words.files), files, table));
+  const lines = button(text.files.lines, actions.files.saveLines, "link", "download");
+  lines.title = text.files.linesHint;
+  const done = el("div", { class: "panel" }, share, measures, el("details", { class: "file-list", open: true }, el("summary", {}, words.files), files, lines, table));
   const none = el("p", { class: "muted" }, words.none);
   const element = el("div", { class: "panel" }, none, done);
   return {
     element,
-    select: only("scan", "fit"),
-    update({ fit }: Shown): void {
+    select: only("scan", "fit", "drawn"),
+    update({ fit, drawn }: Shown): void {
+      show(lines, drawn.lines.present.length > 0);
       const isDone = fit?.state === "done";
       show(none, !isDone);
       show(done, isDone);

@@ -1,5 +1,7 @@
 // Files that the page makes itself: the picture of the view, and the distances as a table.
 import { distancesCsv } from "../fit/distances/distances";
+import { toText } from "../drawing/lines/files";
+import type { DrawingSlice } from "../drawing/state";
 import type { FitSlice } from "../fit/state";
 import { fileName, type ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
@@ -8,7 +10,7 @@ import type { Store } from "../store/store";
 import { saveBlob, saveFile } from "../ui/dom";
 import * as text from "./text";
 
-export function exportActions(store: Store<PageSlice & ScanSlice & FitSlice>) {
+export function exportActions(store: Store<PageSlice & ScanSlice & FitSlice & DrawingSlice>) {
   let take: (() => Promise<Blob>) | null = null;
   return {
     /** Set by the view: how a picture of it is taken; without WebGL there is none. */
@@ -22,6 +24,12 @@ export function exportActions(store: Store<PageSlice & ScanSlice & FitSlice>) {
       } catch {
         store.set((state) => withProblem(state, "page", text.files.failed));
       }
+    },
+
+    /** The lines that a hand has drawn on this scan. */
+    saveLines: (): void => {
+      const { scan, fit, drawn } = store.get();
+      if (scan) saveFile(fileName(scan, text.files.lines, fit?.result?.stance), toText(drawn.lines.present, { patient: scan.info.patient_code, scans: [scan.info.sha256] }), "application/json");
     },
 
     saveDistances: (): void => {

@@ -3,6 +3,8 @@
 export const files = {
   scale: "10 cm at the middle of the body",
   saveAs: "view.png",
+  lines: "lines.json",
+  linesHint: "drawn by hand on this scan, mm in its frame",
   distances: "distances.csv",
   distancesHint: "of each vertex of fitted.ply, mm",
   failed: "The picture could not be made: this browser gave none. Take a screenshot instead.",

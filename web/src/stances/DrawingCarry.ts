@@ -4,13 +4,13 @@ import type { FitSlice } from "../fit/state";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
-import { button, problem } from "../ui/controls";
+import { problem } from "../ui/controls";
 import { el, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import { wideOf } from "../fit/fingers";
 import type { StancesActions } from "./actions";
 import { carriedNote } from "./carry";
-import { isPredicted, scannedOther, stanceNames, stanceOf, type StancesSlice } from "./state";
+import { isPredicted, stanceNames, stanceOf, type StancesSlice } from "./state";
 import * as text from "./text";
 
 const words = text.stances.carry;
@@ -20,14 +20,13 @@ type Shown = Pick<PageSlice & ScanSlice & FitSlice & DrawingSlice & StancesSlice
 export function createDrawingCarry(stances: StancesActions): Panel<Shown> {
   const says = el("p", { class: "muted small" });
   const note = el("p", { class: "look-here small" });
-  const add = button(text.stances.add, () => stances.dialog(true), "quiet outlined wide");
   const wrong = problem(() => stances.dismiss());
-  const element = el("div", { class: "panel carry" }, el("p", { class: "label" }, words.title), wrong.element, says, add, note);
+  const element = el("div", { class: "panel carry" }, el("p", { class: "label" }, words.title), wrong.element, says, note);
 
   function sentence(state: Shown): { says: string; note: string } {
     const { other, isCarrying } = state.stances;
     const quiet = { note: "" };
-    if (!other) return { says: words.needsOther, ...quiet };
+    if (!other) return { says: "", ...quiet };
     const [mine, its] = stanceNames(state);
     const missing = [...(state.fit?.state === "done" ? [] : [mine]), ...(other.fit?.state === "done" ? [] : [its])];
     if (missing.length > 0) return { says: words.needsFits(missing.join(", ")), ...quiet };
@@ -36,7 +35,7 @@ export function createDrawingCarry(stances: StancesActions): Panel<Shown> {
     if (shown.length === 0) return { says: words.needsLines, ...quiet };
     const notes = carriedNote({ shapes: shown.flatMap((each) => each!.shapes) });
     const goals = shown.length === 2 ? `${mine} and ${its}` : other.drawn.onScan?.carried.shapes.length ? its : mine;
-    const untold = [...(state.drawn.onScan?.plan.missing ?? []), ...(other.drawn.onScan?.plan.missing ?? [])].map(({ reason }) => reason);
+    const untold = (other.drawn.onScan?.plan.missing ?? []).map(({ reason }) => reason);
     const doubts = [...(state.drawn.onScan?.plan.doubts ?? []), ...(other.drawn.onScan?.plan.doubts ?? [])];
     const said = [
       ...doubts.slice(0, 1), // both say the same of the same two bodies
@@ -58,7 +57,7 @@ export function createDrawingCarry(stances: StancesActions): Panel<Shown> {
       show(says, now.says !== "");
       setText(note, now.note);
       show(note, now.note !== "");
-      show(add, scannedOther(state.stances) === null);
+      show(element, other !== null);
       wrong.set(other ? state.problems.stances : undefined);
     },
   };

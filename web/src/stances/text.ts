@@ -53,7 +53,6 @@ export const stances = {
 
   carry: {
     title: "On the other stance",
-    needsOther: "To see the drawing on the standing and on the supine body, add the other scan or have it predicted.",
     needsFits: (names: string) => `A drawing is carried between two fitted scans. Not fitted yet: ${names}.`,
     needsLines: "Draw a line or choose a pattern on either scan: it is shown on the other as well.",
     others: "the patient's other scans",

@@ -68,7 +68,7 @@ export function createPatternNumbers(part: LivePart, drawing: Pick<DrawingAction
   function made(info: PatternInfo, columns: readonly (Side | null)[]): HTMLElement[] {
     cells = [];
     choices = new Map();
-    const change = (name: string, value: string): void => void (state && choose({ ...valuesOf(state), [name]: value }));
+    const change = (name: string, value: string): void => choose({ ...(state ? valuesOf(state) : {}), [name]: value });
     const row = (parameter: PatternParameter): HTMLElement => {
       const { name, label, unit, min, max } = parameter;
       const hint = [parameter.about, min !== null && max !== null ? patternText.range(min, max, unit) : ""].filter((one) => one !== "").join("; ");
@@ -91,7 +91,7 @@ export function createPatternNumbers(part: LivePart, drawing: Pick<DrawingAction
     const heads = columns.flatMap((side) => (side ? [el("span", { class: `side-letter side-${words.sides[side]}`, title: words.breast[side] }, words.letters[side])] : []));
     const parts = [...new Set(folded.map((each) => words.parts[partOf(each)!]))];
     return [
-      ...(heads.length > 0 ? [el("div", { class: "numbers-row numbers-head" }, el("span", {}), ...heads)] : []),
+      ...(heads.length > 0 ? [el("div", { class: "numbers-row numbers-head" }, el("span", { class: "muted small" }, words.asDrawn), ...heads)] : []),
       ...first.map(row),
       ...(folded.length > 0 ? [el("details", { class: "more-numbers" }, el("summary", {}, words.more(parts)), ...folded.map(row), columns.length > 1 ? el("p", { class: "muted small" }, words.forBoth) : null)] : []),
     ];

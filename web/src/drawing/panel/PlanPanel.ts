@@ -46,10 +46,9 @@ export function createPlanPanel(drawing: DrawingActions, plan: PlanWords, dismis
   const legend = el("p", { class: "muted small", hidden: true }, text.drawing.dashed);
 
   const title = el("h3", {});
-  const unit = el("span", { class: "muted small" }, words.asDrawn);
   const remove = iconButton("close", "", () => chosen && takeOut(chosen));
-  const head = el("div", { class: "item-head" }, title, el("span", { class: "spring" }), unit, remove);
-  const numbers = { values: createPatternNumbers("values", drawing, plan.depth), tumour: createPatternNumbers(TUMOUR, drawing, plan.depth) };
+  const head = el("div", { class: "item-head" }, title, el("span", { class: "spring" }), remove);
+  const numbers = { values: createPatternNumbers("values", drawing, (mm) => plan.depth(mm)), tumour: createPatternNumbers(TUMOUR, drawing, (mm) => plan.depth(mm)) };
   const line = createLineDetails(drawing);
   const lesion = el("div", {});
   const form = createLesionForm(() => text.lesions.numbered((state?.drawn.lesions.length ?? 0) + 1), (given) => {
@@ -125,7 +124,6 @@ export function createPlanPanel(drawing: DrawingActions, plan: PlanWords, dismis
     const label = chosen?.label ?? { tumour: words.tumour, note: words.note, "new lesion": words.lesion }[kind as string] ?? "";
     setText(title, kind === "note" ? words.note : label);
     details.setAttribute("aria-label", label);
-    show(unit, kind === "pattern" || kind === "tumour");
     show(remove, chosen !== null && (kind === "pattern" || kind === "tumour" || kind === "note" || (chosen.kind === "lesion" && chosen.own !== null)));
     remove.setAttribute("aria-label", words.remove(label));
     remove.title = words.remove(label);
@@ -151,7 +149,7 @@ export function createPlanPanel(drawing: DrawingActions, plan: PlanWords, dismis
       if (!laid) return [];
       const center = laid.center.map((value) => mmFrom(value, drawn.onScan!.plan.unit)) as [number, number, number];
       const moved = (to: readonly number[]): void => plan.lesions(state!.drawn.lesions.map((each) => (each.id === own?.id ? { ...each, center: [...to] as [number, number, number] } : each)));
-      return [lesionView({ ...laid, center }, drawn.chosen, own ? { center: own.center as [number, number, number], moved } : null)];
+      return [lesionView({ ...laid, center }, drawn.chosen, own ? { center: own.center, moved } : null)];
     });
     if (focused) lesion.querySelector<HTMLElement>(`[aria-label="${CSS.escape(focused)}"]`)?.focus(); // the slice that the arrow keys move it in
   }

@@ -62,7 +62,7 @@ export function planRows(state: Shown): readonly PlanRow[] {
   const shapes: readonly Shape[] = shownPatterns(state)?.shapes ?? [];
   const row: RowOf = (layer, key, label, of, says, more = []) => {
     const lines = of.map((shape) => ({ name: shape.name, label: lineLabel(state, shape), colour: ownColour(shape.color) }));
-    const mm = lineErrorOf(of as Laid["shapes"]);
+    const mm = lineErrorOf(of);
     return { key, label, says, hint: [...(mm === null ? [] : [mm === 0 ? words.given : marginOf(mm)]), ...more].join(", "), layer, lines, isHidden: lines.length > 0 && lines.every(({ name }) => drawn.hidden.has(layerKey(layer, name))) };
   };
   const own = drawn.lines.present.map((line): PlanRow => ({
@@ -117,9 +117,9 @@ const capital = (label: string): string => label.charAt(0).toUpperCase() + label
 /** What the service or the model's file calls a line; its name in words where that says no more than its name does. */
 function lineLabel(state: Pick<Shown, "fit" | "models" | "meta">, { name, label = "", kind }: Shape): string {
   const said = label === name ? "" : label;
-  if (kind === "line") return said || name;
+  if (kind === "line") return said === "" ? name : said;
   const onModel = (modelOf(state)?.side.drawings ?? []).flatMap(({ shapes }) => shapes).find((each) => each.name === name)?.label;
-  return capital(said || onModel || drawing.shapeName(name));
+  return capital(said === "" ? (onModel ?? drawing.shapeName(name)) : said);
 }
 
 /** "both", "left" or "right": the sides on which lines of it are. */

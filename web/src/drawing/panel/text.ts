@@ -28,8 +28,6 @@ export const planPanel = {
   pattern: "Pattern",
   note: "Note",
   asDrawn: "mm, as drawn",
-  asGiven: "as given",
-  chosenHint: (hint: string) => hint,
 
   add: "+ Add",
   addHint: "Add to the plan",
@@ -57,11 +55,10 @@ export const planPanel = {
   parts: { side: "side", angles: "angles", position: "position", fold: "new fold" },
   forBoth: "A number typed on one side holds for both.",
   auto: "auto",
-  dashed: (reasons: readonly string[]) => `Dashed: ${reasons.join(" ")}`,
+  dashed: ([first = "", ...more]: readonly string[]) => ["Dashed:", `${first.charAt(0).toLowerCase()}${first.slice(1)}`, ...more].join(" "),
   reasons: {
-    nipple_above_fold_mm: "the nipple is already above the fold, and this pattern never lowers it.",
-    limb_mm: "limbs are shortened to stay clear of the fold.",
-    other: (label: string, asked: number, unit: string) => `${label.charAt(0).toLowerCase()}${label.slice(1)}: ${amount(asked, unit)} asked, drawn otherwise on this skin.`,
+    nipple_above_fold_mm: "The nipple is already above the fold, and this pattern never lowers it.",
+    limb_mm: "Limbs are shortened to stay clear of the fold.",
+    other: (label: string, asked: number, unit: string) => `${label}: ${amount(asked, unit)} asked, drawn otherwise on this skin.`,
   },
-  refused: "Not drawn",
 };

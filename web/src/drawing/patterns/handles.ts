@@ -86,7 +86,7 @@ export function handleActions(store: Store<State>, client: Pick<Client, "pattern
     isLooking = true;
     const parts = partsOf(state);
     const link = state.fit.links.self;
-    let isLate = false; // too many ask just now, or the service is away
+    const late: unknown[] = []; // too many ask just now, or the service is away
     const answers: LiveHandle[] = [];
     /** False where the service refuses it. */
     const handlesIf = async (part: LivePart, question: PatternQuestion): Promise<boolean> => {
@@ -94,7 +94,7 @@ export function handleActions(store: Store<State>, client: Pick<Client, "pattern
         answers.push(...handlesOf(part, await client.pattern(link, question)));
       } catch (error) {
         if (error instanceof ApiError && error.status === REFUSED) return false;
-        isLate = true;
+        late.push(error);
       }
       return true;
     };
@@ -108,7 +108,7 @@ export function handleActions(store: Store<State>, client: Pick<Client, "pattern
     isLooking = false;
     if (isHeld()) return;
     if (keyOf(store.get()) !== key) return look();
-    if (isLate) {
+    if (late.length > 0) {
       setTimeout(() => {
         asked = "";
         void look();
