@@ -9,15 +9,9 @@ from breastrig.drawings.patterns import pattern_of
 from breastrig.drawings.plan_on_scan import PlannedScan, plan_on_scan
 from breastrig.drawings.plan_schema import PlanPattern
 from breastrig.drawings.skin_maps.skin_map import FittedScan
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.skinning import shaped
-
-
-@pytest.fixture(scope="module")
-def torso() -> Rig:
-    return read_rig(default_rig_path())
 
 
 def scan_of(torso: Rig, weights_of: dict[str, float]) -> FittedScan:

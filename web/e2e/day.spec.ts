@@ -138,7 +138,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     expect(shown.map(({ item, name }) => [item, name])).toEqual(expect.arrayContaining([[expect.any(String), "Line 1"], [expect.any(String), "tumour_L"], [expect.any(String), "wise_L"]]));
     expect((await state(page)).drawing, "nothing is made anew on the second body").toBe("");
     expect((await state(page)).fit!.drawingName).toBeNull();
-    await expect(page.locator(".plan-item")).toHaveText([/^Line 1from standing$/, /^Reduction \(Wise pattern\)from standing$/, /^Tumourfrom standing$/, "wants it smaller"]);
+    await expect(page.locator(".plan-item")).toHaveText([/^Tumour, left\d+\smm deep$/, /^Line 1from standing$/, /^Reduction \(Wise pattern\)from standing$/]);
     await planItem(page, "Line 1").click();
     await untilStill(page);
     const full = await hook.picture(page);

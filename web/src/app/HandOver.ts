@@ -24,9 +24,9 @@ export function createHandOver(actions: Actions): Panel<Shown> {
   table.title = text.files.distancesHint;
   const lines = button(text.files.lines, actions.files.saveLines, "link", "download");
   lines.title = text.files.linesHint;
-  const done = el("div", { class: "panel" }, share, measures, el("details", { class: "file-list", open: true }, el("summary", {}, words.files), files, lines, table));
+  const done = el("div", { class: "panel" }, share, measures, el("details", { class: "file-list", open: true }, el("summary", {}, words.files), files, table));
   const none = el("p", { class: "muted" }, words.none);
-  const element = el("div", { class: "panel" }, none, done);
+  const element = el("div", { class: "panel" }, none, done, lines);
   return {
     element,
     select: only("scan", "fit", "drawn"),

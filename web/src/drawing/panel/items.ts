@@ -83,7 +83,8 @@ function carriedRows(state: Shown, row: RowOf): PlanRow[] {
   const { onScan } = state.drawn;
   const labels = drawingLabels(state);
   const items = new Map<string, readonly Laid["shapes"][number][]>();
-  for (const shape of onScan?.carried.shapes ?? []) if (shape.kind !== "lesion") items.set(shape.item, [...(items.get(shape.item) ?? []), shape]);
+  const lesions = new Set(onScan?.plan.lesions.map(({ id }) => id));
+  for (const shape of onScan?.carried.shapes ?? []) if (!lesions.has(shape.item)) items.set(shape.item, [...(items.get(shape.item) ?? []), shape]);
   const there = labels.get(readRequest(state.stances.other?.drawing ?? "").base);
   return [...items].map(([item, of]) => {
     const { kind } = of[0]!;
@@ -94,12 +95,13 @@ function carriedRows(state: Shown, row: RowOf): PlanRow[] {
 }
 
 function lesionRows({ drawn, stances }: Shown, row: RowOf): PlanRow[] {
-  const laid = drawn.onScan?.plan.lesions ?? [];
+  const circles = new Set(drawn.onScan?.patterns.shapes.flatMap(({ kind, item }) => (kind === "tumour" ? [item] : [])));
+  const laid = (drawn.onScan?.plan.lesions ?? []).filter(({ id }) => !circles.has(id)); // a tumour by the clock whose depth is known has a row of its own
   const all = new Map<string, Pick<PlanLesion, "id" | "name" | "radius_mm">>([...drawn.lesions, ...laid].map((each) => [each.id, each]));
   return [...all.values()].map(({ id, name, radius_mm: radiusMm }): PlanRow => {
     const here = laid.find((each) => each.id === id) ?? null;
     const isComing = here === null && (stances.isCarrying || drawn.onScan === null);
-    const outline = (here?.carried ? drawn.onScan?.carried : drawn.onScan?.patterns)?.shapes.filter((shape) => shape.item === id && shape.kind === "lesion") ?? [];
+    const outline = (here?.carried ? drawn.onScan?.carried : drawn.onScan?.patterns)?.shapes.filter((shape) => shape.item === id) ?? [];
     const sure = here === null ? [] : here.carried ? [...(here.error_mm === null ? [] : [marginOf(here.error_mm)]), words.carried] : [words.given];
     const says = here ? words.deep(here.depth_mm) : isComing ? words.busy : words.across(2 * radiusMm);
     return { ...row(here?.carried ? "carried" : "reference", itemKey.lesion(id), name, outline, says), hint: sure.join(", "), kind: "lesion", own: drawn.lesions.find((each) => each.id === id) ?? null, laid: here };
