@@ -14,6 +14,7 @@ from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.core.stances import sides_of
 from breastrig.drawings.clock import FittedSkin
+from breastrig.drawings.handles.ways_out import WayOut, side_alone, ways_out
 from breastrig.drawings.inks import PLAN
 from breastrig.drawings.inside.lesions import LesionsOnScan, PlacedLesion, distances_to_lines
 from breastrig.drawings.line_error import with_errors
@@ -23,7 +24,6 @@ from breastrig.drawings.plan_schema import PlanItem, PlanLesion, PlanLine, PlanN
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.drawings.transfer import transferred
-from breastrig.drawings.ways_out import WayOut, side_alone, ways_out
 from breastrig.geometry.polyline import Polyline
 from breastrig.rig.model import Rig
 from breastrig.rig.near_breasts import OUTSIDE
