@@ -52,14 +52,9 @@ export const distances = {
 export const numbers = {
   title: "Numbers",
   verdicts: { good: "Ready to draw", uncalibrated: "Ready to draw; how wide lines are is not known for this model", check: "To be checked", unusable: "Cannot be used" },
-  short: { good: "", uncalibrated: "", check: "", unusable: "cannot be used" },
-  old: "to be done again",
-  sure: (range: string) => `landmarks ${range}`,
   unknown: "not known",
-  notKnown: (count: number) => `${count} not known`,
   lines: "lines on the breasts",
   drawnLines: "drawn lines",
-  linesHint: "Nine of ten places of a line are no farther off than this, measured across it: of the line of which least is known, or of the breast, where nothing is drawn.",
   radiusUnknown: "Nothing is known of where this landmark is.",
   outdated: {
     gone: "This fit belongs to landmarks that are gone.",
@@ -78,7 +73,6 @@ export const numbers = {
   landmarks: "Landmarks",
   landmarksHint: "From the model's landmark to the picked one",
   radius: (mm: string) => `±\u00a0${mm}`,
-  radiusHint: (mm: string) => `The true place lies within ${mm} mm of the model's landmark in 90 of 100 cases.`,
   eachHint: "From the model's landmark to the picked one; ± is the radius that holds the true place with 90 %",
   run: "Run",
   mean: "mean",

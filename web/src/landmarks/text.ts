@@ -103,7 +103,6 @@ export const proposals = {
   error: (mm: string) => `±\u00a0${mm}\u00a0mm`,
   errorHint: (mm: string, reason: string | null | undefined) =>
     `${reason ? `Found on the skin: ${reason}. ` : ""}The true place lies within ${mm} mm of the proposal in 90 of 100 cases.`,
-  offScan: "no skin there",
   offScanHint: "The scan shows no skin here: the model alone says where it would be.",
   unknown: "?",
   take: "Take the proposal",
