@@ -132,7 +132,7 @@ function row(line: MeasureLine, groups: number, labels: ReadonlyMap<string, stri
       const isOfTwo = isChange || column === "difference";
       const said = formatCell(cell, line.unit, isSigned, line.step);
       const of = formatMargin(cell, line.unit);
-      if (isOfTwo ? isUnsure : isVague(cell, line.unit)) return el("td", { ...attributes, title: words.vagueHint(said + of) }, words.vague, margin(`\u00a0${said}${of}`));
+      if (isOfTwo ? isUnsure : isVague(cell, line.unit)) return el("td", { ...attributes, class: `${attributes.class} vague`, title: words.vagueHint(said + of) }, words.vague, el("span", { class: "visually-hidden" }, `: ${said}${of}`));
       const ends = [cell.low, cell.high].map((value) => formatCell({ ...cell, value }, line.unit, isSigned));
       return el("td", { ...attributes, ...(cell.low === null ? {} : { title: words.band(ends[0]!, ends[1]!) }) }, said, margin(of));
     };
