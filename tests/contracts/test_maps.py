@@ -42,6 +42,17 @@ def test_every_path_that_a_map_names_exists(readme: str, places: list[str], repo
     assert gone == set(), f"{readme} names what is not there: say where it is now, or take it out"
 
 
+def test_what_is_said_to_be_of_a_file_is_defined_there(repository: Path) -> None:
+    """`name` of `room/file.py`"""
+    said = re.findall(r"`([\w.]+)`\s+of\s+`([\w/]+\.py)`", (repository / "CONTRIBUTING.md").read_text())
+    assert len(said) > 3
+    for name, path in said:
+        text = (repository / "server" / "breastrig" / path).read_text()
+        last = name.rpartition(".")[2]
+        is_defined = re.search(rf"^\s*(?:def|class) {last}\b|^{last}(?::.*)? = ", text, re.MULTILINE)
+        assert is_defined, f"CONTRIBUTING.md: {name} is not defined in {path}; say where it is now"
+
+
 def test_every_room_of_the_server_is_in_its_map(repository: Path) -> None:
     package = repository / "server" / "breastrig"
     rooms = {f"{folder.name}/" for folder in package.iterdir() if (folder / "__init__.py").is_file()}

@@ -12,11 +12,11 @@ def is_sentence(error: BadInput) -> bool:
     return str(error).endswith(".") and "\n" not in str(error)
 
 
-def refused_or_sound(data: bytes, named: str | None = None) -> None:
-    """Reads a scan."""
+def refused_or_sound(data: bytes, named: str | None = None, units: str = "m") -> None:
+    """Reads a scan; a label map has a unit of its own, `auto`."""
     refused = None
     try:
-        scan = read_scan(data, named, "m")
+        scan = read_scan(data, named, units)
     except BadInput as error:
         refused = error
     count(f"scan {named or 'of any kind'}", "read" if refused is None else "refused")

@@ -15,7 +15,10 @@ from breastrig.rig.validation.rules import check_rig
 from breastrig.rig.validation.torso import LANDMARKS
 from breastrig.use.values.model import load_model
 
-BUILD_AGAIN = "run: python model_assets/build.py, then commit all of model_assets/built"
+BUILD_AGAIN = (
+    "run: python model_assets/build.py, then again with --recipe model_assets/male.toml, "
+    "then commit all of model_assets/built"
+)
 FLIP = np.array([-1.0, 1.0, 1.0])
 
 

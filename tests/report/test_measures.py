@@ -68,7 +68,9 @@ def test_every_length_is_given_straight_and_along_the_skin_and_says_how(
 
 def test_a_symmetric_model_has_ratios_of_1_and_differences_of_0(of_at_rest: dict[tuple[str, str], Row]) -> None:
     rows = of_at_rest.values()
-    assert {row.measure for row in rows} == {*LENGTHS, "volume", "M1", "M2", "M3", "M4", "M5", "M6"}
+    assert {row.measure for row in rows} == {*LENGTHS, "volume", "M1", "M2", "M3", "M4", "M5", "M6"}, (
+        "name a new measure in LENGTHS above, before base_width"
+    )
     for row in rows:
         if row.kind == "ratio":
             assert row.value.value == pytest.approx(1.0, abs=1e-3)

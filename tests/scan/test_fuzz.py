@@ -1,9 +1,13 @@
 """Damaged and random bytes never do anything but raise BadInput with a sentence."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 from helpers.damage import BOUNDED, Edits, bounded, damage, damaged
 from helpers.draco_scan import draco_glb
+from helpers.label_maps import body_labels, dicom_segmentation, nifti
 from helpers.other_meshes import mesh_xml, model_xml, off, three_mf
 from helpers.point_files import front, pcd, point_ply, xyz
 from helpers.refusals import refused_or_sound, sound_landmarks_or_refused
@@ -15,6 +19,8 @@ from hypothesis import strategies as st
 
 from breastrig.core.errors import BadInput
 from breastrig.gltf.mesh_glb import mesh_glb
+from breastrig.scan.file_type import FILE_TYPES, file_type_of
+from breastrig.scan.formats.archive import MESH_RANK, VOLUMES
 from breastrig.scan.landmarks.landmark_files import landmark_file
 from breastrig.scan.read import read_scan
 
@@ -35,21 +41,41 @@ SCANS |= {
 }
 SCANS |= {"off": off(), "3mf": three_mf(model_xml(f'<object id="1">{mesh_xml()}</object>'))}
 SCANS |= {"points_ply": point_ply(POINTS), "xyz": xyz(POINTS)}
-FEW = bounded(6)  # each of these takes a process of its own
+FEW = bounded(6)  # each of these takes a process of its own, or is a volume
 LANDMARKS = {
     kind: landmark_file({"nipple_L": np.array([1.0, 2.5, -3.0]), "xiphoid": np.array([0.0, 1e-3, 9.0])}, kind, "mm")
     for kind in ("json", "csv", "pp", "mrk.json")
 }
+MAPS = {"nifti": nifti(body_labels()), "dicom": dicom_segmentation(body_labels())}
+SCANS |= MAPS
+ELSEWHERE = {"gltf", "3mf"}  # test_fuzz_glb.py; a 3MF is a zip
+
+
+def test_no_format_is_forgotten() -> None:
+    damaged_here = {file_type_of(data) for data in SCANS.values()} | ELSEWHERE
+    assert set(FILE_TYPES) - damaged_here == set(), "add a small file of this format to SCANS above: it is then damaged"
+    in_zips = {f".{ending}" for ending in (*MESH_RANK, *VOLUMES)} | {".zip", ".nii.gz"}
+    missing = {ending for endings in FILE_TYPES.values() for ending in endings} - in_zips
+    assert missing == set(), (
+        "add the ending to MESH_RANK of scan/formats/archive.py: else a zip's scan of it is not seen"
+    )
+
+
+@pytest.mark.parametrize("ending", [ending for endings in FILE_TYPES.values() for ending in endings])
+def test_every_format_is_in_the_table_of_the_docs(ending: str, repository: Path) -> None:
+    words = (repository / "docs/file_formats.md").read_text().lower()
+    table = words.split("## scans")[1].split("\npictures:")[0]
+    assert re.search(rf"\b{ending[1:]}\b", table), "add the format to the table of docs/file_formats.md"
 
 
 @pytest.mark.parametrize("kind", SCANS)
 def test_a_damaged_scan_is_refused_or_sound(kind: str) -> None:
     data = SCANS[kind]
 
-    @(FEW if kind.startswith("usd") else bounded(80))
+    @(FEW if kind.startswith("usd") or kind in MAPS else bounded(80))
     @given(damage(len(data)))
     def run(edits: Edits) -> None:
-        refused_or_sound(damaged(data, edits), kind.split("_")[0])
+        refused_or_sound(damaged(data, edits), kind.split("_")[0], "auto" if kind in MAPS else "m")
 
     run()
 

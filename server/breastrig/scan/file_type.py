@@ -5,12 +5,22 @@ import re
 from breastrig.core.errors import BadScan
 from breastrig.scan.point_clouds.point_table import is_point_table
 
-FILE_TYPES = ("ply", "obj", "stl", "glb", "gltf", "zip", "pcd", "xyz", "usd", "off", "3mf", "nifti", "dicom")
-ENDINGS = (  # of names; the only list of them, which the service tells its page
-    *(".ply", ".obj", ".stl", ".glb", ".gltf", ".zip", ".usdz", ".usd", ".usda", ".usdc", ".off", ".3mf"),
-    *(".nii", ".nii.gz", ".gz", ".dcm"),  # label maps
-    *(".pcd", ".xyz", ".asc", ".pts", ".txt", ".csv", ".xyzn", ".xyzrgb"),  # points
-)
+FILE_TYPES = {  # a kind of content -> its files' endings; the only list of them, which the service tells its page
+    "ply": (".ply",),
+    "obj": (".obj",),
+    "stl": (".stl",),
+    "glb": (".glb",),
+    "gltf": (".gltf",),
+    "zip": (".zip",),
+    "usd": (".usdz", ".usd", ".usda", ".usdc"),
+    "off": (".off",),
+    "3mf": (".3mf",),
+    "nifti": (".nii", ".nii.gz", ".gz"),  # label maps, as the next
+    "dicom": (".dcm",),
+    "pcd": (".pcd",),  # points, as the next
+    "xyz": (".xyz", ".asc", ".pts", ".txt", ".csv", ".xyzn", ".xyzrgb"),
+}
+ENDINGS = tuple(ending for endings in FILE_TYPES.values() for ending in endings)
 UNKNOWN = "unknown"  # the type of a file whose name says nothing
 USD_LAYERS = (".usd", ".usda", ".usdc")
 USD_STARTS = (b"PXR-USDC", b"#usda")
@@ -82,8 +92,8 @@ def file_type_of(data: bytes, named: str | None = None) -> str:
     if named in FILE_TYPES:
         raise BadScan(f"This file is named .{named} but holds no {named.upper()} data; {EXPORT}.")
     raise BadScan(
-        "This file is no 3D scan that can be read; give PLY, OBJ, STL, GLB, glTF, USDZ, PCD, a table of points, "
-        "a label map (NIfTI, DICOM SEG), or a zip of one of them."
+        "This file is no 3D scan that can be read; give PLY, OBJ, STL, GLB, glTF, USDZ, OFF, 3MF, PCD, a table of "
+        "points, a label map (NIfTI, DICOM SEG), or a zip of one of them."
     )
 
 
