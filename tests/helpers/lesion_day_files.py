@@ -2,7 +2,7 @@
 
     python lesion_day_files.py FOLDER
 
-Writes mri.nii.gz, no_side.nii.gz (its header does not say which side is left), seg.zip (a DICOM SEG), broken.nii.gz,
+Writes mri.nii.gz, balls.nii.gz (`label_maps.body_labels`), no_side.nii.gz (its header does not say which side is left), seg.zip (a DICOM SEG), broken.nii.gz,
 standing.ply, each stance's landmarks (prone.json, standing.json), and lesion.json: where it is standing, mm.
 """
 
@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from helpers.label_maps import above_navel, dicom_segmentation, front_labels, in_lps, nifti, placed_nifti
+from helpers.label_maps import above_navel, body_labels, dicom_segmentation, front_labels, in_lps, nifti, placed_nifti
 from helpers.scan_files import ply_text
 
 SEEN = ("suprasternal_notch", "mid_sternum", "xiphoid", "nipple_L", "nipple_R")  # in an MRI's field of view
@@ -34,6 +34,7 @@ def lesion_day_files(folder: Path) -> None:
     mri = gzip.compress(nifti(labels, low=low, sizes=sizes))
     unsaid = np.diag([*sizes, 1.0]), 0
     (folder / "mri.nii.gz").write_bytes(mri)
+    (folder / "balls.nii.gz").write_bytes(gzip.compress(nifti(body_labels())))
     (folder / "no_side.nii.gz").write_bytes(gzip.compress(placed_nifti(labels, unsaid, unsaid)))
     (folder / "broken.nii.gz").write_bytes(mri[: len(mri) // 2])
     with zipfile.ZipFile(folder / "seg.zip", "w", zipfile.ZIP_DEFLATED) as packed:

@@ -6,7 +6,8 @@ import { basename, join } from "node:path";
 import { expect, type Page } from "@playwright/test";
 import type { PlanOnScan, Vector } from "../src/api/types";
 import { overlaps, seriousFindings, smallTargets } from "./audit";
-import { distance, hook, planItem, test, until, untilFitted } from "./page";
+import { distance, hook, planItem, test, thumb, until, untilFitted } from "./page";
+import { mmFrom } from "../src/ui/units";
 import { findPython, helper } from "./service";
 
 let folder = "";
@@ -70,6 +71,93 @@ test("which side is left is asked with pictures; called off, nothing is uploaded
     expect(side * lesion!.center[0]).toBeGreaterThan(30);
     expect(lesion!.radius_mm).toBeCloseTo(7, 0);
   }
+});
+
+/** Where a thing lies in the box of another: 0 at its left and upper edge, 1 at the right and lower one. */
+async function within(page: Page, pane: string, thing: string, box: string): Promise<[number, number]> {
+  const [a, b] = await Promise.all([thing, box].map(async (name) => (await page.locator(`.slice.is-${pane} ${name}`).first().boundingBox())!));
+  return [(a!.x + a!.width / 2 - b!.x) / b!.width, (a!.y + a!.height / 2 - b!.y) / b!.height];
+}
+
+test("an MRI stands in three slices and as a body with one cross: sides, places and keys are true", async ({ page, base, troubles }) => {
+  await page.setViewportSize({ width: 1280, height: 720 });
+  await page.goto(base);
+  await page.locator("#scan-file").setInputFiles(made("balls.nii.gz")); // half balls of 60 mm around (±65, -10, 140), a lesion at (60, -35, 150): left, back, head
+  await hook.ready(page);
+  await thumb(page, "image").click();
+  const title = (pane: string) => page.locator(`.slice.is-${pane} .slice-title`);
+  await expect(title("sagittal")).toHaveText(/60\smm left/);
+  await expect(title("axial")).toHaveText(/150\smm head/);
+  await expect(title("coronal")).toHaveText(/35\smm front/);
+  await expect(page.locator(".slice .slice-ball")).toHaveCount(3);
+
+  await test.step("the lesion in the skin's section: left is right, the front is up and left, the head is up", async () => {
+    for (const [pane, x, y] of [["axial", 190 / 260, 0.5], ["sagittal", 0.5, 0.44], ["coronal", 0.75, 0.41]] as const) {
+      const place = await within(page, pane, ".slice-ball", ".slice-skin");
+      expect(Math.abs(place[0] - x), `${pane}: ${place.join(" ")}`).toBeLessThan(0.03);
+      expect(Math.abs(place[1] - y), `${pane}: ${place.join(" ")}`).toBeLessThan(0.03);
+    }
+    for (const pane of ["axial", "coronal"]) {
+      const [right, left] = await Promise.all(["right", "left"].map(async (side) => (await page.locator(`.slice.is-${pane} .side-${side}`).boundingBox())!.x));
+      expect(right!).toBeLessThan(left!);
+    }
+  });
+  expect.soft(await seriousFindings(page)).toEqual([]);
+  expect.soft(await overlaps(page)).toEqual([]);
+  expect.soft(await smallTargets(page)).toEqual([]);
+
+  const cross = () => page.evaluate(() => window.__breastrig!.state().slices.cross!.at.map(Math.round));
+  await test.step("one cross in all: put by hand in one, moved by keys in another, read out", async () => {
+    const skin = (await page.locator(".is-coronal .slice-skin").boundingBox())!;
+    await page.mouse.click(skin.x + 0.1 * skin.width, skin.y + skin.height / 2); // the patient's right breast
+    const [left] = await cross();
+    expect(left!).toBeLessThan(-80);
+    await expect(title("sagittal")).toContainText("mm right");
+    const [, height] = [...await within(page, "axial", ".slice-cross", ".slice-skin")];
+    expect(height).toBeCloseTo(0.5, 1); // still 35 mm to the front
+    const before = await cross();
+    const axial = page.locator(".is-axial .slice-picture");
+    await axial.focus();
+    for (const key of ["ArrowRight", "ArrowRight", "Shift+ArrowUp", "PageUp"]) await page.keyboard.press(key);
+    expect(await cross()).toEqual([before[0]! + 2, before[1]! - 5, before[2]! + 1]);
+    await expect(page.locator(".slices [role=status].visually-hidden")).toHaveText(/Cross \d+\smm right, 40\smm front, \d+\smm head of the scan's zero, \d+\smm from the centre of Lesion 1/);
+    await page.getByRole("slider", { name: "Place of the sagittal slice" }).fill("60");
+    expect((await cross())[0]).toBe(60);
+  });
+
+  await test.step("on the body as well: a click on the skin puts it there", async () => {
+    const at = await hook.project(page, [-65, -70, 140]);
+    await page.mouse.click(at.x, at.y);
+    const [x, y, z] = await cross();
+    expect(distance([x!, y!, z!], [-65, -70, 140])).toBeLessThan(6);
+    const flat = (await page.locator(".stage .body-cross.is-flat").boundingBox())!;
+    expect(Math.abs(flat.y - at.y)).toBeLessThan(4);
+  });
+
+  await test.step("a double click enlarges one; Escape goes back, and once more closes", async () => {
+    const picture = page.locator(".is-sagittal .slice-picture");
+    await picture.dblclick({ position: { x: 120, y: 120 } });
+    await expect(page.locator(".slice:visible")).toHaveCount(1);
+    await expect(page.locator(".stage canvas.view")).toBeHidden();
+    await picture.press("Escape");
+    await expect(page.locator(".slice:visible")).toHaveCount(3);
+    await picture.press("Escape");
+    await expect(page.locator(".slice:visible")).toHaveCount(0);
+    await expect(page.locator(".stage canvas.view")).toBeVisible();
+  });
+
+  await test.step("on a telephone one pane, chosen by its name", async () => {
+    await page.setViewportSize({ width: 390, height: 844 });
+    await thumb(page, "image").click();
+    await expect(page.locator(".slice:visible")).toHaveCount(1);
+    await page.getByRole("group", { name: "Slices" }).getByRole("button", { name: "Coronal" }).click();
+    await expect(page.locator(".slice.is-coronal .slice-ball")).toBeVisible();
+    expect.soft(await overlaps(page)).toEqual([]);
+    await page.getByRole("group", { name: "Slices" }).getByRole("button", { name: "Body" }).click();
+    await expect(page.locator(".slice:visible")).toHaveCount(0);
+    await expect(page.locator(".stage canvas.view")).toBeVisible();
+  });
+  expect(troubles).toEqual([]);
 });
 
 test("an MRI's lesion is found in the same breast of a standing scan, with its numbers in plan and report", async ({ page, base }, info) => {
@@ -153,7 +241,17 @@ test("an MRI's lesion is found in the same breast of a standing scan, with its n
     expect(distance(lesion!.center, right)).toBeLessThan(lesion!.error_mm!);
     expect(lesion!.error_mm).toBeLessThan(30);
     await page.keyboard.press("3");
-    await expect(planItem(page, "Lesion 1")).toBeVisible();
+    await planItem(page, "Lesion 1").click();
+    await expect(page.getByRole("img", { name: /^\d+\smm below the skin \(90\s%: \d+–\d+\smm\)$/ })).toBeVisible();
+    await expect(page.locator(".slice .slice-ball"), "in the MRI's slices, beside the standing body").toHaveCount(3);
+    await expect(page.locator(".is-sagittal .slice-title")).toContainText("patient's left");
+    const [x] = await within(page, "axial", ".slice-ball", ".slice-skin");
+    expect(x, "left is right in the picture").toBeGreaterThan(0.6);
+    await expect(page.locator(".stage canvas.view")).toBeVisible();
+    await expect(page.locator(".stage .body-cross.is-steep")).toBeVisible();
+    const there = await hook.project(page, lesion!.center.map((value) => mmFrom(value, plan.unit)) as Vector);
+    const steep = (await page.locator(".stage .body-cross.is-steep").boundingBox())!;
+    expect(Math.abs(steep.x - there.x), "through the lesion where it lies standing").toBeLessThan(3);
     const report = info.outputPath("report.pdf");
     writeFileSync(report, await (await page.request.get(`${base}/api/fits/${standing}/report.pdf`)).body());
     const words = execFileSync(findPython(), ["-c", "import sys, pypdf; print(' '.join(' '.join(page.extract_text() for page in pypdf.PdfReader(sys.argv[1]).pages).split()))", report], { encoding: "utf8" });

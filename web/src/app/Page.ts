@@ -1,6 +1,7 @@
 // Puts the panels in their places: top bar, strip, stage with its bar, side panel.
 import { asksOf } from "../checks/state";
 import { createTools } from "../drawing/Tools";
+import { areSlicesOpen } from "../drawing/slices/state";
 import { createColourBar } from "../fit/distances/ColourBar";
 import { createMirrorLegend, hasMirror } from "../drawing/mirror/MirrorLegend";
 import { createFitPanel } from "../fit/FitPanel";
@@ -20,7 +21,7 @@ import { empty as emptyText } from "../scan/text";
 import { createDrawingCarry } from "../stances/DrawingCarry";
 import { createOtherPane } from "../stances/OtherPane";
 import { createStrip } from "../stances/Strip";
-import { doubtOf, isComparing } from "../stances/state";
+import { doubtOf, hasInside, isComparing } from "../stances/state";
 import type { Place } from "../store/page";
 import { only, type Store } from "../store/store";
 import { problem } from "../ui/controls";
@@ -69,7 +70,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const overlay = el("div", { class: "overlay", "aria-hidden": "true" });
   const guide = createGuideCard(actions.landmarks);
   const tools = createTools(actions.drawing);
-  const looks = { distances: actions.fit.showDistances, mirror: actions.fit.showMirror, relief: actions.scan.showRelief, loose: actions.scan.showLoose, colours: actions.scan.showColours, linked: actions.stances.link };
+  const looks = { distances: actions.fit.showDistances, mirror: actions.fit.showMirror, relief: actions.scan.showRelief, loose: actions.scan.showLoose, colours: actions.scan.showColours, linked: actions.stances.link, slices: actions.drawing.showSlices };
   const viewBar = createViewBar(actions.view, looks, shownInViewBar, tools.element);
   const colourBar = createColourBar();
   const swipe = createSwipe(actions.view.swipe, hasBoth);
@@ -98,8 +99,8 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const carry = createDrawingCarry(actions.stances);
   const ink = { scan: el("div", {}), drawing: el("div", {}) }; // lines found on the skin, see ink/open.ts
   const plan = later(
-    only("meta", "models", "problems", "scan", "drawing", "fit", "drawn", "lesion", "item", "stances", "hasPen", "fingersDraw"),
-    ({ scan }: Pick<Session, "meta" | "models" | "problems" | "scan" | "drawing" | "fit" | "drawn" | "lesion" | "item" | "stances" | "hasPen" | "fingersDraw">) => scan !== null,
+    only("meta", "models", "problems", "scan", "drawing", "fit", "drawn", "lesion", "slices", "item", "stances", "hasPen", "fingersDraw"),
+    ({ scan }: Pick<Session, "meta" | "models" | "problems" | "scan" | "drawing" | "fit" | "drawn" | "lesion" | "slices" | "item" | "stances" | "hasPen" | "fingersDraw">) => scan !== null,
     async () => (await import("../drawing/panel/PlanPanel")).createPlanPanel(actions.drawing, actions.plan, () => dismiss("drawing"), ink.drawing, carry.element),
   );
   const sliders = createShapeSliders(actions.handPose);
@@ -173,7 +174,12 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const live = el("p", { class: "visually-hidden", role: "status", "aria-live": "polite" });
   const undone = el("p", { class: "undone", role: "status", "aria-live": "polite" }); // each saying is an element of its own: the same one twice is read out twice
   host.append(undone);
-  const stages = el("main", { class: "stages" }, host, other.element, viewBar.element);
+  const slices = later(
+    only("step", "scan", "picks", "active", "isCropping", "isCanvasFull", "stance", "fit", "drawn", "lesion", "slices", "stances", "checks"),
+    areSlicesOpen,
+    async () => (await import("../stances/slices/SlicesPanel")).createSlices({ slices: (change) => actions.drawing.slices(change), lesions: (own) => actions.plan.lesions(own) }),
+  );
+  const stages = el("main", { class: "stages" }, host, other.element, slices.element, viewBar.element);
 
   return {
     elements: [top.element, strip.element, stages, side.element, veil, help.element, share.element, adding.element, measures.element, samePatient.element, question.element, leave.element, deleting.element, unsaved.element, live],
@@ -221,6 +227,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(measures);
       on(samePatient);
       on(other);
+      on(slices);
       on(question);
       on(leave);
       on(deleting);
@@ -256,6 +263,7 @@ const shownInViewBar = (state: Session): ViewBarShown => {
       ...(hasMirror(state) ? { mirror: state.showMirror } : {}),
       ...(isBoth && state.stances.other?.scan?.hasLoose ? { loose: state.showLoose } : {}),
       ...(isBoth ? { linked: state.stances.isLinked } : {}),
+      ...(hasInside(state) ? { slices: areSlicesOpen(state) } : {}),
     },
   };
 };

@@ -154,6 +154,19 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     if (outcome && outcome !== before.checks.outcome && !prefersStill()) sure?.narrow(Math.max(1, (outcome.from ?? 0) / (outcome.to ?? Infinity)));
   });
 
+  let hasSlices = false;
+  store.select(only("slices"), ({ slices }) => {
+    if (hasSlices || slices.of === null) return;
+    hasSlices = true;
+    void import("../stances/slices/bodyCross").then(({ followSlices }) => {
+      const second = (): Viewer | null => other.viewer();
+      followSlices(store, actions.drawing.slices, {
+        main: () => ({ viewer, canvas: stage.canvas, surface: scan }),
+        other: () => second() && { viewer: second()!, canvas: stages.other.canvas, surface: null },
+      });
+    });
+  });
+
   let theme: Theme | null = null;
   let viewAsked = store.get().view.asked;
   store.select(only(...SEEN), (state: Seen) => {

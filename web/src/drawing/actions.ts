@@ -18,6 +18,7 @@ import { mirroredLine, mirrorPlane } from "./mirror/mirror";
 import type { Skin } from "./lines/skin";
 import { type DrawingSlice, type DrawnState, handsOff, type InkDecided, type Layer, layerKey, lineNamed, type PlanHistory, type PlanStep, stepOf, type Tool, withStep } from "./state";
 import { circle, freehand } from "./lines/strokes";
+import { type SlicesState, withSlices } from "./slices/state";
 import { type Tape, tapeAsked, tapeBack, tapeFrom, tapeMeasured, tapeTo } from "./tape/tape";
 import * as text from "./text";
 
@@ -183,13 +184,22 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
       store.set({ isCanvasFull, announcement: isCanvasFull ? text.canvas.opened : text.canvas.closed });
     },
 
-    /** The item of the plan whose numbers are shown (panel/items.ts): a line is chosen, a lesion is seen through the skin. */
+    /** The item of the plan whose numbers are shown (panel/items.ts): a line is chosen, a lesion is seen through the skin and in slices. */
     chooseItem: (item: string | null): void => {
       const [kind, name] = item?.split(/ (.*)/s) ?? [];
       const line = kind === "line" && name !== undefined ? name : null;
       const lesion = kind === "lesion" && name !== undefined ? name : null;
-      store.set((state) => ({ item, lesion, drawn: { ...state.drawn, chosen: lesion === null ? line : state.drawn.chosen, corner: null } }));
+      store.set((state) => {
+        const isPutAway = lesion === null && state.lesion !== null && (item ?? "") === "";
+        const { slices } = lesion !== null || isPutAway ? withSlices(state, lesion !== null) : state;
+        return { item, lesion, slices: { ...slices, cross: lesion === null ? slices.cross : null, moves: false }, drawn: { ...state.drawn, chosen: lesion === null ? line : state.drawn.chosen, corner: null } };
+      });
     },
+
+    /** The lesion that is looked at is in the hand, in the slices, or laid down. */
+    moveLesion: (moves: boolean): void => store.set((state) => ({ slices: { ...withSlices(state, true).slices, cross: null, moves } })),
+    slices: (change: Partial<SlicesState>): void => store.set(({ slices }) => ({ slices: { ...slices, ...change } })),
+    showSlices: (isOn: boolean): void => store.set((state) => withSlices(state, isOn)),
 
     /** What the next line is drawn with. */
     ink: (ink: string): void => put({ ink }),

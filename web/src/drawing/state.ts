@@ -3,6 +3,7 @@ import type { DrawingFile, PatternHandle, PlanLesion, PlannedShape, PlanOnScan, 
 import { type History, startHistory } from "../store/history";
 import { INK, type OwnLine } from "./lines/lines";
 import type { Asymmetry } from "./mirror/mirroredBreast";
+import { initialSlices, type SlicesState } from "./slices/state";
 import type { Tape } from "./tape/tape";
 
 export type Tool = "none" | "pen" | "points" | "tumour" | "tape" | "erase";
@@ -125,6 +126,7 @@ export interface DrawingSlice {
   readonly isCanvasFull: boolean; // the body alone, with floating tools
   readonly lesion: string | null; // id of the one that is looked at, through the skin
   readonly item: string | null; // of the plan: whose numbers are shown where no line and no lesion is chosen, see panel/items.ts; empty for none
+  readonly slices: SlicesState;
   readonly asymmetry: Asymmetry | null; // of the mirrored breast that was made last
   readonly hasPen: boolean; // one was seen on this page: fingers turn the body
   readonly fingersDraw: boolean; // all the same
@@ -157,7 +159,7 @@ export function startDrawn(lines: readonly OwnLine[] = [], words: Words = { note
   };
 }
 
-export const initialDrawing: DrawingSlice = { drawn: startDrawn(), isCanvasFull: false, lesion: null, item: null, asymmetry: null, hasPen: false, fingersDraw: false };
+export const initialDrawing: DrawingSlice = { drawn: startDrawn(), isCanvasFull: false, lesion: null, item: null, slices: initialSlices, asymmetry: null, hasPen: false, fingersDraw: false };
 
 /** Without a scan to draw on, and in another step, there is no full canvas. */
 export const withoutCanvas = <State extends Pick<DrawingSlice, "isCanvasFull"> & { readonly step: string; readonly scan: object | null }>(state: State): State =>

@@ -1,6 +1,8 @@
 // The second stance: bring it, change over, compare, carry drawings across, measure both.
 import { ApiError, type Client } from "../api/client";
 import type { Frame } from "../api/types";
+import { areSlicesOpen, withSlices } from "../drawing/slices/state";
+import type { DrawingSlice } from "../drawing/state";
 import type { FitActions } from "../fit/actions";
 import { certainNames } from "../landmarks/certain";
 import type { FitSlice } from "../fit/state";
@@ -15,12 +17,12 @@ import type { ViewSlice } from "../viewer/state";
 import { followPlan } from "./followPlan";
 import { predictActions } from "./predict";
 import { loadFit, loadWorkspace } from "./load";
-import { initialStances, isComparing, isPredicted, isUnfinished, measuredFits, scannedOther, stanceNames, type StancesSlice, type StancesState, type Workspace, workspaceOf } from "./state";
+import { initialStances, isComparing, isImage, isPredicted, isUnfinished, measuredFits, scannedOther, stanceNames, type StancesSlice, type StancesState, type Workspace, workspaceOf } from "./state";
 import * as text from "./text";
 
 const WATCH_MS = 1000; // a fit that goes on while its scan waits is looked after so often
 
-type State = PageSlice & ViewSlice & Workspace & LandmarksSlice & FitSlice & StancesSlice;
+type State = PageSlice & ViewSlice & Workspace & LandmarksSlice & FitSlice & Pick<DrawingSlice, "slices"> & StancesSlice;
 
 /** What of the page's other actions a second stance needs. */
 interface Others {
@@ -214,6 +216,17 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
 
     /** A scan of the strip: one that is not seen is shown beside the one in work, one of two that are seen is put away. */
     async tap(id: string): Promise<void> {
+      const wasAlone = id === store.get().scan?.info.id && !isComparing(store.get());
+      await this.tapScan(id);
+      // An image is looked at in slices; where it stands alone already, a tap closes them again.
+      store.set((state) => {
+        const of = [state, ...(isComparing(state) ? [state.stances.other!] : [])].find(({ scan }) => scan?.info.id === id);
+        const isOurs = [state, state.stances.other].some((each) => each?.scan?.info.id === id && isImage(each));
+        return isOurs ? withSlices(state, of !== undefined && !(wasAlone && areSlicesOpen(state))) : {};
+      });
+    },
+
+    async tapScan(id: string): Promise<void> {
       const { scan, stances, isStarting } = store.get();
       const { other } = stances;
       if (isStarting) return;

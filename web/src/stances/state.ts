@@ -110,6 +110,13 @@ export function measuredFits({ fit, stances }: Pick<Stances, "fit" | "stances">)
   return its && stances.isSecond ? [its, fit] : [fit, its];
 }
 
+/** A scan that is an image's: its label map. */
+export const isImage = ({ scan }: Pick<Workspace, "scan">): boolean => (scan?.info.segments ?? []).length > 0;
+
+/** There is something inside the body to look at. */
+export const hasInside = (state: Pick<Stances, "scan" | "drawn" | "stances">): boolean =>
+  [state, scannedOther(state.stances)].some((each) => each !== null && (isImage(each) || each.drawn.lesions.length + (each.drawn.onScan?.plan.lesions.length ?? 0) > 0));
+
 /** Both stances are on the stage.  While landmarks are placed there is one, with its instructions. */
 export const isComparing = (state: Pick<ScanSlice & LandmarksSlice & StancesSlice, "scan" | "active" | "stances"> ): boolean =>
   state.stances.isComparing && state.stances.other !== null && state.scan !== null && state.active === null;

@@ -3,7 +3,7 @@
 export type Overlay = "scan" | "both" | "model" | "beside" | "swipe";
 export const OVERLAYS: readonly Overlay[] = ["scan", "both", "model", "beside", "swipe"];
 /** What can be switched beside scan and model. */
-export const LOOKS = ["distances", "mirror", "relief", "loose", "colours", "linked"] as const;
+export const LOOKS = ["distances", "mirror", "relief", "loose", "colours", "linked", "slices"] as const;
 export type Look = (typeof LOOKS)[number];
 export type ViewName = "front" | "left" | "right" | "back" | "top";
 

@@ -22,7 +22,7 @@ export const view = {
     beside: "Scan and model side by side, turning together",
     swipe: "Scan to the left, model to the right of a line that you move",
   } satisfies Record<Overlay, string>,
-  looks: { distances: "Distances", mirror: "Left on right", relief: "Folds darker", loose: "Table and loose pieces", colours: "The scan's own colours", linked: "Turn both together" } satisfies Record<Look, string>,
+  looks: { distances: "Distances", mirror: "Left on right", relief: "Folds darker", loose: "Table and loose pieces", colours: "The scan's own colours", linked: "Turn both together", slices: "Slices" } satisfies Record<Look, string>,
   lookHints: {
     distances: "The model coloured by its distance to the scan (D)",
     mirror: "The left breast mirrored onto the right one, coloured by the difference",
@@ -30,6 +30,7 @@ export const view = {
     loose: "All that was scanned; it cannot be drawn on, and stays in all files",
     colours: "As the camera saw them",
     linked: "Turning one pane turns the other",
+    slices: "Axial, sagittal and coronal beside the body, with one cross",
   } satisfies Record<Look, string>,
   swipe: "Line between scan and model",
   panes: { scan: "Scan", model: "Model" },

@@ -1,7 +1,8 @@
 import { expect, test } from "vitest";
 import type { PlanItem, PlanOnScan } from "../../src/api/types";
 import { type LaidLesion, lesionAt, readCenter, saidDistances } from "../../src/drawing/lesions/lesions";
-import { alongSlice, type LesionSlice, movedInSlice } from "../../src/drawing/lesions/slices";
+import { alongSlice, type LesionSlice } from "../../src/drawing/lesions/slices";
+import { depthPicture, WIDE } from "../../src/drawing/lesions/depth";
 import { lesionView as words } from "../../src/drawing/lesions/viewText";
 import { planChanges } from "../../src/drawing/changes";
 import { chosenRow, planRows } from "../../src/drawing/panel/items";
@@ -48,7 +49,7 @@ const SLICE = { plane: "sagittal", right: [0, 0, -1], up: [0, 1, 0], outlines_mm
 test("a distance is said with its band, and of all lines that to the chosen one, else to the nearest", () => {
   const laid = { distances: LINES } as unknown as LaidLesion;
   const said = (line: string | null) => saidDistances(laid, line).map((each) => `${words.to(each)}: ${words.banded(each)}`);
-  expect(said("cut_L")).toEqual(["Below the skin: 12\u00a0mm, 8 to 17", "To Cut, patient's left: 30\u00a0mm, 25 to 35"]);
+  expect(said("cut_L")).toEqual(["skin: 12\u00a0mm, 8 to 17", "To Cut, patient's left: 30\u00a0mm, 25 to 35"]);
   expect(said(null)[1]).toBe("To Near: 20\u00a0mm");
 });
 
@@ -58,10 +59,31 @@ test("its place says how far it may be off, or that this is not known", () => {
   expect(words.placed({ carried: true, error_mm: null })).toContain("not known");
 });
 
-test("what a hand moves in a slice moves in the scan's frame, and is seen there until the plan is laid anew", () => {
-  const to = movedInSlice([1, 2, 3], SLICE, [4, 5]);
-  expect(to).toEqual([1, 7, -1]);
-  expect(alongSlice([1, 2, 3], to, SLICE)).toEqual([4, 5]);
+test("places of the scan along the service's slice", () => {
+  expect(alongSlice([1, 2, 3], [1, 7, -1], SLICE)).toEqual([4, 5]);
+});
+
+const depthOf = (depth: number, more: object[] = []) => depthPicture({ depth_mm: depth, radius_mm: 4, distances: [{ ...LINES[0]!, mm: Math.abs(depth), low_mm: Math.abs(depth) - 5, high_mm: Math.abs(depth) + 5 }, ...more] as unknown as LaidLesion["distances"] });
+
+test("on the depth ruler the skin is to the left, then the lesion in its band, then the chest wall, all in one scale", () => {
+  const { skin, at, band, wall, wallBand } = depthOf(20, [{ kind: "chest_wall", to: "chest_wall", mm: 30, low_mm: 20, high_mm: 40 }]);
+  const mm = (at - skin) / 20;
+  expect([band![0], band![1], wall, wallBand![0], wallBand![1]].map((x) => (x! - skin) / mm).map(Math.round)).toEqual([15, 25, 50, 40, 60]);
+  expect(wallBand![1]).toBeLessThan(WIDE);
+});
+
+test("a lesion outside the skin is drawn before it, and its words stay in the picture", () => {
+  const { skin, at, band, words: said } = depthOf(-6);
+  expect(at).toBeLessThan(skin);
+  expect(band![0]).toBeLessThan(at);
+  expect(said).toBeGreaterThan(50);
+  expect(words.depth(-6, LINES[0]!).whole).toBe("12\u00a0mm outside the skin (90\u00a0%: 8–17\u00a0mm)");
+});
+
+test("where the depth's band is not known none is drawn", () => {
+  const { band } = depthPicture({ depth_mm: 3, radius_mm: 4, distances: [{ ...LINES[0]!, low_mm: null, high_mm: null }] as unknown as LaidLesion["distances"] });
+  expect(band).toBeNull();
+  expect(words.depth(3, { mm: 3, low_mm: null, high_mm: null }).whole).toBe("3\u00a0mm below the skin");
 });
 
 test("each lesion stands in the plan: while it is carried, then with its depth and how sure its place is", () => {

@@ -10,7 +10,6 @@ import { button, fileButton, iconButton, problem } from "../../ui/controls";
 import { el, fill, setText, show } from "../../ui/dom";
 import { createMenu, menuItem } from "../../ui/menu";
 import type { Panel } from "../../ui/Panel";
-import { mmFrom } from "../../ui/units";
 import type { DrawingActions } from "../actions";
 import { lesionView } from "../lesions/LesionView";
 import { mirrorPlane } from "../mirror/mirror";
@@ -26,7 +25,7 @@ import type { PlanWords } from "./planWords";
 import { planPanel as words } from "./text";
 import { createToolNeeds } from "./ToolNeeds";
 
-export type PlanPanelShown = Planned & Pick<PageSlice & ScanSlice & FitSlice & DrawingSlice, "problems" | "scan" | "hasPen" | "fingersDraw">;
+export type PlanPanelShown = Planned & Pick<PageSlice & ScanSlice & FitSlice & DrawingSlice, "problems" | "scan" | "slices" | "hasPen" | "fingersDraw">;
 type Missing = PlanOnScan["missing"][number];
 
 const NEW_LESION = "lesion"; // the item of which nothing is said yet
@@ -64,7 +63,7 @@ export function createPlanPanel(drawing: DrawingActions, plan: PlanWords, dismis
 
   return {
     element,
-    select: only("meta", "models", "problems", "scan", "drawing", "fit", "drawn", "lesion", "item", "stances", "hasPen", "fingersDraw"),
+    select: only("meta", "models", "problems", "scan", "drawing", "fit", "drawn", "lesion", "slices", "item", "stances", "hasPen", "fingersDraw"),
     update,
   };
 
@@ -143,15 +142,13 @@ export function createPlanPanel(drawing: DrawingActions, plan: PlanWords, dismis
     showLines(chosen, drawn.hidden);
   }
 
-  function showLesion({ own, laid }: PlanRow & { readonly kind: "lesion" }, { drawn }: PlanPanelShown): void {
+  function showLesion({ own, laid }: PlanRow & { readonly kind: "lesion" }, { drawn, slices }: PlanPanelShown): void {
     const focused = lesion.contains(document.activeElement) ? document.activeElement!.getAttribute("aria-label") : null;
-    fill(lesion, [laid, own, drawn.chosen], () => {
+    fill(lesion, [laid, own, drawn.chosen, slices.moves], () => {
       if (!laid) return [];
-      const center = laid.center.map((value) => mmFrom(value, drawn.onScan!.plan.unit)) as [number, number, number];
-      const moved = (to: readonly number[]): void => plan.lesions(state!.drawn.lesions.map((each) => (each.id === own?.id ? { ...each, center: [...to] as [number, number, number] } : each)));
-      return [lesionView({ ...laid, center }, drawn.chosen, own ? { center: own.center, moved } : null)];
+      return [lesionView(laid, drawn.chosen, own ? { isOn: slices.moves, take: () => drawing.moveLesion(!slices.moves) } : null)];
     });
-    if (focused) lesion.querySelector<HTMLElement>(`[aria-label="${CSS.escape(focused)}"]`)?.focus(); // the slice that the arrow keys move it in
+    if (focused) lesion.querySelector<HTMLElement>(`[aria-label="${CSS.escape(focused)}"]`)?.focus(); // what takes it into the hand
   }
 
   /** On and off on the body: the whole item, and each of its lines. */

@@ -62,7 +62,7 @@ const stages = el("main", { class: "stages" }, host, viewBar.element);
 const until = el("p", { class: "muted" });
 const shownAs = el("p", { class: "muted" });
 const planned = el("div", { class: "shared-plan" });
-const lesions = createLesionList((lesion) => store.set({ lesion }), null);
+const lesions = createLesionList((lesion) => store.set({ lesion }));
 const ofLesions = el("div", { hidden: true }, el("h2", {}, lesionText.heading), lesions.element);
 const files = el("ul", { class: "files" });
 const numbers = createNumbersPanel<VisitorState>();
@@ -84,7 +84,7 @@ store.select(only("fit", "drawn"), (state) => sureness.update(state));
 store.select(only("plan", "lesion"), ({ plan, lesion }) => {
   const laid = lesionsOnScan(plan);
   show(ofLesions, laid.length > 0);
-  lesions.update({ laid, unit: plan?.unit ?? "mm", own: [], lesion, line: null });
+  lesions.update({ laid, lesion });
 });
 show(leave, false);
 if (visit.secret === "" && visit.share === "") nothingOpen();

@@ -1,0 +1,301 @@
+// Slices through the scan's skin in three planes, beside the body: one cross in all of them, moved by hand, by keys and by the
+// sliders.  What is drawn is what is known: the skin's section, the body flat, lesions and planned lines.  Loaded when opened.
+import type { Frame, PlanLesion, Vector } from "../../api/types";
+import { lineNear, ballCut, bodyOf, cut, flat, type Flat, placeAt, type View, viewOf } from "../../drawing/slices/section";
+import { initialSlices, type Plane, PLANES, type SlicesState } from "../../drawing/slices/state";
+import { alongSlice } from "../../drawing/lesions/slices";
+import { button, iconButton, segmented } from "../../ui/controls";
+import { el, setText, show, svg } from "../../ui/dom";
+import { dot, leftOf } from "../../viewer/frame";
+import { onceAFrame } from "../../viewer/onceAFrame";
+import { view as viewText } from "../../viewer/text";
+import { besideMiddle, bodyBeside, crossOf, frameOf, isSliced, lesionsIn, linesIn, type SeenLesion, slicedOf, type SlicesShown } from "./shown";
+import { boxOf, fromWays, readSkin, type SeenSkin } from "./skinOf";
+import { slices as words } from "./text";
+import "./slices.css";
+
+export interface SlicesActions {
+  slices(change: Partial<SlicesState>): void;
+  lesions(own: readonly PlanLesion[]): void;
+}
+
+const STEP_MM = { key: 1, withShift: 5 };
+const KEYS: Readonly<Record<string, readonly [right: number, up: number, out: number]>> = { ArrowLeft: [-1, 0, 0], ArrowRight: [1, 0, 0], ArrowUp: [0, 1, 0], ArrowDown: [0, -1, 0] };
+const PAGES: Readonly<Record<string, number>> = { PageUp: 1, PageDown: -1 };
+const TWICE = { ms: 350, px: 24 }; // two taps on one place
+const MOST_MM = 360; // of a scan that is seen at once: of a whole body a lesion would be a dot
+const AIR = 1.1; // around it
+const LINE_HALF = 1; // mm beside the plane that a line is still seen
+const SCALES_CM = [1, 2, 5, 10];
+const SCALE_PX = 90;
+const SAY_MS = 500; // after the last key
+const PHONE = "(width < 560px), (width < 900px) and (height < 560px)"; // as ui/layout.css has it
+
+const AXIS: Readonly<Record<Plane, 0 | 1 | 2>> = { sagittal: 0, axial: 1, coronal: 2 }; // of left, up, front: along which it is moved
+const waysOf = (at: Vector, frame: Frame): Vector => [dot(at, leftOf(frame)), dot(at, frame.up), dot(at, frame.front)];
+const named = ([left, up, front]: Vector) => ({ left, up, front });
+const pathOf = (lines: readonly (readonly Flat[])[], end: string): string => lines.map((points) => points.map(([x, y], i) => `${i === 0 ? "M" : "L"}${x.toFixed(1)} ${(-y).toFixed(1)}`).join("") + end).join("");
+
+export function createSlices(actions: SlicesActions) {
+  let state: SlicesShown;
+  let skin: SeenSkin | null = null;
+  let read: { readonly bytes: ArrayBuffer; readonly frame: Frame } | null = null;
+  let middle: Vector = [0, 0, 0]; // of what is seen: left, up, front; mm
+  let held: Vector | null = null; // where the hand has the cross just now
+  const phone = matchMedia(PHONE);
+  const said = el("p", { class: "visually-hidden", role: "status" });
+  let saying: ReturnType<typeof setTimeout> | undefined;
+
+  const pick = segmented<Plane | "body">(words.group, [...PLANES, "body" as const].map((value) => ({ value, label: words.names[value] })), (enlarged) => actions.slices({ enlarged }));
+  const all = button(words.all, () => actions.slices({ enlarged: null }), "outlined");
+  const close = iconButton("close", words.close, () => leave());
+  const body = iconButton("expand", words.enlarge(words.names.body), () => actions.slices({ enlarged: "body" }));
+  const unseen = el("p", { class: "slices-unseen muted", hidden: true }, words.unseen);
+  const moving = el("p", { class: "slices-moving small", role: "status", hidden: true });
+  const head = el("div", { class: "slices-head" }, pick.element, all, el("span", { class: "spring" }));
+  const panes = PLANES.map((plane) => createPane(plane));
+  const element = el("div", { class: "slices", hidden: true }, head, ...panes.map((pane) => pane.element), el("div", { class: "slices-body" }, body), el("div", { class: "slices-close" }, close), moving, unseen, said);
+
+  const leave = (): void => (state.slices.enlarged && !phone.matches ? actions.slices({ enlarged: null }) : actions.slices(initialSlices));
+  const draw = onceAFrame(() => isSliced(state) && drawAll());
+  phone.addEventListener("change", () => update(state));
+  const resized = new ResizeObserver(draw);
+  for (const pane of panes) resized.observe(pane.picture);
+
+  const lesionInHand = (): SeenLesion | null => (state.slices.moves ? (lesionsIn(slicedOf(state).of).find(({ id, isOwn }) => id === state.lesion && isOwn) ?? null) : null);
+  const cross = (): Vector => held ?? crossOf(state, slicedOf(state).of) ?? [0, 0, 0];
+
+  /** The cross goes there; with a lesion in the hand, so does that, once the hand lets go. */
+  function go(at: Vector, isOver = true): void {
+    const { scan } = slicedOf(state).of;
+    if (!scan) return;
+    const rounded = at.map((value) => Math.round(10 * value) / 10) as unknown as Vector;
+    held = isOver ? null : rounded;
+    const lesion = isOver ? lesionInHand() : null;
+    actions.slices({ cross: { scan: scan.info.id, at: rounded } });
+    if (lesion) actions.lesions(state.drawn.lesions.map((each) => (each.id === lesion.id ? { ...each, center: [...rounded] } : each)));
+  }
+
+  function say(): void {
+    clearTimeout(saying);
+    saying = setTimeout(() => setText(said, placeWords()), SAY_MS);
+  }
+
+  function placeWords(): string {
+    const { of } = slicedOf(state);
+    const at = cross();
+    const nearest = lesionsIn(of).map((each) => ({ each, mm: Math.hypot(...each.center.map((value, k) => value - at[k]!)) })).sort((a, b) => a.mm - b.mm)[0];
+    const lesion = !nearest ? "" : nearest.mm <= nearest.each.radius ? words.inLesion(nearest.each.name) : words.nearLesion(nearest.each.name, nearest.mm);
+    return words.place(named(waysOf(at, frameOf(of.scan!))), lesion);
+  }
+
+  function createPane(plane: Plane) {
+    const paths = {
+      body: svg("path", { class: "slice-body" }),
+      skin: svg("path", { class: "slice-skin" }),
+      wall: svg("path", { class: "slice-wall" }),
+      halo: svg("path", { class: "slice-line is-outline" }),
+      line: svg("path", { class: "slice-line" }),
+      cross: svg("path", { class: "slice-cross" }),
+    };
+    const balls = svg("g", {});
+    const picture = svg("svg", { tabindex: 0, role: "img", "aria-label": words.picture(words.names[plane]), class: "slice-picture" }, paths.body, paths.skin, paths.wall, balls, paths.halo, paths.line, paths.cross);
+    const side = el("span", {});
+    const at = el("span", { class: "slice-at" });
+    const slider = el("input", { type: "range", class: "slice-slider", step: 1, "aria-label": words.through(words.names[plane]), oninput: () => { goAlong(slider.valueAsNumber); say(); } });
+    const scale = el("div", { class: "scale-bar" }, el("span", {}));
+    const edges = Object.entries(words.edges[plane]).map(([edge, name]) => el("span", { class: `slice-edge is-${edge}${name === "L" ? " mark side-left" : name === "R" ? " mark side-right" : ""}`, "aria-hidden": "true" }, name));
+    const element = el("section", { class: `slice is-${plane}`, "aria-label": words.names[plane] }, picture, ...edges, el("p", { class: "slice-title" }, el("strong", {}, words.names[plane]), side, at), iconButton("expand", words.enlarge(words.names[plane]), () => enlarge()), slider, scale);
+    let tapped = { at: 0, x: 0, y: 0 };
+
+    const enlarge = (): void => actions.slices({ enlarged: state.slices.enlarged === plane ? null : plane });
+    const frame = (): Frame => frameOf(slicedOf(state).of.scan!);
+    const view = (): View => viewOf(plane, frame());
+    /** mm a pixel is long, and the picture's middle in mm. */
+    let seen = { mm: 1, middle: [0, 0] as Flat };
+
+    function goAlong(value: number): void {
+      const ways = [...waysOf(cross(), frame())];
+      ways[AXIS[plane]] = value;
+      go(fromWays(ways, frame()));
+    }
+
+    picture.addEventListener("keydown", (event) => {
+      const { key, shiftKey, ctrlKey, metaKey, altKey } = event;
+      if (ctrlKey || metaKey || altKey) return;
+      const step = shiftKey ? STEP_MM.withShift : STEP_MM.key;
+      const ways = waysOf(cross(), frame());
+      if (KEYS[key]) {
+        const { right, up } = view();
+        go(cross().map((value, k) => value + step * (KEYS[key]![0] * right[k]! + KEYS[key]![1] * up[k]!)) as unknown as Vector);
+      } else if (PAGES[key]) goAlong(ways[AXIS[plane]] + step * PAGES[key]);
+      else if (key === "Enter") enlarge();
+      else if (key === "Escape") leave();
+      else return;
+      say();
+      event.preventDefault();
+      event.stopPropagation();
+    });
+    picture.addEventListener("wheel", (event) => {
+      if (event.ctrlKey || event.deltaY === 0) return;
+      event.preventDefault();
+      goAlong(waysOf(cross(), frame())[AXIS[plane]] + (event.deltaY < 0 ? 1 : -1));
+    });
+    const pointed = (event: PointerEvent): Vector => {
+      const box = picture.getBoundingClientRect();
+      const [x, y] = [event.clientX - box.left - box.width / 2, event.clientY - box.top - box.height / 2];
+      return placeAt([seen.middle[0] + x * seen.mm, seen.middle[1] - y * seen.mm], view(), cross());
+    };
+    picture.addEventListener("pointerdown", (event) => {
+      if (event.button !== 0 || !skin) return;
+      const isTwice = event.timeStamp - tapped.at < TWICE.ms && Math.hypot(event.clientX - tapped.x, event.clientY - tapped.y) < TWICE.px;
+      tapped = isTwice ? { at: 0, x: 0, y: 0 } : { at: event.timeStamp, x: event.clientX, y: event.clientY };
+      if (isTwice) {
+        enlarge();
+        return;
+      }
+      picture.focus({ preventScroll: true });
+      event.preventDefault(); // no text is chosen while it is dragged
+      picture.setPointerCapture(event.pointerId);
+      const isMoving = lesionInHand() !== null; // a tap beside it is no wish to move it there
+      const from = pointed(event);
+      const start = cross();
+      const to = (now: PointerEvent): Vector => (isMoving ? (start.map((value, k) => value + pointed(now)[k]! - from[k]!) as unknown as Vector) : pointed(now));
+      go(to(event), false);
+      const move = (now: PointerEvent): void => go(to(now), false);
+      const end = (now: PointerEvent): void => {
+        picture.removeEventListener("pointermove", move);
+        go(now.type === "pointercancel" ? start : to(now));
+        say();
+      };
+      picture.addEventListener("pointermove", move);
+      for (const type of ["pointerup", "pointercancel"] as const) picture.addEventListener(type, end, { once: true });
+    });
+
+    let cutAs = ""; // the section is the same while only lines or the cross in it change
+    let cutOf: SeenSkin | null = null;
+
+    return {
+      plane,
+      element,
+      picture,
+      draw(mm: number): void {
+        const { of } = slicedOf(state);
+        if (!of.scan || !skin) return;
+        const through = cross();
+        const now = view();
+        const offset = dot(through, now.out);
+        const { width, height } = picture.getBoundingClientRect();
+        if (width === 0) return;
+        seen = { mm, middle: flat(fromWays(middle, frame()), now) };
+        const [cx, cy] = seen.middle;
+        picture.setAttribute("viewBox", [cx - (mm * width) / 2, -cy - (mm * height) / 2, mm * width, mm * height].map((value) => value.toFixed(2)).join(" "));
+        const key = JSON.stringify([offset.toFixed(2), frame()]);
+        if (key !== cutAs || cutOf !== skin) {
+          [cutAs, cutOf] = [key, skin];
+          const outlines = cut(skin, now, offset);
+          paths.skin.setAttribute("d", outlines.map(({ points, isClosed }) => pathOf([points], isClosed ? "Z" : "")).join(""));
+          paths.body.setAttribute("d", pathOf(bodyOf(outlines, boxOf(skin, frame(), now)) ?? [], "Z"));
+        }
+        const lines = linesIn(of).flatMap((points) => lineNear(points, now, offset, LINE_HALF));
+        for (const each of [paths.halo, paths.line]) each.setAttribute("d", pathOf(lines, ""));
+        const inHand = lesionInHand();
+        const lesions = lesionsIn(of).map((each) => (each.id === inHand?.id ? { ...each, center: through } : each));
+        balls.replaceChildren(...lesions.flatMap((each) => ballsOf(each, now, offset, each.id === state.lesion)));
+        paths.wall.setAttribute("d", lesions.filter(({ id }) => id === state.lesion).map((each) => wallOf(each, plane, now, offset)).join(""));
+        const [x, y] = flat(through, now);
+        const far = mm * (width + height);
+        paths.cross.setAttribute("d", `M${x - far} ${-y}H${x + far}M${x} ${-y - far}V${-y + far}`);
+        const ways = waysOf(through, frame());
+        const away = plane === "sagittal" ? besideMiddle(through, of, frame()) : null;
+        setText(side, away === null ? "" : words.side(away));
+        setText(at, words.at(plane, named(ways)));
+        const axis = AXIS[plane];
+        slider.min = String(Math.floor(skin.low[axis]));
+        slider.max = String(Math.ceil(skin.high[axis]));
+        slider.value = String(Math.round(ways[axis]));
+        slider.setAttribute("aria-valuetext", words.at(plane, named(ways)));
+        const cm = SCALES_CM.findLast((length) => (10 * length) / mm <= SCALE_PX) ?? SCALES_CM[0]!;
+        scale.style.width = `${((10 * cm) / mm).toFixed(1)}px`;
+        setText(scale.firstElementChild!, viewText.scale(cm));
+      },
+    };
+  }
+
+  function drawAll(): void {
+    const { of } = slicedOf(state);
+    if (!of.scan || !skin) return;
+    const spans = skin.low.map((low, k) => Math.min(skin!.high[k]! - low, MOST_MM));
+    const ways = waysOf(cross(), frameOf(of.scan));
+    if (held === null) middle = middle.map((was, k) => middleOf(was, ways[k]!, spans[k]!, skin!.low[k]!, skin!.high[k]!)) as unknown as Vector;
+    const [left, up, front] = spans as [number, number, number];
+    const boxes = panes.map(({ plane, picture }) => ({ box: picture.getBoundingClientRect(), across: plane === "sagittal" ? front : left, high: plane === "axial" ? front : up })).filter(({ box }) => box.width > 0);
+    const mm = AIR * Math.max(...boxes.map(({ box, across, high }) => Math.max(across / box.width, high / box.height))); // one for all
+    for (const pane of panes) pane.draw(mm);
+  }
+
+  function load(): void {
+    const { scan } = slicedOf(state).of;
+    const bytes = scan?.mesh ?? null;
+    const frame = scan && frameOf(scan);
+    show(unseen, bytes === null);
+    if (!bytes || !frame || (read?.bytes === bytes && read.frame === frame)) return;
+    const mine = (read = { bytes, frame });
+    skin = null;
+    void readSkin(bytes, frame).then(
+      (now) => {
+        if (read !== mine) return;
+        skin = now;
+        middle = now.low.map((low, k) => (low + now.high[k]!) / 2) as unknown as Vector;
+        if (crossOf(state, slicedOf(state).of) === null) go(fromWays(middle, frame));
+        draw();
+      },
+      () => read === mine && show(unseen, true),
+    );
+  }
+
+  function update(now: SlicesShown): void {
+    state = now;
+    const isOn = isSliced(now);
+    show(element, isOn);
+    const stages = element.closest<HTMLElement>(".stages");
+    stages?.classList.toggle("is-sliced", isOn);
+    const one = isOn ? (now.slices.enlarged ?? (phone.matches ? "axial" : null)) : null;
+    if (stages) stages.dataset.pane = one ?? "all";
+    if (stages) stages.dataset.body = isOn ? bodyBeside(now) : "";
+    if (!isOn) return;
+    pick.set(one);
+    show(all, !phone.matches);
+    const inHand = lesionInHand();
+    show(moving, inHand !== null);
+    setText(moving, inHand ? words.moving(inHand.name) : "");
+    load();
+    draw();
+  }
+
+  return { element, update };
+}
+
+/** The picture stays where it is while the cross is well inside. */
+function middleOf(was: number, cross: number, span: number, low: number, high: number): number {
+  if (high - low <= span) return (low + high) / 2;
+  return Math.abs(cross - was) < 0.4 * span ? was : Math.min(Math.max(cross, low + span / 2), high - span / 2);
+}
+
+function ballsOf({ center, radius, reach }: SeenLesion, view: View, offset: number, isChosen: boolean): SVGElement[] {
+  const [x, y] = flat(center, view);
+  const circle = (r: number | null, look: string): SVGElement[] => (r === null ? [] : [svg("circle", { cx: x.toFixed(2), cy: (-y).toFixed(2), r: r.toFixed(2), class: look })]);
+  return [...circle(reach === null ? null : ballCut(center, reach, view, offset), "slice-reach"), ...circle(ballCut(center, radius, view, offset), `slice-ball${isChosen ? " is-chosen" : ""}`)];
+}
+
+const SAME_MM = 0.5;
+
+/** The chest wall as the model has it, which the service says for the planes through the lesion's centre. */
+function wallOf({ center, laid }: SeenLesion, plane: Plane, view: View, offset: number): string {
+  const slice = laid?.slices.find((each) => each.plane === plane);
+  if (!slice || Math.abs(dot(center, view.out) - offset) > SAME_MM) return "";
+  const [x, y] = flat(center, view);
+  const [rx, ux] = alongSlice([0, 0, 0], view.right, slice);
+  const [ry, uy] = alongSlice([0, 0, 0], view.up, slice);
+  return pathOf(slice.wall_mm.map((points) => points.map(([a, b]): Flat => [x + a * rx + b * ux, y + a * ry + b * uy])), "");
+}
