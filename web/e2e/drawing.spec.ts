@@ -338,7 +338,7 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   expect(laid.lesions).toMatchObject([{ name: "MRI 1", radius_mm: 5, error_mm: 0, carried: false }]);
 
   const { slices: [axial] } = laid.lesions[0]!;
-  await expect(lesions.getByRole("img", { name: /\d+\smm below the skin \(90\s%: \d+–\d+\smm\)/ })).toBeVisible();
+  await expect(lesions.getByRole("img", { name: /\d+\smm (below|outside) the skin \(90\s%: \d+–\d+\smm\)/ })).toBeVisible();
   const slice = page.getByRole("img", { name: /^Axial slice/ });
   await slice.press("ArrowRight"); // the cross alone
   await lesions.getByRole("button", { name: "Move MRI 1" }).click();
