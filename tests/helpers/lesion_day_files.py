@@ -2,8 +2,9 @@
 
     python lesion_day_files.py FOLDER
 
-Writes mri.nii.gz, balls.nii.gz (`label_maps.body_labels`), no_side.nii.gz (its header does not say which side is left), seg.zip (a DICOM SEG), broken.nii.gz,
-standing.ply, each stance's landmarks (prone.json, standing.json), and lesion.json: where it is standing, mm.
+Writes mri.nii.gz, balls.nii.gz (`label_maps.body_labels`), no_side.nii.gz (its header does not say which side is left),
+seg.zip (a DICOM SEG), broken.nii.gz, standing.ply, each stance's landmarks (prone.json, standing.json), and
+lesion.json: where it is standing, mm.
 """
 
 import gzip
