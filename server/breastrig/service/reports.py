@@ -5,9 +5,12 @@ What is shown depends on the plan, on what is cut away by hand now and on the pa
 it is remembered by.
 """
 
+import io
+import zipfile
 from collections.abc import Callable, Hashable, Sequence
 
 from breastrig.core import wall_clock
+from breastrig.core.errors import NotFound
 from breastrig.core.identity import SAYS_NOTHING, Identity, file_name
 from breastrig.execution.pool import TaskQueue
 from breastrig.service.failed_tasks import explained
@@ -19,15 +22,16 @@ from breastrig.storage.documents.patients import PatientRow, get_patient, get_pl
 from breastrig.storage.documents.scans import Cuts, cuts_digest, get_scan
 from breastrig.storage.files import fit_place
 from breastrig.storage.storage import Storage
-from breastrig.use.reports.report import ReportJob, measures_json_of, report_pdf_of
+from breastrig.use.reports.report import ReportJob, measures_json_of, report_pages_of, report_pdf_of
 from breastrig.use.volume import volume_vtu_of
 
 MAKERS: dict[str, Callable[[ReportJob], bytes]] = {
     "report.pdf": report_pdf_of,
+    "pages.zip": report_pages_of,
     "measures.json": measures_json_of,
     "volume.vtu": volume_vtu_of,
 }
-PLANNED = ("report.pdf",)  # what shows the plan; measures are those of the body
+PLANNED = ("report.pdf", "pages.zip")  # what shows the plan; measures are those of the body
 REMEMBERED = 32  # of half a megabyte, volumes of more than one
 TWO_PATIENTS = f"The two scans are filed as those of two patients; {SAYS_NOTHING}"
 DAY = len("2026-11-25")  # of a time as ISO 8601
@@ -50,6 +54,14 @@ class Reports:
         Raises a BreastRigError with a sentence, NotFound when a fit was deleted meanwhile.
         """
         return self._remembered_or_made("report.pdf", fit_id, other_id)
+
+    def page(self, number: int, fit_id: str, other_id: str | None) -> tuple[bytes, int]:
+        """One of the pages of `pdf` as PNG, counted from 1, and how many there are; NotFound past the last one."""
+        with zipfile.ZipFile(io.BytesIO(self._remembered_or_made("pages.zip", fit_id, other_id))) as pages:
+            count = len(pages.namelist())
+            if number > count:
+                raise NotFound(f"This report has {count} pages.")
+            return pages.read(f"{number}.png"), count
 
     def measures(self, fit_id: str, other_id: str | None) -> bytes:
         """The report's numbers as JSON, the document breastrig/report@1. Raises as `pdf`."""

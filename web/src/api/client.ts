@@ -186,6 +186,11 @@ export const client = {
   moved: (links: FitLinks, landmarks: Record<string, Vector>) => askJson<MovedModel>(links.moved, "POST", { landmarks }),
   /** Which landmarks are worth checking by a person, and how much surer that makes the lines. */
   checks: (link: string) => askJson<Checks>(link),
+  /** One page of the printed report as a picture, and how many there are. */
+  reportPage: async (report: string, page: number): Promise<{ readonly picture: Blob; readonly count: number }> => {
+    const answer = await ask(`${report.replace("report.pdf", "report.png")}${report.includes("?") ? "&" : "?"}page=${page}`);
+    return { picture: await answer.blob(), count: Number(answer.headers.get("Page-Count") ?? page) };
+  },
   startFit: (request: FitRequest) => askJson<Pick<Fit, "id" | "links"> & Partial<Pick<Fit, "cuts">>>("/api/fits", "POST", request),
   fit: (fit: string) => askJson<Fit>(`/api/fits/${id(fit)}`),
   /** Predicts a stance that was not scanned; the same prediction is made once. */

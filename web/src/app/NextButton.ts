@@ -32,7 +32,7 @@ function wording(next: NextStep, state: NextShown): string {
   if (next.kind === "draw") return next.isArmed ? text.next.drawing : text.next.draw;
   if (next.kind === "add") return text.next.add(next.stance);
   if (next.kind === "change over") return text.next.changeOver(next.to);
-  return next.kind === "report" ? resultText.report : "";
+  return next.kind === "report" ? text.handover.print : "";
 }
 
 export function createNextButton(actions: Actions): Panel<NextShown> {
@@ -53,11 +53,12 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
     }
     if (pressed.kind === "draw") actions.drawing.take(pressed.isArmed ? "none" : "pen");
     if (pressed.kind === "add") actions.stances.dialog(true);
+    if (pressed.kind === "report") void import("./handover/Paper").then(({ printPages }) => printPages());
     if (pressed.kind === "change over") void actions.stances.swap();
   };
   const words = el("span", {});
   const go = el("button", { type: "button", class: "button primary", id: "next", onclick: press }, words);
-  const report = el("a", { class: "button primary", id: "report", download: "report.pdf" }, icon("download"), el("span", {}, resultText.report));
+  const report = el("a", { class: "button quiet wide", id: "report", download: "report.pdf" }, icon("download"), el("span", {}, resultText.report));
   const mayCheck = (): boolean => next.kind === "fit" && next.isProposed === true;
   const other = button("", () => (mayCheck() ? actions.landmarks.wantNext() : void actions.fit.start()), "quiet wide");
   const otherWords = other.querySelector("span")!;
@@ -71,9 +72,8 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
       // The report of a fit that holds stays at hand while something else comes first.
       const isFirst = next.kind === "report";
       const isSecond = ["ink", "draw", "add", "change over", "check", "correct"].includes(next.kind) && state.step !== "body" && state.fit?.state === "done";
-      show(go, next.kind !== "none" && !isFirst);
+      show(go, next.kind !== "none");
       show(report, isFirst || isSecond);
-      report.className = isFirst ? "button primary" : "button quiet wide";
       const fits = isFirst || isSecond ? measuredFits(state) : null;
       if (fits) report.href = fits[0].links.report + (fits[1] ? `?with=${encodeURIComponent(fits[1].id)}` : "");
       setText(words, wording(next, state));

@@ -37,9 +37,10 @@ import type { Actions } from "./actions";
 import { addressOfPatient } from "./address";
 import { createBodyPanel } from "./BodyPanel";
 import { createDeletionNotice } from "./deletion/DeletionNotice";
-import { createHandOver } from "./HandOver";
 import { createLeaveDialog } from "./LeaveDialog"; // not loaded later: it comes when the service does not answer
 import { createNextButton } from "./NextButton";
+import type { HandOverShown } from "./handover/HandOver";
+import type { PaperShown } from "./handover/Paper";
 import type { Session } from "./session";
 import { createSidePanel } from "./SidePanel";
 import { createTopBar } from "./TopBar";
@@ -104,7 +105,16 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
     async () => (await import("../drawing/panel/PlanPanel")).createPlanPanel(actions.drawing, actions.plan, () => dismiss("drawing"), ink.drawing, carry.element),
   );
   const sliders = createShapeSliders(actions.handPose);
-  const handOver = createHandOver(actions);
+  const handOver = later(
+    only("meta", "step", "loading", "scan", "confirmed", "picks", "certain", "proposals", "skipped", "active", "fit", "isStarting", "stance", "preset", "refine", "drawing", "drawn", "ink", "stances", "checks", "overlay"),
+    ({ step, scan }: HandOverShown) => step === "handover" && scan !== null,
+    async () => (await import("./handover/HandOver")).createHandOver(actions),
+  );
+  const paper = later(
+    only("step", "scan", "fit", "drawn", "stances"),
+    ({ step, scan }: PaperShown) => step === "handover" && scan !== null,
+    async () => (await import("./handover/Paper")).createPaper(),
+  );
   const next = createNextButton(actions);
   const setPoints = (): void => {
     actions.page.goTo("points");
@@ -179,7 +189,8 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
     areSlicesOpen,
     async () => (await import("../stances/slices/SlicesPanel")).createSlices({ slices: (change) => actions.drawing.slices(change), lesions: (own) => actions.plan.lesions(own) }),
   );
-  const stages = el("main", { class: "stages" }, host, other.element, slices.element, viewBar.element);
+  paper.element.className = "paper-host";
+  const stages = el("main", { class: "stages" }, host, other.element, slices.element, viewBar.element, paper.element);
 
   return {
     elements: [top.element, strip.element, stages, side.element, veil, help.element, share.element, adding.element, measures.element, samePatient.element, question.element, leave.element, deleting.element, unsaved.element, live],
@@ -211,6 +222,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(carry);
       on(sliders);
       on(handOver);
+      on(paper);
       on(next);
       on(guide);
       on(viewBar);

@@ -34,7 +34,7 @@ export type NextStep =
   | { kind: "report" };
 
 /** Her own lines: on neither scan may they be passed by unseen. */
-function foundInk(state: NextShown): NextStep | null {
+export function foundInk(state: NextShown): NextStep | null {
   const other = scannedOther(state.stances);
   const open = ({ scan, drawn }: Pick<NextShown, "scan" | "drawn">): number =>
     scan ? openLines(state.ink[scan.info.id], drawn.decided, cropsOf(scan)).filter((line) => !isMark(line)).length : 0;

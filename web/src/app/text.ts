@@ -42,6 +42,20 @@ export const handover = {
   measuresHint: "Lengths, symmetry and volumes",
   files: "Files for programs",
   none: "Fit the model to the scan first.",
+  before: "Before you print",
+  handOn: "Hand it on",
+  pages: "The printed pages",
+  page: (number: number, count: number) => `Page ${number} of ${count}`,
+  making: "The pages are being made: some seconds.",
+  ready: "ready",
+  open: (count: number) => `${plural(count, "point", "points")} not checked`,
+  predicted: "predicted, not scanned",
+  notFitted: "the model is not fitted",
+  unusable: "cannot be used",
+  unseen: (lesion: string) => `no skin is seen over ${lesion}`,
+  ink: (count: number) => `${plural(count, "line", "lines")} found on the skin, not decided`,
+  ways: { check: "Check", points: "Set points", plan: "Plan", scan: "Add the scan" },
+  print: "Print",
 };
 
 export const next = {

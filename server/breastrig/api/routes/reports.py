@@ -4,7 +4,7 @@ from apiflask import APIBlueprint
 from flask import Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from breastrig.api.answers import JSON, PDF, PERSONAL, VTU, bytes_answer, file_of, in_memory
+from breastrig.api.answers import JSON, PDF, PERSONAL, PNG, VTU, bytes_answer, file_of, in_memory
 from breastrig.api.app_context import app_context
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.wire import files as wire_files
@@ -24,6 +24,12 @@ class ReportQuery(BaseModel):
     )
 
 
+class PageQuery(ReportQuery):
+    """Which page of which report."""
+
+    page: int = Field(1, ge=1, le=99, description="counted from 1")
+
+
 @reports.get("/<fit_id>/report.pdf")
 @reports.input(ReportQuery, location="query")
 @reports.doc(
@@ -40,6 +46,24 @@ def show_report(fit_id: str, query_data: ReportQuery) -> Response:
     content = in_memory(made.pdf(fit_id, query_data.with_))
     scans = [get_fit(app_context().service.storage, one).scan for one in ids]
     return app_context().patients_file(scans, content, PDF, made.file_name("report.pdf", *ids))
+
+
+@reports.get("/<fit_id>/report.png")
+@reports.input(PageQuery, location="query")
+@reports.doc(
+    operation_id="getReportPage",
+    responses={200: file_of(PNG, "One page; the header Page-Count says how many there are"), 409: "Not done"},
+)
+def show_report_page(fit_id: str, query_data: PageQuery) -> Response:
+    """One page of the report, PNG
+
+    The same pages as report.pdf, A4 at 144 pixels an inch.
+    """
+    _check_done(fit_id, query_data.with_)
+    content, count = app_context().service.reports.page(query_data.page, fit_id, query_data.with_)
+    response = bytes_answer(content, PNG, PERSONAL)
+    response.headers["Page-Count"] = str(count)
+    return response
 
 
 @reports.get("/<fit_id>/measures.json")

@@ -42,6 +42,7 @@ from breastrig.report.table import (
     with_margin,
 )
 
+PAGE_PPI = 144.0  # of pages as pictures: 1190 x 1684 pixels, on which 6.5 point type is read on a screen and on paper
 TITLE = "Plan and measures from a 3D scan"
 KINDS = {  # of rows, in this order
     "along the skin": "Along the skin (mm)",
@@ -95,10 +96,29 @@ Table = dict[str, Any]
 
 def report_pdf(stances: Sequence[Reported], identity: Identity = UNNAMED) -> bytes:
     """The pages of one or two stances; BadInput where a word has characters that no font has."""
+    template, content = _set(stances, identity)
+    return typst.compile(template, sys_inputs={"data": content}, ignore_system_fonts=True, font_paths=installed_fonts())
+
+
+def report_pages(stances: Sequence[Reported], identity: Identity = UNNAMED) -> list[bytes]:
+    """The same pages as PNG, sharp enough to be printed; BadInput likewise."""
+    template, content = _set(stances, identity)
+    pages = typst.compile(
+        template,
+        sys_inputs={"data": content},
+        ignore_system_fonts=True,
+        font_paths=installed_fonts(),
+        format="png",
+        ppi=PAGE_PPI,
+    )
+    return [bytes(page) for page in ([pages] if isinstance(pages, bytes) else pages)]
+
+
+def _set(stances: Sequence[Reported], identity: Identity) -> tuple[bytes, str]:
+    """The template and its data; BadInput where a written word has characters that no font has."""
     check_printable([("The patient's code", identity.code), *_written(stances)])
     template = resources.files("breastrig.report.pages").joinpath("report.typ").read_bytes()
-    content = json.dumps(report_content(stances, identity), allow_nan=False)
-    return typst.compile(template, sys_inputs={"data": content}, ignore_system_fonts=True, font_paths=installed_fonts())
+    return template, json.dumps(report_content(stances, identity), allow_nan=False)
 
 
 def _written(stances: Sequence[Reported]) -> list[tuple[str, str]]:

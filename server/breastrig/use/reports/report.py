@@ -1,6 +1,8 @@
 """The report of one fit, or of two stances of one patient, from the folders that `breastrig fit` wrote."""
 
+import io
 import os
+import zipfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -191,6 +193,16 @@ def _pdf(stances: list[Reported], identity: Identity) -> bytes:
     return report_pdf(stances, identity)
 
 
+def _pages(stances: list[Reported], identity: Identity) -> bytes:
+    from breastrig.report.pages.pdf import report_pages  # likewise
+
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as pages:  # PNG is packed already
+        for number, page in enumerate(report_pages(stances, identity), 1):
+            pages.writestr(f"{number}.png", page)
+    return packed.getvalue()
+
+
 def report_files(job: ReportJob, pdf_name: str = "report.pdf") -> dict[str, bytes]:
     """report.json, measures.csv and the PDF."""
     return _files(reported(job), job.identity, pdf_name)
@@ -228,6 +240,11 @@ def write_three_files(job: ReportJob, folder: Path, pdf_name: str, rig: Rig | No
 def report_pdf_of(job: ReportJob) -> bytes:
     """The PDF alone: what the service's worker makes."""
     return _within_memory(lambda: _pdf(reported(job), job.identity))
+
+
+def report_pages_of(job: ReportJob) -> bytes:
+    """The pages as pictures: a zip of 1.png, 2.png, …"""
+    return _within_memory(lambda: _pages(reported(job), job.identity))
 
 
 def measures_json_of(job: ReportJob) -> bytes:

@@ -1,0 +1,59 @@
+// Beside the printed pages: what is not checked yet, a link, measures, files for programs.
+import { result as resultText } from "../../fit/text";
+import { only } from "../../store/store";
+import { button } from "../../ui/controls";
+import { el, fill, icon, show } from "../../ui/dom";
+import type { Panel } from "../../ui/Panel";
+import type { Actions } from "../actions";
+import * as text from "../text";
+import { type Unchecked, uncheckedOf } from "./unchecked";
+
+const words = text.handover;
+
+export type HandOverShown = Parameters<typeof uncheckedOf>[0];
+
+export function createHandOver(actions: Actions): Panel<HandOverShown> {
+  const share = button(words.share, () => void actions.share.open(), "outlined wide", "link");
+  share.id = "share";
+  share.title = words.shareHint;
+  const measures = button(words.measures, () => void actions.stances.measures(true), "outlined wide", "tape");
+  measures.id = "measures";
+  measures.title = words.measuresHint;
+  const files = el("ul", { class: "files" });
+  const table = button(text.files.distances, actions.files.saveDistances, "link", "download");
+  table.title = text.files.distancesHint;
+  const lines = button(text.files.lines, actions.files.saveLines, "link", "download");
+  lines.title = text.files.linesHint;
+  const none = el("p", { class: "muted" }, words.none);
+  const list = el("ul", { class: "unchecked" });
+  const before = el("section", { class: "panel", "aria-label": words.before }, el("h2", {}, words.before), list);
+  const forPrograms = el("details", { class: "file-list" }, el("summary", {}, words.files), files, table, lines);
+  const done = el("div", { class: "panel" }, before, el("h2", {}, words.handOn), share, measures);
+  const element = el("div", { class: "panel hand-over" }, none, done, forPrograms);
+
+  async function go({ way, isOther }: Unchecked): Promise<void> {
+    if (way === "scan") return actions.stances.dialog(true);
+    if (isOther) await actions.stances.swap();
+    if (way === "check") void actions.checks.begin();
+    if (way === "points" || way === "plan") actions.page.goTo(way);
+  }
+
+  return {
+    element,
+    select: only("meta", "step", "loading", "scan", "confirmed", "picks", "certain", "proposals", "skipped", "active", "fit", "isStarting", "stance", "preset", "refine", "drawing", "drawn", "ink", "stances", "checks", "overlay"),
+    update(state: HandOverShown): void {
+      const { fit, drawn } = state;
+      const isDone = fit?.state === "done";
+      show(none, !isDone);
+      show(done, isDone);
+      show(lines, drawn.lines.present.length > 0);
+      show(table, isDone && fit.distances !== null);
+      show(forPrograms, isDone || drawn.lines.present.length > 0);
+      const unchecked = isDone ? uncheckedOf(state) : [];
+      fill(list, unchecked, () => unchecked.map((each) => el("li", { class: each.isReady ? "is-ready" : "" }, el("span", {}, each.says), each.way === null ? null : button(words.ways[each.way], () => void go(each), "link"))));
+      fill(files, isDone ? fit.id : "", () =>
+        isDone ? resultText.downloads.map(({ key, name, what }) => el("li", {}, el("a", { href: fit.links[key], download: name }, icon("download"), el("span", {}, name)), el("span", { class: "muted" }, what))) : [],
+      );
+    },
+  };
+}
