@@ -12,6 +12,7 @@ from flask.testing import FlaskClient
 from helpers.blank_pictures import blank_pictures, blank_pictures_in_reports
 from helpers.remembered_fits import run_fit_once
 from helpers.waiting import ended
+from PIL import Image
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
@@ -204,7 +205,22 @@ def test_the_volume_is_that_of_the_command(real: Real, tmp_path: Path) -> None:
     assert client.get("/api/fits/nobody/volume.vtu").status_code == 404
 
 
-@pytest.mark.parametrize("name", ["report.pdf", "measures.json"])
+@pytest.mark.slow
+def test_the_pages_of_the_report_are_pictures_too(real: Real) -> None:
+    _, client, _, fits = real
+    place = f"/api/fits/{fits['standing']}/report"
+    count = len(pypdf.PdfReader(io.BytesIO(client.get(f"{place}.pdf").data)).pages)
+    for page in range(1, count + 1):
+        answer = client.get(f"{place}.png?page={page}")
+        assert (answer.status_code, answer.mimetype, answer.headers["Cache-Control"]) == (200, "image/png", "no-store")
+        assert answer.headers["Page-Count"] == str(count)
+        width, height = Image.open(io.BytesIO(answer.data)).size
+        assert height / width == pytest.approx(297 / 210, abs=0.01)
+    assert client.get(f"{place}.png?page={count + 1}").status_code == 404
+    assert client.get(f"{place}.png?page=0").status_code == 422
+
+
+@pytest.mark.parametrize("name", ["report.pdf", "report.png", "measures.json"])
 def test_what_is_refused(real: Real, name: str) -> None:
     _, client, _, fits = real
     place = f"/api/fits/{fits['standing']}/{name}"
@@ -221,7 +237,7 @@ def test_what_is_refused(real: Real, name: str) -> None:
 
 def test_a_fit_that_is_not_done_has_no_report(client: FlaskClient, scan_id: str) -> None:
     fit = client.post("/api/fits", json={"scan": scan_id, "preset": "paper"}).json["id"]
-    for name in ("report.pdf", "measures.json", "volume.vtu"):
+    for name in ("report.pdf", "report.png", "measures.json", "volume.vtu"):
         assert client.get(f"/api/fits/{fit}/{name}").status_code == 409
     client.post(f"/api/fits/{fit}/cancel")
 

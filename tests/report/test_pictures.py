@@ -8,7 +8,7 @@ import pytest
 
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.report.pictures import INK, SCAN_GREY, line_colour, scan_pictures, views_of
+from breastrig.report.pictures import INK, SCAN_GREY, _lines, _with_bands, line_colour, scan_pictures, views_of
 from breastrig.report.stance import Stance
 
 
@@ -48,9 +48,31 @@ def test_a_red_and_a_white_line_are_distinguished_in_the_picture() -> None:
     drawn = scan_pictures(dataclasses.replace(stance, lines=lines), cameras, size)[0].astype(int)
     changed = np.abs(drawn - bare).max(axis=2) > 20
     reddish = changed & (drawn[..., 0] > drawn[..., 2] + 60)
-    bluish = changed & (drawn[..., 2] > drawn[..., 0] + 15) & (drawn[..., 0] < 90)  # INK
+    black = changed & (drawn.max(axis=2) < 90)  # INK
     middle = size[0] // 2
     assert reddish[:, middle:].sum() > 50  # her left is to the right of the picture
     assert not reddish[:, :middle].any()
-    assert bluish[:, :middle].sum() > 50
-    assert not bluish[:, middle:].any()
+    assert black[:, :middle].sum() > 50
+    assert not black[:, middle:].any()
+
+
+def test_a_band_is_as_wide_as_the_lines_error_and_lesions_are_yellow_with_a_dark_outline() -> None:
+    rig = read_rig(default_rig_path())
+    grid = 0.3 * np.stack(np.meshgrid(np.linspace(-0.5, 0.5, 301), np.linspace(-0.5, 0.5, 301)), axis=-1).reshape(-1, 2)
+    flat = np.column_stack([grid, np.zeros(len(grid))])
+    along = np.column_stack([np.linspace(-0.1, 0.1, 101), np.zeros(101), np.zeros(101)])
+    seen = np.zeros(101, dtype=np.bool_)
+    error = np.where(along[:, 0] > 0.02, np.nan, 0.02)  # not known on the patient's left
+    line = Polyline("cut", False, "#101010", along, seen, error=error)
+    stance = Stance(rig, rig.template, flat, rig.faces, "standing", banded=(line,))
+    shade = _with_bands(stance, flat, np.ones_like(flat))[:, 0]
+    half = 0.71 * 0.02
+    beside = (flat[:, 0] > -0.09) & (flat[:, 0] < 0.0)
+    dark = beside & (shade < 0.99)
+    assert np.abs(flat[dark, 1]).max() == pytest.approx(half, abs=0.0015)
+    assert shade[beside & (np.abs(flat[:, 1]) < half - 0.002)].max() < 0.7
+    assert np.all(shade[flat[:, 0] > 0.04] == 1.0)
+    lesion = dataclasses.replace(line, color="#f3c400")
+    below, above = _lines(dataclasses.replace(stance, lines=(lesion,)), 300)
+    assert below.colour == INK
+    assert above.colour == pytest.approx((243 / 255, 196 / 255, 0.0))

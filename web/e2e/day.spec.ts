@@ -210,6 +210,18 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     await expect(dialog).toBeHidden();
   });
 
+  await test.step("the printed pages stand there as they will be, and beside them what is not checked; they are printed", async () => {
+    await expect(page.locator(".paper img")).not.toHaveCount(0);
+    const pages = Number((await page.request.get(`${base}/api/fits/${standing}/report.png?with=${supine}`)).headers()["page-count"]);
+    await expect(page.locator(".paper img")).toHaveCount(pages);
+    await expect(page.locator(".unchecked li")).toContainText([/^Supine:/, /^Standing:/]);
+    await page.evaluate(() => (window.print = () => void (document.title = "printed")));
+    await page.getByRole("button", { name: "Print", exact: true }).click();
+    await expect.poll(() => page.title()).toBe("printed");
+    await page.keyboard.press("3");
+    await expect(page.locator(".paper")).toBeHidden();
+  });
+
   await test.step("the page works on the other one at a click, and back", async () => {
     await page.getByRole("button", { name: "Work here" }).click();
     await expect.poll(async () => (await state(page)).fit!.id).toBe(standing);

@@ -4,7 +4,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { expect, type Page } from "@playwright/test";
 import type { OwnDrawing, PlanOnScan, Vector } from "../src/api/types";
 import { mmFrom } from "../src/ui/units";
-import { addToPlan, details, distance, hook, look, numberField, openDetails, planItem, SCAN_FILE, test, trueLandmarks, untilFitted, untilStill } from "./page";
+import { addToPlan, details, distance, hook, look, numberField, openDetails, openFiles, planItem, SCAN_FILE, test, trueLandmarks, untilFitted, untilStill } from "./page";
 
 const ON_SKIN_MM = 0.5;
 
@@ -224,7 +224,7 @@ test("strokes and clicks become lines on the skin; they are kept, undone, named,
 
   await test.step("out to a file and in again", async () => {
     const waiting = page.waitForEvent("download");
-    await page.keyboard.press("4");
+    await openFiles(page);
     await page.getByRole("button", { name: "lines.json" }).click();
     const path = info.outputPath("drawing.json");
     await (await waiting).saveAs(path);

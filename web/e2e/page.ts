@@ -76,6 +76,11 @@ export const planItem = (page: Page, name: string | RegExp): Locator => page.loc
 export const details = (page: Page): Locator => page.locator(".item-details");
 /** A number of the chosen pattern, on one side. */
 export const numberField = (page: Page, name: string, side: "L" | "R" | "" = "L"): Locator => page.locator(`.item-details [data-side="${side}"] [data-parameter=${name}]`);
+/** What is taken away as files, folded away beside the printed pages. */
+export async function openFiles(page: Page): Promise<void> {
+  await page.keyboard.press("4");
+  await page.locator(".file-list > summary").click();
+}
 /** A scan on the strip. */
 export const thumb = (page: Page, stance: "standing" | "supine" | "prone" | "image"): Locator => page.locator(`.thumb[data-stance=${stance}]`);
 /** Opens the details of the body's tab. */

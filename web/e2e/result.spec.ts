@@ -5,7 +5,7 @@ import { expect, type Page } from "@playwright/test";
 import type { Fit, Result } from "../src/api/types";
 import { distanceWithin, readDistances, SCANNER_MM, summarise } from "../src/fit/distances/distances";
 import { formatMm, formatPercent, formatSignedMm } from "../src/ui/units";
-import { distance, hook, look, more, openDetails, test, until, untilFitted, untilStill } from "./page";
+import { distance, hook, look, more, openDetails, openFiles, test, until, untilFitted, untilStill } from "./page";
 
 /** Shares of strongly blue and strongly orange pixels in a part of the stage (0 to 1 across). */
 async function colours(page: Page, from: number, to: number): Promise<{ coloured: number; skin: number }> {
@@ -101,7 +101,7 @@ test("distances are coloured, read under the pointer, and are the service's", as
   });
 
   await test.step("what can be taken away: every file, the distances as a table, the picture at twice the size", async () => {
-    await page.keyboard.press("4");
+    await openFiles(page);
     const links = await page.locator(".files a").evaluateAll((all) => all.map((each) => (each as HTMLAnchorElement).href));
     expect(links.map((link) => link.split("/").at(-1))).toEqual(["report.pdf", "fitted.glb", "fitted.ply", "plan.json", "result.json"]);
     const [table] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: /^distances\.csv/ }).click()]);

@@ -3,7 +3,7 @@ import { writeFileSync } from "node:fs";
 import { expect } from "@playwright/test";
 import type { EventPage, Result, Vector } from "../src/api/types";
 import { formatMm, formatMmWhole, formatPercent, formatSeconds } from "../src/ui/units";
-import { distance, hook, openDetails, SCAN_FILE, test, trueLandmarks, until, untilFitted, untilStill } from "./page";
+import { distance, hook, openDetails, openFiles, SCAN_FILE, test, trueLandmarks, until, untilFitted, untilStill } from "./page";
 
 const CLICKED = ["suprasternal_notch", "mid_sternum", "nipple_L", "nipple_R", "umbilicus"];
 const CLOSE_MM = 3;
@@ -145,7 +145,9 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
   });
 
   await test.step("every offered file can be had", async () => {
-    await page.keyboard.press("4");
+    await expect(page.locator(".stage canvas.view").first()).toBeVisible();
+    await openFiles(page);
+    await expect(page.locator(".paper img").first(), "the printed pages stand in place of the body").toBeVisible();
     const links = await page.locator(".files a").evaluateAll((all) => all.map((each) => (each as HTMLAnchorElement).href));
     expect(links.length).toBe(5);
     for (const link of links) expect((await page.request.get(link)).status(), link).toBe(200);

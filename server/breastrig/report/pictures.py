@@ -7,14 +7,18 @@ from typing import Any
 
 import numpy as np
 from PIL import Image
+from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array
 from breastrig.core.srgb import rgb, to_light, to_srgb
+from breastrig.drawings.inks import LESION
+from breastrig.drawings.line_error import ACROSS
 from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.rays import RayCaster
 from breastrig.rendering.picture import Camera, Colour, Layer, Line, Picture, Scene, camera
 from breastrig.report.body_frame import body_frame
 from breastrig.report.stance import Stance
+from breastrig.report.table import KNOWN_MM
 from breastrig.scan.clean import Surface
 
 LEAST_SURE_MM = 20.0  # end of the colours; the same in every report, so that reports compare
@@ -25,11 +29,10 @@ SCAN_GREY: Colour = (0.80, 0.78, 0.76)
 PREDICTED: Colour = (0.70, 0.78, 0.90)  # of a body that no scan shows: as the page tints it, bluish
 PALE: Colour = (0.93, 0.93, 0.93)  # parts beside the trunk: table, forearms
 BODY_REACH = (0.015, 0.04)  # m from the model, where grey begins to turn pale and has done so
-INK: Colour = (
-    0.10,
-    0.16,
-    0.24,
-)  # of lines that have no hue of their own: white and grey ones do not show on a grey scan
+# as on the page; of lines without a hue too: white and grey ones do not show on a grey scan
+INK: Colour = (0.063, 0.063, 0.063)
+BAND = 0.35  # share of black in a band: on the page 0.24, of darker grey
+EDGE = 0.002  # m over which a band ends: about the distance between a scan's vertices
 HUE = 0.15  # least difference between a colour's channels that people see as one
 LIGHTEST = 0.15  # luminance of a line: 3 : 1 against the scan, as WCAG 2.2 (1.4.11) asks of graphics
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear red, green, blue (WCAG 2.2)
@@ -52,7 +55,8 @@ def scan_pictures(stance: Stance, cameras: Sequence[Camera], size: tuple[int, in
     apart = stance.search.query(stance.scan_vertices).distances
     share = np.clip((apart - BODY_REACH[0]) / (BODY_REACH[1] - BODY_REACH[0]), 0.0, 1.0)[:, None]
     colours = (1.0 - share) * np.asarray(SCAN_GREY) + share * np.asarray(PALE)
-    scene = Scene([Layer(stance.scan_vertices, stance.scan_faces, colours)])
+    shaded = _with_bands(stance, stance.scan_vertices, colours)
+    scene = Scene([Layer(stance.scan_vertices, stance.scan_faces, shaded)])
     lines = _lines(stance, size[1])
     return [scene.render(view, size, lines) for view in cameras]
 
@@ -60,9 +64,25 @@ def scan_pictures(stance: Stance, cameras: Sequence[Camera], size: tuple[int, in
 def _predicted_pictures(stance: Stance, cameras: Sequence[Camera], size: tuple[int, int]) -> list[Picture]:
     """The smooth model in a tint of its own with the drawing laid on it: nobody has scanned this body."""
     laid = [replace(line, points=stance.search.query(line.points).points) for line in stance.lines]
-    scene = Scene([Layer(stance.vertices, stance.rig.faces, PREDICTED)])
+    colours = np.broadcast_to(np.asarray(PREDICTED), stance.vertices.shape)
+    scene = Scene([Layer(stance.vertices, stance.rig.faces, _with_bands(stance, stance.vertices, colours))])
     lines = _lines(replace(stance, lines=tuple(laid)), size[1])
     return [scene.render(view, size, lines) for view in cameras]
+
+
+def _with_bands(stance: Stance, vertices: Array, colours: Array) -> Array:
+    """The (V, 3) colours, darker where the 90 % bands of the lines lie, as wide as on the page; none where unknown."""
+    inside = np.zeros(len(vertices))
+    for line in stance.banded:
+        if line.error is None:
+            continue
+        half = ACROSS * line.error
+        known = np.isfinite(half) & (1e3 * half <= KNOWN_MM)
+        if known.any():
+            away, nearest = cKDTree(line.points[known]).query(vertices, distance_upper_bound=half[known].max() + EDGE)
+            own = np.append(half[known], 0.0)[nearest]  # the last one: no point is near
+            inside = np.maximum(inside, np.clip((own - away) / EDGE + 0.5, 0.0, 1.0))
+    return np.asarray(colours * (1.0 - BAND * inside[:, None]))
 
 
 def uncertainty_pictures(stance: Stance, cameras: Sequence[Camera], size: tuple[int, int]) -> list[Picture]:
@@ -104,11 +124,19 @@ def line_colour(color: str) -> Colour:
 
 
 def _lines(stance: Stance, pixels: int) -> list[Line]:
-    """Each line white below and dark above, which shows on light and on dark skin."""
+    """Each line with an outline below it, which shows on light and on dark skin."""
     thick = pixels / 150
-    strokes = [(*stroke, line_colour(line.color)) for line in stance.lines for stroke in _strokes(line)]
-    halos = [Line(points, WHITE, 2.0 * thick, closed) for points, closed, _ in strokes]
-    return halos + [Line(points, colour, thick, closed) for points, closed, colour in strokes]
+    strokes = [(*stroke, *_colours(line.color)) for line in stance.lines for stroke in _strokes(line)]
+    halos = [Line(points, outline, 2.0 * thick, closed) for points, closed, _, outline in strokes]
+    return halos + [Line(points, colour, thick, closed) for points, closed, colour, _ in strokes]
+
+
+def _colours(color: str) -> tuple[Colour, Colour]:
+    """Of a line and its outline: white around dark lines, dark around the yellow of lesions."""
+    if color.lower() == LESION:
+        red, green, blue = (channel / 255.0 for channel in rgb(color))
+        return (red, green, blue), INK
+    return line_colour(color), WHITE
 
 
 def _strokes(line: Polyline) -> list[tuple[Array, bool]]:

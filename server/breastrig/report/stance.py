@@ -30,7 +30,8 @@ class Stance:
     name: str  # standing | supine | prone
     picked: dict[str, Array] = field(default_factory=dict)  # (3,) m, landmarks that were picked and not doubted
     seen: dict[str, Array] = field(default_factory=dict)  # (3,) m, landmarks that the scan's colours show
-    lines: tuple[Polyline, ...] = ()  # on the scan
+    lines: tuple[Polyline, ...] = ()  # on the scan; with errors where they were transferred there
+    banded: tuple[Polyline, ...] = ()  # the same with all errors that are known: what the pictures show bands of
     landmark_radii: Mapping[str, float] = field(default_factory=dict)  # m; 90 % of true places are within
     joint: tuple[tuple[str, ...], Array] | None = None  # L landmarks and (3 L, 3 L) m² of the model's errors there
     areolae: Mapping[str, ObservedAreola | None] = field(default_factory=dict)  # by side; None: not seen

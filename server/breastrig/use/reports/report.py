@@ -155,7 +155,8 @@ def reported(job: ReportJob, rig: Rig | None = None) -> list[Reported]:
         _check_distances(folder, fit.result)
     drawn = [planned_lines(folder, fit.unit, plan) for folder, fit, plan in zip(folders, fits, plans, strict=True)]
     stances = [
-        stance_of(fit, _without_own_errors(lines, plan)) for fit, lines, plan in zip(fits, drawn, plans, strict=True)
+        replace(stance_of(fit, _without_own_errors(lines, plan)), banded=lines)
+        for fit, lines, plan in zip(fits, drawn, plans, strict=True)
     ]
     doubts = (*job.doubts, *(doubts_between(fits[0], fits[1], job.one_patient) if len(fits) == 2 else ()))
     names = stance_names([stance_said(fit.result) for fit in fits])

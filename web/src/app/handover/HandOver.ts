@@ -32,9 +32,9 @@ export function createHandOver(actions: Actions): Panel<HandOverShown> {
   const element = el("div", { class: "panel hand-over" }, none, done, forPrograms);
 
   async function go({ way, isOther }: Unchecked): Promise<void> {
-    if (way === "scan") return actions.stances.dialog(true);
-    if (isOther) await actions.stances.swap();
-    if (way === "check") void actions.checks.begin();
+    if (way === "scan") actions.stances.dialog(true);
+    if (isOther && way !== "scan") await actions.stances.swap();
+    if (way === "check") actions.checks.begin();
     if (way === "points" || way === "plan") actions.page.goTo(way);
   }
 
