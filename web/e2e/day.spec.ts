@@ -194,7 +194,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     await expect(dialog.locator("tr.facts").first()).toContainText(file.measures[0]!.method);
     for (const line of measuresTable(file).lines.filter(({ groups }) => groups[0]!.left.value !== null).slice(0, 6)) {
       const cells = await dialog.locator(`tbody tr[data-measure="${line.measure}"][data-kind="${line.kind}"] td`).allTextContents();
-      line.groups.forEach(({ left }, g) => expect(cells, line.measure).toContain(written(left, line.unit, g === 2, line.step)));
+      line.groups.forEach(({ left }, g) => expect(cells.some((cell) => cell.endsWith(written(left, line.unit, g === 2, line.step))), line.measure).toBe(true)); // "not known well enough" may stand before it
     }
     const waiting = page.waitForEvent("download");
     await dialog.getByRole("button", { name: "measures.csv" }).click();
