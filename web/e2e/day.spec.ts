@@ -291,6 +291,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
   });
 
   await test.step("who asks to delete one stance is told what of the plan goes with it, on the other stance too", async () => {
+    await page.keyboard.press("3"); // the printed pages stand before the body
     await page.locator(".other-stage").getByRole("button", { name: "Work here" }).click();
     await expect.poll(async () => (await state(page)).fit!.id).toBe(standing);
     await more(page, "Delete this scan …");

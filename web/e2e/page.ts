@@ -63,6 +63,7 @@ export const lookFrom = (page: Page, side: "Front" | "Left" | "Right" | "Back" |
 export const more = (page: Page, name: string): Promise<void> => inMenu(page, "page-menu", name);
 /** Opens the dialog that makes links. */
 export async function openShare(page: Page): Promise<void> {
+  await hook.ready(page);
   await page.keyboard.press("4");
   await page.locator("#share").click();
 }
