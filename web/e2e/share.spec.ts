@@ -157,7 +157,7 @@ test("a visitor's day: what stood when the link was made, the present state when
 
   const visitor = await (await browser.newContext()).newPage();
   await visitor.goto(address);
-  await expect(visitor.getByText("before lunch")).toBeVisible();
+  await expect(visitor.locator(`[data-line="before lunch"]`)).toBeVisible();
   await expect(visitor.getByText("It is shown as it stood on")).toBeVisible();
   await expect(visitor.getByText("she wants it smaller"), "notes were not asked for").toHaveCount(0);
   const triangles = async (): Promise<number> => {
@@ -170,7 +170,7 @@ test("a visitor's day: what stood when the link was made, the present state when
   const eye = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
   await owner.ask(own.scan.cuts!, "PUT", { cuts: [{ to_picture: eye, lasso: [[-9, -9], [9, -9], [9, below], [-9, below]] }] });
   await visitor.reload();
-  await expect(visitor.getByText("before lunch")).toBeVisible();
+  await expect(visitor.locator(`[data-line="before lunch"]`)).toBeVisible();
   await expect(visitor.getByText("after lunch")).toHaveCount(0);
   expect(await triangles()).toBe(before);
 
