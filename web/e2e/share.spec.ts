@@ -171,14 +171,14 @@ test("a visitor's day: what stood when the link was made, the present state when
   await owner.ask(own.scan.cuts!, "PUT", { cuts: [{ to_picture: eye, lasso: [[-9, -9], [9, -9], [9, below], [-9, below]] }] });
   await visitor.reload();
   await expect(visitor.locator(`[data-line="before lunch"]`)).toBeVisible();
-  await expect(visitor.getByText("after lunch")).toHaveCount(0);
+  await expect(visitor.locator(`[data-line="after lunch"]`)).toHaveCount(0);
   expect(await triangles()).toBe(before);
 
   await dialog.getByRole("button", { name: "Show the present state" }).click();
   await expect(page.getByText("The link shows the present state.")).toBeAttached();
   await visitor.reload();
-  await expect(visitor.getByText("after lunch")).toBeVisible();
-  await expect(visitor.getByText("before lunch")).toHaveCount(0);
+  await expect(visitor.locator(`[data-line="after lunch"]`)).toBeVisible();
+  await expect(visitor.locator(`[data-line="before lunch"]`)).toHaveCount(0);
   expect(await triangles()).toBeLessThan(before);
 
   await dialog.getByRole("button", { name: "Revoke" }).click();
@@ -186,7 +186,7 @@ test("a visitor's day: what stood when the link was made, the present state when
   await expect(dialog.getByRole("button", { name: "Show the present state" })).toHaveCount(0);
   await visitor.reload();
   await expect(visitor.getByRole("alert")).toContainText("revoked");
-  await expect(visitor.getByText("after lunch")).toHaveCount(0);
+  await expect(visitor.locator(`[data-line="after lunch"]`)).toHaveCount(0);
   const second = await owner.share(own.fit, { notes: true });
   await opened(visitor, second);
   await expect(visitor.getByText("This is the model alone")).toBeVisible();
