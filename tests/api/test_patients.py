@@ -58,6 +58,8 @@ def test_each_scan_is_of_a_patient_and_a_second_one_can_be_of_the_same(client: F
     patient = client.get(first["links"]["patient"]).json
     assert [scan["id"] for scan in patient["scans"]] == [first["id"], second["id"]]
     assert patient["plan_version"] == 0
+    assert patient["planned"] == {"patterns": [], "lines": 0, "lesions": 0}
+    assert [scan["kind"] for scan in patient["scans"]] == ["surface", "surface"]
     assert re.fullmatch(rf"[{LETTERS}]{{3}}-[{LETTERS}]{{3}}", patient["code"]), "a random one"
     renamed = client.patch(patient["links"]["self"], json={"code": "  "}).json["code"]
     assert renamed != patient["code"]
@@ -323,3 +325,12 @@ def test_the_same_file_twice_is_asked_about(client: FlaskClient, service: Servic
     assert client.put(place, json=moved | {"again": True}).status_code == 200
     assert client.put(place, json=moved).status_code == 200, "it is hers already"
     assert add(first["patient"])["patient"] == first["patient"]
+
+
+def test_the_list_says_in_short_what_is_planned(client: FlaskClient, add: Any) -> None:
+    scan = add()
+    pattern = {"kind": "pattern", "name": "reduction", "parameters": {}}
+    kinds = {"a": LINE, "b": LINE | {"name": "second"}, "t": TUMOUR, "l": LESION, "p": pattern}
+    answer = put(client, scan, [item(scan, of, name) for name, of in kinds.items()], "0")
+    assert answer.status_code == 200, answer.json
+    assert client.get(scan["links"]["patient"]).json["planned"] == {"patterns": ["reduction"], "lines": 2, "lesions": 2}

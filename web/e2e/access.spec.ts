@@ -1,7 +1,7 @@
 // Who may see what, in a real browser: its cookies, origins and policies are not those of a test client.
 import { expect, test } from "@playwright/test";
 import { seriousFindings, smallTargets } from "./audit";
-import { hook, look, more, openShare, until, untilFitted } from "./page";
+import { example, hook, look, more, openShare, until, untilFitted } from "./page";
 import { type Running, startService } from "./service";
 
 const TOKEN = "a-token-of-more-than-sixteen-characters";
@@ -31,7 +31,7 @@ test("a person signs in with the token, and out again", async ({ page }) => {
   await expect(page.getByRole("alert")).toContainText("This is not the token.");
   await page.getByLabel("Access token").fill(TOKEN);
   await page.getByRole("button", { name: "Sign in" }).click();
-  await expect(page.getByRole("button", { name: /standing/i })).toBeVisible(); // the examples came from the API
+  await expect(page.getByRole("button", { name: "Try the example" })).toBeVisible(); // the examples came from the API
   expect(await page.evaluate(() => document.cookie)).toBe("");
   await page.goto(`${service.base}/sign-in`);
   await page.getByRole("button", { name: "Sign out" }).click();
@@ -70,10 +70,8 @@ test("a link is made in the dialog, opened, counted and revoked; the page signs 
   await page.goto(service.base);
   await page.getByLabel("Access token").fill(TOKEN);
   await page.getByRole("button", { name: "Sign in" }).click();
-  await page.getByRole("button", { name: /standing/i }).click();
+  await example(page);
   await hook.ready(page);
-  await page.keyboard.press("1");
-  await page.getByRole("button", { name: "Fit without landmarks" }).click();
   await untilFitted(page);
   await openShare(page);
   const dialog = page.getByRole("dialog", { name: "Share this result" });
@@ -124,7 +122,7 @@ test("when the session has ended the sign-in page comes, and afterwards scan and
   await page.goto(service.base);
   await page.getByLabel("Access token").fill(TOKEN);
   await page.getByRole("button", { name: "Sign in" }).click();
-  await page.getByRole("button", { name: /standing/i }).click();
+  await example(page);
   await hook.ready(page);
   await page.keyboard.press("2");
   await expect(page.locator("[data-proposed]").first()).toBeAttached();

@@ -1,7 +1,7 @@
 // Files that are refused, a browser without WebGL, the example by keys, landmark files.
 import { writeFileSync } from "node:fs";
 import { expect } from "@playwright/test";
-import { hook, more, SCAN_FILE, test, untilFitted, withoutEndOfTime } from "./page";
+import { example, hook, more, SCAN_FILE, test, untilFitted, withoutEndOfTime } from "./page";
 
 test.use({ contextOptions: { reducedMotion: "no-preference" } }); // with its motion, as most people see it
 
@@ -24,7 +24,7 @@ test("a file that is no scan is refused with the service's own sentence, and a g
 
 test("the example patient is one click away, and the keyboard goes the whole way", async ({ page, base, troubles }) => {
   await page.goto(base);
-  await page.getByRole("button", { name: /standing/i }).click();
+  await example(page);
   await hook.ready(page);
   await page.keyboard.press("2");
   await page.getByRole("button", { name: "Use the example's landmarks" }).click();
@@ -56,7 +56,7 @@ test("the page says so when the browser has no WebGL", async ({ page, base }) =>
 
 test("the landmarks are saved in the four kinds that the page and other programs read", async ({ page, base, troubles }, info) => {
   await page.goto(base);
-  await page.getByRole("button", { name: /standing/i }).click();
+  await example(page);
   await hook.ready(page);
   await page.keyboard.press("2");
   await page.getByRole("button", { name: "Use the example's landmarks" }).click();
@@ -81,7 +81,7 @@ test("Back and Forward go through patient and steps and stay in the page; a dele
   const open = page.locator(".side-body:visible");
   await withoutEndOfTime(page);
   await page.goto(base);
-  await page.getByRole("button", { name: /standing/i }).click();
+  await example(page);
   await hook.ready(page);
   await expect(page).toHaveURL(/step=body/);
   await page.keyboard.press("2");
@@ -95,7 +95,7 @@ test("Back and Forward go through patient and steps and stay in the page; a dele
     await expect(open).toHaveAttribute("id", `side-${step}`);
   }
   await page.goBack();
-  await expect(page.getByText("Drop a 3D scan of the torso here")).toBeVisible();
+  await expect(page.getByText("Drop the patient's scans anywhere on this page")).toBeVisible();
   await page.goForward();
   await hook.ready(page);
   await expect(open).toHaveAttribute("id", "side-body");
@@ -106,7 +106,7 @@ test("Back and Forward go through patient and steps and stay in the page; a dele
   await hook.ready(page);
   await expect(open).toHaveAttribute("id", "side-points");
   await page.getByRole("button", { name: "All patients" }).click();
-  await expect(page.getByText("Drop a 3D scan of the torso here")).toBeVisible();
+  await expect(page.getByText("Drop the patient's scans anywhere on this page")).toBeVisible();
   await page.goBack();
   await hook.ready(page);
   expect(await hook.pickCount(page)).toBe(12);
@@ -120,7 +120,7 @@ test("Back and Forward go through patient and steps and stay in the page; a dele
   await expect(question).toBeHidden();
   await more(page, "Delete this scan …");
   await question.getByRole("button", { name: "Delete", exact: true }).click();
-  await expect(page.getByText("Drop a 3D scan of the torso here")).toBeVisible();
+  await expect(page.getByText("Drop the patient's scans anywhere on this page")).toBeVisible();
   await page.getByRole("button", { name: "Take it back" }).click();
   await hook.ready(page);
   expect(await hook.pickCount(page)).toBe(12);
@@ -135,7 +135,7 @@ test("Back and Forward go through patient and steps and stay in the page; a dele
 
 test("Escape closes the menu", async ({ page, base }) => {
   await page.goto(base);
-  await page.getByRole("button", { name: /standing/i }).click();
+  await example(page);
   await hook.ready(page);
   await page.getByRole("button", { name: "More" }).click();
   await expect(page.locator("#page-menu")).toBeVisible();
@@ -145,7 +145,7 @@ test("Escape closes the menu", async ({ page, base }) => {
 
 test("landmarks that the service does not take are asked about before another patient, and nothing is lost by staying", async ({ page, base }) => {
   await page.goto(base);
-  await page.getByRole("button", { name: /standing/i }).click();
+  await example(page);
   await hook.ready(page);
   await expect(page).toHaveURL(/step=body/);
   await page.keyboard.press("2");
@@ -165,7 +165,7 @@ test("landmarks that the service does not take are asked about before another pa
   await expect(question, "Back does not leave them either").toBeVisible();
   await page.unroute("**/landmarks");
   await question.getByRole("button", { name: "Save again" }).click();
-  await expect(page.getByText("Drop a 3D scan of the torso here")).toBeVisible();
+  await expect(page.getByText("Drop the patient's scans anywhere on this page")).toBeVisible();
   await page.goForward();
   await hook.ready(page);
   expect(await hook.pickCount(page)).toBe(12);

@@ -2,7 +2,7 @@
 // turn; every tool is large enough, and Done leads back.
 import { type CDPSession, expect } from "@playwright/test";
 import { overlaps, seriousFindings, smallTargets } from "./audit";
-import { distance, hook, tap, test, untilStill } from "./page";
+import { distance, example, hook, tap, test, untilStill } from "./page";
 import { inTheme } from "./states";
 
 test.use({ hasTouch: true, viewport: { width: 1024, height: 768 } });
@@ -26,7 +26,7 @@ test("a stylus draws, its hand does nothing, fingers turn; Done leads back", asy
     session.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
   const pose = () => page.evaluate(() => window.__breastrig!.pose());
   await page.goto(base);
-  await tap(page.getByRole("button", { name: /standing/i }));
+  await example(page);
   await hook.ready(page);
   await page.keyboard.press("3");
   await tap(page.getByRole("button", { name: "Draw on the full screen" }));

@@ -7,7 +7,7 @@ import { expect, type Page } from "@playwright/test";
 import type { CarriedDrawing, MeasuresFile, PlanOnScan, Vector } from "../src/api/types";
 import { formatCell, formatMargin, measuresTable } from "../src/stances/measures/measuresTable";
 
-import { addToPlan, details, distance, hook, look, more, numberField, openShare, planItem, test, thumb, untilFitted, untilStill } from "./page";
+import { addToPlan, details, distance, example, hook, look, more, numberField, openShare, planItem, test, thumb, untilFitted, untilStill } from "./page";
 import { type Running, startService } from "./service";
 
 const written = (...[cell, unit, isSigned, step]: Parameters<typeof formatCell>): string => formatCell(cell, unit, isSigned, step) + formatMargin(cell, unit);
@@ -79,7 +79,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
   expect((await page.request.get(`${base}/api/patients`)).status(), "another user of this machine").toBe(401);
   await page.setContent(`<meta http-equiv="refresh" content="0; url=${service.address}">`); // as the file that `serve` opens
   await page.waitForURL(`${base}/`);
-  await page.getByRole("button", { name: /standing/i }).click();
+  await example(page);
   await hook.ready(page);
   await fitWithExample(page);
   const standing = (await hook.fit(page))!.id;

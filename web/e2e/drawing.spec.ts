@@ -4,7 +4,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { expect, type Page } from "@playwright/test";
 import type { OwnDrawing, PlanOnScan, Vector } from "../src/api/types";
 import { mmFrom } from "../src/ui/units";
-import { addToPlan, details, distance, hook, look, numberField, openDetails, openFiles, planItem, SCAN_FILE, test, trueLandmarks, untilFitted, untilStill } from "./page";
+import { addToPlan, details, distance, example, hook, look, numberField, openDetails, openFiles, planItem, SCAN_FILE, test, trueLandmarks, untilFitted, untilStill } from "./page";
 
 const ON_SKIN_MM = 0.5;
 
@@ -282,7 +282,7 @@ test("the pen by keys alone: a cross on the body, Enter sets corners, twice ends
 
 test("a pattern with its numbers and a tumour by the clock are drawn on the fitted patient", async ({ page, base, troubles }) => {
   await page.goto(base);
-  await page.getByRole("button", { name: /standing/i }).click();
+  await example(page);
   await hook.ready(page);
   await page.keyboard.press("2");
   await page.getByRole("button", { name: "Use the example's landmarks" }).click();

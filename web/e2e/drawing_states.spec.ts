@@ -2,7 +2,7 @@
 // too small to press, no control over another, nothing beside the screen.
 import { expect, type Page } from "@playwright/test";
 import { overlaps, seriousFindings, smallTargets } from "./audit";
-import { addToPlan, hook, test, thumb, untilFitted, untilStill } from "./page";
+import { addToPlan, example, hook, test, thumb, untilFitted, untilStill } from "./page";
 import { inTheme } from "./states";
 
 async function fitted(page: Page): Promise<void> {
@@ -79,7 +79,7 @@ const TABLET = { width: 834, height: 1112 };
 
 test("drawing and two stances can be read and pressed by everybody", async ({ page, base, troubles }) => {
   await page.goto(base);
-  await page.getByRole("button", { name: /standing/i }).click();
+  await example(page);
   await fitted(page);
   for (const { name, reach } of STATES) {
     await test.step(name, async () => {

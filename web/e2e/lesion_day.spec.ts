@@ -166,7 +166,9 @@ test("an MRI's lesion is found in the same breast of a standing scan, with its n
     await page.locator("#scan-file").setInputFiles(made("mri.nii.gz"));
     await hook.ready(page);
     expect(await segmentsOf(page)).toEqual(["Tissue 1 tissue", "Lesion 1 lesion"]);
-    await expect(page.getByLabel("Wrong unit? Read the file as"), "its unit is its own").toBeHidden();
+    await page.locator("[popovertarget=size-word]").click();
+    await expect(page.getByText("The image itself says how large it is."), "its unit is its own").toBeVisible();
+    await page.keyboard.press("Escape");
     await expect(page.locator(".facts")).toContainText("prone, as in an MRI");
     expect((await lesions(page)).map(({ name }) => name)).toEqual(["Lesion 1"]);
     expect.soft(await seriousFindings(page)).toEqual([]);

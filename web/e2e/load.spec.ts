@@ -2,7 +2,7 @@
 // loads; without a graphics card, and when the driver drops the picture.
 import { gzipSync } from "node:zlib";
 import { chromium, expect } from "@playwright/test";
-import { hook, test, thumb } from "./page";
+import { example, hook, test, thumb } from "./page";
 
 const BOUND_KB = 294; // gzip, all of script and style that the first view asks for; three.js is two thirds of it
 
@@ -23,7 +23,7 @@ test("the page arrives small, from its own service only, cached for good where a
     observer.observe({ type: "layout-shift", buffered: true });
   });
   await page.goto(base);
-  await expect(page.getByRole("button", { name: /standing/i })).toBeVisible();
+  await expect(page.getByRole("button", { name: "Try the example" })).toBeVisible();
   await page.waitForLoadState("networkidle");
   const total = (await Promise.all(Object.values(sizes))).reduce((sum, size) => sum + size, 0);
   console.log(`first view: ${total.toFixed(1)} kB of script and style, gzip, in ${Object.keys(sizes).length} files`);
@@ -42,7 +42,7 @@ test("the page arrives small, from its own service only, cached for good where a
 
 test("when the driver drops the picture the page says so, goes on working, and draws again when it is back", async ({ page, base }) => {
   await page.goto(base);
-  await page.getByRole("button", { name: /standing/i }).click();
+  await example(page);
   await hook.ready(page);
   const wishes = await page.evaluate(() => document.querySelector<HTMLCanvasElement>("main canvas.view")!.getContext("webgl2")!.getContextAttributes());
   expect(wishes, "on the processor each pixel is drawn once").toMatchObject({ antialias: false });
@@ -65,7 +65,7 @@ test("when the driver drops the picture the page says so, goes on working, and d
 
 test("when the driver drops the second pane's picture, that pane says so and offers to load it again, until it is back", async ({ page, base }) => {
   await page.goto(base);
-  await page.getByRole("button", { name: /standing/i }).click();
+  await example(page);
   await hook.ready(page);
   await page.locator("#add-scan").click();
   await page.getByRole("dialog", { name: "Add a scan of this patient" }).getByRole("button", { name: /patient, supine/i }).click();
@@ -93,8 +93,7 @@ test("in a browser without any graphics the page says what is missing and what t
     const page = await browser.newPage();
     await page.goto(base);
     await expect(page.getByRole("alert").filter({ hasText: "no WebGL 2" })).toContainText("Turn on hardware acceleration");
-    await page.getByRole("button", { name: /standing/i }).click();
-    await page.getByRole("button", { name: "Fit without landmarks" }).click();
+    await example(page);
     await expect(page.locator(".stage .sureness")).toContainText(/^(one|two|three) fingers? wide±\s\d+\smm/);
     await page.keyboard.press("4");
     await expect(page.getByRole("link", { name: "Report (PDF)" })).toBeVisible();

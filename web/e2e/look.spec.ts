@@ -2,7 +2,7 @@
 // and the measure that is pointed at in the table.
 import { expect, type Page } from "@playwright/test";
 import { overlaps, seriousFindings, smallTargets } from "./audit";
-import { hook, look, openDetails, test, trueLandmarks, until, untilFitted, untilStill } from "./page";
+import { example, hook, look, openDetails, test, trueLandmarks, until, untilFitted, untilStill } from "./page";
 import { inTheme } from "./states";
 
 /** Red over blue of the pixels around page places; skin-coloured clay has more red than a grey scan. */
@@ -33,7 +33,7 @@ const spread = (values: readonly number[]): number => {
 
 test("mixture, mirror, lasso and measures", async ({ page, base, troubles }) => {
   await page.goto(base);
-  await page.getByRole("button", { name: /standing/i }).click();
+  await example(page);
   await hook.ready(page);
   await page.keyboard.press("2");
   await page.getByRole("button", { name: "Use the example's landmarks" }).click();

@@ -1,6 +1,6 @@
 // What one patient holds on the graphics card is let go before the next one comes.
 import { expect, type Page } from "@playwright/test";
-import { hook, test, until, untilFitted, untilStill } from "./page";
+import { hook, openDetails, test, until, untilFitted, untilStill } from "./page";
 
 const OPENED = 9; // the result twice, each of the scans four and three times: what is left of one is seen at its next
 
@@ -12,6 +12,7 @@ const goTo = (page: Page, hash: string) => page.evaluate((to) => void (location.
 async function wholeResult(page: Page): Promise<void> {
   await untilFitted(page);
   await until(page, () => window.__breastrig!.state().fit?.distances);
+  await openDetails(page);
   const slider = page.locator("#iteration");
   await slider.fill("0");
   const textures = async (): Promise<number> => {

@@ -7,7 +7,7 @@ import { join } from "node:path";
 import { expect, type Page } from "@playwright/test";
 import type { StoredPlan, Vector } from "../src/api/types";
 import { seriousFindings } from "./audit";
-import { addToPlan, details, hook, numberField, planItem, test, trueLandmarks, until } from "./page";
+import { addToPlan, details, example, hook, numberField, planItem, test, trueLandmarks, until } from "./page";
 import { type Running, startService } from "./service";
 
 const TOKEN = "a-token-of-more-than-sixteen-characters";
@@ -42,7 +42,7 @@ async function signIn(page: Page): Promise<void> {
 async function opened(page: Page, base: string): Promise<{ scan: string; plan: string }> {
   await page.goto(base);
   await signIn(page);
-  await page.getByRole("button", { name: /standing/i }).click();
+  await example(page);
   await hook.ready(page);
   return page.evaluate(() => {
     const { id, links } = window.__breastrig!.state().scan!.info;

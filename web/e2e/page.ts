@@ -16,7 +16,14 @@ export function trueLandmarks(): Record<string, Vector> {
 }
 
 /** A page that reports errors in its console and requests to anywhere else. */
-export const test = plain.extend<{ base: string; troubles: string[] }>({
+export const test = plain.extend<{ base: string; troubles: string[]; fitsAtOnce: boolean }>({
+  fitsAtOnce: [false, { option: true }], // as most tests want it: nothing is fitted before they ask for it
+  page: async ({ page, fitsAtOnce }, use) => {
+    if (!fitsAtOnce) await page.addInitScript(() => {
+      if (location.protocol === "http:") localStorage.setItem("breastrig.fits-at-once", "no");
+    });
+    await use(page);
+  },
   base: async ({}, use) => use(process.env.BREASTRIG_E2E_BASE!),
   troubles: async ({ page, base }, use) => {
     const troubles: string[] = [];
@@ -56,6 +63,8 @@ async function inMenu(page: Page, id: string, name: string): Promise<void> {
   if (await page.locator(`#${id}`).isVisible()) await page.keyboard.press("Escape");
 }
 
+/** A scan of the example patient, as the first page offers it. */
+export const example = (page: Page, name: "standing" | "supine" = "standing"): Promise<void> => inMenu(page, "example-menu", `.*${name}$`);
 /** What of scan and model is shown, or what else can be switched on the stage. */
 export const look = (page: Page, name: "Skin" | "Both" | "Model" | "Beside" | "Swipe" | "Distances" | "Left on right" | "Table and loose pieces" | "Turn both together" | "The scan's own colours"): Promise<void> => inMenu(page, "look-menu", name);
 /** From which side the body is seen. */
@@ -63,8 +72,12 @@ export const lookFrom = (page: Page, side: "Front" | "Left" | "Right" | "Back" |
 export const more = (page: Page, name: string): Promise<void> => inMenu(page, "page-menu", name);
 /** Opens the dialog that makes links. */
 export async function openShare(page: Page): Promise<void> {
+<<<<<<< HEAD
   await hook.ready(page);
   await page.keyboard.press("4");
+=======
+  await page.locator("#tab-handover").click();
+>>>>>>> 7f979680 (The journey: files dropped together become one patient, each scan is fitted by itself, and what was read is a sentence whose words correct themselves)
   await page.locator("#share").click();
 }
 /** Presses what is called so in the plan's menu of what may be added. */

@@ -15,33 +15,37 @@ test("a patient is renamed, found, opened, left by Back, and deleted after a sec
   const row = (scan: Scan) => page.locator(`[data-patient="${scan.patient}"]`);
   await expect(row(first)).toBeVisible();
   await expect(row(first).locator("img")).toHaveJSProperty("naturalWidth", 144);
-  await expect(page.getByPlaceholder("Code, never a name").first()).toBeVisible();
+  const more = async (code: RegExp | string, what: string): Promise<void> => {
+    await row(first).getByRole("button", { name: code }).click();
+    await row(first).getByRole("button", { name: what }).click();
+  };
+  await more(/^More about /, "Change the code");
   await row(first).getByLabel("Code, never a name").fill("Ward 7 / 3");
   await row(first).getByLabel("Code, never a name").press("Tab");
   await expect.poll(async () => ((await (await page.request.get(`${base}/api/patients/${first.patient}`)).json()) as { code: string }).code).toBe("Ward 7 / 3");
   await page.reload();
-  await page.getByLabel("Search codes").fill("ward 7");
+  await page.getByLabel("Find a code").fill("ward 7");
   await expect(row(second)).toHaveCount(0);
-  await expect(row(first).getByLabel("Code, never a name")).toHaveValue("Ward 7 / 3");
+  await expect(row(first).getByRole("link", { name: "Ward 7 / 3" })).toBeVisible();
 
-  await row(first).getByRole("link", { name: /standing/ }).click();
+  await row(first).getByRole("link", { name: "Ward 7 / 3" }).click();
   await hook.ready(page);
   expect((await page.evaluate(() => window.__breastrig!.state())).scan!.info.id).toBe(first.id);
   await page.goBack();
   await expect(row(first)).toBeVisible();
 
   const status = async (): Promise<number> => (await page.request.get(`${base}/api/patients/${first.patient}`)).status();
-  await row(first).getByRole("button", { name: "Delete Ward 7 / 3" }).click();
+  await more("More about Ward 7 / 3", "Delete this patient …");
   await expect(row(first)).toContainText("1 scan with landmarks, fits, plan, reports and every link");
   const again = page.waitForResponse((answer) => answer.url().includes("/api/patients?"));
-  await page.locator(".patients-head select").selectOption({ index: 1 });
+  await page.locator(".home-head select").selectOption({ index: 1 });
   await again;
   await expect(row(first), "what is asked stays asked when the list comes again").toContainText("1 scan with landmarks");
   await row(first).getByRole("button", { name: "Delete", exact: true }).click();
   await expect(row(first)).toContainText("will be deleted in ten seconds");
   expect(await status()).toBe(200);
   await row(first).getByRole("button", { name: "Take it back" }).click();
-  await row(first).getByRole("button", { name: "Delete Ward 7 / 3" }).click();
+  await more("More about Ward 7 / 3", "Delete this patient …");
   await row(first).getByRole("button", { name: "Delete", exact: true }).click();
   await page.close({ runBeforeUnload: true }); // leaving the page sends what waits
   await expect.poll(status).toBe(404);

@@ -2,14 +2,14 @@
 // reload brings it back.  And two tools of the hand that make nothing new: the tape, and the mirror.
 import { expect, type Page } from "@playwright/test";
 import type { MeasuresFile, PatternOnScan, PlanOnScan, StoredPlan, Vector } from "../src/api/types";
-import { addToPlan, details, distance, hook, numberField, test, trueLandmarks, untilFitted, untilStill } from "./page";
+import { addToPlan, details, distance, example, hook, numberField, test, trueLandmarks, untilFitted, untilStill } from "./page";
 
 const state = (page: Page) => page.evaluate(() => window.__breastrig!.state());
 const shown = (page: Page) => page.evaluate(() => window.__breastrig!.state().drawn.live);
 
 async function fitted(page: Page, base: string): Promise<void> {
   await page.goto(base);
-  await page.getByRole("button", { name: /standing/i }).click();
+  await example(page);
   await hook.ready(page);
   await page.keyboard.press("2");
   await page.getByRole("button", { name: "Use the example's landmarks" }).click();
@@ -226,7 +226,7 @@ test("the tape measures along the skin from click to click and leaves nothing; a
 
 test("a tab that is looked at again says what was written in another one, and shows it when asked to", async ({ page, base, troubles, context }) => {
   await page.goto(base);
-  await page.getByRole("button", { name: /standing/i }).click();
+  await example(page);
   await hook.ready(page);
   const second = await context.newPage();
   await second.goto(page.url());

@@ -41,8 +41,13 @@ test("the stance that is missing is predicted, the pattern is carried there, and
     await expect.poll(async () => (await halos()).there, "both panes show the bands").not.toBeNull();
     const { here, there } = await halos();
     expect(Math.max(...there!), "less is known of what nobody has scanned").toBeGreaterThan(Math.max(...here!));
-    await page.getByRole("button", { name: "Supine, predicted", exact: true }).click();
+    const made = page.locator(".thumb.is-predicted");
+    await expect(made).toHaveAttribute("aria-pressed", "true");
+    await made.click();
+    await expect(pane).toBeHidden();
     expect(await page.evaluate(() => window.__breastrig!.state().scan!.info.id), "nobody works on it").toBe(scan.id);
+    await made.click();
+    await expect(pane).toBeVisible();
   });
 
   await test.step("everybody can read and press it", async () => {

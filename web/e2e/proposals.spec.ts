@@ -1,7 +1,7 @@
 // Proposed landmarks: dashed marks where the API says, confirmed on the canvas, in the list and one after the other, or left to the fit.
 import { expect } from "@playwright/test";
 import type { ProposedLandmarks, Result } from "../src/api/types";
-import { hook, openDetails, test, untilFitted, untilStill } from "./page";
+import { example, hook, openDetails, test, untilFitted, untilStill } from "./page";
 
 test("proposals are dashed until they are confirmed, and then picks like any other", async ({ page, base, troubles }) => {
   let answer = (): void => undefined;
@@ -12,7 +12,7 @@ test("proposals are dashed until they are confirmed, and then picks like any oth
     await route.fulfill({ response });
   });
   await page.goto(base);
-  await page.getByRole("button", { name: /standing/i }).click();
+  await example(page);
   await hook.ready(page);
   await page.keyboard.press("2");
 

@@ -3,7 +3,7 @@
 import { expect, type Page } from "@playwright/test";
 import type { LandmarkFile, Result, Vector } from "../src/api/types";
 import { overlaps, seriousFindings, smallTargets } from "./audit";
-import { hook, test, trueLandmarks, until, untilFitted } from "./page";
+import { example, hook, test, trueLandmarks, until, untilFitted } from "./page";
 import { inTheme } from "./states";
 
 const PICTURES = process.env.BREASTRIG_E2E_PICTURES; // a folder: for whoever wants to look
@@ -27,7 +27,7 @@ const question = (page: Page) => page.locator("#side-points .question:visible");
 /** The example with these landmarks, fitted. */
 async function fitted(page: Page, base: string, landmarks: Record<string, Vector>): Promise<void> {
   await page.goto(base);
-  await page.getByRole("button", { name: /standing/i }).click();
+  await example(page);
   await hook.ready(page);
   await page.keyboard.press("2");
   const file: LandmarkFile = { schema: "breastrig/landmarks@1", unit: "mm", landmarks };

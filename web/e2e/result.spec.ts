@@ -5,7 +5,7 @@ import { expect, type Page } from "@playwright/test";
 import type { Fit, Result } from "../src/api/types";
 import { distanceWithin, readDistances, SCANNER_MM, summarise } from "../src/fit/distances/distances";
 import { formatMm, formatPercent, formatSignedMm } from "../src/ui/units";
-import { distance, hook, look, more, openDetails, openFiles, test, until, untilFitted, untilStill } from "./page";
+import { distance, example, hook, look, more, openDetails, openFiles, test, until, untilFitted, untilStill } from "./page";
 
 /** Shares of strongly blue and strongly orange pixels in a part of the stage (0 to 1 across). */
 async function colours(page: Page, from: number, to: number): Promise<{ coloured: number; skin: number }> {
@@ -34,7 +34,7 @@ async function colours(page: Page, from: number, to: number): Promise<{ coloured
 
 test("distances are coloured, read under the pointer, and are the service's", async ({ page, base, troubles }) => {
   await page.goto(base);
-  await page.getByRole("button", { name: /standing/i }).click();
+  await example(page);
   await hook.ready(page);
   await page.keyboard.press("2");
   await page.getByRole("button", { name: "Use the example's landmarks" }).click();
@@ -162,7 +162,7 @@ test("distances are coloured, read under the pointer, and are the service's", as
 test("the model's shape is read off sliders; they pose the picture, not the fit", async ({ page, base, troubles }) => {
   await page.emulateMedia({ reducedMotion: "reduce" });
   await page.goto(base);
-  await page.getByRole("button", { name: /standing/i }).click();
+  await example(page);
   await hook.ready(page);
   await page.keyboard.press("1");
   await page.getByRole("button", { name: "Fit without landmarks" }).click();
@@ -192,7 +192,7 @@ test("the model's shape is read off sliders; they pose the picture, not the fit"
 
 test("a landmark that is dragged after the fit is fitted again at once, and arrow keys move one along the skin", async ({ page, base, troubles }) => {
   await page.goto(base);
-  await page.getByRole("button", { name: /standing/i }).click();
+  await example(page);
   await hook.ready(page);
   await page.keyboard.press("2");
   await page.getByRole("button", { name: "Use the example's landmarks" }).click();

@@ -44,7 +44,7 @@ async function signIn(page: Page): Promise<void> {
   await page.goto(owner.base);
   await page.getByLabel("Access token").fill(owner.token);
   await page.getByRole("button", { name: "Sign in" }).click();
-  await expect(page.getByRole("button", { name: /standing/i })).toBeVisible();
+  await expect(page.getByRole("button", { name: "Try the example" })).toBeVisible();
 }
 
 test("the secret is in neither the address bar nor the history, and the address of the page opens nothing elsewhere", async ({ page, browser }) => {
@@ -106,7 +106,7 @@ test("closing ends the credential, also for a copy of it, and leaves an owner in
 
   expect(await page.evaluate(() => [sessionStorage.getItem("unsaved"), localStorage.getItem("unsaved")])).toEqual(["mine", "mine"]);
   await page.reload();
-  await expect(page.getByRole("button", { name: /standing/i })).toBeVisible();
+  await expect(page.getByRole("button", { name: "Try the example" })).toBeVisible();
   await thief.close();
 });
 
@@ -143,7 +143,7 @@ test("a visitor's day: what stood when the link was made, the present state when
 
   await signIn(page);
   const part = (links: Record<string, string>): string => links.self!.split("/").at(-1)!;
-  await page.goto(`${owner.base}/#scan=${part(own.scan)}&fit=${part(own.fit)}&step=body`);
+  await page.goto(`${owner.base}/#scan=${part(own.scan)}&fit=${part(own.fit)}&step=handover`);
   await openShare(page);
   const dialog = page.getByRole("dialog", { name: "Share this result" });
   await expect(dialog.getByText("without the layer that follows the skin")).toBeVisible();

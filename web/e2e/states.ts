@@ -1,7 +1,7 @@
 // The states of the page in the order in which a person meets them, for whoever looks at all of them: accessibility,
 // sizes of targets, pictures.  A running fit is held at an iteration, so that it can be looked at.
 import { expect, type Page } from "@playwright/test";
-import { hook, look, openShare, until, untilFitted } from "./page";
+import { example, hook, look, openShare, until, untilFitted } from "./page";
 
 export interface StateOfPage {
   readonly name: string;
@@ -51,13 +51,13 @@ export const STATES: readonly StateOfPage[] = [
     name: "empty",
     reach: async (page, base) => {
       await page.goto(base);
-      await expect(page.getByRole("button", { name: /standing/i })).toBeVisible();
+      await expect(page.getByRole("button", { name: "Try the example" })).toBeVisible();
     },
   },
   {
     name: "scan",
     reach: async (page) => {
-      await page.getByRole("button", { name: /standing/i }).click();
+      await example(page);
       await hook.ready(page);
     },
   },

@@ -2,7 +2,7 @@
 // anything else, lying or upright.
 import { expect, type Page } from "@playwright/test";
 import { overlaps, smallTargets } from "./audit";
-import { distance, type FingerEvent, hook, look, tap, tapAt, test, touch, trueLandmarks, until, untilFitted, untilStill } from "./page";
+import { distance, example, type FingerEvent, hook, look, tap, tapAt, test, touch, trueLandmarks, until, untilFitted, untilStill } from "./page";
 
 test.use({ hasTouch: true, viewport: { width: 1024, height: 768 } });
 
@@ -20,7 +20,7 @@ test("fingers turn, place, aim and zoom; both ways of holding a tablet have room
   await page.emulateMedia({ reducedMotion: "reduce" });
   await page.goto(base);
   expect(await mess(page)).toEqual([]);
-  await tap(page.getByRole("button", { name: /standing/i }));
+  await example(page);
   await hook.ready(page);
   expect(await mess(page)).toEqual([]);
   await tap(page.getByRole("button", { name: "Set points myself" }));

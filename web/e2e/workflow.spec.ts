@@ -1,21 +1,49 @@
 // The whole way once, as a person goes it: scan in, landmarks by clicks on the body, live fit, numbers, reload.
-import { writeFileSync } from "node:fs";
-import { expect } from "@playwright/test";
+import { expect, type Page } from "@playwright/test";
 import type { EventPage, Result, Vector } from "../src/api/types";
 import { formatMm, formatMmWhole, formatPercent, formatSeconds } from "../src/ui/units";
 import { distance, hook, openDetails, openFiles, SCAN_FILE, test, trueLandmarks, until, untilFitted, untilStill } from "./page";
 
-const CLICKED = ["suprasternal_notch", "mid_sternum", "nipple_L", "nipple_R", "umbilicus"];
 const CLOSE_MM = 3;
+const HOLE_MM = 15; // below the breasts this scan has holes: beside one, where there is skin
+
+async function lookFromBelow(page: Page): Promise<void> {
+  const { x, y, width, height } = (await page.locator("main canvas.view").boundingBox())!;
+  await page.mouse.move(x + 0.2 * width, y + 0.6 * height);
+  await page.mouse.down();
+  await page.mouse.move(x + 0.2 * width, y + 0.6 * height - 60, { steps: 4 });
+  await page.mouse.up();
+  await untilStill(page);
+}
+
+/** Page pixels of the skin that is seen nearest to a place. */
+const skinNear = (page: Page, at: { x: number; y: number }, to: Vector): Promise<{ x: number; y: number }> =>
+  page.evaluate(
+    ([{ x, y }, goal]) => {
+      let best = { x, y, off: Infinity };
+      for (let away = 0; away <= 96; away += 4) {
+        for (let turn = 0; turn < 16; turn += 1) {
+          const [px, py] = [x + away * Math.cos((turn * Math.PI) / 8), y + away * Math.sin((turn * Math.PI) / 8)];
+          const hit = window.__breastrig!.pickAt(px, py)?.point;
+          const off = hit ? Math.hypot(...hit.map((value, axis) => value - goal[axis]!)) : Infinity;
+          if (off < best.off) best = { x: px, y: py, off };
+        }
+        if (best.off < 2) break;
+      }
+      return best;
+    },
+    [at, to] as const,
+  );
 
 test.use({ contextOptions: { reducedMotion: "no-preference" } }); // with its motion, as most people see it
 
-test("a scan is uploaded, landmarks are clicked, the model settles and the numbers are the service's", async ({ page, base, troubles }, info) => {
+test("a scan is uploaded, landmarks are clicked, the model settles and the numbers are the service's", async ({ page, base, troubles }) => {
   const truth = trueLandmarks();
+  const all = Object.keys(truth);
 
   await test.step("the file goes in and the body is drawn", async () => {
     await page.goto(base);
-    await expect(page.getByText("Drop a 3D scan of the torso here")).toBeVisible();
+    await expect(page.getByText("Drop the patient's scans anywhere on this page")).toBeVisible();
     await page.locator("#scan-file").setInputFiles(SCAN_FILE);
     await hook.ready(page);
     const { colours, isLost } = await hook.picture(page);
@@ -24,17 +52,24 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
     await expect(page.locator(".facts")).toContainText(/\d\d.cm wide, \d\d high, 2\d deep/); // the body's axes: in the file's it is 26
   });
 
-  await test.step("clicks on the canvas place landmarks where they are", async () => {
-    await page.getByRole("button", { name: "Size and direction are right" }).click();
+  await test.step("all twelve are placed by clicks on the body, each with its guide", async () => {
+    await page.getByRole("button", { name: "Set points myself" }).click();
     await expect(page.locator("[data-proposed]").first()).toBeAttached();
-    for (const name of CLICKED) {
+    expect(all).toHaveLength(12);
+    for (const name of all) {
       await page.locator(`.landmarks [data-landmark=${name}] .landmark-name`).click();
+      await expect(page.locator(".guide .model-picture")).toBeVisible();
       await untilStill(page); // the eye comes near
-      const at = await hook.project(page, truth[name]!);
-      await page.mouse.click(at.x, at.y);
+      let at = await hook.project(page, truth[name]!);
+      for (let turns = 0; at.hidden && turns < 6; turns += 1) {
+        await lookFromBelow(page); // a fold lies under the breast
+        at = await hook.project(page, truth[name]!);
+      }
+      const near = await skinNear(page, at, truth[name]!);
+      await page.mouse.click(near.x, near.y);
       const picked = await hook.pick(page, name);
       expect(picked, `${name} is placed`).not.toBeNull();
-      expect(distance(picked!, truth[name]!), `${name}: distance of the pick to the true point, mm`).toBeLessThan(CLOSE_MM);
+      expect(distance(picked!, truth[name]!), `${name}: distance of the pick to the true point, mm`).toBeLessThan(name.startsWith("inframammary") ? HOLE_MM : CLOSE_MM);
     }
   });
 
@@ -46,29 +81,28 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
     await page.mouse.down();
     await page.mouse.move(x + 90, y + 20, { steps: 4 });
     await page.mouse.up();
-    expect(await hook.pickCount(page)).toBe(CLICKED.length);
+    expect(await hook.pickCount(page)).toBe(all.length);
     expect((await hook.picture(page)).checksum).not.toBe(before.checksum);
     await page.keyboard.press("f");
   });
 
   await test.step("undo takes the last one back, redo returns it, and the service keeps them", async () => {
     await page.keyboard.press("z");
-    expect(await hook.pick(page, CLICKED.at(-1)!)).toBeNull();
+    expect(await hook.pick(page, all.at(-1)!)).toBeNull();
     await page.keyboard.press("Shift+Z");
-    expect(await hook.pickCount(page)).toBe(CLICKED.length);
+    expect(await hook.pickCount(page)).toBe(all.length);
     await expect(page.locator(".top-bar .saved")).toHaveText("Saved");
     const scan = await page.evaluate(() => window.__breastrig!.state().scan!.info);
     const kept = (await (await page.request.get(base + scan.links.landmarks)).json()) as { landmarks: Record<string, Vector> };
-    expect(Object.keys(kept.landmarks).sort()).toEqual([...CLICKED].sort());
+    expect(Object.keys(kept.landmarks).sort()).toEqual([...all].sort());
     expect(distance(kept.landmarks.nipple_L!, truth.nipple_L!)).toBeLessThan(CLOSE_MM);
   });
 
-  await test.step("the rest is read from a file", async () => {
-    const rest = Object.fromEntries(Object.entries(truth).filter(([name]) => !CLICKED.includes(name)));
-    const file = info.outputPath("landmarks.json");
-    writeFileSync(file, JSON.stringify({ schema: "breastrig/landmarks@1", unit: "mm", landmarks: rest }));
-    await page.locator("#landmark-file").setInputFiles(file);
-    await expect.poll(() => hook.pickCount(page)).toBe(Object.keys(truth).length);
+  await test.step("a drawing of the model is planned", async () => {
+    await page.keyboard.press("3");
+    await page.locator(".pattern summary").click();
+    await page.locator(".pattern select").first().selectOption("lumpectomy");
+    await page.keyboard.press("2");
   });
 
   const before = await hook.picture(page);
@@ -97,6 +131,11 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
     expect(seen, "one after another, and all of them").toEqual(Array.from({ length: iterations }, (_, i) => i));
     const slider = page.locator("#iteration");
     await slider.fill("0");
+    const drawn = await hook.picture(page);
+    const line = page.locator("[data-layer=reference] input").first();
+    await line.evaluate((box: HTMLInputElement) => box.click());
+    expect((await hook.picture(page)).checksum, "the drawing lies on the model from the first iteration on").not.toBe(drawn.checksum);
+    await line.evaluate((box: HTMLInputElement) => box.click());
     expect((await hook.picture(page)).checksum, "an early iteration looks different").not.toBe(after.checksum);
     await slider.fill((await slider.getAttribute("max"))!);
   });

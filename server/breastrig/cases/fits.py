@@ -47,6 +47,12 @@ class FitEntry:
         level: str | None = ((self.last or {}).get("result", {}).get("verdict") or {}).get("level")
         return level
 
+    @property
+    def line_error_mm(self) -> float | None:
+        """90 % line error on the breasts; None before the end, and where it is not known."""
+        error: float | None = (self.last or {}).get("result", {}).get("line_error_mm")
+        return error
+
 
 def fit_ids(case: CaseFolder, scan_id: str) -> list[str]:
     """The ids of the scan's fits. Raises NotFound."""

@@ -367,15 +367,15 @@ def _put(rows: sqlite3.Connection, read: CaseRows) -> None:
     """The rows of one case in place of those that are there; fits that are there keep their places."""
     case_id = read.case[0]
     rows.execute(
-        "INSERT INTO cases (id, code, code_key, code_search, created_at, first_scan, plan, stamp) "
-        "VALUES (?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (id) DO UPDATE SET code = excluded.code, "
+        "INSERT INTO cases (id, code, code_key, code_search, created_at, first_scan, plan, planned, stamp) "
+        "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (id) DO UPDATE SET code = excluded.code, "
         "code_key = excluded.code_key, code_search = excluded.code_search, created_at = excluded.created_at, "
-        "first_scan = excluded.first_scan, plan = excluded.plan, stamp = excluded.stamp",
+        "first_scan = excluded.first_scan, plan = excluded.plan, planned = excluded.planned, stamp = excluded.stamp",
         read.case,
     )
     for table in ("scans", "links"):
         rows.execute(f"DELETE FROM {table} WHERE patient = ?", (case_id,))
-    rows.executemany("INSERT OR REPLACE INTO scans VALUES (?, ?, ?, ?, ?, ?)", read.scans)
+    rows.executemany("INSERT OR REPLACE INTO scans VALUES (?, ?, ?, ?, ?, ?, ?)", read.scans)
     rows.executemany("INSERT OR REPLACE INTO links VALUES (?, ?, ?, ?, ?, ?)", read.links)
     here = {fit[0] for fit in read.fits}
     before = {row[0] for row in rows.execute("SELECT id FROM fits WHERE patient = ?", (case_id,))}
@@ -386,11 +386,12 @@ def _put(rows: sqlite3.Connection, read: CaseRows) -> None:
 
 def _put_fit(rows: sqlite3.Connection, fit: tuple[object, ...]) -> None:
     rows.execute(
-        "INSERT INTO fits (id, patient, scan, asked_at, state, verdict, predicted_from, asked_stance, key_sha256, "
-        "request_sha256, stance) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) "
+        "INSERT INTO fits (id, patient, scan, asked_at, state, verdict, line_error_mm, predicted_from, asked_stance, "
+        "key_sha256, request_sha256, stance) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) "
         "ON CONFLICT (id) DO UPDATE SET patient = excluded.patient, scan = excluded.scan, verdict = excluded.verdict, "
-        "asked_at = excluded.asked_at, predicted_from = excluded.predicted_from, asked_stance = excluded.asked_stance, "
-        "key_sha256 = excluded.key_sha256, request_sha256 = excluded.request_sha256, stance = excluded.stance, "
+        "line_error_mm = excluded.line_error_mm, asked_at = excluded.asked_at, predicted_from = "
+        "excluded.predicted_from, asked_stance = excluded.asked_stance, key_sha256 = excluded.key_sha256, "
+        "request_sha256 = excluded.request_sha256, stance = excluded.stance, "
         # one that was taken up has no line yet, and does not wait any more
         "state = CASE WHEN fits.state = 'running' AND excluded.state = 'queued' THEN 'running' ELSE excluded.state END",
         fit,

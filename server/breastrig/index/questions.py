@@ -20,6 +20,7 @@ class CaseRow:
     code: str
     created_at: str
     plan: int  # version; 0: there is none yet
+    planned: str  # JSON, see read_case.planned_in_short
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,7 @@ class ListedFit:
     state: str
     created_at: str
     verdict: str | None
+    line_error_mm: float | None
     stance: str | None  # as decided at its start
 
 
@@ -36,6 +38,7 @@ class ListedScan:
     id: str
     created_at: str
     stance: str  # as proposed
+    kind: str
     fit: ListedFit | None  # that was asked for last, no prediction
 
 
@@ -88,12 +91,12 @@ def cases_page(
         given += [last[0], last[0], last[1]]
     order = "place DESC" if sort == "newest" else f"{key}, place DESC"
     found = rows.execute(
-        f"SELECT id, code, created_at, plan, {key}, place FROM cases WHERE {' AND '.join(wanted)} "
+        f"SELECT id, code, created_at, plan, planned, {key}, place FROM cases WHERE {' AND '.join(wanted)} "
         f"ORDER BY {order} LIMIT ?",
         (*given, limit + 1),
     ).fetchall()
-    more = (found[limit - 1][4], found[limit - 1][5]) if len(found) > limit else None
-    return [CaseRow(*row[:4]) for row in found[:limit]], more
+    more = (found[limit - 1][5], found[limit - 1][6]) if len(found) > limit else None
+    return [CaseRow(*row[:5]) for row in found[:limit]], more
 
 
 def stamps(rows: sqlite3.Connection, cases: Collection[str]) -> dict[str, int]:
@@ -106,16 +109,19 @@ def listed_cases(rows: sqlite3.Connection, cases: Collection[str]) -> list[Liste
     scans: dict[str, list[ListedScan]] = {case: [] for case in cases}
     newest = "SELECT id FROM fits WHERE scan = scans.id AND predicted_from IS NULL ORDER BY place DESC LIMIT 1"
     chosen = (
-        "SELECT scans.patient, scans.id, scans.created_at, scans.stance, fits.id, fits.state, asked_at, verdict, "
-        f"fits.stance FROM scans LEFT JOIN fits ON fits.id = ({newest}) WHERE scans.patient IN ({_marks(cases)}) "
-        "ORDER BY scans.created_at, scans.id"
+        "SELECT scans.patient, scans.id, scans.created_at, scans.stance, kind, fits.id, fits.state, asked_at, verdict, "
+        f"line_error_mm, fits.stance FROM scans LEFT JOIN fits ON fits.id = ({newest}) "
+        f"WHERE scans.patient IN ({_marks(cases)}) ORDER BY scans.created_at, scans.id"
     )
-    for case, scan, came, proposed, fit_id, state, asked_at, verdict, stance in rows.execute(chosen, tuple(cases)):
-        fit = None if fit_id is None else ListedFit(fit_id, state, asked_at, verdict, stance)
-        scans[case].append(ListedScan(scan, came, proposed, fit))
-    chosen = f"SELECT id, code, created_at, plan FROM cases WHERE id IN ({_marks(cases)})"
+    for case, scan, came, proposed, kind, fit_id, *of_fit in rows.execute(chosen, tuple(cases)):
+        fit = None if fit_id is None else ListedFit(fit_id, *of_fit)
+        scans[case].append(ListedScan(scan, came, proposed, kind, fit))
+    chosen = f"SELECT id, code, created_at, plan, planned FROM cases WHERE id IN ({_marks(cases)})"
     known = rows.execute(chosen, tuple(cases))
-    found = {case: ListedCase(case, code, made, plan, tuple(scans[case])) for case, code, made, plan in known}
+    found = {
+        case: ListedCase(case, code, made, plan, planned, tuple(scans[case]))
+        for case, code, made, plan, planned in known
+    }
     return [found[case] for case in cases if case in found]
 
 

@@ -5,7 +5,7 @@ offline), when links were opened, sessions that were ended, and the order of fit
 Another VERSION means another form: the three tables are copied if they can be read, the rest is made again.
 """
 
-VERSION = 3
+VERSION = 4
 OF_FOLDERS = ("cases", "scans", "fits", "links")
 ONLY_HERE = ("link_secrets", "openings", "ended_sessions")
 
@@ -20,6 +20,7 @@ CREATE TABLE cases (
     created_at TEXT NOT NULL,
     first_scan TEXT NOT NULL,     -- when the first of its scans came; empty without any
     plan INTEGER NOT NULL,        -- version
+    planned TEXT NOT NULL,        -- what is planned, in short, JSON
     stamp INTEGER NOT NULL        -- of the folder that was read, ns
 );
 CREATE INDEX cases_by_code ON cases (code_key, place DESC);
@@ -29,6 +30,7 @@ CREATE TABLE scans (
     patient TEXT NOT NULL,
     created_at TEXT NOT NULL,
     stance TEXT NOT NULL,         -- as proposed
+    kind TEXT NOT NULL,           -- surface, or image for a label map
     sha256 TEXT NOT NULL,
     announced_at TEXT             -- its deletion by age
 ) WITHOUT ROWID;
@@ -42,6 +44,7 @@ CREATE TABLE fits (
     asked_at TEXT NOT NULL,
     state TEXT NOT NULL,
     verdict TEXT,
+    line_error_mm REAL,
     stance TEXT,                  -- as decided at its start
     predicted_from TEXT,
     asked_stance TEXT NOT NULL,

@@ -793,6 +793,7 @@ export type Patient = {
   created_at: string;
   /** 0 before anything was planned */
   plan_version: number;
+  planned: Planned;
   scans: PatientScan[];
   links: PatientLinks;
 };
@@ -810,6 +811,8 @@ export type PatientFit = {
   created_at: string;
   /** whether to trust it; null before the end, and of versions before */
   verdict: "good" | "uncalibrated" | "check" | "unusable" | null;
+  /** 90 % line error on the breasts; null: not known */
+  line_error_mm: number | null;
 };
 
 export type PatientLinks = {
@@ -832,6 +835,8 @@ export type PatientScan = {
   created_at: string;
   /** ISO 8601, UTC: kept until then; null: until it is deleted by hand */
   delete_at: string | null;
+  /** image: the label map of an image */
+  kind: "surface" | "image";
   /** address of a small picture, PNG */
   thumbnail: string;
   fit: PatientFit | null;
@@ -1045,6 +1050,15 @@ export type PlanTumour = {
   radius_mm: number;
   /** below the skin; null where it is not known */
   depth_mm?: number | null;
+};
+
+/** What is planned, in short. */
+export type Planned = {
+  /** names */
+  patterns: string[];
+  lines: number;
+  /** with tumours given by the clock */
+  lesions: number;
 };
 
 /** A ball inside the body, in the scan's frame. */

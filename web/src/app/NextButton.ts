@@ -39,7 +39,7 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
   let next: NextStep = { kind: "none" };
   const press = (): void => {
     const pressed = next; // what it does may change what comes next at once
-    if (pressed.kind === "confirm scan") actions.scan.confirm();
+    if (pressed.kind === "confirm scan") actions.bring.sizeIsRight();
     if (pressed.kind === "place") actions.landmarks.want(pressed.isArmed ? null : pressed.landmark);
     if (pressed.kind === "confirm") actions.landmarks.confirm(pressed.names);
     if (pressed.kind === "check") void (pressed.on === null ? Promise.resolve() : actions.stances.swap()).then(() => actions.checks.begin());

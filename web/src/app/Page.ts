@@ -1,4 +1,6 @@
 // Puts the panels in their places: top bar, strip, stage with its bar, side panel.
+import { ApiError } from "../api/client";
+import { noService } from "../api/text";
 import { asksOf } from "../checks/state";
 import { createTools } from "../drawing/Tools";
 import { areSlicesOpen } from "../drawing/slices/state";
@@ -11,13 +13,12 @@ import { createShapeSliders } from "../fit/hand_pose/ShapeSliders";
 import { hasBoth, viewBarShown } from "../fit/state";
 import { createTimeline } from "../fit/playback/TimelinePanel";
 import { createGuideCard } from "../landmarks/GuideCard";
-import { createLandmarkPanel } from "../landmarks/LandmarkPanel";
-import { needsConfirming } from "../landmarks/state";
-import { createPatientList } from "../patients/PatientList";
+import { pickCount } from "../landmarks/state";
+import { createHome } from "../patients/Home";
 import { createPlanNotice } from "../plan/PlanNotice";
-import { createEmptyState } from "../scan/EmptyState";
+import { createLoadingCard } from "../scan/LoadingCard";
 import { createScanPanel } from "../scan/ScanPanel";
-import { empty as emptyText } from "../scan/text";
+import { drop as dropWords } from "../scan/text";
 import { createDrawingCarry } from "../stances/DrawingCarry";
 import { createOtherPane } from "../stances/OtherPane";
 import { createStrip } from "../stances/Strip";
@@ -64,6 +65,8 @@ export interface Page {
   follow(store: Store<Session>): void;
 }
 
+type On = <Shown extends object>(panel: Panel<Shown, Session>) => void;
+
 const UNDONE_MS = 6000; // so long what undo has changed stands over the body
 
 export function createPage(actions: Actions, dismiss: (place: Place) => void): Page {
@@ -75,15 +78,14 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const viewBar = createViewBar(actions.view, looks, shownInViewBar, tools.element);
   const colourBar = createColourBar();
   const swipe = createSwipe(actions.view.swipe, hasBoth);
-  const empty = createEmptyState(actions.scan, dismiss);
-  const patients = createPatientList(actions.patients, addressOfPatient);
-  empty.element.append(patients.element);
+  const loading = createLoadingCard();
+  const home = createHome(actions.patients, { files: (files) => void actions.bring.files(files), examples: (names) => void actions.bring.examples(names) }, addressOfPatient, dismiss);
   const page = problem(() => dismiss("page"));
   const model = problem(() => dismiss("model"));
   const distances = problem(() => dismiss("distances"));
   const refit = problem(() => dismiss("fit")); // of a fit that was asked for from another step
   const graphics = el("p", { class: "no-graphics", role: "alert", hidden: true });
-  const host = el("div", { class: "stage" }, canvas, overlay, swipe.element, colourBar.element, empty.element, page.element, model.element, distances.element, refit.element, graphics);
+  const host = el("div", { class: "stage" }, canvas, overlay, swipe.element, colourBar.element, model.element, distances.element, refit.element);
   const canvasBar = later(
     only("problems", "drawn", "isCanvasFull", "hasPen", "fingersDraw"),
     ({ isCanvasFull }: Pick<Session, "problems" | "drawn" | "isCanvasFull" | "hasPen" | "fingersDraw">) => isCanvasFull,
@@ -91,19 +93,29 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   );
   const mirror = createMirrorLegend();
   host.append(canvasBar.element, mirror.element);
-  const veil = el("div", { class: "drop-veil", hidden: true }, el("p", {}, emptyText.drop));
+  const veil = el("div", { class: "drop-veil", hidden: true }, el("p", {}, dropWords));
   acceptDrops(veil, actions);
 
-  const scan = createScanPanel(actions.scan, () => dismiss("scan"), needsConfirming);
-  const landmarks = createLandmarkPanel(actions.landmarks, actions.proposals, () => dismiss("landmarks"));
+  const scan = createScanPanel({ ...actions.scan, takeSegments: actions.bring.takeSegments }, actions.bring.sizeIsRight, () => dismiss("scan"), isUntouched);
   const fit = createFitPanel(actions.fit, () => dismiss("fit"));
   const carry = createDrawingCarry(actions.stances);
   const ink = { scan: el("div", {}), drawing: el("div", {}) }; // lines found on the skin, see ink/open.ts
-  const plan = later(
-    only("meta", "models", "problems", "scan", "drawing", "fit", "drawn", "lesion", "slices", "item", "stances", "hasPen", "fingersDraw"),
-    ({ scan }: Pick<Session, "meta" | "models" | "problems" | "scan" | "drawing" | "fit" | "drawn" | "lesion" | "slices" | "item" | "stances" | "hasPen" | "fingersDraw">) => scan !== null,
-    async () => (await import("../drawing/panel/PlanPanel")).createPlanPanel(actions.drawing, actions.plan, () => dismiss("drawing"), ink.drawing, carry.element),
-  );
+  // What the first page does not show comes with the first scan.
+  const late: { readonly place: HTMLElement; readonly load: (on: On) => Promise<void> }[] = [];
+  const withScan = <Shown extends object>(load: () => Promise<Panel<Shown, Session>>): { readonly element: HTMLElement } => {
+    const place = el("div", {});
+    late.push({
+      place,
+      async load(on) {
+        const panel = await load();
+        place.append(panel.element);
+        on(panel);
+      },
+    });
+    return { element: place };
+  };
+  const landmarks = withScan(async () => (await import("../landmarks/LandmarkPanel")).createLandmarkPanel(actions.landmarks, actions.proposals, () => dismiss("landmarks")));
+  const plan = withScan(async () => (await import("../drawing/panel/PlanPanel")).createPlanPanel(actions.drawing, actions.plan, () => dismiss("drawing"), ink.drawing, carry.element));
   const sliders = createShapeSliders(actions.handPose);
   const handOver = later(
     only("meta", "step", "loading", "scan", "confirmed", "picks", "certain", "proposals", "skipped", "active", "fit", "isStarting", "stance", "preset", "refine", "drawing", "drawn", "ink", "stances", "checks", "overlay"),
@@ -123,17 +135,18 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const numbers = later(
     (state: Session) => ({ meta: state.meta, fit: state.fit, old: outdated(state), lines: linesOn(state), doubt: doubtOf(state), asks: asksOf(state) }),
     ({ fit }) => fit !== null,
-    async () => (await import("../fit/distances/NumbersPanel")).createNumbersPanel<Session>({ outdated, doubt: doubtOf, asks: asksOf, again: () => void actions.fit.start(), anotherFile: (file) => void actions.scan.drop([file]), setPoints }),
+    async () => (await import("../fit/distances/NumbersPanel")).createNumbersPanel<Session>({ outdated, doubt: doubtOf, asks: asksOf, again: () => void actions.fit.start(), anotherFile: (file) => void actions.bring.files([file]), setPoints }),
   );
   const check = later(
     only("meta", "checks"),
     ({ checks }: Pick<Session, "meta" | "checks">) => checks.tour !== null,
     async () => (await import("../checks/CheckCard")).createCheckCard(actions.checks),
   );
+  const sentence = withScan(async () => (await import("./Sentence")).createSentence(actions));
   const timeline = createTimeline(actions.player);
   const side = createSidePanel(
     {
-      body: createBodyPanel(() => actions.page.goTo("points"), [ink.scan, scan.asked, fit.element, numbers.element], [timeline.element, scan.element, fit.settings, sliders.element]),
+      body: createBodyPanel(() => actions.page.goTo("points"), [sentence.element, ink.scan, scan.asked, fit.element, numbers.element], [timeline.element, scan.element, fit.settings, sliders.element]),
       points: el("div", { class: "panel" }, guide.element, landmarks.element),
       plan: plan.element,
       handover: handOver.element,
@@ -161,7 +174,6 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const deleted = createDeletionNotice(actions.deletion);
   const changed = createPlanNotice(actions.plan);
   const unsaved = createUnsavedBar(() => actions.unsaved.soon());
-  host.append(deleted.element, changed.element);
   const strip = createStrip(actions.stances);
   const top = createTopBar(actions);
   const adding = later(
@@ -183,14 +195,13 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   host.append(other.caption);
   const live = el("p", { class: "visually-hidden", role: "status", "aria-live": "polite" });
   const undone = el("p", { class: "undone", role: "status", "aria-live": "polite" }); // each saying is an element of its own: the same one twice is read out twice
-  host.append(undone);
   const slices = later(
     only("step", "scan", "picks", "active", "isCropping", "isCanvasFull", "stance", "fit", "drawn", "lesion", "slices", "stances", "checks"),
     areSlicesOpen,
     async () => (await import("../stances/slices/SlicesPanel")).createSlices({ slices: (change) => actions.drawing.slices(change), lesions: (own) => actions.plan.lesions(own) }),
   );
   paper.element.className = "paper-host";
-  const stages = el("main", { class: "stages" }, host, other.element, slices.element, viewBar.element, paper.element);
+  const stages = el("main", { class: "stages" }, host, other.element, slices.element, viewBar.element, paper.element, home.element, loading.element, page.element, graphics, deleted.element, changed.element, undone);
 
   return {
     elements: [top.element, strip.element, stages, side.element, veil, help.element, share.element, adding.element, measures.element, samePatient.element, question.element, leave.element, deleting.element, unsaved.element, live],
@@ -207,16 +218,20 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
         overlay.classList.toggle("is-numbered", state.step === "points");
       });
       const run = betweenPresses(side.element);
-      const on = <Shown extends object>(panel: Panel<Shown, Session>): void =>
+      const on: On = (panel) =>
         void store.select((state) => panel.select(state), (shown) => run(panel, () => panel.update(shown)));
+      let hasCome = false;
+      store.select(only("scan"), ({ scan }) => {
+        if (hasCome || !scan) return;
+        hasCome = true;
+        for (const { load } of late) void load(on).catch(() => reportError(new ApiError(noService, 0))); // the page says it
+      });
       on(top);
       on(strip);
       on(tools);
       on(side);
       on(scan);
-      on(landmarks);
       on(fit);
-      on(plan);
       on(canvasBar);
       on(mirror);
       on(carry);
@@ -228,8 +243,8 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(viewBar);
       on(colourBar);
       on(swipe);
-      on(empty);
-      on(patients);
+      on(home);
+      on(loading);
       on(numbers);
       on(check);
       on(timeline);
@@ -280,6 +295,9 @@ const shownInViewBar = (state: Session): ViewBarShown => {
   };
 };
 
+/** Nothing was made of the scan that reading its file again would lose. */
+const isUntouched = (state: Session): boolean => state.scan?.file != null && pickCount(state) === 0 && state.drawn.lines.past.length === 0 && state.drawing === "";
+
 /** Scans may be dropped anywhere. */
 function acceptDrops(veil: HTMLElement, actions: Actions): void {
   const hasFile = (event: DragEvent): boolean => event.dataTransfer?.types.includes("Files") ?? false;
@@ -290,6 +308,6 @@ function acceptDrops(veil: HTMLElement, actions: Actions): void {
     event.preventDefault();
     show(veil, false);
     const files = [...(event.dataTransfer?.files ?? [])];
-    if (files.length > 0) void actions.scan.drop(files);
+    if (files.length > 0) void actions.bring.files(files);
   });
 }

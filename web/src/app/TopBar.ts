@@ -21,7 +21,7 @@ import * as text from "./text";
 const words = text.top;
 const TABS = ["body", "plan", "handover"] as const satisfies readonly Step[];
 
-type Shown = Pick<Session, "meta" | "step" | "scan" | "picks" | "certain" | "saving" | "fit" | "stance" | "preset" | "refine" | "drawing" | "drawn" | "stances" | "theme" | "isSignedIn">;
+type Shown = Pick<Session, "meta" | "step" | "scan" | "picks" | "certain" | "saving" | "fit" | "stance" | "preset" | "refine" | "drawing" | "drawn" | "stances" | "theme" | "isSignedIn" | "fitsAtOnce">;
 
 /** What undo would take back; null where nothing is there to be taken back. */
 function undoable({ meta, step, picks, drawing, drawn }: Shown): string | null {
@@ -56,19 +56,20 @@ export function createTopBar(actions: Actions): Panel<Shown> {
   const redo = iconButton("redo", words.redo, () => (ofPlan() ? actions.drawing.redo() : actions.landmarks.redo()));
   const saved = el("span", { class: "saved muted", role: "status" });
   const theme = menuItem("", "", () => actions.page.nextTheme());
+  const fits = menuItem("", words.fitsAtOnceHint, () => actions.bring.chooseFitsAtOnce(!(shown?.fitsAtOnce ?? true)));
   const leave = menuItem(words.signOut, "", () => void actions.signOut());
   const ofScan = [
     menuItem(words.picture, words.pictureHint, () => void actions.files.save()),
     menuItem(words.remove, "", () => actions.deletion.ask(true)),
   ];
-  const menu = createMenu("page-menu", "\u2022\u2022\u2022", words.menu, "icon-only", ...ofScan, theme, menuItem(words.help, words.helpHint, () => actions.page.help(true)), leave);
+  const menu = createMenu("page-menu", "\u2022\u2022\u2022", words.menu, "icon-only", ...ofScan, fits, theme, menuItem(words.help, words.helpHint, () => actions.page.help(true)), leave);
   const element = el("header", { class: "top-bar" }, home, title, about, nav, el("span", { class: "top-end" }, undo, redo, saved, menu.element));
-  menu.card.addEventListener("click", ({ target }) => target !== menu.card && !theme.contains(target as Node) && menu.close());
+  menu.card.addEventListener("click", ({ target }) => target !== menu.card && ![theme, fits].some((each) => each.contains(target as Node)) && menu.close());
   let shown: Shown | null = null;
   let drawn: Theme | null = null;
   return {
     element,
-    select: only("meta", "step", "scan", "picks", "certain", "saving", "fit", "stance", "preset", "refine", "drawing", "drawn", "stances", "theme", "isSignedIn"),
+    select: only("meta", "step", "scan", "picks", "certain", "saving", "fit", "stance", "preset", "refine", "drawing", "drawn", "stances", "theme", "isSignedIn", "fitsAtOnce"),
     update(state: Shown): void {
       shown = state;
       const { scan, step, stances } = state;
@@ -93,6 +94,7 @@ export function createTopBar(actions: Actions): Panel<Shown> {
       setText(saved, scan === null ? "" : words[unsaid]);
       for (const each of ofScan) show(each, scan !== null);
       show(leave, state.isSignedIn);
+      setText(fits.querySelector("span")!, words.fitsAtOnce(state.fitsAtOnce));
       if (state.theme === drawn) return;
       drawn = state.theme;
       setText(theme.querySelector("span")!, words.theme(state.theme));

@@ -19,6 +19,7 @@ import { createOutbox, type Outbox } from "../store/outbox";
 import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import { viewActions } from "../viewer/actions";
+import { bringActions } from "./bringFiles";
 import { deletionActions } from "./deletion/actions";
 import { exportActions } from "./exportActions";
 import { keepTrying } from "./keepTrying";
@@ -32,17 +33,23 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
   const follower = createFollower(store, client);
   const fit = fitActions(store, client, player, follower);
   const proposals = createProposalSearch(store, client);
-  const landmarks = landmarkActions(store, client, { begun: proposals.lookOnce, moved: fit.refit, answered: fit.refit }, outbox);
+  const byHand = (): void => {
+    fit.setAside();
+    proposals.lookOnce();
+  };
+  const landmarks = landmarkActions(store, client, { begun: byHand, moved: fit.refit, answered: fit.refit }, outbox);
   const plan = planActions(store, client, outbox);
-  const scan = scanActions(store, client, scanContents(landmarks, plan, fit.stop), proposals.lookOnce, outbox);
+  const scan = scanActions(store, client, scanContents(landmarks, plan, fit.stop), outbox);
   const drawing = drawingActions(store, client, plan);
   const leaving = leavingActions(store, { landmarks, lines: drawing }, outbox);
   const guarded = leaving.guarded(scan);
-  const stances = stancesActions(store, client, { scan, fit, landmarks, drawing, plan });
+  const stances = stancesActions(store, client, { scan, fit, landmarks, drawing, plan, begin: () => bring.begin() });
+  const bring = bringActions(store, client, { scan: guarded, stances, fit, landmarks });
   const patients = patientActions(store, client, outbox);
   const deletion = deletionActions(store, client, { scan, fit, stances, patients }, outbox);
   return {
-    page: pageActions(store, proposals.lookOnce),
+    page: pageActions(store, byHand),
+    bring,
     view: viewActions(store),
     scan: { ...guarded, open: (id: string, own: Frame | null) => (deletion.keepIf(id), guarded.open(id, own)) },
     leaving,

@@ -63,7 +63,6 @@ export function leavingActions(store: Store<Session>, kept: Record<Exclude<Unsav
     guarded: (scan: ScanActions): ScanActions => ({
       ...scan,
       upload: async (...file) => (await mayLeave()) && scan.upload(...file),
-      drop: async (files) => (await mayLeave()) && scan.drop(files),
       takeExample: async (name) => (await mayLeave()) && scan.takeExample(name),
       open: async (id, own) => (await mayLeave()) && scan.open(id, own),
       leave: async () => (await mayLeave()) && scan.leave(),

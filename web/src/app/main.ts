@@ -28,6 +28,9 @@ const page = createPage(actions, dismiss);
 document.body.append(...page.elements);
 page.follow(store);
 openViewer(store, actions, page.stages, prefersStill);
+const FITS_AT_ONCE = "breastrig.fits-at-once"; // a wish of whoever uses this browser
+if (localStorage.getItem(FITS_AT_ONCE) === "no") store.set({ fitsAtOnce: false });
+store.select(only("fitsAtOnce"), ({ fitsAtOnce }) => (fitsAtOnce ? localStorage.removeItem(FITS_AT_ONCE) : localStorage.setItem(FITS_AT_ONCE, "no")));
 let isInkOpen = false;
 store.select(only("scan"), ({ scan }) => {
   if (isInkOpen || !scan || !mayShowInk(scan.info)) return;

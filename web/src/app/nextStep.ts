@@ -6,8 +6,9 @@ import { levelOf } from "../fit/verdict";
 import { isMark, openLines } from "../ink/state";
 import { ENOUGH, nextMissing } from "../landmarks/picks";
 import { isSeen, openProposals } from "../landmarks/proposals/proposals";
-import { needsConfirming, pickCount } from "../landmarks/state";
+import { pickCount } from "../landmarks/state";
 import { cropsOf } from "../scan/crop";
+import { isSizeAsked } from "../scan/state";
 import { scannedOther, stanceNames, stanceOf } from "../stances/state";
 import type { Session } from "./session";
 
@@ -63,7 +64,7 @@ function afterFit(state: NextShown): NextStep {
 
 export function nextStep(state: NextShown): NextStep {
   if (!state.scan || state.loading || isFitting(state) || state.checks.tour) return { kind: "none" };
-  if (state.step === "body" && needsConfirming(state)) return { kind: "confirm scan" };
+  if (isSizeAsked(state)) return { kind: "confirm scan" };
   const landmarks = pickCount(state);
   if (state.step === "points") {
     const open = openProposals(state.proposals, state.picks.present).filter(({ name }) => !state.skipped.has(name));

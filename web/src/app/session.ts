@@ -25,6 +25,7 @@ export interface Deletion {
 export interface Session extends PageSlice, ViewSlice, ScanSlice, LandmarksSlice, FitSlice, DrawingSlice, StancesSlice, ChecksSlice, InkSlice, PatientsSlice, ShareSlice {
   readonly isSignedIn: boolean; // with a token; a service on one's own machine needs none
   readonly isHelpOpen: boolean;
+  readonly fitsAtOnce: boolean; // new scans are fitted by themselves
   readonly leaving: readonly Unsaved[] | null; // asked: may they be lost?
   readonly isAskingToDelete: boolean;
   readonly deletion: Deletion | null; // the service does not know of it yet
@@ -45,6 +46,7 @@ export const initialSession: Session = {
   ...initialShare,
   isSignedIn: false,
   isHelpOpen: false,
+  fitsAtOnce: true,
   leaving: null,
   isAskingToDelete: false,
   deletion: null,

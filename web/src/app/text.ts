@@ -30,6 +30,8 @@ export const top = {
   pictureHint: "PNG, twice the size, with scale and colours",
   remove: "Delete this scan …",
   theme: (theme: Theme) => ({ system: "Theme: as the system", light: "Theme: light", dark: "Theme: dark" })[theme],
+  fitsAtOnce: (isOn: boolean) => `New scans are fitted ${isOn ? "at once" : "when asked to"}`,
+  fitsAtOnceHint: "Press to change it, on this browser",
   signOut: "Sign out",
   help: "Keyboard and mouse",
   helpHint: "All keys, and what this is (?)",
@@ -69,4 +71,30 @@ export const next = {
   add: (stance: string) => `Add the ${stance} scan`,
   changeOver: (to: string) => `Go on with the ${to} scan`,
   print: "Print the plan",
+};
+
+/** "Standing, 53 cm tall, facing you": each word is a button that corrects itself. */
+export const sentence = {
+  label: "What was read; press a word to correct it",
+  stances: { standing: "Standing", supine: "Supine", prone: "Prone" },
+  stance: "How the patient stands or lies",
+  size: (cm: string, lies: boolean) => `${cm}\u00a0cm ${lies ? "long" : "tall"}`,
+  unit: "Size: the unit of the file",
+  asUnit: (cm: string, lies: boolean) => `then it is ${cm}\u00a0cm ${lies ? "long" : "tall"}`,
+  otherFile: "To read it in another unit, load its file again: this page does not keep it.",
+  imageUnit: "The image itself says how large it is.",
+  facing: { standing: "facing you", supine: "face up", prone: "face down" },
+  turned: "turned by you",
+  direction: "Which way the body faces: turn the picture by 90°",
+  turns: { around: "Turn about its long axis", sideways: "Roll in the plane of the picture", forwards: "Tip forwards, over the feet" },
+  models: { torso: "a woman", male: "a man" } as Readonly<Record<string, string>>,
+  model: "Whose model is fitted",
+  modelFile: "To fit another model, load its file again: this page does not keep it.",
+  ask: "Is the patient standing or lying?",
+};
+
+export const bringing = {
+  none: (count: number) => (count === 1 ? "This file is no scan that can be read." : `None of these ${count} files is a scan that can be read. Pack files that belong together, as an OBJ and its pictures do, into one zip.`),
+  notTaken: (count: number) => `${plural(count, "file was", "files were")} not taken: no scan, and no landmarks. Pack files that belong together, as an OBJ and its pictures do, into one zip.`,
+  unplaced: (count: number) => `${plural(count, "file of landmarks was", "files of landmarks were")} not taken, as it is not clear on which of the scans they lie: open that scan, press Set points myself, and import it there.`,
 };

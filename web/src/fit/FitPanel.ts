@@ -1,9 +1,7 @@
 // What goes on during a fit; and its few settings, for the details.
-import type { StanceChoice } from "../api/types";
 import { ENOUGH } from "../landmarks/picks";
 import { type Asked, openQuestions, sentenceOf } from "../landmarks/questions/questions";
 import { type LandmarksSlice, pickCount } from "../landmarks/state";
-import * as scanText from "../scan/text";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
 import { button, problem, select } from "../ui/controls";
@@ -13,10 +11,9 @@ import type { FitActions } from "./actions";
 import { type FitSlice, isFitting, shownIteration } from "./state";
 import * as text from "./text";
 
-type Shown = Pick<PageSlice & LandmarksSlice & FitSlice, "meta" | "problems" | "picks" | "certain" | "stance" | "preset" | "refine" | "fit" | "isStarting"> & Pick<Asked, "scan">;
+type Shown = Pick<PageSlice & LandmarksSlice & FitSlice, "meta" | "problems" | "picks" | "certain" | "preset" | "refine" | "fit" | "isStarting"> & Pick<Asked, "scan">;
 
 export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<Shown> & { readonly settings: HTMLElement } {
-  const stance = select<StanceChoice>(text.fit.stance, (chosen) => actions.chooseStance(chosen));
   const preset = select<string>(text.fit.preset, actions.choosePreset);
   const refine = el("input", { type: "checkbox", "aria-describedby": "refine-hint", onchange: () => actions.chooseRefine(refine.checked) });
   const refining = el("div", { class: "toggle" }, el("label", { class: "check" }, refine, el("span", {}, text.fit.refine)), el("p", { id: "refine-hint" }, text.fit.refineHint));
@@ -31,18 +28,16 @@ export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<
   const notes = el("div", { class: "reasons" });
   const wrong = problem(dismiss);
   const element = el("div", { class: "panel fit-state" }, wrong.element, running, cancelled, warnings);
-  const settings = el("div", { class: "panel" }, stance.element, preset.element, refining, hint, notes);
+  const settings = el("div", { class: "panel" }, preset.element, refining, hint, notes);
   return {
     element,
     settings,
-    select: only("meta", "problems", "scan", "picks", "certain", "stance", "preset", "refine", "fit", "isStarting"),
+    select: only("meta", "problems", "scan", "picks", "certain", "preset", "refine", "fit", "isStarting"),
     update(state: Shown): void {
       const { fit, meta } = state;
       const busy = isFitting(state);
-      const stances = (["auto", "standing", "supine", "prone"] as const).map((value) => ({ value, label: scanText.scan.stances[value] }));
-      stance.set(stances, state.stance);
       preset.set((meta?.presets ?? []).map((name) => ({ value: name, label: text.fit.presets[name] ?? name })), state.preset);
-      for (const each of [stance, preset]) each.enable(!busy);
+      preset.enable(!busy);
       refine.checked = state.refine;
       refine.disabled = busy;
       const count = pickCount(state);

@@ -23,7 +23,7 @@ import * as text from "./text";
 import { outdated } from "./outdated";
 import { frameOfRig } from "./upright";
 import { linesWords } from "./fingers";
-import { isStanceAsked, verdictWords } from "./verdict";
+import { verdictWords } from "./verdict";
 
 type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice;
 
@@ -261,10 +261,18 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
       }
     },
 
-    /** It may answer what the fit asks: then the fit that knows it is made at once. */
+    /** The fit that knows it is made at once. */
     chooseStance(stance: StanceChoice): void {
       store.set({ stance });
-      if (isStanceAsked(store.get().fit?.result) && outdated(store.get()) === "settings") refitSoon();
+      if (outdated(store.get()) === "settings") refitSoon();
+    },
+
+    /** Points are set by hand: a first fit that still runs is not waited for. */
+    setAside(): void {
+      const { fit } = store.get();
+      if (fit?.state !== "running" || fit.before) return;
+      giveUpRunning();
+      store.set({ fit: null, isStarting: false });
     },
     choosePreset: (preset: string): void => store.set({ preset }),
     chooseRefine: (refine: boolean): void => store.set({ refine }),

@@ -5,7 +5,6 @@ export * from "./hand_pose/handPoseText";
 export * from "./resultText";
 
 export const fit = {
-  stance: "Stance",
   noDrawing: "None",
   preset: "Settings",
   presets: { default: "Best known (default)", paper: "As in the paper" } as Record<string, string>,

@@ -9,7 +9,7 @@ import type { Panel } from "../ui/Panel";
 import type { LandmarkActions } from "./actions";
 import { landmarkExport } from "./files/LandmarkExport";
 import { isCertain } from "./certain";
-import { partnerOf, plainLabel, sideOf } from "./picks";
+import { LANDMARK_ENDINGS, partnerOf, plainLabel, sideOf } from "./picks";
 import { onlyAgreed } from "./proposals/agreed";
 import { errorOf, isLikely, isSeen, type OpenProposal, openProposals } from "./proposals/proposals";
 import type { ProposalSearch } from "./proposals/proposalSearch";
@@ -26,7 +26,7 @@ export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSe
   const wrong = problem(dismiss);
   const example = button(text.landmarks.useExample, () => actions.useExample(), "quiet outlined wide");
   let state: Shown | null = null;
-  const file = fileButton(text.landmarks.importFile, ".json,.csv,.tsv,.txt,.pp,.fcsv,.pts,.lmk", "icon-only", (chosen) => void actions.importFile(chosen));
+  const file = fileButton(text.landmarks.importFile, LANDMARK_ENDINGS.join(), "icon-only", (chosen) => void actions.importFile(chosen));
   file.querySelector("input")!.id = "landmark-file";
   file.querySelector("span")!.className = "visually-hidden";
   file.title = text.landmarks.importHint;

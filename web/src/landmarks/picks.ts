@@ -34,6 +34,9 @@ export function withoutPick(picks: Picks, name: string): Picks {
 }
 
 /** What a step of the history has changed, by name. */
+/** Of files of landmarks that the service reads. */
+export const LANDMARK_ENDINGS: readonly string[] = [".json", ".csv", ".tsv", ".txt", ".pp", ".fcsv", ".pts", ".lmk"];
+
 export const picksChanged = (before: Picks, after: Picks): { placed: string[]; moved: string[]; removed: string[] } => ({
   placed: Object.keys(after).filter((name) => !(name in before)),
   moved: Object.keys(after).filter((name) => name in before && before[name]!.some((value, axis) => value !== after[name]![axis])),

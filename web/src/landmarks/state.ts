@@ -1,5 +1,4 @@
 // Landmarks on the page's scan: placed ones with their history, proposed ones, and the one that the next click places.
-import type { ScanSlice } from "../scan/state";
 import { type History, startHistory } from "../store/history";
 import { type Certain, certainAt } from "./certain";
 import type { Picks } from "./picks";
@@ -25,7 +24,3 @@ export const startLandmarks = (picks: Picks = {}, certain: readonly string[] = [
 });
 
 export const pickCount = (state: Pick<LandmarksSlice, "picks">): number => Object.keys(state.picks.present).length;
-
-/** Nobody has said yet that a scan of one's own has the right size and stands the right way up. */
-export const needsConfirming = ({ scan, confirmed, picks }: Pick<ScanSlice & LandmarksSlice, "scan" | "confirmed" | "picks">): boolean =>
-  scan !== null && scan.file !== null && confirmed !== scan.info.id && pickCount({ picks }) === 0;

@@ -45,7 +45,7 @@ export function patientActions(store: Store<State>, client: Pick<Client, "patien
       await client.deletePatient(id);
       store.set(({ patients }) => ({
         patients: { ...patients, rows: patients.rows.filter((row) => row.id !== id), going: patients.going.filter((each) => each !== id) },
-        announcement: text.patients.announceGone(code),
+        announcement: text.home.announceGone(code),
       }));
     } catch (error) {
       put({ going: store.get().patients.going.filter((each) => each !== id) });
@@ -81,7 +81,7 @@ export function patientActions(store: Store<State>, client: Pick<Client, "patien
     },
 
     remove(id: string): void {
-      put({ going: [...store.get().patients.going, id] }, { announcement: text.patients.going(nameOf(id)) });
+      put({ going: [...store.get().patients.going, id] }, { announcement: text.home.going(nameOf(id)) });
       going.set(id, setTimeout(() => void send(id), UNDO_MS));
     },
 

@@ -1,24 +1,37 @@
-// Words of the list of patients.
+// Words of the first page.
 import { plural } from "../ui/plural";
+import { notice } from "../ui/text";
 
-export const patients = {
+export const home = {
   title: "Patients",
-  search: "Search codes",
+  notice,
+  search: "Find a code",
   order: "Order",
   orders: { newest: "Newest first", code: "By code", deletion: "Deleted soonest" },
+  fresh: "New patient",
+  drop: "Drop the patient's scans anywhere on this page",
+  limit: (megabytes: string | null) =>
+    `Standing, lying, and the labelled MRI, together or one by one. 3D scans, NIfTI, DICOM SEG or a zip, up to ${megabytes ?? "…"} MB. They stay on this service; no names.`,
+  example: "Try the example",
+  exampleHint: "A synthetic patient: nobody's scan",
+  allExamples: "All scans of the example patient",
   code: "Code, never a name",
   noCode: "the patient without a code",
   none: (search: string) => `No code holds “${search}”.`,
   more: "Show more",
-  scans: (stances: readonly string[]) => (stances.length === 0 ? "no scan" : stances.join(" and ")),
-  fitted: { done: "fitted", running: "being fitted", queued: "waiting", failed: "fit failed", cancelled: "not fitted", none: "not fitted" },
-  verdicts: { good: "", uncalibrated: ", not calibrated", check: ", look at it", unusable: ", not usable" },
-  plan: "planned",
-  noPlan: "nothing planned",
+  more1: (code: string) => `More about ${code}`,
+  image: "MRI",
+  lines: (count: number) => plural(count, "line", "lines"),
+  lesions: (count: number) => plural(count, "lesion", "lesions"),
+  nothing: "Nothing planned yet",
+  ready: "ready to draw",
+  notFitted: "no model yet",
+  fitting: "the model is being fitted",
+  verdicts: { check: (on: string) => `points to check on ${on}`, unusable: (on: string) => `${on} cannot be used` },
+  near: [(time: string) => `today, ${time}`, (time: string) => `yesterday, ${time}`],
   left: (days: number) => (days === 0 ? "deleted today" : `deleted in ${plural(days, "day", "days")}`),
-  kept: "kept until you delete it",
-  open: (code: string) => `Open ${code}`,
-  remove: (code: string) => `Delete ${code}`,
+  rename: "Change the code",
+  remove: "Delete this patient …",
   sure: (code: string, scans: number) =>
     `Delete ${code}: ${plural(scans, "scan", "scans")} with landmarks, fits, plan, reports and every link that shows them?`,
   yes: "Delete",

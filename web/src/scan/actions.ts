@@ -49,18 +49,19 @@ interface Brought {
   readonly info: ExampleScan;
   readonly file: File | null;
   readonly own: Frame | null;
+  readonly units?: UnitChoice;
   readonly answers?: VolumeAnswers;
   readonly isNew?: boolean;
 }
 
-export function scanActions(store: Store<State>, client: Client, contents: ScanContents, onLandmarks: () => void, outbox: Outbox) {
+export function scanActions(store: Store<State>, client: Client, contents: ScanContents, outbox: Outbox) {
   let saving = Promise.resolve(); // one after the other: the last one stays
   let known: Cuts = { cuts: [], digest: "" }; // what the service was last seen to keep of the scan's cuts
   let unsaid: string | null = null; // what saving cuts has complained about last
   let generation = 0; // the scan asked for last wins over slower, earlier ones
 
   /** Shows `info` as the page's scan; everything that belonged to the one before is dropped. */
-  async function adopt({ info, file, own, answers = {}, isNew = false }: Brought, title: string, mine: number): Promise<void> {
+  async function adopt({ info, file, own, units = "auto", answers = {}, isNew = false }: Brought, title: string, mine: number): Promise<void> {
     const before = store.get().meta;
     const ofModel = before !== null && before.model.name !== info.model ? client.meta(info.model) : before;
     const [mesh, kept, { cuts, digest }, meta] = await Promise.all([client.mesh(info), contents.read(info, isNew), client.cuts(info), ofModel]);
@@ -78,6 +79,7 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
         title,
         mesh,
         file,
+        units,
         answers,
         ...(own ? { frame: tidyFrame(own), frameFrom: "person" } : kept.stands),
         example: info.example_landmarks ?? null,
@@ -203,8 +205,8 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
   async function send(file: File, said: UploadFields, progress: (share: number) => void, mine: number): Promise<Brought | null> {
     try {
       const info = await client.upload(file, said, progress);
-      const { units: _units, model: _model, patient: _patient, again: _again, ...answers } = said;
-      return { info, file, own: null, answers, isNew: true };
+      const { units, model: _model, patient: _patient, again: _again, ...answers } = said;
+      return { info, file, own: null, units, answers, isNew: true };
     } catch (error) {
       if (error instanceof ApiError && error.status === 409) throw new ApiError(text.errors.alreadyHere, 409);
       const question = error instanceof ApiError ? error.question : null;
@@ -215,9 +217,8 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
   }
 
   /** `instead`: that scan, with which nothing has been done, is read anew and deleted.  `patient`: whose it is. */
-  function upload(file: File, units: UnitChoice = store.get().units, answers: VolumeAnswers = {}, instead: Scan | null = null, patient = instead?.patient): Promise<boolean> {
+  function upload(file: File, units: UnitChoice = "auto", answers: VolumeAnswers = {}, instead: Scan | null = null, patient = instead?.patient): Promise<boolean> {
     const title = text.uploaded;
-    store.set({ units });
     return bring(title, async () => {
       const mine = generation;
       const progress = (share: number): void => {
@@ -234,32 +235,26 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     });
   }
 
+  function chooseModel(name: string): Promise<void> {
+    chosen = client.meta(name).then(
+      (meta) => store.set({ meta }),
+      (error: unknown) => store.set((state) => withProblem(state, "scan", messageOf(error))),
+    );
+    return chosen;
+  }
+
   return {
     upload,
-
-    /** Files let go over the page: one is read, whatever its name; of several the one whose ending is a scan's. */
-    async drop(files: readonly File[]): Promise<boolean> {
-      const { meta } = store.get();
-      const known = files.filter(({ name }) => meta?.scan_files.endings.some((ending) => name.toLowerCase().endsWith(ending)));
-      const file = files.length === 1 ? files[0] : known.length === 1 ? known[0] : undefined;
-      if (file === undefined) {
-        store.set((state) => ({ ...contents.interrupted(), step: "body", ...withProblem(state, "scan", text.errors.several(files.length)) }));
-        return false;
-      }
-      const isThere = await upload(file);
-      if (isThere && files.length > 1) store.set((state) => withProblem(state, "scan", text.errors.oneOf(files.length)));
-      return isThere;
-    },
 
     /** What the file does not say, as a person knows it; null calls the upload off. */
     answer,
 
     /** By their numbers, as what segments of the label map are to be taken: its file is read again so. */
     takeSegments(chosen: Readonly<Record<number, TakenAs>>): Promise<boolean> {
-      const { scan, units } = store.get();
+      const { scan } = store.get();
       if (!scan?.file) return Promise.resolve(false);
       const segments = { ...scan.answers?.segments, ...chosen };
-      return upload(scan.file, units, { ...scan.answers, segments }, scan.info);
+      return upload(scan.file, scan.units, { ...scan.answers, segments }, scan.info);
     },
 
     takeExample(name: string): Promise<boolean> {
@@ -272,10 +267,22 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
       return bring(text.uploaded, async () => ({ info: await client.scan(scan), file: null, own }));
     },
 
-    /** Size and direction are right: on to the landmarks. */
-    confirm(): void {
-      store.set((state) => ({ confirmed: state.scan?.info.id ?? null, step: "points" }));
-      onLandmarks();
+    /** Its size is right, whatever speaks against it. */
+    confirm: (): void => store.set((state) => ({ confirmed: state.scan?.info.id ?? null })),
+
+    /** Another scan of this patient, which does not come onto the page; null when a person has called it off. */
+    async add(file: File, patient: string): Promise<Scan | null> {
+      await checkReadable(file);
+      const said: UploadFields = { units: "auto", model: store.get().meta?.model.name, patient };
+      return (await send(file, said, () => undefined, generation))?.info ?? null;
+    },
+
+    /** The same file, read in another unit or for another model; the scan that is there gives way. */
+    async readAgain({ units, model }: { units?: UnitChoice; model?: string }): Promise<boolean> {
+      const { scan } = store.get();
+      if (!scan?.file) return false;
+      if (model !== undefined) await chooseModel(model);
+      return upload(scan.file, units ?? scan.units, scan.answers, scan.info);
     },
 
     turn(turn: Turn): void {
@@ -316,15 +323,8 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     cropRefused: (): void => store.set((state) => withProblem(state, "scan", text.crop.nothingLeft)),
 
     /** Of the scans that are brought from now on. */
-    chooseModel(name: string): Promise<void> {
-      chosen = client.meta(name).then(
-        (meta) => store.set({ meta }),
-        (error: unknown) => store.set((state) => withProblem(state, "scan", messageOf(error))),
-      );
-      return chosen;
-    },
+    chooseModel,
 
-    chooseUnits: (units: UnitChoice): void => store.set({ units }),
     retry,
     showRelief: (showRelief: boolean): void => store.set({ showRelief }),
     showLoose: (showLoose: boolean): void => store.set({ showLoose }),

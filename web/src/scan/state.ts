@@ -10,7 +10,8 @@ export interface ScanState {
   readonly frame: Frame;
   readonly frameFrom: "service" | "landmarks" | "fit" | "person"; // who says so; the last of these wins
   readonly file: File | null; // kept, so that another unit needs no second choosing
-  readonly answers?: VolumeAnswers; // with which that file was read
+  readonly units?: UnitChoice; // with which that file was read, and the answers
+  readonly answers?: VolumeAnswers;
   readonly example: LandmarkFile | null;
   readonly crops?: History<Crops>; // what is cut away by hand
   readonly cuts?: string | null; // which cuts the service keeps, as fits say with which they were made; null: not known yet
@@ -21,16 +22,21 @@ export interface ScanSlice {
   readonly loading: { readonly phase: "sending" | "preparing"; readonly share: number; readonly title: string } | null;
   readonly asked: Question | null; // what its file does not say: nothing is uploaded before a person has
   readonly scan: ScanState | null;
-  readonly confirmed: string | null; // the scan whose size and direction a person has called right
+  readonly confirmed: string | null; // the scan whose doubtful size a person has called right
   readonly showColours: boolean;
   readonly showLoose: boolean; // the table and loose pieces as well
   readonly showRelief: boolean; // folds darker where a scan has no colours
   readonly isCropping: boolean; // the lasso is in the hand
   readonly pointedCut: number | null; // which of the cuts its button is pointed at
-  readonly units: UnitChoice;
 }
 
-export const initialScan: ScanSlice = { loading: null, asked: null, scan: null, confirmed: null, showColours: true, showLoose: false, showRelief: true, isCropping: false, pointedCut: null, units: "auto" };
+export const initialScan: ScanSlice = { loading: null, asked: null, scan: null, confirmed: null, showColours: true, showLoose: false, showRelief: true, isCropping: false, pointedCut: null };
+
+/** What speaks against its size; an image says itself how large it is, and often shows a part of the torso. */
+export const sizeDoubt = ({ size_doubt, segments }: Pick<Scan, "size_doubt" | "segments">): string => ((segments ?? []).length > 0 ? "" : (size_doubt ?? ""));
+
+/** Its size may be wrong, and nobody has said that it is right: nothing is made of it before. */
+export const isSizeAsked = ({ scan, confirmed }: Pick<ScanSlice, "scan" | "confirmed">): boolean => scan !== null && sizeDoubt(scan.info) !== "" && confirmed !== scan.info.id;
 
 const plain = (words: string): string => words.normalize("NFKD").replace(/[^\x20-\x7e]/g, "").replace(/[^A-Za-z0-9]+/g, "-").replace(/^-|-$/g, "");
 

@@ -1,20 +1,6 @@
-// Bringing a scan in: the empty page, units, progress, the scan step.
+// Bringing a scan in: units, progress, what is known of it.
 
-export const empty = {
-  title: "Drop a 3D scan of the torso here",
-  formats: "PLY, OBJ, STL, GLB, USDZ, OFF, 3MF, points (PCD, XYZ, PLY), an MRI's label map (NIfTI, DICOM SEG), or a zip as scanner apps make it.",
-  limit: (megabytes: string) => `Up to ${megabytes} MB.`,
-  choose: "Choose a scan file",
-  units: "Unit of the file",
-  model: "Model",
-  or: "No scan at hand? These are one click away:",
-  lines: [
-    "BreastRig fits a rigged model of the torso to a 3D scan and shows it settle, live.",
-    "Reference surgical drawings come along and lie on the patient's skin.",
-    "The scan stays with this service; no names are asked for and none are kept.",
-  ],
-  drop: "Let go to load this scan",
-};
+export const drop = "Let go to load these files";
 
 export const crop = {
   label: "Cut parts of the scan away",
@@ -88,24 +74,11 @@ export const scan = {
   stances: { auto: "Decide from the scan", standing: "Standing", supine: "Supine", prone: "Prone, as in an MRI" },
   facingFrom: { landmarks: "Upright by its landmarks.", fit: "Upright by the fitted model's spine.", person: "Turned by you." },
   why: "How this was found out",
-  check: "Is it right? The bar below the body is as long as it says; the body should stand upright and face you, with L on your right.",
-  confirm: "Size and direction are right",
-  wrongWay: "Not upright and facing you? Turn it by 90°:",
-  turnNote: "This turns the view only: a fit finds its own start, from the landmarks or the scan itself.",
-  unitNote: "To read it in another unit, load its file again: it is not kept in this page.",
-  turns: { around: "Turn", sideways: "Roll", forwards: "Tip" },
-  turnHints: {
-    around: "Turn the body by 90° about its long axis",
-    sideways: "Roll the body by 90° in the plane of the picture",
-    forwards: "Tip the body forwards by 90°",
-  },
-  readAgain: "Wrong unit? Read the file as",
+  confirm: "The size is right",
 };
 
 export const errors = {
   alreadyHere: "This scan is already here: the same file is one of this patient's scans. Choose it from the list.",
-  several: (count: number) => `Of these ${count} files none was loaded: load one at a time, and those that belong together as one zip.`,
-  oneOf: (count: number) => `One of these ${count} files was loaded. If they belong together, as an OBJ and its pictures do, load them as one zip.`,
   unreadable: "The browser cannot read this. If it is a folder, pack it into a zip; if it is a file that was moved or changed, choose it again.",
   noScan: "This scan is no longer kept by the service. Load it again.",
   mesh: "The scan cannot be drawn: the service sent a mesh that is not valid glTF.",

@@ -1,6 +1,6 @@
 // The second stance: bring it, change over, compare, carry drawings across, measure both.
 import { ApiError, type Client } from "../api/client";
-import type { Frame } from "../api/types";
+import type { Frame, Scan } from "../api/types";
 import { areSlicesOpen, withSlices } from "../drawing/slices/state";
 import type { DrawingSlice } from "../drawing/state";
 import type { FitActions } from "../fit/actions";
@@ -30,6 +30,8 @@ interface Others {
   readonly fit: Pick<FitActions, "stop" | "open" | "start">;
   readonly landmarks: Pick<LandmarkActions, "flush" | "read" | "followSaved">;
   readonly drawing: { flush(): Promise<void> };
+  /** Fits the scan that has just come. */
+  begin(): void;
   readonly plan: Pick<PlanActions, "read" | "isMoreThanLines" | "settled" | "followElsewhere" | "followSaved">;
 }
 
@@ -129,7 +131,7 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     }
   }
 
-  async function second(bring: () => Promise<boolean>, isNew = false): Promise<void> {
+  async function second(bring: () => Promise<boolean>, isNew = false, mayFit = true): Promise<void> {
     put({ isBringing: true }, withProblem(store.get(), "stances", null));
     await flush(); // what is kept is saved, and has what somebody else was found to have planned
     const kept = workspaceOf(store.get());
@@ -146,6 +148,23 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     isJoining = false;
     lookForHers();
     lookAfter();
+    if (mayFit) others.begin();
+  }
+
+  /** A scan that has just been added to the patient: fitted by itself, and beside the one in work if nothing else is. */
+  async function addBeside(added: Scan, isFitted: boolean): Promise<void> {
+    try {
+      const { preset, refine, stances } = store.get();
+      const { id } = added;
+      const { picks, certain } = await others.landmarks.read(added);
+      const fit = isFitted ? (await client.startFit({ scan: id, stance: "auto", preset, refine, landmarks: picks, certain: [...certain] })).id : null;
+      await readHers();
+      if (stances.other) return;
+      put({ other: await loadWorkspace(client, others.landmarks, others.plan, id, fit, null), isSecond: false, isComparing: true });
+      lookAfter();
+    } catch (error) {
+      fail(error);
+    }
   }
 
   return {
@@ -168,9 +187,20 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       }
     },
 
+    addBeside,
+    async takeExampleBeside(name: string, isFitted: boolean): Promise<void> {
+      try {
+        const info = await client.importExample(name);
+        const { scan } = store.get();
+        if (scan) await client.moveScan(info.id, scan.info.patient);
+        await addBeside(info, isFitted);
+      } catch (error) {
+        fail(error);
+      }
+    },
     upload: (file: File): Promise<void> => second(() => others.scan.upload(file, undefined, undefined, null, store.get().scan?.info.patient), true),
     takeExample: (name: string): Promise<void> => second(() => others.scan.takeExample(name)),
-    takeKnown: (id: string): Promise<void> => second(() => others.scan.open(id, null)),
+    takeKnown: (id: string): Promise<void> => second(() => others.scan.open(id, null), false, false),
 
     /** The service has it no more. */
     forget(scan: string): void {
@@ -214,10 +244,10 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       lookAfter();
     },
 
-    /** A scan of the strip: one that is not seen is shown beside the one in work, one of two that are seen is put away. */
-    async tap(id: string): Promise<void> {
+    /** A scan of the strip: one that is not seen is shown beside the one in work, one of two that are seen is put away; `hasRoomForOne`: for no second pane. */
+    async tap(id: string, hasRoomForOne = false): Promise<void> {
       const wasAlone = id === store.get().scan?.info.id && !isComparing(store.get());
-      await this.tapScan(id);
+      await this.tapScan(id, hasRoomForOne);
       // An image is looked at in slices; where it stands alone already, a tap closes them again.
       store.set((state) => {
         const of = [state, ...(isComparing(state) ? [state.stances.other!] : [])].find(({ scan }) => scan?.info.id === id);
@@ -226,12 +256,15 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       });
     },
 
-    async tapScan(id: string): Promise<void> {
+    async tapScan(id: string, isAlone: boolean): Promise<void> {
       const { scan, stances, isStarting } = store.get();
       const { other } = stances;
       if (isStarting) return;
       const isIts = other !== null && (isPredicted(other) ? id === "predicted" : id === other.scan?.info.id);
-      if (isIts) this.compare(!stances.isComparing);
+      if (isIts && isAlone && !isPredicted(other)) {
+        await this.swap();
+        this.compare(false);
+      } else if (isIts) this.compare(!stances.isComparing);
       if (id === scan?.info.id && isComparing(store.get())) {
         if (!isPredicted(other!)) await this.swap();
         this.compare(false);
@@ -240,7 +273,8 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       const row = stances.scans.find((each) => each.id === id);
       leave();
       await flush();
-      await this.restore(id, row?.fit?.state === "done" ? row.fit.id : null, null, { isSecond: false, isComparing: true });
+      await this.restore(id, row?.fit?.state === "done" ? row.fit.id : null, null, { isSecond: false, isComparing: !isAlone });
+      if (isAlone && store.get().stances.other?.scan?.info.id === id) await this.swap();
     },
 
     /** The one that waits is not wanted any more; the scan itself stays with the service. */

@@ -2,7 +2,7 @@
 import type { FitSlice } from "../fit/state";
 import type { LandmarksSlice } from "../landmarks/state";
 import type { ScanSlice } from "../scan/state";
-import { isComparing, isImage, isPredicted, type PatientScan, stanceOf, type StancesSlice } from "./state";
+import { isComparing, isPredicted, type PatientScan, stanceOf, type StancesSlice } from "./state";
 
 const ORDER = ["standing", "supine", "prone"] as const;
 
@@ -25,11 +25,10 @@ export function thumbsOf(state: StripShown): Thumb[] {
   const mine = scan?.info.id;
   const its = other && !isPredicted(other) ? other.scan?.info.id : undefined;
   const paneOf = (isMain: boolean): Thumb["pane"] => (both ? (isMain === stances.isSecond ? 2 : 1) : isMain ? 1 : null);
-  const images = new Set([state, other].flatMap((each) => (each?.scan && isImage(each) ? [each.scan.info.id] : [])));
-  const asThumb = ({ id, stance, created_at, thumbnail }: PatientScan): Thumb => ({
+  const asThumb = ({ id, stance, created_at, thumbnail, kind }: PatientScan): Thumb => ({
     id,
     stance: id === mine ? stanceOf(state) : other && id === its ? stanceOf(other) : stance,
-    isImage: images.has(id),
+    isImage: kind === "image",
     isPredicted: false,
     at: created_at,
     picture: thumbnail,

@@ -51,18 +51,22 @@ export function segmented<Value extends string>(label: string, options: readonly
 export const ANY_FILE = null;
 
 /** A file button: the label is the button, so that it needs no script to open the chooser. */
-export function fileButton(label: string, accept: string | null, look: string, chosen: (file: File) => void, image: IconName = "upload") {
+export const fileButton = (label: string, accept: string | null, look: string, chosen: (file: File) => void): HTMLLabelElement => filesButton(label, accept, look, ([file]) => file && chosen(file), false);
+
+/** The same for several at once. */
+export function filesButton(label: string, accept: string | null, look: string, chosen: (files: readonly File[]) => void, multiple = true): HTMLLabelElement {
   const input = el("input", {
     type: "file",
     accept,
+    multiple,
     class: "visually-hidden",
     onchange: () => {
-      const file = input.files?.[0];
+      const files = [...(input.files ?? [])];
       input.value = ""; // the same file may be chosen again
-      if (file) chosen(file);
+      if (files.length > 0) chosen(files);
     },
   });
-  return el("label", { class: `button ${look} file` }, input, icon(image), el("span", {}, label));
+  return el("label", { class: `button ${look} file` }, input, icon("upload"), el("span", {}, label));
 }
 
 /** What went wrong here, and a way to put it aside. */

@@ -5,8 +5,8 @@ import type { Patient } from "../../src/api/types";
 import { addressOfPatient, fromHash } from "../../src/app/address";
 import { daysUntil, deletedAt } from "../../src/patients/state";
 
-const scan = (id: string, part: Partial<Patient["scans"][number]> = {}): Patient["scans"][number] => ({ id, stance: "standing", created_at: "2026-01-01T00:00:00Z", delete_at: null, thumbnail: "", fit: null, ...part });
-const patient = (id: string, part: Partial<Patient> = {}): Patient => ({ id, code: id, created_at: "2026-01-01T00:00:00Z", plan_version: 0, scans: [scan(`${id}1`)], links: { self: "", plan: "" }, ...part });
+const scan = (id: string, part: Partial<Patient["scans"][number]> = {}): Patient["scans"][number] => ({ id, stance: "standing", created_at: "2026-01-01T00:00:00Z", delete_at: null, kind: "surface", thumbnail: "", fit: null, ...part });
+const patient = (id: string, part: Partial<Patient> = {}): Patient => ({ id, code: id, created_at: "2026-01-01T00:00:00Z", plan_version: 0, planned: { patterns: [], lines: 0, lesions: 0 }, scans: [scan(`${id}1`)], links: { self: "", plan: "" }, ...part });
 
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => {
@@ -72,7 +72,7 @@ test("a patient goes with the first of her scans", () => {
 });
 
 test("a patient's address opens both of her scans with the fits that are done", () => {
-  const both = patient("a", { scans: [scan("s1", { fit: { id: "f1", state: "done", created_at: "", verdict: "good" } }), scan("s2", { fit: { id: "f2", state: "failed", created_at: "", verdict: null } })] });
+  const both = patient("a", { scans: [scan("s1", { fit: { id: "f1", state: "done", created_at: "", verdict: "good", line_error_mm: 8 } }), scan("s2", { fit: { id: "f2", state: "failed", created_at: "", verdict: null, line_error_mm: null } })] });
   expect(fromHash(addressOfPatient(both))).toMatchObject({ scan: "s1", fit: "f1", step: "body", other: { scan: "s2", fit: null }, isSecond: false });
   expect(fromHash(addressOfPatient(patient("b")))).toMatchObject({ scan: "b1", fit: null, other: null });
 });

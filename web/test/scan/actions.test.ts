@@ -64,27 +64,15 @@ test("files of any name are sent: the service decides from their bytes", async (
   const { actions } = page({ upload: async ({ name }) => (sent.push(name), scanInfo("s2")) });
   const names = ["mri.nii.gz", "mri.nii", "seg.dcm", "IM000001", "1.2.840.113619.2.5", "scan.ply"];
   for (const name of names) await actions.scan.upload(file(name));
-  for (const name of names) await actions.scan.drop([file(name)]);
+  for (const name of names) await actions.bring.files([file(name)]);
   expect(sent).toEqual([...names, ...names]);
-});
-
-test("of several files let go the only scan is read, and it is said; where none or more might be it, none is", async () => {
-  const sent: string[] = [];
-  const { store, actions } = page({ upload: async ({ name }) => (sent.push(name), scanInfo("s2")) });
-  await actions.scan.drop([file("skin.jpg"), file("body.OBJ"), file("body.mtl")]);
-  expect(sent).toEqual(["body.OBJ"]);
-  expect(store.get().problems.scan).toBe(text.errors.oneOf(3));
-  await actions.scan.drop([file("a.nii.gz"), file("b.nii.gz")]);
-  await actions.scan.drop([file("IM000001"), file("IM000002")]);
-  expect(sent).toEqual(["body.OBJ"]);
-  expect(store.get().problems.scan).toBe(text.errors.several(2));
 });
 
 test("a folder let go is no silent service", async () => {
   const upload = vi.fn();
   const { store, actions } = page({ upload });
   const folder = { name: "DICOM", slice: () => ({ arrayBuffer: () => Promise.reject(new Error("NotFoundError")) }) } as unknown as File;
-  await actions.scan.drop([folder]);
+  await actions.bring.files([folder]);
   expect(upload).not.toHaveBeenCalled();
   expect(store.get().problems.scan).toBe(text.errors.unreadable);
 });
@@ -116,7 +104,7 @@ test("which side is left is asked; the answer goes with the same file, and nothi
   const { said, upload } = asking();
   const { store, actions } = page({ upload });
   const mri = file("mri.nii.gz");
-  const going = actions.scan.drop([mri]);
+  const going = actions.scan.upload(mri);
   await vi.waitFor(() => expect(store.get().asked).toBe(question));
   expect([said.length, store.get().scan]).toEqual([1, null]);
   actions.scan.answer("LAS");

@@ -225,6 +225,7 @@ def _answer(row: ListedCase) -> wire.Patient:
     return wire.Patient.of(
         row,
         plan_version=row.plan,
+        planned=wire.Planned(**json.loads(row.planned)),
         scans=[_scan(scan) for scan in row.scans],
         links=wire.PatientLinks(self=f"/api/patients/{row.id}", plan=f"/api/patients/{row.id}/plan"),
     )

@@ -47,6 +47,7 @@ class PatientFit(Wire):
     state: FitState
     created_at: str = Field(description="ISO 8601, UTC")
     verdict: VerdictLevel | None = Field(description="whether to trust it; null before the end, and of versions before")
+    line_error_mm: float | None = Field(description="90 % line error on the breasts; null: not known")
 
 
 class PatientScan(Wire):
@@ -54,8 +55,17 @@ class PatientScan(Wire):
     stance: Stance = Field(description="as fitted, else as the service proposes")
     created_at: str = Field(description="ISO 8601, UTC")
     delete_at: str | None = Field(description="ISO 8601, UTC: kept until then; null: until it is deleted by hand")
+    kind: Literal["surface", "image"] = Field(description="image: the label map of an image")
     thumbnail: str = Field(description="address of a small picture, PNG")
     fit: PatientFit | None
+
+
+class Planned(Wire):
+    """What is planned, in short."""
+
+    patterns: list[str] = Field(description="names")
+    lines: int
+    lesions: int = Field(description="with tumours given by the clock")
 
 
 class PatientLinks(Wire):
@@ -70,6 +80,7 @@ class Patient(Wire):
     code: str
     created_at: str = Field(description="ISO 8601, UTC")
     plan_version: int = Field(description="0 before anything was planned")
+    planned: Planned
     scans: list[PatientScan]
     links: PatientLinks
 

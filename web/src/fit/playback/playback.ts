@@ -4,6 +4,7 @@ import type { Store } from "../../store/store";
 import { type FitSlice, type FitState, isAtRest } from "../state";
 
 const LIVE_MS = 60; // at least this long for each iteration
+const SETTLE_MS = 600; // at least this long for all of them, so that the model is seen to settle
 const REPLAY_MS = 110;
 
 export interface Player {
@@ -43,6 +44,9 @@ export function createPlayer(
     later(() => tick(mine, pace), pace);
   }
 
+  /** Of a fit that came all at once the few iterations take their time. */
+  const livePace = ({ result, iterations }: FitState): number => (result ? Math.max(LIVE_MS, SETTLE_MS / Math.max(1, iterations.length - 1)) : LIVE_MS);
+
   function start(pace: number): void {
     run += 1;
     isTicking = true;
@@ -66,7 +70,8 @@ export function createPlayer(
 
   return {
     follow: () => {
-      if (store.get().fit?.playing && !isTicking) start(LIVE_MS);
+      const { fit } = store.get();
+      if (fit?.playing && !isTicking) start(livePace(fit));
     },
     replay,
     pause,

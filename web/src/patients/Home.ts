@@ -1,0 +1,85 @@
+// The first page: all patients as cards, and where the scans of another one are let go.
+import type { Patient } from "../api/types";
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
+import type { ScanSlice } from "../scan/state";
+import { ANY_FILE, button, filesButton, problem, select } from "../ui/controls";
+import { el, fill, icon, setText, show } from "../ui/dom";
+import { createMenu, menuItem } from "../ui/menu";
+import type { Panel } from "../ui/Panel";
+import { formatMegabytes } from "../ui/units";
+import type { PatientActions } from "./actions";
+import { patientCard } from "./PatientCard";
+import type { Order, PatientsSlice } from "./state";
+import * as text from "./text";
+
+const words = text.home;
+
+type Shown = PatientsSlice & Pick<PageSlice & ScanSlice, "scan" | "meta" | "examples" | "problems">;
+
+/** How scans come in: files, or examples by name. */
+export interface Bringing {
+  readonly files: (files: readonly File[]) => void;
+  readonly examples: (names: readonly string[]) => void;
+}
+
+/** `addressOf`: the address that opens the patient's scans with their newest fits. */
+export function createHome(patients: PatientActions, bring: Bringing, addressOf: (patient: Patient) => string, dismiss: (place: "scan" | "service") => void): Panel<Shown> {
+  const search = el("input", { type: "search", class: "search", placeholder: words.search, "aria-label": words.search, oninput: () => patients.search(search.value) });
+  const orders = Object.entries(words.orders).map(([value, label]) => ({ value: value as Order, label }));
+  const order = select<Order>(words.order, (by) => void patients.order(by), "field inline");
+  const fresh = filesButton(words.fresh, ANY_FILE, "primary", bring.files);
+  fresh.querySelector("input")!.id = "scan-file";
+  const limit = el("p", { class: "muted small" });
+  const examples = createMenu("example-menu", words.example, words.exampleHint, "outlined");
+  const wrong = problem(() => dismiss("scan"));
+  const service = problem(() => dismiss("service"));
+  const drop = el("div", { class: "drop-zone" }, icon("upload"), el("div", {}, el("h2", {}, words.drop), limit), examples.element);
+  const list = el("ul", { class: "patients", "aria-label": words.title });
+  const none = el("p", { class: "muted", hidden: true });
+  const more = button(words.more, () => void patients.more(), "outlined");
+  const head = el("div", { class: "home-head" }, el("h1", {}, words.title), search, order.element, el("span", { class: "spring" }), fresh);
+  const element = el("div", { class: "home" }, el("div", { class: "home-page" }, head, wrong.element, service.element, drop, list, none, more, el("p", { class: "home-notice" }, words.notice)));
+
+  let written: unknown[] = [];
+  let made = new Map<string, HTMLElement>(); // cards by what they show
+  return {
+    element,
+    select: only("patients", "scan", "meta", "examples", "problems"),
+    update({ patients: state, scan, meta, examples: known, problems }: Shown): void {
+      const { rows, next, search: sought, order: by, isKnown, isBusy, going } = state;
+      show(element, scan === null);
+      setText(limit, words.limit(meta ? formatMegabytes(meta.limits.upload_bytes) : null));
+      examples.element.classList.toggle("is-out", known.length === 0);
+      fill(examples.card, known, () =>
+        [...(known.length > 1 ? [menuItem(words.allExamples, "", () => bring.examples(known.map(({ name }) => name)))] : []), ...known.map(({ name, label }) => menuItem(label, "", () => bring.examples([name])))].map((item) => {
+          item.addEventListener("click", () => examples.close());
+          return item;
+        }),
+      );
+      wrong.set(scan ? undefined : problems.scan);
+      service.set(problems.service);
+      for (const each of [search, order.element]) each.classList.toggle("is-out", !isKnown || (rows.length === 0 && sought === ""));
+      order.set(orders, by);
+      const now = [rows, going, meta];
+      if (now.some((each, i) => each !== written[i])) {
+        // A card that shows the same stays itself: what is being typed or asked in it is not lost to a list that comes again.
+        const before = made;
+        made = new Map(
+          rows.map((each): [string, HTMLElement] => {
+            const isGoing = going.includes(each.id);
+            const shown = JSON.stringify([each, isGoing, meta === null]);
+            return [shown, before.get(shown) ?? patientCard(each, isGoing, patients, addressOf(each), meta?.patterns ?? [])];
+          }),
+        );
+        const wanted = [...made.values()];
+        if (wanted.length !== list.children.length || wanted.some((each, i) => each !== list.children[i])) list.replaceChildren(...wanted);
+      }
+      written = now;
+      setText(none, words.none(sought));
+      show(none, rows.length === 0 && sought !== "" && !isBusy);
+      show(more, next !== null);
+      more.disabled = isBusy;
+    },
+  };
+}
