@@ -36,7 +36,7 @@ test("two scans and their landmarks are dropped together: one patient, each fitt
   const { scan, fit, stances } = await state(page);
   expect([scan!.info.patient, fit!.state, stances.other!.scan!.info.patient]).toEqual([scan!.info.patient, "done", scan!.info.patient]);
   expect(await hook.pickCount(page), "nobody has placed a landmark").toBe(0);
-  await expect(page.getByRole("button", { name: "Draw the plan" })).toBeVisible();
+  await expect(page.locator("#next")).toHaveText(/^(Draw the plan|Check )/);
 
   await test.step("nothing changes place: tapped away and back", async () => {
     const places = async () => Promise.all(["standing", "supine"].map(async (each) => (await thumb(page, each as "standing").boundingBox())!.y));
@@ -104,6 +104,7 @@ test("a scan that comes is fitted by itself and seen to settle; each word of the
 
 test("landmarks that are dropped with one scan are placed on it, and the fit knows them", async ({ page, base }) => {
   await page.goto(base);
+  await expect(page.getByText("Drop the patient's scans anywhere on this page")).toBeVisible();
   await drop(page, [{ name: "scan.ply", path: SCAN_FILE }, { name: "picks.json", path: join(SCAN_FILE, "../landmarks.json") }]);
   await hook.ready(page);
   await expect.poll(() => hook.pickCount(page)).toBe(12);

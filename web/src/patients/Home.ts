@@ -39,7 +39,8 @@ export function createHome(patients: PatientActions, bring: Bringing, addressOf:
   const none = el("p", { class: "muted", hidden: true });
   const more = button(words.more, () => void patients.more(), "outlined");
   const head = el("div", { class: "home-head" }, el("h1", {}, words.title), search, order.element, el("span", { class: "spring" }), fresh);
-  const element = el("div", { class: "home" }, el("div", { class: "home-page" }, head, wrong.element, service.element, drop, list, none, more, el("p", { class: "home-notice" }, words.notice)));
+  const noticed = el("p", { class: "home-notice is-out" }, words.notice);
+  const element = el("div", { class: "home" }, el("div", { class: "home-page" }, head, wrong.element, service.element, drop, list, none, more, noticed));
 
   let written: unknown[] = [];
   let made = new Map<string, HTMLElement>(); // cards by what they show
@@ -61,6 +62,7 @@ export function createHome(patients: PatientActions, bring: Bringing, addressOf:
       service.set(problems.service);
       for (const each of [search, order.element]) each.classList.toggle("is-out", !isKnown || (rows.length === 0 && sought === ""));
       order.set(orders, by);
+      noticed.classList.toggle("is-out", !isKnown && problems.service === undefined);
       const now = [rows, going, meta];
       if (now.some((each, i) => each !== written[i])) {
         // A card that shows the same stays itself: what is being typed or asked in it is not lost to a list that comes again.
