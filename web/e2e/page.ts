@@ -72,12 +72,8 @@ export const lookFrom = (page: Page, side: "Front" | "Left" | "Right" | "Back" |
 export const more = (page: Page, name: string): Promise<void> => inMenu(page, "page-menu", name);
 /** Opens the dialog that makes links. */
 export async function openShare(page: Page): Promise<void> {
-<<<<<<< HEAD
   await hook.ready(page);
-  await page.keyboard.press("4");
-=======
   await page.locator("#tab-handover").click();
->>>>>>> 7f979680 (The journey: files dropped together become one patient, each scan is fitted by itself, and what was read is a sentence whose words correct themselves)
   await page.locator("#share").click();
 }
 /** Presses what is called so in the plan's menu of what may be added. */
