@@ -36,15 +36,15 @@ import { createViewBar, type ViewBarShown } from "../viewer/ViewBar";
 import type { Stage } from "../viewer/Viewer";
 import type { Actions } from "./actions";
 import { addressOfPatient } from "./address";
-import { createBodyPanel } from "./BodyPanel";
+import { createBodyPanel } from "./frame/BodyPanel";
 import { createDeletionNotice } from "./deletion/DeletionNotice";
 import { createLeaveDialog } from "./LeaveDialog"; // not loaded later: it comes when the service does not answer
 import { createNextButton } from "./NextButton";
 import type { HandOverShown } from "./handover/HandOver";
 import type { PaperShown } from "./handover/Paper";
 import type { Session } from "./session";
-import { createSidePanel } from "./SidePanel";
-import { createTopBar } from "./TopBar";
+import { createSidePanel } from "./frame/SidePanel";
+import { createTopBar } from "./frame/TopBar";
 import { createUnsavedBar } from "./UnsavedBar";
 
 /** What the 3D view needs of the page. */
@@ -142,7 +142,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
     ({ checks }: Pick<Session, "meta" | "checks">) => checks.tour !== null,
     async () => (await import("../checks/CheckCard")).createCheckCard(actions.checks),
   );
-  const sentence = withScan(async () => (await import("./Sentence")).createSentence(actions));
+  const sentence = withScan(async () => (await import("./frame/Sentence")).createSentence(actions));
   const timeline = createTimeline(actions.player);
   const side = createSidePanel(
     {

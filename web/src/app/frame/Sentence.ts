@@ -1,18 +1,18 @@
 // "Standing, a woman, 53 cm tall, facing you": what was read and decided, each word a button that corrects it.
-import type { StanceChoice, UnitChoice } from "../api/types";
-import { isStanceAsked } from "../fit/verdict";
-import { stanceOf } from "../stances/state";
-import { only } from "../store/store";
-import { button } from "../ui/controls";
-import { el, fill, show } from "../ui/dom";
-import { createMenu, menuItem } from "../ui/menu";
-import type { Panel } from "../ui/Panel";
-import { formatCm, mmFrom, toUnit } from "../ui/units";
-import { models as modelNames, units as unitNames } from "../scan/text";
-import { sizeIn, type Turn } from "../viewer/frame";
-import type { Actions } from "./actions";
-import type { Session } from "./session";
-import { sentence as words } from "./text";
+import type { StanceChoice, UnitChoice } from "../../api/types";
+import { isStanceAsked } from "../../fit/verdict";
+import { stanceOf } from "../../stances/state";
+import { only } from "../../store/store";
+import { button } from "../../ui/controls";
+import { el, fill, show } from "../../ui/dom";
+import { createMenu, menuItem } from "../../ui/menu";
+import type { Panel } from "../../ui/Panel";
+import { formatCm, mmFrom, toUnit } from "../../ui/units";
+import { models as modelNames, units as unitNames } from "../../scan/text";
+import { sizeIn, type Turn } from "../../viewer/frame";
+import type { Actions } from "../actions";
+import type { Session } from "../session";
+import { sentence as words } from "../text";
 
 type Shown = Pick<Session, "meta" | "scan" | "stance" | "fit" | "isStarting">;
 

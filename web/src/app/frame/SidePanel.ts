@@ -1,10 +1,10 @@
 // To the right, never hidden: what belongs to the open tab, and at its foot the one button that says what comes next.
-import type { Step } from "../store/page";
-import { el, show } from "../ui/dom";
-import type { Panel } from "../ui/Panel";
-import { notice } from "../ui/text";
-import type { Session } from "./session";
-import * as text from "./text";
+import type { Step } from "../../store/page";
+import { el, show } from "../../ui/dom";
+import type { Panel } from "../../ui/Panel";
+import { notice } from "../../ui/text";
+import type { Session } from "../session";
+import * as text from "../text";
 
 /** `bodies`: what each tab has inside; `next`: the button below them all; `check`: the tour, in their place while it lasts.  They follow the state by themselves. */
 export function createSidePanel(bodies: Record<Step, HTMLElement>, next: HTMLElement, check: HTMLElement): Panel<Pick<Session, "step"> & { readonly scan: string }, Session> {
