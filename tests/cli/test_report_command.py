@@ -177,7 +177,7 @@ def test_a_pattern_that_does_not_fit_is_said_in_words(fits: dict[str, Path], tmp
     assert main(asked) == 4
     text = " ".join(pypdf.PdfReader(pdf_of(tmp_path / "out")).pages[0].extract_text().split())
     assert "Vertical limbs 80 mm" in text
-    assert "Not drawn: The limbs of 80 mm reach the fold" in text
+    assert "Not drawn: No room on the right: limbs of 80 mm reach the fold" in text
     assert "limb_mm" not in text
     item["parameters"] = {"limb_mm": 81.0}
     (tmp_path / "plan.json").write_text(json.dumps({"schema": "breastrig/plan@1", "items": [item]}))
