@@ -29,6 +29,7 @@ test("a stylus draws, its hand does nothing, fingers turn; Done leads back", asy
   await example(page);
   await hook.ready(page);
   await page.keyboard.press("3");
+  await page.keyboard.press("p");
   await tap(page.getByRole("button", { name: "Draw on the full screen" }));
   await expect(page.getByRole("button", { name: "Done" })).toBeVisible();
   await expect(page.getByRole("button", { name: "Scan", exact: false }).first()).toBeHidden();
@@ -107,6 +108,8 @@ test("a stylus draws, its hand does nothing, fingers turn; Done leads back", asy
   await test.step("Done leads back; where the browser does not give the screen it is the window", async () => {
     expect(await page.evaluate(() => document.fullscreenElement !== null)).toBe(true);
     await tap(page.getByRole("button", { name: "Done" }));
+    await expect(page.locator(".view-bar")).toBeVisible();
+    await page.keyboard.press("p");
     await expect(page.getByRole("button", { name: "Draw on the full screen" })).toBeVisible();
     await expect.poll(() => page.evaluate(() => document.fullscreenElement)).toBeNull();
     await page.evaluate(() => Object.defineProperty(document.documentElement, "requestFullscreen", { value: undefined }));

@@ -3,7 +3,7 @@
 import { expect, type Page } from "@playwright/test";
 import type { Checks, Fit } from "../src/api/types";
 import { overlaps, seriousFindings, smallTargets } from "./audit";
-import { hook, test, until, untilFitted, untilStill } from "./page";
+import { addToPlan, hook, test, until, untilFitted, untilStill } from "./page";
 import { inTheme } from "./states";
 
 const tour = (page: Page) => page.evaluate(() => window.__breastrig!.state().checks.tour);
@@ -18,8 +18,7 @@ test("points that are worth it are checked by keys alone, and the halo narrows",
   await page.goto(`${base}/#scan=${scan.id}&fit=${id}&step=plan`);
   await hook.ready(page);
   await untilFitted(page);
-  await page.locator(".pattern summary").click();
-  await page.locator(".pattern select").first().selectOption("reduction");
+  await addToPlan(page, /Wise/);
   await until(page, () => window.__breastrig!.halo());
   await page.keyboard.press("1");
   const checks = (await (await page.request.get(`${base}/api/fits/${id}/checks`)).json()) as Checks;

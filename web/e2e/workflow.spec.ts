@@ -2,7 +2,7 @@
 import { expect, type Page } from "@playwright/test";
 import type { EventPage, Result, Vector } from "../src/api/types";
 import { formatMm, formatMmWhole, formatPercent, formatSeconds } from "../src/ui/units";
-import { distance, hook, openDetails, openFiles, SCAN_FILE, test, trueLandmarks, until, untilFitted, untilStill } from "./page";
+import { addToPlan, distance, hook, openDetails, openFiles, SCAN_FILE, test, trueLandmarks, until, untilFitted, untilStill } from "./page";
 
 const CLOSE_MM = 3;
 const HOLE_MM = 15; // below the breasts this scan has holes: beside one, where there is skin
@@ -100,8 +100,7 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
 
   await test.step("a drawing of the model is planned", async () => {
     await page.keyboard.press("3");
-    await page.locator(".pattern summary").click();
-    await page.locator(".pattern select").first().selectOption("lumpectomy");
+    await addToPlan(page, /lumpectomy/i);
     await page.keyboard.press("2");
   });
 
@@ -132,7 +131,7 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
     const slider = page.locator("#iteration");
     await slider.fill("0");
     const drawn = await hook.picture(page);
-    const line = page.locator("[data-layer=reference] input").first();
+    const line = page.locator(".item-details input[type=checkbox]").first();
     await line.evaluate((box: HTMLInputElement) => box.click());
     expect((await hook.picture(page)).checksum, "the drawing lies on the model from the first iteration on").not.toBe(drawn.checksum);
     await line.evaluate((box: HTMLInputElement) => box.click());

@@ -22,7 +22,7 @@ export function createStrip(stances: StancesActions): Panel<{ readonly thumbs: s
     const about = [...(of.isPredicted ? [] : [time.format(new Date(of.at))]), ...(of.pane === null ? [] : [words.pane(of.pane)])];
     return el(
       "button",
-      { type: "button", class: `thumb${of.isPredicted ? " is-predicted" : ""}`, "data-scan": of.id, "data-stance": of.isImage ? "image" : of.stance, "aria-pressed": String(of.pane !== null), title: [name, ...about].join(", "), disabled: isBusy, onclick: () => void stances.tap(of.id, matchMedia("(width < 560px)").matches) },
+      { type: "button", class: `thumb${of.isPredicted ? " is-predicted" : ""}`, "data-scan": of.id, "data-stance": of.isImage ? "image" : of.stance, "aria-pressed": String(of.pane !== null), "data-pane": of.pane, title: [name, ...about].join(", "), disabled: isBusy, onclick: () => void stances.tap(of.id, matchMedia("(width < 560px)").matches) },
       el("img", { src: of.picture, alt: "", width: 71, height: 68, onerror: ({ target }) => ((target as HTMLElement).style.visibility = "hidden") }),
       el("span", { class: "thumb-name" }, of.isPredicted ? words.predicted : name, el("span", { class: "visually-hidden" }, ["", ...about].join(", "))),
       of.pane === null ? null : el("span", { class: "thumb-pane", "aria-hidden": "true" }, String(of.pane)),
