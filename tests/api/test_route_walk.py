@@ -36,7 +36,7 @@ SHOW_NOBODY = {  # the page and its description, the model: what browsers may ke
     "/api/models/torso.glb", "/api/models/torso.json", "/api/models/<sha256>/torso.bin",
     "/api/models/<sha256>/torso.glb", "/api/models/<sha256>/torso.json", "/api/models/<sha256>/drawings/<name>.bin",
 }  # fmt: skip
-NOT_SHOWN = ("mesh.glb", "report.pdf", "distances.bin")  # of a share without the scan
+NOT_SHOWN = ("mesh.glb", "report.pdf", "report.png", "distances.bin")  # of a share without the scan
 Call = tuple[str, str]  # method, pattern of the route
 Walk = dict[Call, int]
 
@@ -219,7 +219,7 @@ def test_every_route_with_every_credential(
             assert status in expected(credential, call), (credential, call, status)
 
 
-REFUSED = ("report.pdf", "measures.json", "volume.vtu", "/ink")  # the fit here is a fake, and the scan has no colours
+REFUSED = ("report.pdf", "report.png", "measures.json", "volume.vtu", "/ink")  # a fake fit, no colours
 
 
 def expected(credential: str, call: Call) -> set[int]:

@@ -1,5 +1,6 @@
 """A data folder with three cases, and its index."""
 
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -20,7 +21,10 @@ def root(tmp_path: Path) -> Path:
 def cases(root: Path) -> dict[str, CaseFolder]:
     """By their codes."""
     place = data_folder(root)
-    found = {code: new_case(place, code) for code in ("P 2", "P 10", "Ärztin")}
+    found = {}
+    for code in ("P 2", "P 10", "Ärztin"):
+        found[code] = new_case(place, code)
+        time.sleep(0.002)  # so that each has a millisecond of its own: those of one are listed by their random ids
     for case in found.values():
         scan = new_scan(case)
         new_fit(case, scan)
