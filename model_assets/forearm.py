@@ -1,4 +1,4 @@
-"""A rig of another body part, by data only: a forearm with a wrist (docs/own_rig.md walks through it).
+"""A rig of another body part, by data only: a forearm with a wrist (docs/how-to/own_rig.md walks through it).
 
     python model_assets/forearm.py FOLDER [--bodies N]
 
@@ -105,7 +105,7 @@ def write_forearm(folder: Path) -> tuple[Path, Path, Path]:
 
 
 def write_bodies(folder: Path, count: int) -> None:
-    """A cohort (docs/own_rig.md): forearms with muscles that no shape of the rig has, scanned with a camera's noise."""
+    """A cohort (docs/how-to/own_rig.md): forearms with muscles that no shape of the rig has, scanned with a camera's noise."""
     rig = forearm_rig()
     for number in range(count):
         rng = np.random.default_rng(number)

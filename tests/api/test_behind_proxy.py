@@ -36,7 +36,7 @@ def behind(tmp_path_factory: pytest.TempPathFactory, model: Path, repository: Pa
     trust = ssl.create_default_context()
     authority.configure_trust(trust)
     options = ("--trusted-proxy", "127.0.0.1", "--public-host", NAME, "--log-requests", "yes")
-    readme = (repository / "docs/operations.md").read_text(encoding="utf-8")
+    readme = (repository / "docs/how-to/own_server.md").read_text(encoding="utf-8")
     with ExitStack() as stack:
         _, address = stack.enter_context(
             server(folder / "data", model, folder / "log", *options, BREASTRIG_TOKEN=TOKEN)

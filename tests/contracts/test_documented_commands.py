@@ -30,6 +30,7 @@ from breastrig.storage.storage import Storage
 
 pytestmark = pytest.mark.long
 
+KINDS = ("tutorials", "how-to", "reference", "explanation")  # folders of docs/
 FENCED = re.compile(r"^```([^`\n]*)\n(.*?)^```\n", re.DOTALL | re.MULTILINE)
 SPAN = re.compile(r"`([^`\n]+(?:\n[^`\n]+)?)`")
 PROGRAMS = re.compile(r"(?:[A-Z_]+=\S+ )*(?:breastrig|python|pip|make|npm|pytest|\.venv/bin/\S+) \S")
@@ -168,7 +169,8 @@ BACKUP = "cp -a DATA BACKUP; rm -f BACKUP/index-*"
 @pytest.fixture(scope="module")
 def shown(repository: Path) -> dict[str, str]:
     """Each command line, without its remark, and the document that shows it."""
-    documents = [repository / "README.md", repository / "CONTRIBUTING.md", *sorted((repository / "docs").glob("*.md"))]
+    pages = [file for kind in ("", *KINDS) for file in sorted((repository / "docs" / kind).glob("*.md"))]
+    documents = [repository / "README.md", repository / "CONTRIBUTING.md", *pages]
     return {line: file.name for file in documents for line in command_lines(file.read_text())}
 
 
@@ -269,7 +271,7 @@ def test_the_documented_backup_holds_all_patients_and_nothing_that_opens_a_link(
     repository: Path, tmp_path: Path
 ) -> None:
     """Made while a server holds the folder and another program writes into it."""
-    assert f"`{BACKUP}`" in (repository / "docs" / "operations.md").read_text()
+    assert f"`{BACKUP}`" in (repository / "docs/how-to/own_server.md").read_text()
     storage, backup = Storage(tmp_path / "DATA"), Storage(tmp_path / "BACKUP")
     storage.prepare()
     case = new_case(storage.root / "cases")

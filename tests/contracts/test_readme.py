@@ -52,7 +52,7 @@ def test_the_python_client_does_a_whole_fit(repository: Path, tmp_path: Path) ->
             assert server.stdout is not None
             address = re.search(r"http://\S+", server.stdout.readline())
             assert address
-            block = python_block(repository / "docs/http.md")
+            block = python_block(repository / "docs/reference/http.md")
             client = block.replace("http://127.0.0.1:8321/?token=...", address[0])
             assert client != block
             run = subprocess.run(
@@ -83,7 +83,7 @@ def test_the_readme_stays_a_page(repository: Path) -> None:
 def test_the_model_has_as_many_parts_as_the_documents_say(repository: Path) -> None:
     rig = read_rig(default_rig_path())
     parts = {"bones": len(rig.bones), "blendshapes": len(rig.shapes), "landmarks": len(rig.landmarks)}
-    for name in ("README.md", "docs/model_card.md", "model_assets/README.md"):
+    for name in ("README.md", "docs/explanation/model_card.md", "model_assets/README.md"):
         said = re.findall(r"\b(\d+) (?:scalable )?(bones|blendshapes|landmarks)\b", (repository / name).read_text())
         assert {part for _, part in said} == set(parts), name
         assert {part: int(count) for count, part in said} == parts, f"the model has changed: mend the numbers in {name}"

@@ -1,4 +1,4 @@
-"""nginx with the configuration of docs/operations.md, on loopback, in front of a service of the tests' own."""
+"""nginx with the configuration of docs/how-to/own_server.md, on loopback, in front of a service of the tests' own."""
 
 import os
 import re
@@ -39,9 +39,9 @@ def moved(configuration: str, changes: dict[str, str]) -> str:
 
 @contextmanager
 def in_front_of(port: int, readme: str, authority: trustme.CA) -> Iterator[int]:
-    """The port of nginx, which speaks TLS and asks the service at `port`, as docs/operations.md says."""
+    """The port of nginx, which speaks TLS and asks the service at `port`, as docs/how-to/own_server.md says."""
     found = re.search(r"```nginx\n(.*?)```", readme, re.DOTALL)
-    assert found, "docs/operations.md has no configuration for nginx"
+    assert found, "docs/how-to/own_server.md has no configuration for nginx"
     name = re.search(r"server_name (\S+);", found[1])
     assert name
     with tempfile.TemporaryDirectory(prefix="nginx-", dir="/tmp") as place:

@@ -63,9 +63,9 @@ def test_no_format_is_forgotten() -> None:
 
 @pytest.mark.parametrize("ending", [ending for endings in FILE_TYPES.values() for ending in endings])
 def test_every_format_is_in_the_table_of_the_docs(ending: str, repository: Path) -> None:
-    words = (repository / "docs/file_formats.md").read_text().lower()
+    words = (repository / "docs/reference/file_formats.md").read_text().lower()
     table = words.split("## scans")[1].split("\npictures:")[0]
-    assert re.search(rf"\b{ending[1:]}\b", table), "add the format to the table of docs/file_formats.md"
+    assert re.search(rf"\b{ending[1:]}\b", table), "add the format to the table of docs/reference/file_formats.md"
 
 
 @pytest.mark.parametrize("kind", SCANS)

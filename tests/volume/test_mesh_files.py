@@ -63,7 +63,7 @@ def test_scikit_fem_reads_the_regions_and_solves(volume: breastrig.Volume, saved
 def test_scikit_fem_keeps_all_groups_of_an_msh_as_the_page_says(
     volume: breastrig.Volume, saved: Path, repository: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    page = (repository / "docs" / "volume.md").read_text("utf-8")
+    page = (repository / "docs/how-to/finite_elements.md").read_text("utf-8")
     code = page.split("```python\nimport skfem")[1].split("```")[0]
     monkeypatch.chdir(saved)
     known: dict[str, Any] = {}
