@@ -105,7 +105,7 @@ def write_forearm(folder: Path) -> tuple[Path, Path, Path]:
 
 
 def write_bodies(folder: Path, count: int) -> None:
-    """A cohort (docs/how-to/own_rig.md): forearms with muscles that no shape of the rig has, scanned with a camera's noise."""
+    """A cohort: forearms with muscles that no shape of the rig has, scanned with a camera's noise."""
     rig = forearm_rig()
     for number in range(count):
         rng = np.random.default_rng(number)

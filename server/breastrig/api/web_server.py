@@ -1,8 +1,8 @@
 """The web server: uvicorn, with a2wsgi's threads around the Flask application, in one process with queue and pools.
 
 What a public server needs beyond this (slow clients by the hundred, TLS) belongs to the proxy in front of it:
-docs/how-to/own_server.md has its configuration.  Of its own it bounds connections, idle time, silent senders and readers, and
-what one client may have in work; Flask bounds bodies.
+docs/how-to/own_server.md has its configuration.  Of its own it bounds connections, idle time, silent senders and
+readers, and what one client may have in work; Flask bounds bodies.
 """
 
 import asyncio
