@@ -18,6 +18,7 @@ from breastrig.report.measures import measures
 from breastrig.report.pages.names import spoken, spoken_together
 from breastrig.report.pages.pdf import report_pdf
 from breastrig.report.stance import Stance
+from breastrig.report.table import Row, Value
 from breastrig.rig.model import Rig
 
 
@@ -189,3 +190,31 @@ def test_stances_are_distinguished() -> None:
     assert stance_names(["standing"]) == ["standing"]
     assert stance_names(["standing", "supine"]) == ["standing", "supine"]
     assert stance_names(["supine", "supine"]) == ["supine A", "supine B"]
+
+
+def test_the_pictures_look_is_said_in_one_line_with_the_least_sure_line(toy_stance: Stance) -> None:
+    points = np.array(toy_stance.vertices[:3])
+    seen = np.zeros(3, dtype=np.bool_)
+    sure, unsure = (Polyline(name, False, "#101010", points, seen, error=np.full(3, mm)) for name, mm in LINES_M)
+    one = replace(toy_stance, lines=(sure, unsure), banded=(sure, unsure))
+    text = words(report_pdf([shown(one)]))
+    grey = "Grey: holds the true line nine times in ten"
+    assert f"{grey}; the least sure line: New fold, left, ± 14 mm." in text
+    assert "hatched" not in text
+    part = replace(unsure, error=np.array([0.02, np.nan, 0.02]), bridged=~seen)
+    text = words(report_pdf([shown(replace(one, lines=(sure, part), banded=(sure, part)))]))
+    assert f"{grey}; hatched: not known; dashed: no scan shows the skin there; the least sure line" in text
+    assert grey not in words(report_pdf([shown(toy_stance)]))
+
+
+LINES_M = (("wise_L", 0.01), ("wise_fold_L", 0.02))
+
+
+def test_a_number_less_sure_than_a_tenth_of_itself_is_not_said_on_paper(toy_stance: Stance) -> None:
+    vague, sure = Value(50.0, 44.0, 56.0), Value(151.0, 148.0, 154.0)
+    rows = [
+        Row("a", "Both vague", "straight", "mm", vague, vague, None, (), "", vague=("left", "right", "difference")),
+        Row("b", "Left vague", "straight", "mm", vague, sure, None, (), "", vague=("left", "difference")),
+    ]
+    text = words(report_pdf([replace(shown(toy_stance), rows=tuple(rows))]))
+    assert "Both vague not known well enough Left vague not known well enough 151 ±3 not known well enough" in text

@@ -8,8 +8,10 @@ import pytest
 
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.report.pictures import INK, SCAN_GREY, _lines, _with_bands, line_colour, scan_pictures, views_of
+from breastrig.report.line_bands import EDGE_PIXELS, HATCH_PIXELS, LineBands
+from breastrig.report.pictures import INK, SCAN_GREY, _dashes, _lines, line_colour, scan_pictures, views_of
 from breastrig.report.stance import Stance
+from breastrig.use.reports.report import _banded
 
 
 def luminance(colour: tuple[float, float, float]) -> float:
@@ -64,15 +66,59 @@ def test_a_band_is_as_wide_as_the_lines_error_and_lesions_are_yellow_with_a_dark
     seen = np.zeros(101, dtype=np.bool_)
     error = np.where(along[:, 0] > 0.02, np.nan, 0.02)  # not known on the patient's left
     line = Polyline("cut", False, "#101010", along, seen, error=error)
-    stance = Stance(rig, rig.template, flat, rig.faces, "standing", banded=(line,))
-    shade = _with_bands(stance, flat, np.ones_like(flat))[:, 0]
+    stance = Stance(rig, rig.template, flat, rig.faces, "standing")
+    front = np.tile([0.0, 0.0, 1.0], (len(flat), 1))
+    pixel = 0.001
+    bands = LineBands([(line, INK)], flat, front)
+    shade = bands.paint(np.ones_like(flat), flat, front, flat[:, :2] / pixel, pixel)[:, 0]
     half = 0.71 * 0.02
     beside = (flat[:, 0] > -0.09) & (flat[:, 0] < 0.0)
     dark = beside & (shade < 0.99)
     assert np.abs(flat[dark, 1]).max() == pytest.approx(half, abs=0.0015)
-    assert shade[beside & (np.abs(flat[:, 1]) < half - 0.002)].max() < 0.7
-    assert np.all(shade[flat[:, 0] > 0.04] == 1.0)
+    inside = shade[beside & (np.abs(flat[:, 1]) < half - 0.003)]
+    assert inside.max() == inside.min() < 0.7
+    edge = beside & (np.abs(np.abs(flat[:, 1]) - half + 0.5 * EDGE_PIXELS * pixel) < 0.5 * pixel)
+    assert shade[edge].max() < inside.min() - 0.1
+    unknown = (flat[:, 0] > 0.04) & (flat[:, 0] < 0.09)
+    stripes = shade[unknown & (np.abs(flat[:, 1]) < 0.009)]
+    assert 0.3 < (stripes < 0.99).mean() < 0.55  # hatched, one centimetre to each side
+    assert np.all(shade[unknown & (np.abs(flat[:, 1]) > 0.0105)] == 1.0)
+    along_hatch = flat + HATCH_PIXELS * pixel * np.array([0.5, -0.5, 0.0])
+    again = bands.paint(np.ones_like(flat), flat, front, along_hatch[:, :2] / pixel, pixel)[:, 0]
+    assert np.allclose(again, shade)
+    away = bands.paint(np.ones_like(flat), flat, -front, flat[:, :2] / pixel, pixel)
+    assert np.all(away == 1.0)  # the far side of a fold
     lesion = dataclasses.replace(line, color="#f3c400")
     below, above = _lines(dataclasses.replace(stance, lines=(lesion,)), 300)
     assert below.colour == INK
     assert above.colour == pytest.approx((243 / 255, 196 / 255, 0.0))
+
+
+def test_where_the_scan_shows_no_skin_a_line_is_dashed_and_all_of_it_on_a_body_that_was_not_scanned() -> None:
+    run = np.column_stack([np.linspace(0.0, 0.1, 21), np.zeros(21), np.zeros(21)])
+    dashes = _dashes(run)
+    assert [round(1e3 * (dash[-1, 0] - dash[0, 0])) for dash in dashes[:-1]] == [5] * (len(dashes) - 1)
+    assert np.allclose(np.diff([dash[0, 0] for dash in dashes]), 0.011)
+    rig = read_rig(default_rig_path())
+    nipple = rig.landmark_points().positions(rig.template, rig.faces)[rig.landmark_names.index("nipple_L")]
+    turns = np.linspace(0.0, 6.2, 96)
+    around = nipple + 0.04 * np.column_stack([np.cos(turns), np.sin(turns), np.zeros(96)])
+    on_skin = Stance(rig, rig.template, rig.template, rig.faces, "standing").search.query(around).points
+    line = Polyline("cut", True, "#101010", on_skin, np.zeros(96, dtype=np.bool_))
+    stance = Stance(rig, rig.template, rig.template, rig.faces, "standing", lines=(line,))
+    view = views_of(stance, ["front"], 1.0)
+    whole, dashed = (
+        scan_pictures(dataclasses.replace(stance, predicted=predicted), view, (400, 400))[0].max(axis=2) < 60
+        for predicted in (False, True)
+    )
+    assert 0.3 < dashed.sum() / whole.sum() < 0.85
+
+
+def test_what_a_hand_has_drawn_on_this_scan_has_no_band_and_what_was_carried_here_has() -> None:
+    kinds = {"pen": ("line", False), "there": ("line", True), "wise_L": ("pattern", False), "n": ("note", False)}
+    lines = tuple(
+        Polyline(name, False, "#101010", np.zeros((2, 3)), np.zeros(2, dtype=np.bool_)) for name in (*kinds, "own")
+    )
+    shapes = [{"name": name, "kind": kind, "carried": carried} for name, (kind, carried) in kinds.items()]
+    assert [line.name for line in _banded(lines, ({"shapes": shapes}, True))] == ["there", "wise_L", "own"]
+    assert _banded(lines, None) == lines

@@ -12,7 +12,7 @@ from breastrig.report.body_frame import body_frame
 from breastrig.report.calibration import Spread, measure_calibration
 from breastrig.report.measures import measures
 from breastrig.report.stance import Stance, places
-from breastrig.report.table import Row, Value, changes, csv_bytes, flat_rows
+from breastrig.report.table import Row, Value, changes, csv_bytes, flat_rows, with_vague
 from breastrig.rig.model import Rig
 
 RADIUS = 1.5  # times the deviation over all three axes
@@ -259,6 +259,34 @@ def test_a_band_that_says_nothing_is_no_number_anywhere(row: Row, gone: tuple[st
     assert dict(zip(head.split(","), line.split(","), strict=True))["left_high"] == (
         "" if "left" in gone else str(flat["left_high"])
     )
+
+
+@pytest.mark.parametrize(
+    ("row", "vague"),
+    [
+        (row_of(200.0, 20.0), ()),
+        (row_of(200.0, 20.1), ("left", "right", "difference")),
+        (row_of(290.0, 40.0, "volume", "ml"), ("left", "right", "difference")),
+        (replace(row_of(200.0, 10.0), left=Value(50.0, 44.0, 56.0)), ("left", "difference")),
+        (replace(row_of(200.0, 10.0), left=None, right=None, value=Value(50.0, 44.0, 56.0)), ("value",)),
+        (row_of(-5.0, 4.0, "in height"), ("left", "right", "difference")),
+        (row_of(0.4, 0.1, "ratio", "1"), ()),
+        (replace(row_of(50.0, 0.0), left=Value(50.0)), ()),
+    ],
+)
+def test_a_measure_less_sure_than_a_tenth_of_itself_is_said_to_be_so_in_file_and_change(
+    row: Row, vague: tuple[str, ...]
+) -> None:
+    found = with_vague(row)
+    assert found.vague == vague
+    sure = with_vague(row_of(200.0, 1.0, row.kind, row.unit))
+    for before, after in ((found, sure), (sure, found)):
+        first, second, *change = flat_rows([("standing", [before]), ("supine", [after])])
+        assert {first["vague"], second["vague"]} == {"; ".join(vague), ""}
+        for each in change:  # as sure as what it is made of
+            there = [name for name in ("left", "right", "value", "difference") if each[name] is not None]
+            assert each["vague"] == ("; ".join(there) if vague else "")
+    assert csv_bytes(flat_rows([("standing", [found])]), {}).decode().split("\n")[0].count(",vague,") == 1
 
 
 def moved_alike(rig: Rig) -> Array:

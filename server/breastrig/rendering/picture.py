@@ -6,7 +6,7 @@ better than a light at the eye.  The inside of an open surface is drawn grey.  6
 50,000 triangles take about a fifth of a second.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
@@ -23,6 +23,9 @@ from breastrig.geometry.rays import RayCaster
 
 Picture: TypeAlias = NDArray[np.uint8]  # (H, W, 3), or (H, W, 4) without background
 Colour: TypeAlias = tuple[float, float, float]  # red green blue, 0 to 1, as on the screen (sRGB)
+# (M, 3) colours of places on the skin: from these colours, the places (M, 3) m, their (M, 3) normals, where they are in
+# the picture in (M, 2) pixels, and how large a pixel is, m
+Paint: TypeAlias = Callable[[Reals, Array, Reals, Array, float], Reals]
 
 NEUTRAL: Colour = (0.80, 0.78, 0.76)
 WHITE: Colour = (1.0, 1.0, 1.0)
@@ -145,21 +148,25 @@ class Scene:
         lines: Sequence[Line] = (),
         background: Colour | None = WHITE,
         antialias: bool = True,
+        paint: Paint | None = None,
     ) -> Picture:
-        """(H, W, 3) picture of `size` pixels, or (H, W, 4); see the function `render`."""
+        """(H, W, 3) picture of `size` pixels, or (H, W, 4); see the function `render`.
+
+        `paint` colours the meshes' outside, pixel by pixel, before light falls on it.
+        """
         width, height = size
         pixel = view.height / height
         row, column = np.divmod(np.arange(width * height), width)
         x, y = (column + 0.5 - width / 2) * pixel, (height / 2 - row - 0.5) * pixel
         seen = (self._vertices - view.centre) @ view.axes.T
         box = np.stack([seen.min(axis=0), seen.max(axis=0)]) if len(seen) else np.zeros((2, 3))
-        colour, depth, normal = self._shaded(view, box, x, y, pixel)
+        colour, depth, normal = self._shaded(view, box, x, y, pixel, paint)
         if antialias:
             index = np.flatnonzero(_edges(depth.reshape(height, width), normal.reshape(height, width, 3)))
             if len(index):
                 total = np.zeros((len(index), 4))
                 for dx, dy in ((-0.125, -0.375), (0.375, -0.125), (-0.375, 0.125), (0.125, 0.375)):
-                    total += self._shaded(view, box, x[index] + dx * pixel, y[index] + dy * pixel, pixel)[0]
+                    total += self._shaded(view, box, x[index] + dx * pixel, y[index] + dy * pixel, pixel, paint)[0]
                 colour[index] = total / 4.0
         for line in lines:
             _draw(colour, depth, line, view, size)
@@ -169,7 +176,9 @@ class Scene:
             colour = colour[:, :3] + (1.0 - colour[:, 3:]) * np.asarray(background)
         return np.asarray(np.rint(255.0 * np.clip(colour, 0.0, 1.0)), dtype=np.uint8).reshape(height, width, -1)
 
-    def _shaded(self, view: Camera, box: Array, x: Array, y: Array, pixel: float) -> tuple[Array, Array, Array]:
+    def _shaded(
+        self, view: Camera, box: Array, x: Array, y: Array, pixel: float, paint: Paint | None
+    ) -> tuple[Array, Array, Array]:
         """(M, 4) colour times alpha, (M,) depth towards the viewer or -inf, (M, 3) normal in the viewer's axes.
 
         box: (2, 3) m, the least and most of all vertices in the viewer's axes.
@@ -194,6 +203,9 @@ class Scene:
         n = self._turned(view, faces, corners, barycentric)
         n[~outside] *= -1.0
         base = _mixed(self._colours, corners, barycentric)
+        if paint is not None:
+            places = at[hit] - distances[:, None] * view.axes[2]
+            base = paint(base, places, n @ view.axes, np.stack([x[index], y[index]], axis=1) / pixel, pixel)
         base[~outside] = INSIDE
         wired = np.flatnonzero(self._wired[faces])
         if len(wired):

@@ -32,7 +32,7 @@ from breastrig.report.calibration import measure_calibration
 from breastrig.report.ptosis import STANDING, ptosis
 from breastrig.report.stance import MODEL, Place, Stance, places
 from breastrig.report.symmetry import MODEL_PART, symmetry
-from breastrig.report.table import NOT_SEEN, Row, Value
+from breastrig.report.table import NOT_SEEN, Row, Value, with_vague
 from breastrig.report.volume import METHOD as VOLUME_METHOD
 from breastrig.report.volume import breast_outline, breast_volume, seen_share
 from breastrig.rig.model import DrawnShape, Length
@@ -54,7 +54,7 @@ def measures(stance: Stance) -> tuple[Row, ...]:
     table = _Table(stance)
     rows = [row for part in PARTS if stance.rig.has_landmarks(part.needs) for row in part.rows(table)]
     unseen = {side: seen for side in SIDES if (seen := seen_share(stance, side)) is not None and seen < SEEN}
-    return tuple(without_unknown(_without_unseen(row, unseen)) for row in rows)
+    return tuple(with_vague(without_unknown(_without_unseen(row, unseen))) for row in rows)
 
 
 def _without_unseen(row: Row, unseen: Mapping[str, float]) -> Row:

@@ -7,18 +7,17 @@ from typing import Any
 
 import numpy as np
 from PIL import Image
-from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array
 from breastrig.core.srgb import rgb, to_light, to_srgb
 from breastrig.drawings.inks import LESION
-from breastrig.drawings.line_error import ACROSS
-from breastrig.geometry.polyline import Polyline
+from breastrig.geometry.normals import vertex_normals
+from breastrig.geometry.polyline import Polyline, resampled
 from breastrig.geometry.rays import RayCaster
 from breastrig.rendering.picture import Camera, Colour, Layer, Line, Picture, Scene, camera
 from breastrig.report.body_frame import body_frame
+from breastrig.report.line_bands import LineBands
 from breastrig.report.stance import Stance
-from breastrig.report.table import KNOWN_MM
 from breastrig.scan.clean import Surface
 
 LEAST_SURE_MM = 20.0  # end of the colours; the same in every report, so that reports compare
@@ -31,8 +30,7 @@ PALE: Colour = (0.93, 0.93, 0.93)  # parts beside the trunk: table, forearms
 BODY_REACH = (0.015, 0.04)  # m from the model, where grey begins to turn pale and has done so
 # as on the page; of lines without a hue too: white and grey ones do not show on a grey scan
 INK: Colour = (0.063, 0.063, 0.063)
-BAND = 0.35  # share of black in a band: on the page 0.24, of darker grey
-EDGE = 0.002  # m over which a band ends: about the distance between a scan's vertices
+DASH, GAP = 0.006, 0.005  # m, where the scan shows no skin: as on the page
 HUE = 0.15  # least difference between a colour's channels that people see as one
 LIGHTEST = 0.15  # luminance of a line: 3 : 1 against the scan, as WCAG 2.2 (1.4.11) asks of graphics
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear red, green, blue (WCAG 2.2)
@@ -49,40 +47,30 @@ def views_of(stance: Stance, names: Sequence[str], aspect: float, height: float 
 
 
 def scan_pictures(stance: Stance, cameras: Sequence[Camera], size: tuple[int, int]) -> list[Picture]:
-    """The scan in grey with the drawing on it; parts that the scan did not see, but the model carries, are dotted."""
+    """The scan in grey with the drawing on it; parts that the scan did not see, but the model carries, are dashed."""
     if stance.predicted:
         return _predicted_pictures(stance, cameras, size)
     apart = stance.search.query(stance.scan_vertices).distances
     share = np.clip((apart - BODY_REACH[0]) / (BODY_REACH[1] - BODY_REACH[0]), 0.0, 1.0)[:, None]
     colours = (1.0 - share) * np.asarray(SCAN_GREY) + share * np.asarray(PALE)
-    shaded = _with_bands(stance, stance.scan_vertices, colours)
-    scene = Scene([Layer(stance.scan_vertices, stance.scan_faces, shaded)])
-    lines = _lines(stance, size[1])
-    return [scene.render(view, size, lines) for view in cameras]
+    return _rendered(stance, Layer(stance.scan_vertices, stance.scan_faces, colours), cameras, size)
 
 
 def _predicted_pictures(stance: Stance, cameras: Sequence[Camera], size: tuple[int, int]) -> list[Picture]:
-    """The smooth model in a tint of its own with the drawing laid on it: nobody has scanned this body."""
-    laid = [replace(line, points=stance.search.query(line.points).points) for line in stance.lines]
-    colours = np.broadcast_to(np.asarray(PREDICTED), stance.vertices.shape)
-    scene = Scene([Layer(stance.vertices, stance.rig.faces, _with_bands(stance, stance.vertices, colours))])
-    lines = _lines(replace(stance, lines=tuple(laid)), size[1])
-    return [scene.render(view, size, lines) for view in cameras]
+    """The smooth model in a tint of its own with the drawing laid on it, dashed: nobody has scanned this body."""
+    on_model = [replace(line, points=stance.search.query(line.points).points) for line in stance.lines]
+    laid = replace(stance, lines=tuple(replace(line, bridged=np.ones(len(line), bool)) for line in on_model))
+    return _rendered(laid, Layer(stance.vertices, stance.rig.faces, PREDICTED), cameras, size)
 
 
-def _with_bands(stance: Stance, vertices: Array, colours: Array) -> Array:
-    """The (V, 3) colours, darker where the 90 % bands of the lines lie, as wide as on the page; none where unknown."""
-    inside = np.zeros(len(vertices))
-    for line in stance.banded:
-        if line.error is None:
-            continue
-        half = ACROSS * line.error
-        known = np.isfinite(half) & (1e3 * half <= KNOWN_MM)
-        if known.any():
-            away, nearest = cKDTree(line.points[known]).query(vertices, distance_upper_bound=half[known].max() + EDGE)
-            own = np.append(half[known], 0.0)[nearest]  # the last one: no point is near
-            inside = np.maximum(inside, np.clip((own - away) / EDGE + 0.5, 0.0, 1.0))
-    return np.asarray(colours * (1.0 - BAND * inside[:, None]))
+def _rendered(stance: Stance, skin: Layer, cameras: Sequence[Camera], size: tuple[int, int]) -> list[Picture]:
+    scene, lines, bands = Scene([skin]), _lines(stance, size[1]), _bands(stance, skin)
+    return [scene.render(view, size, lines, paint=bands.paint) for view in cameras]
+
+
+def _bands(stance: Stance, skin: Layer) -> LineBands:
+    normals = vertex_normals(skin.vertices, skin.faces)
+    return LineBands([(line, _colours(line.color)[0]) for line in stance.banded], skin.vertices, normals)
 
 
 def uncertainty_pictures(stance: Stance, cameras: Sequence[Camera], size: tuple[int, int]) -> list[Picture]:
@@ -140,13 +128,21 @@ def _colours(color: str) -> tuple[Colour, Colour]:
 
 
 def _strokes(line: Polyline) -> list[tuple[Array, bool]]:
-    """Runs of points on the scan, and single bridged points."""
+    """Runs of points on the scan, and dashes where they are bridged."""
     if not line.bridged.any():
         return [(line.points, line.closed)]
     strokes: list[tuple[Array, bool]] = []
     for run, bridged in line.runs():
-        strokes += [(point[None], False) for point in run[::2]] if bridged else [(run, False)]
+        strokes += [(dash, False) for dash in _dashes(run)] if bridged else [(run, False)]
     return strokes
+
+
+def _dashes(run: Array) -> list[Array]:
+    """(M, 3) m each."""
+    fine = resampled(run, 0.001, False)
+    phase = 0.001 * np.arange(len(fine)) % (DASH + GAP)
+    inked = np.split(fine, np.flatnonzero(np.diff(phase < DASH)) + 1)
+    return inked[::2]
 
 
 Image.preinit()  # Pillow's formats: here once in the fork server, else at the first picture in each upload's process

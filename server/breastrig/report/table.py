@@ -17,7 +17,7 @@ COLUMNS = (
     "stance", "measure", "kind", "unit",
     "left", "left_low", "left_high", "right", "right_low", "right_high",
     "difference", "difference_low", "difference_high",
-    "value", "value_low", "value_high", "not_seen", "not_known",
+    "value", "value_low", "value_high", "not_seen", "not_known", "vague",
     "landmarks", "method",
 )  # fmt: skip
 VERDICT = "verdict"  # the last column
@@ -29,6 +29,8 @@ STEPS = {"mm": (0.1, 1.0), "ml": (1.0, 10.0), "1": (0.01, 0.1)}
 GRADES = ("none", "I", "II", "III", "glandular")  # of ptosis.py
 KNOWN_MM = 60.0  # a larger band or radius is that of a breast or more: nothing is known
 NOT_KNOWN = "not known"  # in print, of what a band would say nothing
+VAGUE = 0.1  # of a number: the widest band with which a length or a volume is said
+VAGUELY_KNOWN = "not known well enough"  # in print, of a number with a wider one
 NOT_SEEN = "not seen"  # in print, where the scan does not show what would be measured
 
 
@@ -69,6 +71,7 @@ class Row:
     paths: Mapping[str, Array] = field(default_factory=dict)  # left, right or value: (M, 3) m, what was measured
     not_seen: tuple[str, ...] = ()  # of left, right, value: those that have no number, as the scan does not show them
     not_known: tuple[str, ...] = ()  # of these and the difference: those of which the band would say nothing
+    vague: tuple[str, ...] = ()  # likewise: those less sure than a tenth of themselves
     between: float | None = None  # half the band of the difference; None: both sides are wrong independently
     stances: float = 0.0  # correlation of its errors with those of the same row of another fit of the patient
 
@@ -91,6 +94,18 @@ class Row:
         if found is None or found.margin is None or self.between is None:
             return found
         return Value(found.value, found.value - self.between, found.value + self.between)
+
+
+def with_vague(row: Row) -> Row:
+    """The row that says which of its lengths or volumes are less sure than VAGUE of themselves.
+
+    A difference is as sure as what it is made of.
+    """
+    if row.unit not in ("mm", "ml"):
+        return row
+    cells = {name: value for name in ("left", "right", "value") if (value := getattr(row, name)) is not None}
+    found = tuple(name for name, value in cells.items() if (value.margin or 0.0) > VAGUE * abs(value.value))
+    return replace(row, vague=(*found, "difference") if found and row.difference is not None else found)
 
 
 def rounded_once(row: Row) -> Row:
@@ -190,8 +205,12 @@ def _change(a: Row, b: Row) -> Row:
     not_known = tuple(dict.fromkeys((*a.not_known, *b.not_known, *gone)))
     halves = [each.margin for each in (a.difference, b.difference) if each is not None and each.margin is not None]
     between = float(np.linalg.norm(halves)) if len(halves) == 2 else None  # differences of sides have little in common
-    found = replace(a, left=left, right=right, value=value, landmarks=landmarks, paths={}, not_seen=not_seen)
-    return replace(found, not_known=not_known, between=between)
+    found = replace(a, left=left, right=right, value=value, landmarks=landmarks, paths={}, not_seen=not_seen, vague=())
+    found = replace(found, not_known=not_known, between=between)
+    if not (a.vague or b.vague):
+        return found
+    cells = (name for name in (*pairs, "difference") if getattr(found, name) is not None)
+    return replace(found, vague=tuple(cells))
 
 
 def _flat(stance: str, row: Row, step: float) -> dict[str, Cell]:
@@ -212,6 +231,7 @@ def _flat(stance: str, row: Row, step: float) -> dict[str, Cell]:
     cells["difference_high"] = None if difference is None else cut(difference.high)
     cells["not_seen"] = "; ".join(row.not_seen)
     cells["not_known"] = "; ".join(row.not_known)
+    cells["vague"] = "; ".join(row.vague)
     cells["printed_step"] = step
     paths = {side: np.round(1e3 * line, PATH_DIGITS).tolist() for side, line in row.paths.items()}
     return cells | {"landmarks": "; ".join(row.landmarks), "method": row.method, "paths": paths or None}

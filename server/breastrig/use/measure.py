@@ -46,6 +46,7 @@ class Measure:
     method: str  # also why something is not seen
     not_seen: tuple[str, ...] = ()  # of left, right, value: None there, as the scan does not show that breast
     not_known: tuple[str, ...] = ()  # of these and difference: None there, as the band would say nothing
+    vague: tuple[str, ...] = ()  # likewise: those less sure than a tenth of themselves, not known well enough
     difference_margin: float | None = None  # half the band of the difference: both sides share part of their errors
 
     @property
@@ -85,6 +86,7 @@ def measure(fit: Fit | str | Path, model: Model = None) -> tuple[Measure, ...]:
             method=row.method,
             not_seen=row.not_seen,
             not_known=row.not_known,
+            vague=row.vague,
             difference_margin=None if row.difference is None else _float(row.difference.margin),
         )
         for row in rows

@@ -621,6 +621,8 @@ export type Measure = {
   not_seen?: string;
   /** of these and difference: those whose band says nothing */
   not_known?: string;
+  /** likewise: those less sure than a tenth of themselves */
+  vague?: string;
   /** in which steps its numbers are shown, so that differences agree */
   printed_step?: number;
   /** what it was measured between, each with its source: picked, seen by colour, or the model's */

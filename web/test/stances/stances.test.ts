@@ -116,9 +116,9 @@ test("what the scan does not show is named, and its reason is that of the row", 
 test("a difference has its own band, and what its band says nothing of is named", () => {
   const ends = { left: 200, left_low: 190, left_high: 210, right: 198, right_low: 188, right_high: 208 };
   const shared = row("standing", { ...ends, difference: 2, difference_low: -1, difference_high: 5 });
-  const [line] = measuresTable({ measures: [shared, row("supine", { not_known: "left; difference" })], stances: [{ name: "standing" }, { name: "supine" }] as never }).lines;
+  const [line] = measuresTable({ measures: [shared, row("supine", { not_known: "left; difference", vague: "right" })], stances: [{ name: "standing" }, { name: "supine" }] as never }).lines;
   expect(formatMargin(line!.groups[0]!.difference, "mm")).toBe("\u00a0±3");
-  expect(line!.groups[1]).toMatchObject({ notKnown: ["left", "difference"], difference: { value: null } });
+  expect(line!.groups[1]).toMatchObject({ notKnown: ["left", "difference"], vague: ["right"], difference: { value: null } });
 });
 
 test("measures of a fit that is not good say so before any number, each with its stance", () => {
@@ -142,8 +142,8 @@ test("the file has the command line's columns and quotes what needs it", () => {
   const stances = [{ name: "standing", verdict: { level: "check" } }, { name: "supine", verdict: { level: "good" } }] as never;
   const rows = [row("standing", { left: 1.5, method: 'a "b", c' }), row("supine", {}), row("supine - standing", {})];
   const [head, first, ...others] = measuresCsv({ measures: rows, stances }).trim().split("\r\n");
-  expect(head).toBe("stance,measure,kind,unit,left,left_low,left_high,right,right_low,right_high,difference,difference_low,difference_high,value,value_low,value_high,not_seen,not_known,landmarks,method,verdict");
-  expect(first).toBe('standing,notch to nipple,along the skin,mm,1.5,,,,,,,,,,,,,,,"a ""b"", c",check');
+  expect(head).toBe("stance,measure,kind,unit,left,left_low,left_high,right,right_low,right_high,difference,difference_low,difference_high,value,value_low,value_high,not_seen,not_known,vague,landmarks,method,verdict");
+  expect(first).toBe('standing,notch to nipple,along the skin,mm,1.5,,,,,,,,,,,,,,,,"a ""b"", c",check');
   expect(others.map((line) => line.split(",").at(-1)), "a change is as good as the worse of both").toEqual(["good", "check"]);
   expect(measuresCsv({ measures: [row("standing", {})], stances: [{ name: "standing" }] as never }).trim(), "a fit of an earlier version").toMatch(/,$/);
 });

@@ -67,6 +67,7 @@ class Measure(Document):
         "", description="left, right, value: those that have no number, as the scan does not show that breast"
     )
     not_known: str = Field("", description="of these and difference: those whose band says nothing")
+    vague: str = Field("", description="likewise: those less sure than a tenth of themselves")
     printed_step: float = Field(1.0, description="in which steps its numbers are shown, so that differences agree")
     landmarks: str = Field(
         description="what it was measured between, each with its source: picked, seen by colour, or the model's"

@@ -9,11 +9,13 @@ from collections.abc import Mapping, Sequence
 from importlib import resources
 from typing import Any
 
+import numpy as np
 import typst
 
 from breastrig.core.identity import UNNAMED, Identity
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.version import __version__
+from breastrig.drawings.line_error import ACROSS, drawn_error
 from breastrig.files.result import Distances, ResultFile, SurfaceDistances
 from breastrig.report.bands import KNOWN_MM, margin_text, sure_text
 from breastrig.report.document import PlannedItem, Reported
@@ -33,6 +35,7 @@ from breastrig.report.stance import places
 from breastrig.report.table import (
     NOT_KNOWN,
     NOT_SEEN,
+    VAGUELY_KNOWN,
     Row,
     Value,
     as_printed,
@@ -65,6 +68,7 @@ WARNINGS = {
 }
 METHODS = (  # a sentence, and the measure that it is about; none for what holds of all
     ("Left and right are the patient's; ± is the larger side of a band that contains nine of ten true values.", None),
+    (f"{VAGUELY_KNOWN.capitalize()}: the band is wider than a tenth of the number.", None),
     ("Straight: distance in space. Along the skin: shortest path on the fitted model's skin, holes bridged.", None),
     ("Landmarks as picked, else as seen in the scan's colours, else of the model.", None),
     (
@@ -147,6 +151,7 @@ def report_content(stances: Sequence[Reported], identity: Identity) -> dict[str,
         "warning": " · ".join(warned),
         "verdicts": [_verdict(one) for one in stances],
         "pictures": _large_pictures(stances),
+        "legend": _legend(stances),
         "plan": _plan(stances),
         "lesions": _lesions(stances),
         "lines": _lines(stances),
@@ -193,6 +198,28 @@ def _large_pictures(stances: Sequence[Reported]) -> list[Table]:
             title = f"{one.name.capitalize()}, {name.replace('_', ' ')}"
             found.append({"title": f"{title}: {what}", "jpeg": list(jpeg(picture)), "predicted": one.result.predicted})
     return found
+
+
+def _legend(stances: Sequence[Reported]) -> str:
+    """One line on the look of the lines in the pictures, and which of them is the least sure; empty without lines."""
+    banded = [line for one in stances for line in one.stance.banded]
+    errors = [np.array([np.nan]) if line.error is None else line.error for line in banded]
+    known = [1e3 * ACROSS * error <= KNOWN_MM for error in errors]
+    words = ["grey: holds the true line nine times in ten"] if any(each.any() for each in known) else []
+    words += [] if all(each.all() for each in known) else ["hatched: not known"]
+    if any(one.stance.predicted or line.bridged.any() for one in stances for line in one.stance.lines):
+        words.append("dashed: no scan shows the skin there")
+    sure = [
+        (metres, f"{spoken(line.name)}, {one.name}" if len(stances) > 1 else spoken(line.name))
+        for one in stances
+        for line in one.stance.banded
+        if (metres := drawn_error([line])) is not None
+    ]
+    if sure:
+        metres, name = max(sure)
+        words.append(f"the least sure line: {name}, {margin_text(1e3 * metres)}")
+    text = "; ".join(words)
+    return f"{text[:1].upper()}{text[1:]}." if text else ""
 
 
 def _pixels(size: tuple[float, float]) -> tuple[int, int]:
@@ -309,13 +336,20 @@ def _cells(row: Row, step: float, is_change: bool) -> list[str]:
     def text(side: str, value: Value | None) -> str:
         if value is None and side in (*row.not_seen, *row.not_known):
             return NOT_SEEN if side in row.not_seen else NOT_KNOWN
-        return grade_text(value) if row.unit == "grade" else with_margin(value, row.unit, step, is_change)
+        if side in row.vague:
+            return VAGUELY_KNOWN
+        return (
+            grade_text(value)
+            if row.unit == "grade"
+            else with_margin(value, row.unit, step, is_change or side == "difference")
+        )
 
     if row.value is not None or "value" in (*row.not_seen, *row.not_known):
         return [text("value", row.value)]
-    between = "" if row.difference is None else with_margin(row.difference, row.unit, step, True)
+    between = "" if row.difference is None else text("difference", row.difference)
     between = NOT_KNOWN if "difference" in row.not_known else between
-    return [text("left", row.left), text("right", row.right), between]
+    cells = [text("left", row.left), text("right", row.right), between]
+    return cells[:1] if {*cells} == {VAGUELY_KNOWN} else cells
 
 
 def _landmarks(stances: Sequence[Reported]) -> Table:

@@ -102,6 +102,13 @@ def _without_own_errors(lines: tuple[Polyline, ...], plan: PlanLines | None) -> 
     return tuple(replace(line, error=None) if line.name in here else line for line in lines)
 
 
+def _banded(lines: tuple[Polyline, ...], plan: PlanLines | None) -> tuple[Polyline, ...]:
+    """The lines that have a band: what a hand has drawn on this very scan is where it was drawn."""
+    shapes = () if plan is None else plan[0]["shapes"]
+    by_hand = {each["name"] for each in shapes if each.get("kind") in ("line", "note") and not each.get("carried")}
+    return tuple(line for line in lines if line.name not in by_hand)
+
+
 def _in_words(job: ReportJob, plan: PlanLines | None, fit: FitFolder) -> tuple[PlannedItem, ...]:
     """The plan's items; none where there is no plan."""
     if plan is None:
@@ -155,7 +162,7 @@ def reported(job: ReportJob, rig: Rig | None = None) -> list[Reported]:
         _check_distances(folder, fit.result)
     drawn = [planned_lines(folder, fit.unit, plan) for folder, fit, plan in zip(folders, fits, plans, strict=True)]
     stances = [
-        replace(stance_of(fit, _without_own_errors(lines, plan)), banded=lines)
+        replace(stance_of(fit, _without_own_errors(lines, plan)), banded=_banded(lines, plan))
         for fit, lines, plan in zip(fits, drawn, plans, strict=True)
     ]
     doubts = (*job.doubts, *(doubts_between(fits[0], fits[1], job.one_patient) if len(fits) == 2 else ()))

@@ -10,7 +10,7 @@ import { el, fill, icon, saveFile, setText, show } from "../../ui/dom";
 import type { Panel } from "../../ui/Panel";
 import { close as closeText } from "../../ui/text";
 import type { StancesActions } from "../actions";
-import { type Cell, formatCell, formatMargin, isVague, measuredDoubts, type MeasureLine, measuresCsv, measuresTable, type MeasuresTable } from "./measuresTable";
+import { type Cell, formatCell, formatMargin, measuredDoubts, type MeasureLine, measuresCsv, measuresTable, type MeasuresTable } from "./measuresTable";
 import { measuredFits, type StancesSlice } from "../state";
 import * as text from "./text";
 
@@ -125,14 +125,12 @@ function row(line: MeasureLine, groups: number, labels: ReadonlyMap<string, stri
   );
   const cells = line.groups.flatMap((group, g) => {
     const isChange = groups > 1 && g === groups - 1;
-    const isUnsure = line.groups.slice(0, isChange ? -1 : undefined).some(({ left, right, whole }, k) => (isChange || k === g) && [left, right, whole].some((each) => isVague(each, line.unit)));
     const write = (cell: Cell, isSigned: boolean, column: string, attributes: { class: string; colspan?: number }): HTMLElement => {
       if (group.notSeen.includes(column)) return el("td", { ...attributes, title: words.notSeenHint }, words.notSeen);
       if (group.notKnown.includes(column)) return el("td", { ...attributes, title: words.notKnownHint }, words.notKnown);
-      const isOfTwo = isChange || column === "difference";
       const said = formatCell(cell, line.unit, isSigned, line.step);
       const of = formatMargin(cell, line.unit);
-      if (isOfTwo ? isUnsure : isVague(cell, line.unit)) return el("td", { ...attributes, class: `${attributes.class} vague`, title: words.vagueHint(said + of) }, words.vague, el("span", { class: "visually-hidden" }, `: ${said}${of}`));
+      if (group.vague.includes(column)) return el("td", { ...attributes, class: `${attributes.class} vague`, title: words.vagueHint(said + of) }, words.vague, el("span", { class: "visually-hidden" }, `: ${said}${of}`));
       const ends = [cell.low, cell.high].map((value) => formatCell({ ...cell, value }, line.unit, isSigned));
       return el("td", { ...attributes, ...(cell.low === null ? {} : { title: words.band(ends[0]!, ends[1]!) }) }, said, margin(of));
     };

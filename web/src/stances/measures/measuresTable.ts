@@ -16,7 +16,7 @@ export interface MeasureLine {
   readonly unit: Measure["unit"];
   readonly step: number; // in which its numbers are shown
   /** for each stance and then the change: the cells that the columns name */
-  readonly groups: readonly { readonly left: Cell; readonly right: Cell; readonly difference: Cell; readonly whole: Cell; readonly notSeen: readonly string[]; readonly notKnown: readonly string[] }[];
+  readonly groups: readonly { readonly left: Cell; readonly right: Cell; readonly difference: Cell; readonly whole: Cell; readonly notSeen: readonly string[]; readonly notKnown: readonly string[]; readonly vague: readonly string[] }[];
   readonly method: string;
   readonly landmarks: readonly { readonly stance: string; readonly words: string }[];
 }
@@ -90,7 +90,7 @@ export function measuresTable(file: Pick<MeasuresFile, "measures" | "stances">):
       kind: first.kind,
       unit: first.unit,
       step,
-      groups: all.map((cell, i) => ({ ...cell, difference: differenceOf(givenDifference(rows[i]), cell.left, cell.right), notSeen: named(rows[i]?.not_seen), notKnown: named(rows[i]?.not_known) })),
+      groups: all.map((cell, i) => ({ ...cell, difference: differenceOf(givenDifference(rows[i]), cell.left, cell.right), notSeen: named(rows[i]?.not_seen), notKnown: named(rows[i]?.not_known), vague: named(rows[i]?.vague) })),
       method: rows.findLast((row) => row !== null && (row.not_seen ?? "") !== "")?.method ?? first.method,
       landmarks: rows.flatMap((row) => (row && row.landmarks !== "" && file.stances.some(({ name }) => name === row.stance) ? [{ stance: row.stance, words: row.landmarks }] : [])),
     };
@@ -126,10 +126,7 @@ export function formatMargin(cell: Cell, unit: Measure["unit"]): string {
   return margin === null || unit === "grade" ? "" : `\u00a0±${rounded(margin, stepOf(margin, unit))}`;
 }
 
-/** A measure less sure than a tenth of itself; differences and changes are as sure as what they are made of. */
-export const isVague = (cell: Cell, unit: Measure["unit"]): boolean => (unit === "mm" || unit === "ml") && cell.value !== null && (marginOf(cell) ?? 0) > 0.1 * Math.abs(cell.value);
-
-const COLUMNS = ["stance", "measure", "kind", "unit", "left", "left_low", "left_high", "right", "right_low", "right_high", "difference", "difference_low", "difference_high", "value", "value_low", "value_high", "not_seen", "not_known", "landmarks", "method"] as const satisfies readonly (keyof Measure)[];
+const COLUMNS = ["stance", "measure", "kind", "unit", "left", "left_low", "left_high", "right", "right_low", "right_high", "difference", "difference_low", "difference_high", "value", "value_low", "value_high", "not_seen", "not_known", "vague", "landmarks", "method"] as const satisfies readonly (keyof Measure)[];
 
 const quoted = (cell: string): string => (/[",\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell);
 
