@@ -1,0 +1,84 @@
+"""The reference pages have every landmark, measure, parameter and message of the program, with its numbers of today."""
+
+import importlib.util
+import re
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from breastrig.core.assets import packaged_models
+from breastrig.drawings.patterns import PATTERNS
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.model import Rig
+
+
+@pytest.fixture(scope="module")
+def reference(repository: Path) -> ModuleType:
+    """docs/reference/generate.py, which is in no package."""
+    place = repository / "docs" / "reference" / "generate.py"
+    spec = importlib.util.spec_from_file_location("reference_pages", place)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="module")
+def torso() -> Rig:
+    return read_rig(default_rig_path())
+
+
+def test_the_tables_are_those_of_the_program(reference: ModuleType, torso: Rig, repository: Path) -> None:
+    for name, blocks_of in reference.PAGES.items():
+        text = (repository / "docs" / "reference" / name).read_text("utf-8")
+        assert reference.faults(text, blocks_of(torso)) == [], f"{name}: run python docs/reference/generate.py"
+
+
+def test_a_part_that_is_left_out_or_old_is_found(reference: ModuleType, torso: Rig, repository: Path) -> None:
+    for name, blocks_of in reference.PAGES.items():
+        text, blocks = (repository / "docs" / "reference" / name).read_text("utf-8"), blocks_of(torso)
+        assert blocks
+        for block, now in blocks.items():
+            whole = f"<!-- data: {block} -->\n{now}<!-- end -->"
+            assert whole in text
+            assert reference.faults(text.replace(whole, ""), blocks) == [f"{block} is missing"]
+            old = text.replace(whole, whole.replace("|", "!", 1))
+            assert reference.faults(old, blocks) == [f"{block} is stale"]
+
+
+def test_every_landmark_says_how_it_is_found_on_a_patient_and_on_a_scan(
+    reference: ModuleType, torso: Rig, repository: Path
+) -> None:
+    text = (repository / "docs" / "reference" / "landmarks.md").read_text("utf-8")
+    sections = re.split(r"^## ", text, flags=re.MULTILINE)
+    for stem in reference.stems(torso):
+        [section] = [each for each in sections if f"<!-- data: landmark {stem} -->" in each]
+        assert re.search(r"^\*\*On the patient\.\*\* \w", section, re.MULTILINE), stem
+        assert re.search(r"^\*\*On a scan\.\*\* \w", section, re.MULTILINE), stem
+        assert f"](../pictures/landmarks/{stem}.webp)" in section, f"python docs/reference/pictures.py makes {stem}"
+
+
+def test_every_pattern_and_drawing_has_its_picture(reference: ModuleType, repository: Path) -> None:
+    text = (repository / "docs" / "reference" / "patterns.md").read_text("utf-8")
+    drawings = {d.name for path in packaged_models().values() for d in read_rig(path).drawings}
+    for name in {*PATTERNS, *drawings} - {"tumour_at"}:
+        assert f"](../pictures/patterns/{name}.webp)" in text, f"python docs/reference/pictures.py makes that of {name}"
+
+
+def test_every_message_is_explained(reference: ModuleType, torso: Rig, repository: Path) -> None:
+    for name, said in reference.MESSAGES.items():
+        text = (repository / "docs" / "reference" / name).read_text("utf-8")
+        assert reference.unexplained(text, said(torso)) == [], f"add a row to, or mend, a table of {name}"
+
+
+def test_a_message_that_is_left_out_or_not_said_is_found(reference: ModuleType, torso: Rig, repository: Path) -> None:
+    for name, said in reference.MESSAGES.items():
+        text, known = (repository / "docs" / "reference" / name).read_text("utf-8"), said(torso)
+        assert len(known) > 10
+        for one in known:
+            assert f"{one} is missing" in reference.unexplained(text.replace(one, ""), known)
+        cell = reference.explained(text)[0]
+        told = text.replace(f"| {cell} |", f"| {cell} Otherwise wait. |", 1)
+        assert reference.unexplained(told, known) == [f"{cell} Otherwise wait. is not said"]
