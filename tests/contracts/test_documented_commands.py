@@ -39,8 +39,8 @@ SHARED = {  # the folder that each writes: which of the example's fits stands fo
     "breastrig fit standing.ply --landmarks landmarks.json -o standing/": "standing",
     "breastrig fit supine.ply -o supine/": "supine",
     "breastrig fit scan.ply --landmarks landmarks.json -o out/": "standing",
-    "breastrig fit scan.ply --landmarks landmarks.json --drawing reduction:areola_mm=42,limb_mm=50 -o wise/": "standing",
-    "breastrig fit scan.ply --landmarks landmarks.json --drawing lumpectomy --tumour L:10,45,12 -o lumpectomy/": "standing",
+    "breastrig fit scan.ply --landmarks landmarks.json --drawing reduction:limb_mm=45 -o wise/": "standing",
+    "breastrig fit scan.ply --landmarks landmarks.json --tumour L:10,45,12 -o tumour/": "standing",
 }
 RUN = {  # in this order, each as the lines on the right; an empty list: as it stands
     "breastrig transfer --from standing/ --to supine/ -o drawing.json": [],
