@@ -1,6 +1,6 @@
 """Occlusion and closure of scans: verdicts under bra, hair, lids, the scanner's own axes, parts of a body.
 
-python -m breastrig_studies.captures COHORT... -o DIR [--group report] [--each 1] [--worst 30]
+python -m breastrig_studies.captures COHORT... -o DIR [--group validation] [--each 1] [--worst 30]
 
 For each patient every condition (virtual/as_captured.py) takes another of the patient's scans in turn, or all with
 `--each 0`. The test set is left out. Printed is a table by condition, one by patient is DIR/captures.csv, and
