@@ -11,11 +11,13 @@ import sys
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 from pydantic import BaseModel
 
 import breastrig
+from breastrig.cli.fit_command import SAID
 from breastrig.colour.features.observation import LOOKED_FOR
 from breastrig.core.assets import packaged_models
 from breastrig.core.errors import unknown_name
@@ -24,13 +26,17 @@ from breastrig.drawings.pattern_parameters import PatternParameter, parameters_o
 from breastrig.drawings.patterns import PATTERNS
 from breastrig.fitting.body.landmarks import TIPS, landmark_errors
 from breastrig.fitting.uncertainty.radii import HOLDS_90
+from breastrig.fitting.verdicts.verdict import Level, verdict_limits
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.relief.limits import relief
 from breastrig.relief.prone import ERRORS
+from breastrig.report.pages.pdf import VERDICTS
+from breastrig.rig.known import NOT_CALIBRATED
 from breastrig.rig.model import Rig
 from breastrig.scan.landmarks.names import WORDS
 
 HERE, PACKAGE = Path(__file__).parent, Path(breastrig.__file__).parent
+PAGE_WORDS = PACKAGE.parents[1] / "web" / "src" / "fit" / "resultText.ts"
 UNIT_WORDS = {"mm": "mm", "deg": "°", "h": "hour", "": ""}
 STANCES = (STANDING, SUPINE, PRONE)
 BLOCK = re.compile(r"(<!-- data: ([^>]+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
@@ -153,38 +159,80 @@ def refusals(_rig: Rig) -> frozenset[str]:
     return sentences(PATTERN_MODULES, raised=True)
 
 
+def quality_blocks(rig: Rig) -> Mapping[str, str]:
+    """`levels`: the words for each, and `limits`: of the line error."""
+    page = dict(re.findall(r'(\w+): "([^"]+)"', re.search(r"verdicts: \{(.*?)\}", PAGE_WORDS.read_text("utf-8"))[1]))
+    rows = ((f"`{level}`", page[level], SAID[level], VERDICTS[level]) for level in get_args(Level))
+    limits = verdict_limits(rig).lines
+    named = (
+        ("good at most, without placed landmarks", limits.check),
+        ("good at most, with three placed landmarks or more", limits.placed),
+        ("unusable beyond", limits.unknown),
+    )
+    return {
+        "levels": table(("level", "on the page", "on the command line", "in the report"), rows),
+        "limits": table(("line error (90 %)", "mm"), ((words, f"{1e3 * limit:g}") for words, limit in named)),
+    }
+
+
+QUALITY_MODULES = (
+    "fitting/verdicts/*.py",
+    "fitting/picks/issues.py",
+    "fitting/hypotheses.py",
+    "fitting/prepare_scan.py",
+    "use/steps/events.py",
+    "use/steps/outcome.py",
+    "use/steps/prepare.py",
+    "use/folder/one_body.py",
+    "service/fits/*.py",
+    "cases/fits.py",
+    "cli/fit_command.py::_worth_a_check",
+    "cli/fit_command.py::_to_check",
+)
+
+
+def fit_messages(rig: Rig) -> frozenset[str]:
+    """What a fit says of itself, why it failed, and what is said of two fits."""
+    limits = verdict_limits(rig)
+    signals = () if limits is None else limits.signals.values()
+    return sentences(QUALITY_MODULES) | {NOT_CALIBRATED} | {PLACEHOLDER.sub("…", signal.fact) for signal in signals}
+
+
 PAGES: Mapping[str, Callable[[Rig], Mapping[str, str]]] = {
     "landmarks.md": landmark_blocks,
     "patterns.md": pattern_blocks,
+    "quality.md": quality_blocks,
 }
 MESSAGES: Mapping[str, Callable[[Rig], frozenset[str]]] = {  # the sentences that the tables of a page must explain
     "patterns.md": refusals,
+    "quality.md": fit_messages,
 }
 
 
 PLACEHOLDER = re.compile(r"\{[^{}]*\}|…+")
+NO_SENTENCES = ("description", "title", "help", "epilog", "metavar")  # keywords whose texts are of forms and commands
+JOINING = {"and", "it", "or", "them"}  # what the program joins them with
+LEAST_WORDS = 3  # of a text that has to be explained
 
 
-def sentences(modules: Iterable[str], *, raised: bool) -> frozenset[str]:
+def sentences(sources: Iterable[str], *, raised: bool = False) -> frozenset[str]:
     """The texts of three words and more in these modules of the package, … for what is filled in.
 
-    `raised`: only those of errors; else all that are not of docstrings and descriptions of fields.
+    A source is a module, several (`*`), or a function of one (`room/file.py::name`). `raised`: only texts of errors.
     """
-    files = [file for pattern in modules for file in sorted(PACKAGE.glob(pattern))]
-    found = frozenset[str]().union(*(texts(ast.parse(file.read_text("utf-8")), raised) for file in files))
-    return frozenset(text for text in found if len(text.split()) >= 3)
+    found = frozenset[str]()
+    for source in sources:
+        pattern, _, function = source.partition("::")
+        files = sorted(PACKAGE.glob(pattern))
+        if not files:
+            raise ValueError(f"{source} is not there; say in generate.py where its sentences are now")
+        for file in files:
+            found |= texts(ast.parse(file.read_text("utf-8")), function, raised)
+    return frozenset(text for text in found if pieces(text) and len(text.split()) >= LEAST_WORDS)
 
 
-def texts(module: ast.Module, raised: bool) -> frozenset[str]:
-    """Texts of a module as the program says them."""
-    no_text = {id(each.value) for each in ast.walk(module) if isinstance(each, ast.Expr)}  # docstrings
-    for each in ast.walk(module):
-        if isinstance(each, ast.JoinedStr):
-            no_text |= {id(part) for part in each.values}
-        elif isinstance(each, ast.keyword) and each.arg in ("description", "title"):
-            no_text |= {id(part) for part in ast.walk(each)}
-        elif is_unknown_name(each):
-            no_text |= {id(part) for argument in each.args for part in ast.walk(argument)}
+def texts(module: ast.Module, function: str, raised: bool) -> frozenset[str]:
+    """Texts of a module as the program says them: without docstrings, log lines and forms."""
     constants = {
         target.id: each.value
         for each in module.body
@@ -192,23 +240,59 @@ def texts(module: ast.Module, raised: bool) -> frozenset[str]:
         for target in each.targets
         if isinstance(target, ast.Name)
     }
-    roots = [each for each in ast.walk(module) if isinstance(each, ast.Raise)] if raised else [module]
-    named = [constants[n.id] for root in roots for n in ast.walk(root) if isinstance(n, ast.Name) and n.id in constants]
-    nodes = [node for root in (*roots, *named) for node in ast.walk(root) if id(node) not in no_text]
-    return frozenset(PLACEHOLDER.sub("…", said).strip() for node in nodes if (said := text_of(node)) is not None)
+    roots: list[ast.AST] = [module]
+    if function:
+        roots = [each for each in module.body if isinstance(each, ast.FunctionDef) and each.name == function]
+    if raised:
+        roots = [each for root in roots for each in ast.walk(root) if isinstance(each, ast.Raise)]
+    roots += [
+        constants[n.id] for root in roots for n in ast.walk(root) if isinstance(n, ast.Name) and n.id in constants
+    ]
+    no_text = {id(part) for root in roots for each in ast.walk(root) for part in without_text(each)}
+    nodes = [node for root in roots for node in ast.walk(root) if id(node) not in no_text]
+    said = [text_of(node, constants) for node in nodes]
+    return frozenset(PLACEHOLDER.sub("…", each).strip() for each in said if each is not None)
 
 
-def is_unknown_name(node: ast.AST) -> bool:
-    return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == unknown_name.__name__
+def without_text(node: ast.AST) -> list[ast.AST]:
+    """The parts of a node that are no texts by themselves."""
+    match node:
+        case ast.Expr(value=ast.Constant()):
+            return [node.value]
+        case ast.JoinedStr():
+            return list(node.values)
+        case ast.keyword() if node.arg in NO_SENTENCES:
+            return list(ast.walk(node))
+        case ast.Call(func=ast.Attribute(value=ast.Name(id="log"))):
+            return list(ast.walk(node))
+        case ast.Call(func=ast.Name(id="unknown_name" | "unknown_names")):
+            return [part for argument in node.args for part in ast.walk(argument)]
+    return []
 
 
-def text_of(node: ast.AST) -> str | None:
-    if is_unknown_name(node):
-        what = text_of(node.args[0])
-        return None if what is None else unknown_name(what, "…", ("…",))
-    if isinstance(node, ast.JoinedStr):
-        return "".join(str(part.value) if isinstance(part, ast.Constant) else "…" for part in node.values)
-    return node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) else None
+def text_of(node: ast.AST | None, constants: Mapping[str, ast.expr]) -> str | None:
+    """The text of a string, … for what is filled in; None for all else."""
+    match node:
+        case ast.Constant(value=str()):
+            return str(node.value)
+        case ast.JoinedStr():
+            return "".join(text_of(part, constants) or "…" for part in node.values)
+        case ast.FormattedValue(value=ast.Name(id=name)):
+            return text_of(constants.get(name), {})
+        case ast.Call(func=ast.Name(id="unknown_name" | "unknown_names")):
+            what = text_of(node.args[0], constants)
+            return None if what is None else unknown_name(what, "…", ("…",))
+    return None
+
+
+def pieces(message: str) -> list[str]:
+    """The words of a message between what is filled in."""
+    return [piece for piece in message.split("…") if re.search(r"\w", piece)]
+
+
+def as_pattern(message: str) -> re.Pattern[str]:
+    """Finds a message in one cell of a page, whatever is filled in there."""
+    return re.compile(r"[^|\n]*".join(re.escape(piece) for piece in pieces(message)), re.IGNORECASE)
 
 
 def explained(text: str) -> list[str]:
@@ -219,18 +303,23 @@ def explained(text: str) -> list[str]:
     return found
 
 
-def unexplained(text: str, said: frozenset[str]) -> list[str]:
-    """Messages that the page does not have, and those of its tables that the program does not say."""
-    missing = [f"{one} is missing" for one in said if one not in text]
-    return sorted(missing + [f"{cell} is not said" for cell in explained(text) if not is_said(cell, said)])
+def missing(text: str, said: Iterable[str]) -> list[str]:
+    """Messages that the page does not have."""
+    return sorted(one for one in said if not as_pattern(one).search(text))
 
 
-def is_said(cell: str, said: frozenset[str]) -> bool:
-    """Whether a message consists of what the program says."""
+def unsaid(text: str, said: Iterable[str]) -> list[str]:
+    """Messages of the page's tables that the program does not say."""
+    words = sorted({piece.strip() for one in said for piece in pieces(one)}, key=len, reverse=True)
+    return [cell for cell in explained(text) if not is_said(cell, words)]
+
+
+def is_said(cell: str, words: Iterable[str]) -> bool:
+    """Whether a message consists of these words of the program, the longest first."""
     rest = cell
-    for one in sorted(said, key=len, reverse=True):
-        rest = rest.replace(one, "")
-    return not re.search(r"\w", rest)
+    for piece in words:
+        rest = re.sub(re.escape(piece), "", rest, flags=re.IGNORECASE)
+    return not {*re.findall(r"\w+", rest)} - JOINING
 
 
 def rewritten(text: str, blocks: Mapping[str, str]) -> str:
