@@ -6,22 +6,24 @@ and message needs.
 """
 
 import ast
+import csv
 import re
 import sys
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
 import numpy as np
 from pydantic import BaseModel
 
 import breastrig
 from breastrig.cli.fit_command import SAID
+from breastrig.colour.areolae import ObservedAreola
 from breastrig.colour.features.observation import LOOKED_FOR
 from breastrig.core.assets import packaged_models
 from breastrig.core.errors import unknown_name
-from breastrig.core.stances import PRONE, STANDING, SUPINE, split_side
+from breastrig.core.stances import PRONE, SIDES, STANDING, SUPINE, split_side
 from breastrig.drawings.pattern_parameters import PatternParameter, parameters_of
 from breastrig.drawings.patterns import PATTERNS
 from breastrig.fitting.body.landmarks import TIPS, landmark_errors
@@ -30,7 +32,10 @@ from breastrig.fitting.verdicts.verdict import Level, verdict_limits
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.relief.limits import relief
 from breastrig.relief.prone import ERRORS
+from breastrig.report.calibration import measure_calibration
+from breastrig.report.measures import measures
 from breastrig.report.pages.pdf import VERDICTS
+from breastrig.report.stance import Stance
 from breastrig.rig.known import NOT_CALIBRATED
 from breastrig.rig.model import Rig
 from breastrig.scan.landmarks.names import WORDS
@@ -159,6 +164,87 @@ def refusals(_rig: Rig) -> frozenset[str]:
     return sentences(PATTERN_MODULES, raised=True)
 
 
+def measure_blocks(rig: Rig) -> Mapping[str, str]:
+    """`measures`, `errors` of the model's data file, and `differences` that were measured (decision 0029)."""
+    return {
+        "measures": table(("name in files", "label", "unit", "taken", "of", "from", "positions"), measure_rows(rig)),
+        "errors": table(("entry of `measures.toml`", "value", "meaning"), calibration_rows(rig)),
+        "differences": table(("number", "half of the 90 % band", "true values held"), difference_rows()),
+    }
+
+
+def measure_rows(rig: Rig) -> Iterable[tuple[str, ...]]:
+    """Every measure of the model at rest, with all landmarks picked and both areolae seen."""
+    skin = rig.template
+    picked = dict(zip(rig.landmark_names, rig.landmark_points().positions(skin, rig.faces), strict=True))
+    areola = ObservedAreola(0.04, 0.001, skin[rig.regions["areola_L"]])
+    found = {
+        position: measures(
+            Stance(rig, skin, skin, rig.faces, position, picked=picked, areolae=dict.fromkeys(SIDES, areola))
+        )
+        for position in STANCES
+    }
+    for name in dict.fromkeys(row.measure for row in found[STANDING]):
+        rows = [row for row in found[STANDING] if row.measure == name]
+        positions = [position for position in STANCES if any(row.measure == name for row in found[position])]
+        sources = dict.fromkeys(split_side(each.partition(" (")[0])[0] for row in rows for each in row.landmarks)
+        yield (
+            f"`{name}`",
+            " ".join(rows[0].label.removeprefix(name).split()),
+            {"1": "ratio"}.get(rows[0].unit, rows[0].unit),
+            ", ".join(row.kind for row in rows if row.unit == "mm") or "–",
+            "left, right" if rows[0].value is None else "both together",
+            ", ".join(sources),
+            "all" if len(positions) == len(STANCES) else ", ".join(positions),
+        )
+
+
+CALIBRATED = {  # what each entry of measures.toml is, and whether it is in m
+    "outwards": ("a fit's outline lies so much too far in; it is moved out by this", True),
+    "least": ("error (90 %), whatever the fit says", True),
+    "share": ("of the fit's 90 % radius there, added to it as squares", False),
+    "picked": ("error (90 %) of the height of a placed nipple or fold", True),
+    "lowest": ("error (90 %) of the height of the lowest skin", True),
+    "covered_below": ("a nipple less than this above the xiphoid's level hides its fold", True),
+    "fold_over_xiphoid": ("a hidden fold is taken so much above the xiphoid's level", True),
+    "hidden_fold": ("error (90 %) of that", True),
+    "volume": ("correlation of the errors of left and right", False),
+    "lateral": ("correlation of the errors of left and right, of the most lateral point", False),
+    "sides.lowest": ("correlation of the errors of left and right, of the lowest point", False),
+    "base_width": ("correlation of the errors of left and right", False),
+    "standing": ("share of the landmarks' opposite errors of left and right that counts, standing", False),
+    "supine": ("share of the landmarks' opposite errors of left and right that counts, supine", False),
+    "lengths": ("correlation of the errors of a patient's standing and supine fit, without placed landmarks", False),
+}
+
+
+def calibration_rows(rig: Rig) -> Iterable[tuple[str, ...]]:
+    """Each number of the model's measures.toml."""
+    known = measure_calibration(rig)
+    if known is None:
+        raise ValueError(f"{rig.name} has no measures.toml")
+    for place, value in leaves(known.model_dump()):
+        words, metres = CALIBRATED.get(".".join(place)) or CALIBRATED[place[-1]]
+        yield f"`{'.'.join(place)}`", f"{1e3 * value:g} mm" if metres else f"{value:g}", words
+
+
+def leaves(part: Mapping[str, Any], above: tuple[str, ...] = ()) -> Iterable[tuple[tuple[str, ...], float]]:
+    """The numbers of nested tables, with the names that lead to each."""
+    for name, value in part.items():
+        if isinstance(value, Mapping):
+            yield from leaves(value, (*above, name))
+        else:
+            yield (*above, name), value
+
+
+def difference_rows() -> Iterable[tuple[str, ...]]:
+    with (HERE.parent / "decisions" / "0029-differences.csv").open(encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(file):
+            if (row["bands"], row["half"]) == ("now", "validation"):
+                unit = " mm" if row["unit"] == "mm" else ""
+                yield row["measure"], f"{row['half_band']}{unit}", f"{row['held_percent']} %"
+
+
 def quality_blocks(rig: Rig) -> Mapping[str, str]:
     """`levels`: the words for each, and `limits`: of the line error."""
     page = dict(re.findall(r'(\w+): "([^"]+)"', re.search(r"verdicts: \{(.*?)\}", PAGE_WORDS.read_text("utf-8"))[1]))
@@ -200,6 +286,7 @@ def fit_messages(rig: Rig) -> frozenset[str]:
 
 PAGES: Mapping[str, Callable[[Rig], Mapping[str, str]]] = {
     "landmarks.md": landmark_blocks,
+    "measures.md": measure_blocks,
     "patterns.md": pattern_blocks,
     "quality.md": quality_blocks,
 }

@@ -61,6 +61,25 @@ def test_every_landmark_says_how_it_is_found_on_a_patient_and_on_a_scan(
         assert f"](../pictures/landmarks/{stem}.webp)" in section, f"python docs/reference/pictures.py makes {stem}"
 
 
+def test_every_measure_is_defined(reference: ModuleType, torso: Rig, repository: Path) -> None:
+    text = (repository / "docs" / "reference" / "measures.md").read_text("utf-8")
+    definitions = text.partition("| measure | definition |")[2].partition("\n\n")[0]
+    defined = re.findall(r"^\| `(\w+)` \| \w.+ \|$", definitions, re.MULTILINE)
+    assert defined == [row[0].strip("`") for row in reference.measure_rows(torso)], (
+        "a row for each, in the table's order"
+    )
+
+
+def test_shares_of_true_values_held_are_those_of_the_data_file(repository: Path) -> None:
+    text = (repository / "docs" / "reference" / "measures.md").read_text("utf-8")
+    reasons = (repository / "model_assets" / "built" / "torso.known" / "measures.toml").read_text("utf-8")
+    rows = [re.findall(r"(\d+) % \((\d+)\)", line) for line in text.splitlines() if line.count(" % (") == 3]
+    assert len(rows) == 3
+    for row in rows:
+        for shares in zip(*row, strict=True):
+            assert " / ".join(shares) in reasons
+
+
 def test_every_pattern_and_drawing_has_its_picture(reference: ModuleType, repository: Path) -> None:
     text = (repository / "docs" / "reference" / "patterns.md").read_text("utf-8")
     drawings = {d.name for path in packaged_models().values() for d in read_rig(path).drawings}
