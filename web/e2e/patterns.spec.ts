@@ -104,6 +104,27 @@ test("the new nipple is dragged: line and number follow, the plan keeps them, un
     await expect.poll(async () => (await state(page)).drawn.onScan?.patterns.shapes.length).toBe(6);
   });
 
+  await test.step("right and left are set apart, by field and hand, and put together again", async () => {
+    await details(page).getByRole("button", { name: "Set right and left apart" }).click();
+    await numberField(page, "areola_mm", "R").fill("38");
+    await numberField(page, "areola_mm", "R").press("Enter");
+    await expect.poll(parameters).toMatchObject({ areola_mm_right: 38, areola_mm_left: 42, width_mm_left: 56 });
+    await expect(handle(page, "values/areola_R")).toHaveAttribute("aria-label", "New areola, right: 38\u00a0mm");
+    await expect(handle(page, "values/areola_L")).toHaveAttribute("aria-label", "New areola, left: 42\u00a0mm");
+    await handle(page, "values/areola_L").focus();
+    await page.keyboard.press("Shift+ArrowRight");
+    await expect.poll(parameters).toMatchObject({ areola_mm_right: 38, areola_mm_left: 47 });
+    await expect(numberField(page, "areola_mm", "L")).toHaveValue("47");
+    await expect(numberField(page, "areola_mm", "R")).toHaveValue("38");
+    await details(page).getByRole("button", { name: "Both as right" }).click();
+    await expect.poll(parameters).toEqual({ areola_mm: 38, nipple_above_fold_mm: 40, width_mm: 56 });
+    await expect(numberField(page, "areola_mm", "L")).toHaveValue("38");
+    await page.keyboard.press("Control+Z");
+    await expect(page.locator(".undone")).toHaveText("Undone: one number for right and left.");
+    await page.keyboard.press("Control+Shift+Z");
+    await expect.poll(parameters).toMatchObject({ areola_mm: 38 });
+  });
+
   await test.step("the wheel zooms over a handle as it does beside it", async () => {
     const [at, other] = [await middle(page, "values/width_first_L"), await middle(page, "values/width_first_R")];
     await page.mouse.move(at.x, at.y);

@@ -4,6 +4,7 @@ A drawing is asked for by a text, in a command, a job or a request:
 
     lumpectomy
     reduction:areola_mm=42,limb_mm=55
+    reduction:areola_mm=42,limb_mm_left=45   (of one side alone: _left or _right)
     lumpectomy+tumour:side=L,clock=10,distance_mm=45,radius_mm=12
     lumpectomy+tumour:L,10,45,12             (where all parameters are needed, their names may be left out)
 
@@ -20,8 +21,9 @@ from pydantic import BaseModel, ValidationError
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing, unknown_name
-from breastrig.core.stances import split_side
+from breastrig.core.stances import SIDES, sides_of, split_side
 from breastrig.drawings.clock import FittedSkin
+from breastrig.drawings.constructions.apart import Apart, are_apart, of_side, parted
 from breastrig.drawings.constructions.ellipse import MastectomyEllipse
 from breastrig.drawings.constructions.periareolar import Periareolar
 from breastrig.drawings.constructions.reduction import Reduction
@@ -161,9 +163,10 @@ def pattern_of(name: str, given: Mapping[str, float | str]) -> Pattern:
     if name not in PATTERNS:
         raise BadDrawing(unknown_name("pattern", name, tuple(PATTERNS)))
     kind = PATTERNS[name]
-    unknown = next((key for key in given if key not in kind.model_fields), None)
-    if unknown is not None:
-        raise BadDrawing(unknown_name(f"parameter of {name}", unknown, tuple(kind.model_fields)))
+    for key in given:
+        _check_name(name, key)
+    if are_apart(given):
+        return _apart(name, given)
     try:
         return kind.model_validate(given)  # type: ignore[return-value]  # each class of PATTERNS is a Pattern
     except ValidationError as error:
@@ -177,6 +180,32 @@ def pattern_of(name: str, given: Mapping[str, float | str]) -> Pattern:
         if key not in given:  # numbers that are right one by one, and not together
             raise BadDrawing(f"The drawing {name} cannot be made so: {reason}.") from error
         raise BadDrawing(f"{key} of {name} cannot be {given[key]}: {reason}.") from error
+
+
+def _check_name(name: str, key: str) -> None:
+    """BadDrawing where the pattern has no such parameter, or none of one side alone."""
+    fields, (stem, side) = PATTERNS[name].model_fields, parted(key)
+    if stem not in fields:
+        raise BadDrawing(unknown_name(f"parameter of {name}", key, tuple(fields)))
+    if side and (stem == "side" or "side" not in fields or fields["side"].is_required()):
+        raise BadDrawing(f"{stem} of {name} has no value for each side; write {stem}.")
+
+
+def _apart(name: str, given: Mapping[str, float | str]) -> Pattern:
+    """The pattern of each side where numbers differ; of one where only that is asked for."""
+    asked = str(given.get("side", "both"))
+    pattern_of(name, {"side": asked})
+    sides = sides_of(asked)
+    other = next((key for key in given if (side := parted(key)[1]) and side not in sides), None)
+    if other is not None:
+        raise BadDrawing(f"{other} of {name} is not needed: the pattern is drawn on the {SIDES[sides[0]]} side only.")
+    found = []
+    for side in sides:
+        try:
+            found.append((side, pattern_of(name, of_side(given, side))))
+        except BadDrawing as error:
+            raise BadDrawing(f"On the {SIDES[side]}: {error}") from error
+    return Apart(tuple(found)) if len(found) > 1 else found[0][1]
 
 
 def tumour_text(short: str) -> str:
@@ -203,6 +232,7 @@ def pattern_help() -> str:
             default = "" if field.is_required() or field.default is None else f" (if not said {field.default})"
             words.append(f"{parameter}: {field.description}{default}")
         sentences.append(f"{name} has " + "; ".join(words))
+    sentences.append("a number of one side alone ends with _left or _right: areola_mm=42,areola_mm_left=38")
     return ". ".join(sentences) + "."
 
 
@@ -218,8 +248,7 @@ def _parameters(name: str, values: str) -> dict[str, str]:
         key, equals, value = (word.strip() for word in pair.partition("="))
         if not equals:
             raise BadDrawing(f'"{pair}" is not a parameter of {name}; write name=value, for instance {_example(kind)}.')
-        if key not in kind.model_fields:
-            raise BadDrawing(unknown_name(f"parameter of {name}", key, tuple(kind.model_fields)))
+        _check_name(name, key)
         if key in given:
             raise BadDrawing(f"The parameter {key} of {name} is given twice.")
         given[key] = value

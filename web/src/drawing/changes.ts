@@ -1,6 +1,6 @@
 // What a step of the plan's history has changed, in words: undo and redo say it.
 import type { PatternInfo, PatternParameter } from "../api/types";
-import { readRequest, startValue, TUMOUR, type Values } from "../fit/requestedDrawing";
+import { areApart, readRequest, TUMOUR, type Values, valueOn } from "../fit/requestedDrawing";
 import type { OwnLine } from "./lines/lines";
 import type { PlanStep } from "./state";
 import * as text from "./text";
@@ -56,14 +56,19 @@ function drawingChanged(before: string, after: string, known: readonly Named[]):
 }
 
 function valuesChanged(parameters: readonly PatternParameter[], before: Values, after: Values): string[] {
+  const isApart = [before, after].map(areApart);
+  if (isApart[0] !== isApart[1]) return [isApart[1] ? words.apart : words.together];
   return parameters.flatMap((parameter) => {
-    const [was, is] = [valueSaid(parameter, before), valueSaid(parameter, after)];
-    return was === is ? [] : [words.number(parameter.label, was, is)];
+    const sides = isApart[0] && !parameter.choices ? (["R", "L"] as const) : [null];
+    return sides.flatMap((side) => {
+      const [was, is] = [valueSaid(parameter, before, side), valueSaid(parameter, after, side)];
+      return was === is ? [] : [words.number(side ? words.on(parameter.label, side) : parameter.label, was, is)];
+    });
   });
 }
 
-function valueSaid(parameter: PatternParameter, values: Values): string {
-  const value = values[parameter.name] ?? startValue(parameter);
+function valueSaid(parameter: PatternParameter, values: Values, side: "R" | "L" | null): string {
+  const value = valueOn(values, parameter, side);
   if (value === "") return text.drawing.pattern.byItself;
   return parameter.choices ? (text.drawing.pattern.choices[value] ?? value) : text.amount(Number(value), parameter.unit);
 }

@@ -42,6 +42,32 @@ export function readRequest(text: string): DrawingRequest {
 /** What a field shows before anybody has touched it; what is needed is the patient's, and nobody but a person knows it. */
 export const startValue = (parameter: PatternParameter): string => (parameter.default === null ? "" : String(parameter.default));
 
+const SIDES = { R: "right", L: "left" } as const;
+type Side = keyof typeof SIDES;
+
+/** A parameter of one side alone, as the service names it. */
+export const nameOn = (name: string, side: Side): string => `${name}_${SIDES[side]}`;
+
+/** Whether right and left have numbers of their own. */
+export const areApart = (values: Values): boolean => Object.keys(values).some((name) => /_(left|right)$/.test(name));
+
+/** What is asked of a parameter, on one side where those differ; empty where nothing is. */
+export const valueOn = (values: Values, parameter: PatternParameter, side: Side | null): string => (side ? values[nameOn(parameter.name, side)] : undefined) ?? values[parameter.name] ?? startValue(parameter);
+
+const choicesOf = (values: Values, parameters: readonly PatternParameter[]): Values => Object.fromEntries(parameters.flatMap(({ name, choices }) => (choices && values[name] !== undefined ? [[name, values[name]]] : [])));
+
+/** Each number as one of the right and one of the left. */
+export const setApart = (values: Values, parameters: readonly PatternParameter[]): Values => ({
+  ...choicesOf(values, parameters),
+  ...Object.fromEntries(parameters.filter(({ choices }) => !choices).flatMap((each) => (["R", "L"] as const).map((side) => [nameOn(each.name, side), valueOn(values, each, side)]))),
+});
+
+/** The numbers of one side for both. */
+export const setTogether = (values: Values, parameters: readonly PatternParameter[], side: Side): Values => ({
+  ...choicesOf(values, parameters),
+  ...Object.fromEntries(parameters.filter((each) => !each.choices && valueOn(values, each, side) !== startValue(each)).map((each) => [each.name, valueOn(values, each, side)])),
+});
+
 /** What has to be given still, before there is anything to draw. */
 export const stillNeeded = (pattern: PatternInfo, values: Values): readonly PatternParameter[] => pattern.parameters.filter(({ name, needed }) => needed && (values[name] ?? "") === "");
 

@@ -41,6 +41,9 @@ test("each dashed number has its reason, one sentence", () => {
   ]);
   expect(reasonsOf(ALL, { limb_mm: "33", areola_mm: "40.4", nipple_above_fold_mm: "0", side: "L" }, "values", HANDLES)).toEqual(["Vertical limbs: 33\u00a0mm asked, drawn otherwise on this skin."]);
   expect(reasonsOf(ALL, {}, "values", [])).toEqual([]);
+  const apart = { areola_mm_left: "40", areola_mm_right: "38", limb_mm_left: "50", limb_mm_right: "33" };
+  expect(reasonsOf(ALL, apart, "values", HANDLES)[0], "each side against its own number").toBe("New areola: 38\u00a0mm asked, drawn otherwise on this skin.");
+  expect(drawnNumber(AREOLA, apart, "values", "L", HANDLES)).toEqual({ value: 40, drawn: 40, isForced: false });
 });
 
 test("one row for a pattern with all its lines, saying on which sides it is; lines, notes and what was carried have theirs", () => {

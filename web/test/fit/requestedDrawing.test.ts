@@ -1,7 +1,7 @@
 // Pattern and tumour as one text.
 import { expect, test } from "vitest";
 import type { PatternInfo, PatternParameter } from "../../src/api/types";
-import { mirroredValues, readRequest, requestLabel, requestText, startValue, stillNeeded } from "../../src/fit/requestedDrawing";
+import { areApart, mirroredValues, readRequest, requestLabel, requestText, setApart, setTogether, startValue, stillNeeded, valueOn } from "../../src/fit/requestedDrawing";
 
 const parameter = (part: Partial<PatternParameter>): PatternParameter => ({ name: "areola_mm", label: "New areola", about: "", unit: "mm", default: 42, needed: false, min: 30, max: 55, choices: null, ...part });
 
@@ -38,4 +38,19 @@ test("on the other side a tumour's hour is exchanged as well; what is on both si
   expect(mirroredValues({ side: "R", limb_mm: "50" })).toEqual({ side: "L", limb_mm: "50" });
   expect(mirroredValues({ side: "both" })).toBeNull();
   expect(mirroredValues({})).toBeNull();
+});
+
+test("right and left are set apart with what each has now, and put together as one of them has it", () => {
+  const all = [parameter({ name: "side", default: "both", choices: ["both", "L", "R"] }), parameter({}), parameter({ name: "limb_mm", default: null })];
+  const values = { side: "both", areola_mm: "40" };
+  expect(areApart(values)).toBe(false);
+  const apart = setApart(values, all);
+  const text = requestText({ base: "reduction", values: apart, tumour: null });
+  expect(text, "what is chosen by itself stays so").toBe("reduction:side=both,areola_mm_right=40,areola_mm_left=40");
+  const changed = { ...readRequest(text).values, areola_mm_left: "36", limb_mm_right: "45" };
+  expect(areApart(changed)).toBe(true);
+  expect(all.slice(1).map((each) => [valueOn(changed, each, "R"), valueOn(changed, each, "L")])).toEqual([["40", "36"], ["45", ""]]);
+  expect(valueOn({ areola_mm: "44", areola_mm_left: "36" }, all[1]!, "R"), "one number for the other side").toBe("44");
+  expect(setTogether(changed, all, "R")).toEqual({ side: "both", areola_mm: "40", limb_mm: "45" });
+  expect(setTogether({ areola_mm_left: "42", areola_mm_right: "40" }, all, "L"), "a default is left out").toEqual({});
 });

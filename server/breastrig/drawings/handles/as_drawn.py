@@ -10,6 +10,7 @@ import numpy as np
 
 from breastrig.core.stances import OUTWARDS, sides_of
 from breastrig.drawings.clock import FittedSkin, clock_place
+from breastrig.drawings.constructions.apart import Apart
 from breastrig.drawings.constructions.ellipse import MastectomyEllipse
 from breastrig.drawings.constructions.new_fold import middle_of_fold
 from breastrig.drawings.constructions.periareolar import Periareolar
@@ -30,6 +31,9 @@ Numbers = dict[str, float]
 
 def as_drawn(pattern: Pattern, skin: FittedSkin) -> dict[str, dict[str, float]]:
     """{parameter: {side: number}} of every number that the pattern has; BadDrawing where it does not fit."""
+    if isinstance(pattern, Apart):
+        each = [as_drawn(one, skin) for _, one in pattern.sides]
+        return {name: {side: mm for numbers in each for side, mm in numbers[name].items()} for name in each[0]}
     shapes = {shape.name: shape for shape in pattern.drawn(skin)}
     found = {side: _measured(pattern, skin, shapes, side) for side in _sides(pattern, shapes)}
     names = dict.fromkeys(name for numbers in found.values() for name in numbers)

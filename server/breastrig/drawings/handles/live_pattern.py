@@ -17,6 +17,7 @@ from breastrig.core.errors import BadDrawing, unknown_name
 from breastrig.core.lru_cache import LruCache
 from breastrig.core.stances import SIDES
 from breastrig.drawings.clock import FittedSkin
+from breastrig.drawings.constructions.apart import Apart, are_apart, of_side, put_apart
 from breastrig.drawings.constructions.ellipse import MastectomyEllipse
 from breastrig.drawings.constructions.periareolar import Periareolar
 from breastrig.drawings.constructions.reduction import Reduction
@@ -198,6 +199,8 @@ class LiveSkin:
 def _handles(pattern: Pattern, skin: FittedSkin) -> list[Handle]:
     """The handles of a pattern; None where it has none."""
     match pattern:
+        case Apart():
+            return [handle for _, one in pattern.sides for handle in _handles(one, skin)]
         case Reduction():
             return wise_handles(pattern, skin)
         case Vertical():
@@ -213,6 +216,8 @@ def _handles(pattern: Pattern, skin: FittedSkin) -> list[Handle]:
 
 def _on_side(pattern: Pattern, side: str | None) -> Pattern:
     """The pattern for one side alone, where it has sides; BadDrawing when it is that of the other one."""
+    if isinstance(pattern, Apart):
+        return pattern if side is None else dict(pattern.sides)[side]
     assert isinstance(pattern, BaseModel)
     own = getattr(pattern, "side", None)
     if side is None or own is None or own == side:
@@ -224,6 +229,8 @@ def _on_side(pattern: Pattern, side: str | None) -> Pattern:
 
 
 def _field(pattern: Pattern, parameter: str) -> PatternParameter:
+    if isinstance(pattern, Apart):
+        pattern = pattern.sides[0][1]  # both are of one class
     assert isinstance(pattern, BaseModel)
     return parameters_of(type(pattern))[parameter]
 
@@ -255,13 +262,18 @@ def _within(pattern: Pattern, handle: Handle, values: Mapping[str, float]) -> tu
 
 
 def _said(pattern: Pattern, handle: Handle, parameters: Parameters, values: Mapping[str, float]) -> dict[str, float]:
-    """The parameters without those that the handle moves too and that keep an unspoken default."""
+    """The parameters without those that the handle moves too and that keep an unspoken default.
+
+    They are of the handle's side alone where right and left are apart.
+    """
     first = next(iter(handle.values))
-    return {
+    own = of_side(parameters, handle.side) if are_apart(parameters) else parameters
+    said = {
         key: value
         for key, value in values.items()
-        if key == first or key in parameters or value != _field(pattern, key).default
+        if key == first or key in own or value != _field(pattern, key).default
     }
+    return put_apart(said, handle.side) if are_apart(parameters) else said
 
 
 def _unit(parameter: str) -> str:

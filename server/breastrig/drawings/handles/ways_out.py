@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from breastrig.core.errors import BadDrawing
 from breastrig.core.stances import SIDES
 from breastrig.drawings.clock import FittedSkin
+from breastrig.drawings.constructions.apart import of_side, parted
 from breastrig.drawings.patterns import PATTERNS, able_patterns, pattern_of
 from breastrig.drawings.plan_schema import PlanPattern
 
@@ -27,7 +28,7 @@ class WayOut:
 
 def side_alone(skin: FittedSkin, item: PlanPattern, side: str) -> PlanPattern | BadDrawing:
     """The item on one side, or why it does not fit there."""
-    alone = item.model_copy(update={"parameters": item.parameters | {"side": side}})
+    alone = item.model_copy(update={"parameters": of_side(item.parameters, side)})
     refused = _refused(skin, alone.name, alone.parameters)
     return alone if refused is None else refused
 
@@ -45,26 +46,34 @@ def _thought_of(skin: FittedSkin, item: PlanPattern) -> Iterator[WayOut]:
     given: Parameters = dict(item.parameters)
     if item.name not in able_patterns(skin.rig):
         return
-    if "limb_mm" in given:
-        yield WayOut("Shorter limbs", item.name, {key: value for key, value in given.items() if key != "limb_mm"})
+    without = _without(given, "limb_mm")
+    if without != given:
+        yield WayOut("Shorter limbs", item.name, without)
     if item.name in NEXT:
         name, label = NEXT[item.name]
-        yield WayOut(label, name, {key: value for key, value in given.items() if key in PATTERNS[name].model_fields})
+        yield WayOut(
+            label, name, {key: value for key, value in given.items() if parted(key)[0] in PATTERNS[name].model_fields}
+        )
     smaller = _smaller_areola(skin, item.name, given)
     if smaller is not None:
         yield WayOut(f"Areola of {smaller['areola_mm']:g} mm", item.name, smaller)
     if given.get("side", "both") == "both":
         for side, word in SIDES.items():
-            yield WayOut(f"The {word} side only", item.name, given | {"side": side})
+            yield WayOut(f"The {word} side only", item.name, of_side(given, side))
 
 
 def _smaller_areola(skin: FittedSkin, name: str, given: Parameters) -> Parameters | None:
     field = PATTERNS[name].model_fields.get("areola_mm")
     if field is None:
         return None
-    asked = float(given.get("areola_mm", field.default))
-    tries = (given | {"areola_mm": mm} for mm in SMALLER_AREOLAS if mm < asked)
+    asked = max(float(of_side(given, side).get("areola_mm", field.default)) for side in SIDES)
+    tries = (_without(given, "areola_mm") | {"areola_mm": mm} for mm in SMALLER_AREOLAS if mm < asked)
     return next((each for each in tries if _refused(skin, name, each) is None), None)
+
+
+def _without(given: Parameters, name: str) -> Parameters:
+    """The parameters without this one, on either side."""
+    return {key: value for key, value in given.items() if parted(key)[0] != name}
 
 
 def _refused(skin: FittedSkin, name: str, parameters: Parameters) -> BadDrawing | None:

@@ -6,6 +6,7 @@ from typing import Any
 from breastrig.core.errors import BadDrawing
 from breastrig.core.stances import SIDES
 from breastrig.drawings.clock import FittedSkin
+from breastrig.drawings.constructions.apart import are_apart, of_side
 from breastrig.drawings.handles.as_drawn import as_drawn, differs
 from breastrig.drawings.pattern_parameters import PatternParameter, parameters_of
 from breastrig.drawings.patterns import LABELS, PATTERNS, pattern_of
@@ -78,12 +79,23 @@ def _values(item: PlanItem, fit: FitFolder | None) -> tuple[tuple[str, str], ...
     name, given = asked_of(item)
     drawn = {} if fit is None else _as_drawn(name, given, fit)
     parameters = [each for each in parameters_of(PATTERNS[name]).values() if each.name != "side"]
-    said = [
-        (each.label, _said(each, given.get(each.name, each.default), drawn.get(each.name, {}))) for each in parameters
-    ]
+    said = [(each.label, _on_sides(each, given, drawn.get(each.name, {}))) for each in parameters]
     if isinstance(item, PlanTumour):
         said.append(("Below the skin", "not known" if item.depth_mm is None else f"{item.depth_mm:g} mm"))
     return tuple((label, value) for label, value in said if value)
+
+
+def _on_sides(parameter: PatternParameter, given: Mapping[str, float | str], drawn: Mapping[str, float]) -> str:
+    """A parameter's value, or that of each side where right and left are apart and it differs."""
+    if not are_apart(given):
+        return _said(parameter, given.get(parameter.name, parameter.default), drawn)
+    texts = {}
+    for side, word in reversed(SIDES.items()):
+        asked = of_side(given, side).get(parameter.name, parameter.default)
+        texts[word] = _said(parameter, asked, {side: drawn[side]} if side in drawn else {})
+    if len({*texts.values()}) == 1:
+        return next(iter(texts.values()))
+    return ", ".join(f"{text} {word}" for word, text in texts.items() if text)
 
 
 def _said(parameter: PatternParameter, asked: float | str | None, drawn: Mapping[str, float]) -> str:

@@ -1,7 +1,7 @@
 // The numbers of the chosen pattern or tumour as they are drawn, the patient's right and left in columns; dashed where the body
 // did not let them be as asked.  They are changed here as by the handles on the body; the fit stays.
 import type { PatternInfo, PatternParameter } from "../../api/types";
-import { type DrawingRequest, mirroredValues, readRequest, requestText, startValue, stillNeeded, TUMOUR, type Values } from "../../fit/requestedDrawing";
+import { areApart, type DrawingRequest, mirroredValues, nameOn, readRequest, requestText, setApart, setTogether, startValue, stillNeeded, TUMOUR, type Values } from "../../fit/requestedDrawing";
 import type { FitSlice } from "../../fit/state";
 import type { ScanSlice } from "../../scan/state";
 import type { PageSlice } from "../../store/page";
@@ -41,8 +41,14 @@ export function createPatternNumbers(part: LivePart, drawing: Pick<DrawingAction
     const other = state && mirroredValues(valuesOf(state));
     if (other) choose(other);
   }, "quiet outlined", "mirror");
+  const change = (to: (values: Values, info: PatternInfo) => Values): void => {
+    const info = state && infoOf(state);
+    if (state && info) choose(to(valuesOf(state), info));
+  };
+  const apart = button(words.setApart, () => change((values, { parameters }) => setApart(values, parameters)), "quiet outlined");
+  const together = (["R", "L"] as const).map((side) => button(words.bothAs(words.sides[side]), () => change((values, { parameters }) => setTogether(values, parameters, side)), "quiet outlined"));
   const note = el("p", { class: "muted small" });
-  const element = el("div", { class: "panel" }, table, needed, part === TUMOUR ? depth.element : null, forced, mirror, note);
+  const element = el("div", { class: "panel" }, table, needed, part === TUMOUR ? depth.element : null, forced, el("div", { class: "buttons-row" }, mirror, apart, ...together), note);
 
   const infoOf = ({ meta, drawing: asked }: Pick<NumbersShown, "meta" | "drawing">): PatternInfo | null =>
     meta?.patterns.find(({ name }) => name === (part === TUMOUR ? TUMOUR : readRequest(asked).base)) ?? null;
@@ -68,18 +74,19 @@ export function createPatternNumbers(part: LivePart, drawing: Pick<DrawingAction
   function made(info: PatternInfo, columns: readonly (Side | null)[]): HTMLElement[] {
     cells = [];
     choices = new Map();
-    const change = (name: string, value: string): void => choose({ ...(state ? valuesOf(state) : {}), [name]: value });
+    const pick = ({ name }: PatternParameter, value: string): void => change((values, { parameters }) => ({ ...(name === "side" && (value === "R" || value === "L") && areApart(values) ? setTogether(values, parameters, value) : values), [name]: value }));
+    const type = ({ name }: PatternParameter, side: Side | null, value: number | null): void => change((values) => ({ ...values, [side && areApart(values) ? nameOn(name, side) : name]: value === null ? "" : String(value) }));
     const row = (parameter: PatternParameter): HTMLElement => {
       const { name, label, unit, min, max } = parameter;
       const hint = [parameter.about, min !== null && max !== null ? patternText.range(min, max, unit) : ""].filter((one) => one !== "").join("; ");
       if (parameter.choices) {
-        const list = el("select", { "data-parameter": name, onchange: () => change(name, list.value) }, ...["", ...parameter.choices].slice(parameter.default === null ? 0 : 1).map((choice) => el("option", { value: choice }, patternText.choices[choice] ?? choice)));
+        const list = el("select", { "data-parameter": name, onchange: () => pick(parameter, list.value) }, ...["", ...parameter.choices].slice(parameter.default === null ? 0 : 1).map((choice) => el("option", { value: choice }, patternText.choices[choice] ?? choice)));
         choices.set(name, list);
         return el("label", { class: "numbers-row", title: hint }, el("span", {}, label), list);
       }
       const says = el("p", { class: "field-note small", role: "status", hidden: true });
       const fields = columns.map((side) => {
-        const field = numberField({ name, label: words.numberOf(label, side && columns.length > 1 ? words.sides[side] : ""), unit, min, max, hint, mayBeEmpty: !parameter.needed, says, changed: (value) => change(name, value === null ? "" : String(value)) });
+        const field = numberField({ name, label: words.numberOf(label, side && columns.length > 1 ? words.sides[side] : ""), unit, min, max, hint, mayBeEmpty: !parameter.needed, says, changed: (value) => type(parameter, side, value) });
         field.element.dataset.side = side ?? "";
         cells.push({ parameter, side, field });
         return field.element;
@@ -93,7 +100,7 @@ export function createPatternNumbers(part: LivePart, drawing: Pick<DrawingAction
     return [
       ...(heads.length > 0 ? [el("div", { class: "numbers-row numbers-head" }, el("span", { class: "muted small" }, words.asDrawn), ...heads)] : []),
       ...first.map(row),
-      ...(folded.length > 0 ? [el("details", { class: "more-numbers" }, el("summary", {}, words.more(parts)), ...folded.map(row), columns.length > 1 ? el("p", { class: "muted small" }, words.forBoth) : null)] : []),
+      ...(folded.length > 0 ? [el("details", { class: "more-numbers" }, el("summary", {}, words.more(parts)), ...folded.map(row))] : []),
     ];
   }
 
@@ -130,6 +137,8 @@ export function createPatternNumbers(part: LivePart, drawing: Pick<DrawingAction
     show(depth.element, begun === null);
     depth.set(session.drawn.depthMm);
     show(mirror, begun === null && mirroredValues(values) !== null);
+    show(apart, columns.length > 1 && !areApart(values));
+    for (const each of together) show(each, columns.length > 1 && areApart(values));
     setText(note, session.fit?.state === "done" ? "" : patternText.needsFit);
   }
 

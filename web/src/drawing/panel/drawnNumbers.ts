@@ -1,6 +1,6 @@
 // What the drawn lines of a pattern measure on each side, beside what was asked for.
 import type { PatternParameter } from "../../api/types";
-import { startValue, type Values } from "../../fit/requestedDrawing";
+import { startValue, type Values, valueOn } from "../../fit/requestedDrawing";
 import type { LiveHandle, LivePart } from "../state";
 import { planPanel as words, type Side } from "./text";
 
@@ -23,7 +23,7 @@ export function columnsOf(values: Values, parameters: readonly PatternParameter[
 }
 
 export function drawnNumber(parameter: PatternParameter, values: Values, part: LivePart, side: Side | null, handles: readonly LiveHandle[]): DrawnNumber {
-  const given = values[parameter.name] ?? startValue(parameter);
+  const given = valueOn(values, parameter, side);
   const asked = given === "" ? null : Number(given);
   const drawn = measuredOn(parameter.name, handles.filter((each) => each.part === part && (side === null || each.side === side)));
   const wanted = asked ?? BY_ITSELF[parameter.name] ?? null;
@@ -36,12 +36,10 @@ export function drawnNumber(parameter: PatternParameter, values: Values, part: L
 export function reasonsOf(parameters: readonly PatternParameter[], values: Values, part: LivePart, handles: readonly LiveHandle[]): readonly string[] {
   const sides = columnsOf(values, parameters);
   return parameters.flatMap((parameter) => {
-    const forced = sides.map((side) => drawnNumber(parameter, values, part, side, handles)).filter(({ isForced }) => isForced);
+    const forced = sides.map((side) => ({ given: valueOn(values, parameter, side), ...drawnNumber(parameter, values, part, side, handles) })).filter(({ isForced }) => isForced);
     if (forced.length === 0) return [];
-    const given = values[parameter.name] ?? startValue(parameter);
-    if (parameter.name === "nipple_above_fold_mm" && forced.every(({ drawn }) => drawn! > Number(given))) return [words.reasons.nipple_above_fold_mm];
-    if (given === "") return [words.reasons.limb_mm];
-    return [words.reasons.other(parameter.label, Number(given), parameter.unit)];
+    if (parameter.name === "nipple_above_fold_mm" && forced.every(({ given, drawn }) => drawn! > Number(given))) return [words.reasons.nipple_above_fold_mm];
+    return [...new Set(forced.map(({ given }) => (given === "" ? words.reasons.limb_mm : words.reasons.other(parameter.label, Number(given), parameter.unit))))];
   });
 }
 

@@ -53,7 +53,8 @@ export const planPanel = {
   numberOf: (label: string, side: string) => (side === "" ? label : `${label}, ${side}`),
   more: (parts: readonly string[]) => parts.join(", "),
   parts: { side: "side", angles: "angles", position: "position", fold: "new fold" },
-  forBoth: "A number typed on one side holds for both.",
+  setApart: "Set right and left apart",
+  bothAs: (side: string) => `Both as ${side}`,
   auto: "auto",
   dashed: ([first = "", ...more]: readonly string[]) => ["Dashed:", `${first.charAt(0).toLowerCase()}${first.slice(1)}`, ...more].join(" "),
   reasons: {

@@ -3,7 +3,7 @@
 // the hand goes on, and only the newest place is asked for next.
 import { ApiError, type Client } from "../../api/client";
 import type { PatternOnScan, PatternQuestion, PlannedShape, Vector } from "../../api/types";
-import { parametersOf, readRequest, requestText, TUMOUR, type Values } from "../../fit/requestedDrawing";
+import { areApart, nameOn, parametersOf, readRequest, requestText, TUMOUR, type Values } from "../../fit/requestedDrawing";
 import { type FitSlice, isAtRest } from "../../fit/state";
 import type { ScanSlice } from "../../scan/state";
 import type { PageSlice } from "../../store/page";
@@ -189,7 +189,8 @@ export function handleActions(store: Store<State>, client: Pick<Client, "pattern
       if (!number) return;
       // What the body itself keeps beyond a limit stays there: a nipple that is higher than the field goes.
       const value = number.value > (number.max ?? Infinity) ? number.value : Math.min(number.max ?? Infinity, Math.max(number.min ?? -Infinity, Math.round(2 * (number.value + by)) / 2));
-      const values = { ...(now.answer ? valuesOf(now.answer) : now.part.values), [number.parameter]: String(value) };
+      const before = now.answer ? valuesOf(now.answer) : now.part.values;
+      const values = { ...before, [areApart(before) ? nameOn(number.parameter, now.handle.side) : number.parameter]: String(value) };
       const ends = value === number.value + by || Math.abs(value - number.value - by) < 0.5 ? "" : words.ends(number.label, value, number.unit);
       ask(async () => ({ ...(await client.pattern(now.link, { name: now.part.name, parameters: parametersOf(values), side: now.handle.side })), limit: ends }));
       this.releaseSoon();
