@@ -52,6 +52,7 @@ def examples(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("example")
     (folder / "standing").mkdir()
     (folder / "standing" / "scan.ply").write_bytes(torso_ply())
+    (folder / "standing" / "case.json").write_text(json.dumps({"stance": "standing"}))
     landmarks = {"schema": "breastrig/landmarks@1", "unit": "mm", "landmarks": {"nipple_L": NIPPLE_MM}}
     (folder / "standing" / "landmarks.json").write_text(json.dumps(landmarks))
     return folder

@@ -93,9 +93,9 @@ def test_the_model_itself_as_a_scan_in_millimetres_is_fitted(real: tuple[Service
     assert nothing_left(service)
 
 
-def test_the_packaged_examples_are_both_there(real: tuple[Service, FlaskClient]) -> None:
-    names = [one["name"] for one in real[1].get("/api/examples").json["examples"]]
-    assert names == ["standing", "supine"]
+def test_the_packaged_examples_are_all_there(real: tuple[Service, FlaskClient]) -> None:
+    found = [(one["name"], one["stance"]) for one in real[1].get("/api/examples").json["examples"]]
+    assert found == [("marked", "standing"), ("standing", "standing"), ("supine", "supine"), ("mri", "prone")]
 
 
 @pytest.mark.slow

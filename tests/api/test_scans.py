@@ -291,7 +291,7 @@ def test_unknown_scans_are_not_found(client: FlaskClient) -> None:
 
 def test_the_example_opens_like_an_upload(client: FlaskClient) -> None:
     assert client.get("/api/examples").json == {
-        "examples": [{"name": "standing", "label": "Example patient, standing"}]
+        "examples": [{"name": "standing", "label": "Example patient, standing", "stance": "standing"}]
     }
     answer = client.post("/api/examples/standing")
     assert answer.status_code == 201

@@ -2,15 +2,18 @@
 
 import json
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
 import trimesh
 
+import breastrig
 from breastrig.core.assets import asset_folder
 from breastrig.rig.validation.torso import LANDMARKS
 
 STANCES = ("standing", "supine")
+PEN_MM = (334, 196, 183, 130, 103)  # lengths that were drawn whole: midline, meridians, fold, tumour
 
 
 @pytest.fixture(scope="module", params=STANCES)
@@ -58,3 +61,33 @@ def test_the_case_says_what_it_is(stance: Path) -> None:
     assert case["license"] == "CC0-1.0"
     assert "Research use only" in case["notice"]
     assert "irtual" in case["patient"]
+
+
+@pytest.mark.parametrize("name", ["marked", "mri"])
+def test_landmarks_of_the_further_scans_lie_on_their_skin(name: Literal["marked", "mri"]) -> None:
+    example = breastrig.example(name)
+    skin = breastrig.read_scan(example.scan).in_metres.vertices
+    away = [np.linalg.norm(skin - place, axis=1).min() for place in places(example.scan.parent).values()]
+    assert max(away) < 0.010
+    case = json.loads(example.scan.with_name("case.json").read_text("utf-8"))
+    assert case["license"] == "CC0-1.0"
+    assert "Research use only" in case["notice"]
+
+
+def test_the_lines_of_the_pen_are_found() -> None:
+    strokes = breastrig.find_ink(breastrig.example("marked").scan).strokes
+    found = sorted((line.length_mm for line in strokes), reverse=True)
+    assert found[: len(PEN_MM)] == pytest.approx(PEN_MM, abs=15)
+
+
+def test_the_label_map_has_two_lesions_inside_the_left_breast() -> None:
+    example = breastrig.example("mri")
+    scan = breastrig.read_scan(example.scan)
+    assert [each.taken_as for each in scan.segments] == ["tissue", "lesion", "lesion"]
+    fit = breastrig.fit(scan, example.landmarks)
+    assert fit.stance == "prone"
+    assert fit.verdict.level == "good"
+    large, small = fit.lesions
+    assert (large.radius_mm, small.radius_mm) == pytest.approx((8.0, 5.0), abs=0.3)
+    assert large.depth_mm < small.depth_mm < 30.0
+    assert {name for each in fit.lesions for name in each.distances_mm} == {"skin", "nipple_L", "chest_wall"}

@@ -13,10 +13,15 @@ class Example(NamedTuple):
     landmarks: Path
 
 
-def example(stance: Literal["standing", "supine"] = "standing") -> Example:
-    """The scan of the packaged patient (computed, not a person) in a stance, with its landmarks.
+SCANS = {"standing": "scan.ply", "supine": "scan.ply", "marked": "scan.zip", "mri": "scan.nii.gz"}
 
-    The scan says its unit and frame, the landmark file its own.  Raises nothing; errors are `fit`'s.
+
+def example(name: Literal["standing", "supine", "marked", "mri"] = "standing") -> Example:
+    """A scan of the packaged patient (computed, not a person), with its landmarks.
+
+    `marked` is standing with lines of a pen on the skin, in a picture; `mri` is a prone label map with two lesions,
+    which is read with the extra `mri`.  A scan says its unit and frame, the landmark file its own.  Raises nothing;
+    errors are `fit`'s.
     """
-    folder = asset_folder("example") / stance
-    return Example(folder / "scan.ply", folder / "landmarks.json")
+    folder = asset_folder("example") / name
+    return Example(folder / SCANS[name], folder / "landmarks.json")

@@ -165,6 +165,7 @@ export type EventRecord = {
 export type ExampleEntry = {
   name: string;
   label: string;
+  stance: "standing" | "supine" | "prone";
 };
 
 export type ExampleScan = {

@@ -52,8 +52,9 @@ export function createHome(patients: PatientActions, bring: Bringing, addressOf:
       show(element, scan === null);
       setText(limit, words.limit(meta ? formatMegabytes(meta.limits.upload_bytes) : null));
       examples.element.classList.toggle("is-out", known.length === 0);
+      const together = known.filter(({ stance }, i) => known.findIndex((each) => each.stance === stance) === i).map(({ name }) => name); // one of each stance
       fill(examples.card, known, () =>
-        [...(known.length > 1 ? [menuItem(words.allExamples, "", () => bring.examples(known.map(({ name }) => name)))] : []), ...known.map(({ name, label }) => menuItem(label, "", () => bring.examples([name])))].map((item) => {
+        [...(together.length > 1 ? [menuItem(words.allExamples, "", () => bring.examples(together))] : []), ...known.map(({ name, label }) => menuItem(label, "", () => bring.examples([name])))].map((item) => {
           item.addEventListener("click", () => examples.close());
           return item;
         }),

@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from breastrig.api.wire.common import LandmarkFile, Scan, Wire
+from breastrig.core.stances import Stance
 from breastrig.drawings.pattern_parameters import PatternInfo
 from breastrig.files.result import ModelSummary
 
@@ -12,6 +13,7 @@ from breastrig.files.result import ModelSummary
 class ExampleEntry(Wire):
     name: str
     label: str
+    stance: Stance
 
 
 class Examples(Wire):

@@ -15,6 +15,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadScan, NotFound, unknown_name
 from breastrig.core.model_choice import ModelChoice
 from breastrig.core.picks import Points
+from breastrig.core.stances import STANCES, Stance
 from breastrig.execution.limits import UploadLimits
 from breastrig.execution.pool import TaskQueue
 from breastrig.fitting.prepare_scan import keeping
@@ -31,6 +32,12 @@ from breastrig.storage.storage import Storage, utc_now
 from breastrig.use.read_upload import UploadJob, read_upload
 
 CHUNK = 2**20
+EXAMPLE_LABELS = {
+    "marked": "Example patient with lines of a pen",
+    "standing": "Example patient, standing",
+    "supine": "Example patient, supine",
+    "mri": "Example patient, MRI",
+}
 
 log = logging.getLogger(__name__)
 
@@ -39,6 +46,7 @@ log = logging.getLogger(__name__)
 class Example:
     name: str
     label: str
+    stance: Stance
     scan: Path
     landmarks: Path
 
@@ -104,13 +112,10 @@ class Uploads:
         return row, labels
 
     def examples(self) -> tuple[Example, ...]:
-        """The packaged example scans, in the order standing, supine, others."""
+        """The example patient's scans: standing, supine, prone, and of each stance by name."""
         folder = self._examples or asset_folder("example")
-        names = sorted(scan.parent.name for scan in folder.glob("*/scan.ply"))
-        return tuple(
-            Example(name, f"Example patient, {name}", folder / name / "scan.ply", folder / name / "landmarks.json")
-            for name in names
-        )
+        found = [_example(scan) for scan in folder.glob("*/scan.*")]
+        return tuple(sorted(found, key=lambda each: (STANCES.index(each.stance), each.name)))
 
     def add_example(self, name: str) -> tuple[ScanRow, Points]:
         """Opens an example like an upload; also its landmarks in mm.  Raises NotFound."""
@@ -121,7 +126,7 @@ class Uploads:
             raise NotFound(unknown_name("example", name, tuple(examples)))
         example = examples[name]
         with example.scan.open("rb") as source:
-            row, _ = self.add(source, "ply", "auto")
+            row, _ = self.add(source, example.scan.suffix.lstrip("."), "auto")
         return row, json.loads(example.landmarks.read_text(encoding="utf-8"))["landmarks"]
 
     def _read(self, scan_id: str, job: UploadJob) -> dict[str, Any]:
@@ -138,6 +143,15 @@ class Uploads:
             log.warning("the process that read an upload died: %r", error)
             raise BadScan("Reading this scan needs more memory or time than it may use; simplify it first.") from error
         return facts
+
+
+def _example(scan: Path) -> Example:
+    about = scan.with_name("case.json")
+    stance: Stance = json.loads(about.read_text("utf-8"))["stance"]
+    name = scan.parent.name
+    return Example(
+        name, EXAMPLE_LABELS.get(name, f"Example patient, {name}"), stance, scan, scan.with_name("landmarks.json")
+    )
 
 
 def _keep(source: IO[bytes], path: Path) -> str:

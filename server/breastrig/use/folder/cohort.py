@@ -75,7 +75,7 @@ def cohort_in(folders: Sequence[Path], rig: Rig, with_example: bool = False) -> 
 @cache
 def example_scans() -> frozenset[str]:
     """sha256 of the package's example scans."""
-    files = asset_folder("example").glob("*/scan.ply")
+    files = asset_folder("example").glob("*/scan.*")
     return frozenset(hashlib.sha256(file.read_bytes()).hexdigest() for file in files)
 
 
