@@ -57,7 +57,7 @@ class Trial:
 
 
 @dataclass(eq=False)
-class Found:
+class LearnedFits:
     """Results of all fits; of wrong ones, for the verdict to detect, only how clear their starts were."""
 
     known: Known = field(default_factory=list)
@@ -88,7 +88,7 @@ def learn(glb: Path, bodies: Path) -> Path:
     ]
     rig = _knowing(rig, BODIES, document(rig, statistics(rig, known)))
     rig = _knowing(rig, LANDMARKS, document_of_landmarks(residuals_of(cases, rig, recipe)))
-    found = Found()
+    found = LearnedFits()
     for case in _counted(cases, "fits"):
         for trial in _trials(read_scene(case), rig, recipe, truths[case]):
             found.add(rig, trial)
@@ -105,7 +105,7 @@ def _counted(cases: list[Case], what: str) -> Iterator[Case]:
     yield from tqdm(cases, unit="scan", disable=not sys.stderr.isatty(), leave=False, desc=what)
 
 
-def write(glb: Path, rig: Rig, found: Found, stances: set[str], scans: int) -> Path:
+def write(glb: Path, rig: Rig, found: LearnedFits, stances: set[str], scans: int) -> Path:
     """Radii and verdict into the rig's folder, and what the rig itself knows of bodies and landmarks."""
     folder = glb.with_suffix(".known")
     folder.mkdir(exist_ok=True)
@@ -141,7 +141,7 @@ def _length(rig: Rig) -> float:
     return float(np.ptp(rig.template, axis=0).max())
 
 
-def _uncertainty(rig: Rig, found: Found) -> dict[str, Any]:
+def _uncertainty(rig: Rig, found: LearnedFits) -> dict[str, Any]:
     """The document of fitting/uncertainty/radii.py."""
     scatters = [each.scatter for _, _, each in found.known if each.picks]
     right, wrong = found.margins[True], found.margins[False]
@@ -158,7 +158,7 @@ def _uncertainty(rig: Rig, found: Found) -> dict[str, Any]:
     }
 
 
-def _verdict(found: Found, stances: set[str]) -> dict[str, Any]:
+def _verdict(found: LearnedFits, stances: set[str]) -> dict[str, Any]:
     """The document of fitting/verdicts/verdict.py: the torso's signals and words with limits of these fits."""
     torso = verdict_limits(read_rig(default_rig_path()))
     assert torso is not None

@@ -9,7 +9,7 @@ from helpers.waiting import until
 from breastrig.api.routes.scans import cut_facts
 from breastrig.cases.fits import find_fit
 from breastrig.service.service import Service
-from breastrig.storage.documents.scans import ScanRow
+from breastrig.storage.documents.scans import StoredScan
 from breastrig.use.cases.case_work import job_of
 
 PICTURE = [5.0, 0, 0, 0, 0, 5.0, 0, 0, 0, 0, -1.0, 0, 0, 0, 0, 1.0]
@@ -108,7 +108,7 @@ def test_a_scan_of_an_earlier_version_names_its_table_as_it_was_seen() -> None:
     wall = {"normal": [0.0, 1.0, 0.0], "height_m": 0.2}
 
     def shown(**facts: object) -> dict[str, object]:
-        return cut_facts(ScanRow("a", "2026-01-01", "stored", "0" * 64, facts))
+        return cut_facts(StoredScan("a", "2026-01-01", "stored", "0" * 64, facts))
 
     assert shown() == {"background": [], "table": None, "other_pieces": []}
     old = shown(background=[wall], orientation={"seen": {"table": seen}})

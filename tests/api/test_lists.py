@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from flask.testing import FlaskClient
 from helpers.problems import problem
-from helpers.rows import add_waiting_fit, named
+from helpers.stored_fits import add_waiting_fit, named
 from helpers.waiting import ended
 
 from breastrig.api.app import create_app

@@ -7,6 +7,7 @@ from breastrig.geometry.rotations import (
     hat,
     log_so3,
     quaternion_from_rotation,
+    quaternion_product,
     right_jacobian_inverse,
     rotation_from_quaternion,
 )
@@ -33,6 +34,18 @@ def test_quaternions_are_unit_and_say_the_same_rotation(rng: np.random.Generator
     quaternions = quaternion_from_rotation(rotations)
     np.testing.assert_allclose(np.linalg.norm(quaternions, axis=1), 1.0, atol=1e-14)
     np.testing.assert_allclose(rotation_from_quaternion(quaternions), rotations, atol=1e-12)
+
+
+def test_the_product_of_quaternions_is_that_of_their_rotations_and_vectors_have_no_real_part(
+    rng: np.random.Generator,
+) -> None:
+    a, b = exp_so3(vectors(rng)), exp_so3(vectors(rng)[::-1])
+    p, q = quaternion_from_rotation(a), quaternion_from_rotation(b)
+    np.testing.assert_allclose(rotation_from_quaternion(quaternion_product(p, q)), a @ b, atol=1e-12)
+    v = rng.normal(size=(200, 3))
+    pure = np.concatenate([v, np.zeros((200, 1))], axis=1)
+    np.testing.assert_array_equal(quaternion_product(v, q), quaternion_product(pure, q))
+    np.testing.assert_array_equal(quaternion_product(p, v), quaternion_product(p, pure))
 
 
 def test_hat_is_the_cross_product(rng: np.random.Generator) -> None:

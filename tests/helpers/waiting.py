@@ -6,7 +6,7 @@ from itertools import chain
 
 from breastrig.service.service import Service
 from breastrig.storage.documents.events import StoredEvent
-from breastrig.storage.documents.fits import FitRow, NewFit, get_fit
+from breastrig.storage.documents.fits import NewFit, StoredFit, get_fit
 
 PATIENCE_S = 120.0  # a busy machine; nothing waits that long when all is well
 
@@ -23,7 +23,7 @@ def ask_for_fit(service: Service, scan_id: str, preset: str = "default") -> str:
     return service.add_fit(NewFit(scan=scan_id, preset=preset, landmarks_mm={}))
 
 
-def ended(service: Service, fit_id: str) -> FitRow:
+def ended(service: Service, fit_id: str) -> StoredFit:
     """The fit once it has ended."""
     until(lambda: get_fit(service.storage, fit_id).ended, f"the end of fit {fit_id}")
     return get_fit(service.storage, fit_id)

@@ -10,7 +10,7 @@ from helpers.fake_proposals import at_the_nipple
 from breastrig.execution.limits import FitLimits, UploadLimits
 from breastrig.service.scans.scan_search import Proposer
 from breastrig.service.service import Service
-from breastrig.storage.documents.scans import ScanRow, add_scan
+from breastrig.storage.documents.scans import StoredScan, add_scan
 from breastrig.storage.folders import new_id
 from breastrig.storage.storage import Storage, utc_now
 from breastrig.use.cases.case_work import Runner
@@ -32,7 +32,7 @@ def scan_id(storage: Storage) -> str:
     scan_id = new_id()
     storage.files.make(f"scans/{scan_id}")
     (storage.files.scan(scan_id) / "scan.ply").write_bytes(b"ply")
-    add_scan(storage, ScanRow(scan_id, utc_now(), "ply", "ab" * 32, FACTS))
+    add_scan(storage, StoredScan(scan_id, utc_now(), "ply", "ab" * 32, FACTS))
     return scan_id
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 from helpers import in_worker
-from helpers.rows import add_waiting_fit, named
+from helpers.stored_fits import add_waiting_fit, named
 
 from breastrig.core.errors import NotFound
 from breastrig.execution.pool import Pool

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from helpers import fake_fit
 from helpers.on_disk import bytes_below
-from helpers.rows import add_waiting_fit, append, named
+from helpers.stored_fits import add_waiting_fit, append, named
 from helpers.waiting import ask_for_fit, ended, stored_events, until
 
 from breastrig.cases.fits import OTHER_MODEL, TOO_OFTEN, claimed, find_fit

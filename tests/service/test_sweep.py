@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from helpers import fake_fit
 from helpers.on_disk import bytes_below
-from helpers.rows import add_waiting_fit, named
+from helpers.stored_fits import add_waiting_fit, named
 from helpers.waiting import until
 
 from breastrig.cases.case_folder import CaseFolder
@@ -19,7 +19,7 @@ from breastrig.service.service import Service
 from breastrig.service.sweep import Retention, Sweep
 from breastrig.storage.documents.expiring_scans import aged_scans, announce
 from breastrig.storage.documents.patients import listed_page
-from breastrig.storage.documents.scans import ScanRow, add_scan, scan_ids
+from breastrig.storage.documents.scans import StoredScan, add_scan, scan_ids
 from breastrig.storage.storage import Storage, iso_utc
 
 FACTS = {"unit": "mm", "bounds_m": {"min": [0, 0, 0], "max": [1, 1, 1]}}
@@ -33,7 +33,9 @@ def aged(storage: Storage) -> Storage:
     for scan_id, age in AGES_DAYS.items():
         storage.files.make(f"scans/{scan_id}")
         (storage.files.scan(scan_id) / "scan.ply").write_bytes(f"skin of {scan_id}".encode())
-        add_scan(storage, ScanRow(scan_id, iso_utc(datetime.now(UTC) - timedelta(days=age)), "ply", "ab" * 32, FACTS))
+        add_scan(
+            storage, StoredScan(scan_id, iso_utc(datetime.now(UTC) - timedelta(days=age)), "ply", "ab" * 32, FACTS)
+        )
         fit_id = named(f"of_{scan_id[:9]}")
         storage.files.make(f"fits/{fit_id}")
         (storage.files.fit(fit_id) / "result.json").write_text(f"result of {scan_id}")
@@ -74,7 +76,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
 
 @pytest.fixture
 def upload(storage: Storage, clock: Clock) -> Callable[[str], None]:
-    return lambda name: add_scan(storage, ScanRow(named(name), iso_utc(clock.now), "ply", "ab" * 32, FACTS))
+    return lambda name: add_scan(storage, StoredScan(named(name), iso_utc(clock.now), "ply", "ab" * 32, FACTS))
 
 
 def test_a_scan_is_deleted_when_its_time_is_over_and_not_an_hour_before(

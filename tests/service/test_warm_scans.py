@@ -10,25 +10,25 @@ from helpers.waiting import ask_for_fit, ended, until
 from breastrig.core.assets import asset_folder
 from breastrig.service.service import Service
 from breastrig.storage.documents.fits import get_fit
-from breastrig.storage.documents.scans import ScanRow
+from breastrig.storage.documents.scans import StoredScan
 
 pytestmark = pytest.mark.long
 
 STANCES = ("standing", "supine")
 
 
-def uploaded(service: Service, stance: str) -> ScanRow:
+def uploaded(service: Service, stance: str) -> StoredScan:
     with (asset_folder("example") / stance / "scan.ply").open("rb") as source:
         row, _ = service.uploads.add(source, "ply", "auto")
     assert row.id in service.pool.idle_keys
     return row
 
 
-def process_of(service: Service, scan: ScanRow) -> int:
+def process_of(service: Service, scan: StoredScan) -> int:
     return int(service.pool.queue(1, 2**32).result(os.getpid, (), 30.0, scan.id))
 
 
-def proposing_process(service: Service, scan: ScanRow) -> int:
+def proposing_process(service: Service, scan: StoredScan) -> int:
     found = service.proposals.of(scan, "a" * 64, 60.0)
     assert found is not None
     return int(found["nipple_L"]["reason"])

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from helpers.rows import add_waiting_fit, named
+from helpers.stored_fits import add_waiting_fit, named
 
-from breastrig.storage.documents.scans import ScanRow, add_scan
+from breastrig.storage.documents.scans import StoredScan, add_scan
 from breastrig.storage.storage import Storage
 
 FACTS = {"unit": "mm", "bounds_m": {"min": [0, 0, 0], "max": [1, 1, 1]}}
@@ -24,7 +24,7 @@ def storage(tmp_path: Path) -> Iterator[Storage]:
 def scan_id(storage: Storage) -> str:
     scan_id = named("scan-1")
     storage.files.make(f"scans/{scan_id}")
-    add_scan(storage, ScanRow(scan_id, "2026-01-01T00:00:00.000Z", "ply", "ab" * 32, FACTS))
+    add_scan(storage, StoredScan(scan_id, "2026-01-01T00:00:00.000Z", "ply", "ab" * 32, FACTS))
     return scan_id
 
 

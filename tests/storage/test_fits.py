@@ -1,6 +1,6 @@
 """Fits whose ends the index has not heard of yet: their worker is another process."""
 
-from helpers.rows import add_waiting_fit, named
+from helpers.stored_fits import add_waiting_fit, named
 
 from breastrig.cases.fits import claimed
 from breastrig.storage.documents.fits import NewFit, add_fit, newest_done

@@ -5,13 +5,13 @@ import pytest
 from breastrig.cases.writing import put
 from breastrig.core.errors import NotFound
 from breastrig.core.picks import Picks
-from breastrig.storage.documents.scans import ScanRow, get_landmarks, get_scan, picks_digest, put_landmarks
+from breastrig.storage.documents.scans import StoredScan, get_landmarks, get_scan, picks_digest, put_landmarks
 from breastrig.storage.files import fit_place, scan_place
 from breastrig.storage.storage import Storage
 
 
 def test_a_scan_comes_back_as_it_was_stored(storage: Storage, scan_id: str) -> None:
-    assert get_scan(storage, scan_id) == ScanRow(
+    assert get_scan(storage, scan_id) == StoredScan(
         scan_id,
         "2026-01-01T00:00:00.000Z",
         "ply",

@@ -24,7 +24,7 @@ SPREAD = {"seen": 1.5, "hidden": 4.0}  # of errors, in deviations of the posteri
 
 def test_radii_hold_nine_of_ten_places_and_limits_are_those_that_people_chose(tmp_path: Path) -> None:
     glb, _, _ = write_forearm(tmp_path)
-    rig, rng, found = read_rig(glb), np.random.default_rng(0), learn.Found()
+    rig, rng, found = read_rig(glb), np.random.default_rng(0), learn.LearnedFits()
     for k in range(40):
         scores = [
             Score(state, "wrist", float(spread * each), hangs=False, deviation=0.002, scatter=1.0)

@@ -10,12 +10,12 @@ from breastrig.core.picks import Picks
 from breastrig.core.units import METRES_PER_UNIT, distance_text
 from breastrig.scan.landmarks.landmark_files import REACH, checked_certain, landmarks_of_file
 from breastrig.scan.landmarks.names import by_known_names, known_name
-from breastrig.storage.documents.scans import ScanRow
+from breastrig.storage.documents.scans import StoredScan
 
 REACH_M = 0.05  # beyond the scan's bounds: over a hole at the rim, under a hand that drags; further out is another scan
 
 
-def picks_of_file(data: bytes, scan: ScanRow, model: ServedModel) -> Picks:
+def picks_of_file(data: bytes, scan: StoredScan, model: ServedModel) -> Picks:
     """The landmarks of a file on this scan, under the model's names. Raises BadLandmarks."""
     bounds = scan.facts["bounds_m"]
     measured = METRES_PER_UNIT[scan.facts["unit"]], (np.array(bounds["min"]), np.array(bounds["max"]))
@@ -27,7 +27,7 @@ def picks_of_file(data: bytes, scan: ScanRow, model: ServedModel) -> Picks:
     return picks
 
 
-def check_landmarks(picks: Picks, scan: ScanRow, model: ServedModel) -> None:
+def check_landmarks(picks: Picks, scan: StoredScan, model: ServedModel) -> None:
     """Raises BadLandmarks with a sentence."""
     checked_certain(picks.certain, picks.points_mm, picks.confidence)
     for name in picks.confidence:
@@ -41,7 +41,7 @@ def check_landmarks(picks: Picks, scan: ScanRow, model: ServedModel) -> None:
             raise BadLandmarks(f"{name} lies {_outside('landmarks', outside, scan)}")
 
 
-def check_near_scan(name: str, points: Sequence[Sequence[float]], scan: ScanRow) -> None:
+def check_near_scan(name: str, points: Sequence[Sequence[float]], scan: StoredScan) -> None:
     """Raises BadDrawing with a sentence when one of the points (mm, scan frame) lies far outside.
 
     It costs nothing; how far a line is off the skin is measured where the scan is read (service/scans/skin_checks.py).
@@ -51,13 +51,13 @@ def check_near_scan(name: str, points: Sequence[Sequence[float]], scan: ScanRow)
             raise BadDrawing(f'A point of "{name}" lies {_outside("drawings", outside, scan)}')
 
 
-def _metres_outside(point: Sequence[float], scan: ScanRow) -> float:
+def _metres_outside(point: Sequence[float], scan: StoredScan) -> float:
     """m from the scan's bounds to a point (mm, scan frame), along the worst axis; below zero inside."""
     low, high = scan.facts["bounds_m"]["min"], scan.facts["bounds_m"]["max"]
     return float(max(max(a - x / 1000, x / 1000 - b) for x, a, b in zip(point, low, high, strict=True)))
 
 
-def _outside(what: str, metres: float, scan: ScanRow) -> str:
+def _outside(what: str, metres: float, scan: StoredScan) -> str:
     """In metres, as what is of another unit is off by metres; in words where that would be digits."""
     shown = f"{metres:.2f} m" if metres < 10.0 else distance_text(metres)
     return (

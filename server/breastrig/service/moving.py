@@ -15,7 +15,7 @@ from breastrig.core.picks import Points
 from breastrig.execution.pool import TaskQueue
 from breastrig.service.failed_tasks import explained
 from breastrig.service.kept_models import KeptModels
-from breastrig.storage.documents.fits import FitRow, get_fit
+from breastrig.storage.documents.fits import StoredFit, get_fit
 from breastrig.storage.files import fit_place
 from breastrig.storage.storage import Storage
 from breastrig.use.cases.case_work import job_of
@@ -65,7 +65,7 @@ class Moving:
                 asked = (fit_id, job, _not_followed(entry), landmarks)
                 return self._processes.result(follow_landmarks, asked, WALL_S, fit_id)
 
-    def _done(self, fit_id: str, why: str) -> FitRow:
+    def _done(self, fit_id: str, why: str) -> StoredFit:
         fit = get_fit(self._storage, fit_id)
         if fit.state != "done":
             raise Conflict(f"The fit {fit.id} is {fit.state}; {why}.")

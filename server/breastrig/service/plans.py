@@ -15,9 +15,9 @@ from breastrig.execution.pool import TaskQueue
 from breastrig.service.failed_tasks import explained
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.remembered import Remembered
-from breastrig.storage.documents.fits import FitRow, get_fit, newest_done
+from breastrig.storage.documents.fits import StoredFit, get_fit, newest_done
 from breastrig.storage.documents.patients import (
-    PlanRow,
+    PatientPlan,
     get_patient,
     get_plan,
     patient_of_scan,
@@ -41,9 +41,9 @@ class PlannedFits:
     """The inputs of a plan on a scan, which identify its result."""
 
     patient: str
-    plan: PlanRow
-    fit: FitRow
-    others: tuple[FitRow, ...]  # of the patient's other scans
+    plan: PatientPlan
+    fit: StoredFit
+    others: tuple[StoredFit, ...]  # of the patient's other scans
     said_same: frozenset[str] = frozenset()  # scans: a person has said that they are of one patient with the fit's
     code: str = ""  # of the patient, by which the file says whose it is
     unfitted: tuple[str, ...] = ()  # ids of items that were made on scans without a fit that is done
@@ -90,7 +90,7 @@ class Plans:
         said = frozenset(said_same(self._storage, fit.scan))
         return PlannedFits(patient, plan, fit, others_found, said, code, unfitted)
 
-    def _beside(self, fit: FitRow, other: FitRow | None) -> FitRow | None:
+    def _beside(self, fit: StoredFit, other: StoredFit | None) -> StoredFit | None:
         """The other fit, if lines can be carried between the two: they were made with one model."""
         if other is None or self._models.sha256_of(other.id) != self._models.sha256_of(fit.id):
             return None

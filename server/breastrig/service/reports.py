@@ -17,8 +17,8 @@ from breastrig.service.failed_tasks import explained
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.plans import Plans
 from breastrig.service.remembered import Remembered
-from breastrig.storage.documents.fits import FitRow, get_fit, shown_cuts
-from breastrig.storage.documents.patients import PatientRow, get_patient, get_plan, patient_of_scan, said_same
+from breastrig.storage.documents.fits import StoredFit, get_fit, shown_cuts
+from breastrig.storage.documents.patients import StoredPatient, get_patient, get_plan, patient_of_scan, said_same
 from breastrig.storage.documents.scans import Cuts, cuts_digest, get_scan
 from breastrig.storage.files import fit_place
 from breastrig.storage.storage import Storage
@@ -98,10 +98,10 @@ class Reports:
         shown = (self._plans.of_fit(fit_id).key, patient.code) if name in PLANNED else patient.id
         return fit_id, cuts_digest(cuts), shown
 
-    def _patient(self, fit: FitRow) -> PatientRow:
+    def _patient(self, fit: StoredFit) -> StoredPatient:
         return get_patient(self._storage, patient_of_scan(self._storage, fit.scan))
 
-    def identity(self, fits: Sequence[FitRow]) -> Identity:
+    def identity(self, fits: Sequence[StoredFit]) -> Identity:
         """The identity on the pages; the plan is that of the first fit's patient."""
         patient = self._patient(fits[0])
         plan = get_plan(self._storage, patient.id)

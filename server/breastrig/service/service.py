@@ -41,7 +41,7 @@ from breastrig.service.share_snapshots import ShareSnapshots
 from breastrig.service.sweep import KEEP_DAYS, Sweep
 from breastrig.service.task_modules import TASK_MODULES
 from breastrig.storage.deletion import delete_empty_case, delete_scan, finish_deletions
-from breastrig.storage.documents.fits import FitRow, NewFit, Once, add_fit, fits_of_scan, get_fit, made_before
+from breastrig.storage.documents.fits import NewFit, Once, StoredFit, add_fit, fits_of_scan, get_fit, made_before
 from breastrig.storage.documents.patients import said_same, scans_of_patient
 from breastrig.storage.files import fit_place
 from breastrig.storage.folders import new_id
@@ -244,7 +244,7 @@ class Service:
             self.storage.discard(place)
         return made
 
-    def cancel_fit(self, fit_id: str) -> FitRow:
+    def cancel_fit(self, fit_id: str) -> StoredFit:
         """Raises NotFound, or Conflict when the fit is done or failed."""
         return self._queue.cancel(fit_id)
 

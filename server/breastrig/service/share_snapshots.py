@@ -17,10 +17,10 @@ from breastrig.service.failed_tasks import explained
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.plans import Plans
 from breastrig.service.reports import Reports
-from breastrig.storage.documents.fits import FitRow, get_fit, shown_cuts
+from breastrig.storage.documents.fits import StoredFit, get_fit, shown_cuts
 from breastrig.storage.documents.scans import get_scan
 from breastrig.storage.documents.shares import (
-    ShareRow,
+    StoredShare,
     add_share,
     end_snapshots,
     get_share,
@@ -49,7 +49,7 @@ class ShareSnapshots:
         self._reports = reports
         self._models = models
 
-    def add(self, share: ShareRow, token_sha256: str) -> ShareRow:
+    def add(self, share: StoredShare, token_sha256: str) -> StoredShare:
         """Keeps the link with what it shows.
 
         Raises a BreastRigError with a sentence, NotFound when the fit was deleted meanwhile, OSError for a full disk.
@@ -65,7 +65,7 @@ class ShareSnapshots:
             made = replace(share, snapshot=snapshot, snapshot_at=utc_now())
             return add_share(self._storage, made, token_sha256)
 
-    def refresh(self, fit_id: str, share_id: str) -> ShareRow:
+    def refresh(self, fit_id: str, share_id: str) -> StoredShare:
         """The link shows what stands now.  Raises likewise, and Conflict when it is over."""
         share, fit = get_share(self._storage, fit_id, share_id), get_fit(self._storage, fit_id)
         if not share.is_valid(utc_now()):
@@ -86,7 +86,7 @@ class ShareSnapshots:
         end_snapshots(self._storage, utc_now())
 
     @contextmanager
-    def _taken(self, fit: FitRow, share: ShareRow) -> Iterator[str]:
+    def _taken(self, fit: StoredFit, share: StoredShare) -> Iterator[str]:
         """A new snapshot; the block puts it into the case, or nothing is left of it."""
         snapshot = new_id()
         place = share_place(snapshot)
@@ -98,7 +98,7 @@ class ShareSnapshots:
             self._storage.discard(place)
             raise
 
-    def _write(self, place: str, fit: FitRow, share: ShareRow) -> None:
+    def _write(self, place: str, fit: StoredFit, share: StoredShare) -> None:
         files, scan = self._storage.files, get_scan(self._storage, fit.scan)
         planned, cuts = self._plans.of_fit(fit.id), shown_cuts(self._storage, fit)
         plan: dict[str, Any] = json.loads(self._plans.laid(planned))

@@ -4,7 +4,7 @@ from itertools import chain
 
 import pytest
 from helpers import fake_fit
-from helpers.rows import add_waiting_fit, append, named
+from helpers.stored_fits import add_waiting_fit, append, named
 from helpers.waiting import PATIENCE_S, ask_for_fit, stored_events, until
 
 from breastrig.service.events import feeds

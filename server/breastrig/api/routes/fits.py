@@ -19,8 +19,8 @@ from breastrig.core.picks import Picks
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.fitting.recipe import preset_names
 from breastrig.storage.documents.events import event_of_kind
-from breastrig.storage.documents.fits import FitRow, NewFit, Once, fits_page, get_fit, queue_positions
-from breastrig.storage.documents.scans import ScanRow, cuts_digest, get_cuts, get_landmarks, get_scan
+from breastrig.storage.documents.fits import NewFit, Once, StoredFit, fits_page, get_fit, queue_positions
+from breastrig.storage.documents.scans import StoredScan, cuts_digest, get_cuts, get_landmarks, get_scan
 from breastrig.storage.storage import Storage
 from breastrig.use.steps.events import Iterated
 
@@ -94,7 +94,7 @@ def _new_fit(asked: wire.FitRequest) -> NewFit:
     )
 
 
-def _picks(scan: ScanRow, asked: wire.FitRequest) -> Picks:
+def _picks(scan: StoredScan, asked: wire.FitRequest) -> Picks:
     """The landmarks of the request, else those stored with the scan."""
     context = app_context()
     said: dict[str, Any] = {} if asked.certain is None else {"certain": tuple(asked.certain)}
@@ -237,12 +237,12 @@ def fit_links(fit_id: str) -> wire.FitLinks:
     )
 
 
-def fit_answer(row: FitRow) -> wire.Fit:
+def fit_answer(row: StoredFit) -> wire.Fit:
     """The stored row as the API shows it."""
     return _answers([row])[0]
 
 
-def _answers(rows: Sequence[FitRow]) -> list[wire.Fit]:
+def _answers(rows: Sequence[StoredFit]) -> list[wire.Fit]:
     """The stored rows as the API shows them, by one query however many they are."""
     waiting = [row.id for row in rows if row.state == "queued"]
     positions = queue_positions(app_context().service.storage, waiting) if waiting else {}
@@ -258,7 +258,7 @@ def _answers(rows: Sequence[FitRow]) -> list[wire.Fit]:
     ]
 
 
-def _stored_iteration(storage: Storage, fit: FitRow, iteration: int) -> Iterated:
+def _stored_iteration(storage: Storage, fit: StoredFit, iteration: int) -> Iterated:
     """The stored event of an iteration. Raises NotFound when the fit has no such iteration, or not yet."""
     found = event_of_kind(storage, fit.id, "iterated", iteration) if iteration < MOST_ITERATION else None
     event = None if found is None else Iterated.model_validate_json(found.json)

@@ -23,7 +23,7 @@ from breastrig.index.questions import ListedCase, ListedScan
 from breastrig.report.pages.printable import check_printable, checked_code
 from breastrig.service.scans.skin_checks import shapes_of
 from breastrig.storage.documents.patients import (
-    PlanRow,
+    PatientPlan,
     get_patient,
     get_plan,
     listed_page,
@@ -203,7 +203,7 @@ def _check(plan: Plan, patient_id: str) -> None:
         context.service.skin_checks.check(scans[name], shapes)
 
 
-def _plan_answer(patient_id: str, plan: PlanRow) -> Response:
+def _plan_answer(patient_id: str, plan: PatientPlan) -> Response:
     storage = app_context().service.storage
     named = {item.get("scan") for item in plan.items}
     rows = get_scans(storage, [scan for scan in scans_of_patient(storage, patient_id) if scan in named])

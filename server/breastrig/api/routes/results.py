@@ -18,7 +18,7 @@ from breastrig.core.errors import Conflict, NotFound
 from breastrig.drawings.drawing_schema import DrawingFile
 from breastrig.files.result import FIT_FILES, ResultFile
 from breastrig.service.kept_models import LONG_AGO
-from breastrig.storage.documents.fits import FitRow, get_fit
+from breastrig.storage.documents.fits import StoredFit, get_fit
 from breastrig.storage.files import OpenedFile, fit_place
 
 results = APIBlueprint("results", __name__, url_prefix="/api/fits", tag=FITS_TAG)
@@ -164,7 +164,7 @@ def _result_file(fit_id: str, name: str) -> Response:
     return context.patients_file([fit.scan], file, MEDIA_TYPES[name], download_as)
 
 
-def _done(fit_id: str) -> FitRow:
+def _done(fit_id: str) -> StoredFit:
     """The finished fit. Raises NotFound, or Conflict when it has no results."""
     fit = get_fit(app_context().service.storage, fit_id)
     if fit.state != "done":
@@ -176,7 +176,7 @@ def _done(fit_id: str) -> FitRow:
     return fit
 
 
-def _file(fit: FitRow, name: str) -> OpenedFile | None:
+def _file(fit: StoredFit, name: str) -> OpenedFile | None:
     """One of the fit's files; the rig with the plan where there is one."""
     service = app_context().service
     planned = service.plans.fitted_glb(fit.id) if name == "fitted.glb" else None

@@ -20,10 +20,10 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.scan.file_type import ENDINGS, UNKNOWN
 from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES
 from breastrig.scan.volumes.answers import checked_answers, segments_of_json
-from breastrig.storage.documents.patients import PatientRow, patients_of_scans
+from breastrig.storage.documents.patients import StoredPatient, patients_of_scans
 from breastrig.storage.documents.scans import (
     Cuts,
-    ScanRow,
+    StoredScan,
     cuts_digest,
     get_cuts,
     get_landmarks,
@@ -310,7 +310,7 @@ def cuts_answer(cuts: Cuts) -> wire.Cuts:
     return wire.Cuts.model_validate({"cuts": cuts, "digest": cuts_digest(cuts)})
 
 
-def scan_answer(row: ScanRow) -> wire.Scan:
+def scan_answer(row: StoredScan) -> wire.Scan:
     """The stored row as the API shows it.  Raises NotFound when it was deleted meanwhile."""
     answers = _answers([row])
     if not answers:
@@ -318,13 +318,13 @@ def scan_answer(row: ScanRow) -> wire.Scan:
     return answers[0]
 
 
-def _answers(rows: Sequence[ScanRow]) -> list[wire.Scan]:
+def _answers(rows: Sequence[StoredScan]) -> list[wire.Scan]:
     """The stored rows as the API shows them, by one query however many they are; without those just deleted."""
     owners = patients_of_scans(app_context().service.storage, [row.id for row in rows])
     return [_answer(row, owners[row.id]) for row in rows if row.id in owners]
 
 
-def _answer(row: ScanRow, owner: PatientRow) -> wire.Scan:
+def _answer(row: StoredScan, owner: StoredPatient) -> wire.Scan:
     place, patient = f"/api/scans/{row.id}", owner.id
     links = wire.ScanLinks(
         self=place,
@@ -344,7 +344,7 @@ def _answer(row: ScanRow, owner: PatientRow) -> wire.Scan:
     return wire.Scan(id=row.id, patient=patient, created_at=row.created_at, links=links, **facts)
 
 
-def cut_facts(row: ScanRow) -> dict[str, Any]:
+def cut_facts(row: StoredScan) -> dict[str, Any]:
     """The parts of the scan that are not the patient: background, table, other_pieces."""
     seen = (row.facts.get("orientation") or {}).get("seen", {})  # all that earlier versions have kept of the table
     known = {"background": [], "table": seen.get("table"), "other_pieces": []}

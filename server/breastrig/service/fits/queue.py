@@ -25,7 +25,7 @@ from breastrig.index.questions import note_state
 from breastrig.service.failed_tasks import FULL
 from breastrig.service.fits.fit_worker import UNWRITTEN, execute_fit
 from breastrig.storage.documents.fits import (
-    FitRow,
+    StoredFit,
     fits_in_state,
     get_fit,
     next_queued,
@@ -91,7 +91,7 @@ class FitQueue:
                     break
                 self._start(fit_id)
 
-    def cancel(self, fit_id: str) -> FitRow:
+    def cancel(self, fit_id: str) -> StoredFit:
         """Ends the fit and kills its process.
 
         Raises NotFound, or Conflict when it is done or failed.

@@ -27,7 +27,7 @@ from breastrig.fitting.prepare_scan import keeping
 from breastrig.scan.hand_cuts import are_cut
 from breastrig.scan.piece import COLOURLESS
 from breastrig.service.failed_tasks import FULL
-from breastrig.storage.documents.scans import ScanRow, cuts_digest, get_cuts, get_landmarks, get_scan
+from breastrig.storage.documents.scans import StoredScan, cuts_digest, get_cuts, get_landmarks, get_scan
 from breastrig.storage.documents.searches import drop_ink, get_ink, get_proposals, put_ink, put_proposals
 from breastrig.storage.files import scan_place, upload_name
 from breastrig.storage.storage import Storage
@@ -64,10 +64,10 @@ class ScanSearch(ABC):
         """Keeps it.  Raises NotFound when the scan is gone."""
 
     @abstractmethod
-    def _task(self, file: Path, scan: ScanRow) -> Task:
+    def _task(self, file: Path, scan: StoredScan) -> Task:
         """The task to run; `file` is the scan's."""
 
-    def get(self, scan: ScanRow, variant: str, wait_s: float) -> dict[str, Any] | None:
+    def get(self, scan: StoredScan, variant: str, wait_s: float) -> dict[str, Any] | None:
         """The result; None when it takes more than `wait_s` and goes on.
 
         Raises a BreastRigError when it cannot be done, NotFound when the scan was deleted meanwhile.
@@ -101,7 +101,7 @@ class ScanSearch(ABC):
         for future in dropped:
             future.cancel()
 
-    def _future(self, scan: ScanRow, variant: str) -> Any:
+    def _future(self, scan: StoredScan, variant: str) -> Any:
         """The future of the search that runs, else of the stored result, else of a search that is started.
 
         A search leaves `_running` once it is stored, so that looking there first misses none.
@@ -155,7 +155,7 @@ class InkSearch(ScanSearch):
     what = "Finding ink"
     instead = "Draw the lines by hand."
 
-    def found(self, scan: ScanRow, wait_s: float) -> dict[str, Any] | None:
+    def found(self, scan: StoredScan, wait_s: float) -> dict[str, Any] | None:
         """The drawing; None when it takes longer and goes on.  Raises BadScan at once for a scan without colour."""
         if scan.facts.get("colours") == "none":
             raise BadScan(COLOURLESS)
@@ -184,7 +184,7 @@ class InkSearch(ScanSearch):
     def _store(self, scan_id: str, variant: str, found: dict[str, Any]) -> None:
         put_ink(self._storage, scan_id, found)
 
-    def _task(self, file: Path, scan: ScanRow) -> Task:
+    def _task(self, file: Path, scan: StoredScan) -> Task:
         return find_ink_on_file, InkJob(file, scan.file_type, scan.facts["unit"])
 
 
@@ -206,7 +206,7 @@ class Proposals(ScanSearch):
         self._proposer = proposer
         self._models = models
 
-    def of(self, scan: ScanRow, model_sha256: str, wait_s: float) -> dict[str, Any] | None:
+    def of(self, scan: StoredScan, model_sha256: str, wait_s: float) -> dict[str, Any] | None:
         """This model's proposals; as `get`."""
         return self.get(scan, self._variant(scan.id, model_sha256), wait_s)
 
@@ -234,7 +234,7 @@ class Proposals(ScanSearch):
     def _store(self, scan_id: str, variant: str, found: dict[str, Any]) -> None:
         put_proposals(self._storage, scan_id, variant, found)
 
-    def _task(self, file: Path, scan: ScanRow) -> Task:
+    def _task(self, file: Path, scan: StoredScan) -> Task:
         cuts = get_cuts(self._storage, scan.id)
         orientation = None if cuts else scan.facts.get("orientation")  # that is of the whole scan
         model = self._models.of(scan.facts)

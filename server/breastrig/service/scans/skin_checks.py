@@ -10,7 +10,7 @@ from breastrig.core.errors import NotFound
 from breastrig.execution.pool import TaskQueue
 from breastrig.service.failed_tasks import explained
 from breastrig.storage.documents.patients import get_plan, patient_of_scan
-from breastrig.storage.documents.scans import ScanRow, get_scan
+from breastrig.storage.documents.scans import StoredScan, get_scan
 from breastrig.storage.files import scan_place, upload_name
 from breastrig.storage.storage import Storage
 from breastrig.use.lines.lines_on_skin import SkinJob, check_lines_on_skin
@@ -25,7 +25,7 @@ class SkinChecks:
     def __init__(self, storage: Storage, processes: TaskQueue) -> None:
         self._storage, self._processes = storage, processes
 
-    def check(self, scan: ScanRow, shapes: Sequence[dict[str, Any]]) -> None:
+    def check(self, scan: StoredScan, shapes: Sequence[dict[str, Any]]) -> None:
         """Raises BadDrawing for a shape (mm) that lies off the scan's skin and is not on this scan yet, NotFound.
 
         What has been kept there stays, wherever it lies: a plan must remain one that can be saved.

@@ -25,7 +25,7 @@ from breastrig.service.failed_tasks import FULL
 from breastrig.service.kept_models import KeptModels
 from breastrig.storage.documents import scans as scan_rows
 from breastrig.storage.documents.patients import get_patient, put_items_of_scan
-from breastrig.storage.documents.scans import ScanRow
+from breastrig.storage.documents.scans import StoredScan
 from breastrig.storage.files import MESH, THUMBNAIL, scan_place, upload_name
 from breastrig.storage.folders import new_id
 from breastrig.storage.storage import Storage, utc_now
@@ -76,7 +76,7 @@ class Uploads:
         model: str | None = None,
         answers: VolumeAnswers = NOTHING_SAID,
         again: bool = False,
-    ) -> tuple[ScanRow, list[str]]:
+    ) -> tuple[StoredScan, list[str]]:
         """Reads an upload and keeps what was read of it, without names, comments and picture metadata.
 
         It is a scan of that patient, or of a new one, to be fitted with the model of that name.  With it comes what a
@@ -100,7 +100,7 @@ class Uploads:
             upload.unlink()
             lesions: list[dict[str, Any]] = facts.pop("lesions", [])
             labels: list[str] = facts.pop("labels", [])
-            row = ScanRow(scan_id, utc_now(), STORED, sha256, facts | chosen)
+            row = StoredScan(scan_id, utc_now(), STORED, sha256, facts | chosen)
             scan_rows.add_scan(self._storage, row, patient, again)
             if lesions:
                 items = [{"kind": "lesion", "id": new_id(), "scan": scan_id, **each} for each in lesions]
@@ -117,7 +117,7 @@ class Uploads:
         found = [_example(scan) for scan in folder.glob("*/scan.*")]
         return tuple(sorted(found, key=lambda each: (STANCES.index(each.stance), each.name)))
 
-    def add_example(self, name: str) -> tuple[ScanRow, Points]:
+    def add_example(self, name: str) -> tuple[StoredScan, Points]:
         """Opens an example like an upload; also its landmarks in mm.  Raises NotFound."""
         examples = {example.name: example for example in self.examples()}
         if not examples:

@@ -41,7 +41,7 @@ class NewFit:
 
 
 @dataclass(frozen=True, kw_only=True)
-class FitRow(NewFit):
+class StoredFit(NewFit):
     """A fit's request and its progress; `stance` is the decided one once the fit has started."""
 
     id: str
@@ -119,13 +119,13 @@ def _same_prediction(storage: Storage, new_fit: NewFit) -> str | None:
     return next((fit.id for fit in _rows(storage, asked) if fit.state in STATES[:3]), None)
 
 
-def get_fit(storage: Storage, fit_id: str) -> FitRow:
+def get_fit(storage: Storage, fit_id: str) -> StoredFit:
     """The fit's row. Raises NotFound."""
     case, scan_id = storage.case_of_fit(fit_id)
     return _row(case, scan_id, fit_id)
 
 
-def _row(case: CaseFolder, scan_id: str, fit_id: str) -> FitRow:
+def _row(case: CaseFolder, scan_id: str, fit_id: str) -> StoredFit:
     part = fit_part(scan_id, fit_id)
     document = case.read(f"{part}/{layout.FIT}", FitDocument)
     if document is None:
@@ -139,7 +139,7 @@ def _row(case: CaseFolder, scan_id: str, fit_id: str) -> FitRow:
     end = last if last is not None and last["kind"] in ENDED else {}
     asked = document.model_dump(exclude={"schema_", "asked_at", "key_sha256", "request_sha256", "stance", "simulated"})
     asked |= {"certain": tuple(document.certain), "cuts": tuple(document.cuts)}
-    return FitRow(
+    return StoredFit(
         **asked,
         id=fit_id,
         scan=scan_id,
@@ -156,7 +156,7 @@ def _row(case: CaseFolder, scan_id: str, fit_id: str) -> FitRow:
     )
 
 
-def shown_cuts(storage: Storage, fit: FitRow) -> Cuts:
+def shown_cuts(storage: Storage, fit: StoredFit) -> Cuts:
     """The present cuts by hand of the fit's scan; none for a prediction, for its scan was cut before.
 
     Raises Conflict when that scan is cut otherwise by now.
@@ -222,13 +222,13 @@ def fits_of_scan(storage: Storage, scan_id: str) -> list[str]:
 
 def fits_page(
     storage: Storage, limit: int, before: int | None = None, scan_id: str | None = None
-) -> tuple[list[FitRow], int | None]:
+) -> tuple[list[StoredFit], int | None]:
     """Fits, or those of a scan, the newest first, and where the next page goes on (None: there is none)."""
     ids, more = storage.index.asked(lambda rows: questions.fits_page(rows, limit, before, scan_id))
     return list(_rows(storage, ids)), more
 
 
-def newest_done(storage: Storage, scan_id: str) -> FitRow | None:
+def newest_done(storage: Storage, scan_id: str) -> StoredFit | None:
     """The fit of the scan that was asked for last among those that are done; no prediction.
 
     The folders say so: the index hears of an end a moment later than those who follow the fit.
@@ -237,7 +237,7 @@ def newest_done(storage: Storage, scan_id: str) -> FitRow | None:
     return next((fit for fit in _rows(storage, found) if fit.state == "done"), None)
 
 
-def _rows(storage: Storage, ids: Sequence[str]) -> Iterator[FitRow]:
+def _rows(storage: Storage, ids: Sequence[str]) -> Iterator[StoredFit]:
     """The rows of the fits that exist."""
     for fit_id in ids:
         with suppress(NotFound):

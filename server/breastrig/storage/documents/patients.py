@@ -27,7 +27,7 @@ ITEMS: TypeAdapter[list[PlanItem]] = TypeAdapter(list[PlanItem])
 
 
 @dataclass(frozen=True)
-class PatientRow:
+class StoredPatient:
     id: str
     code: str
     created_at: str
@@ -35,7 +35,7 @@ class PatientRow:
 
 
 @dataclass(frozen=True)
-class PlanRow:
+class PatientPlan:
     version: int
     etag: str  # of what is stored
     items: tuple[Document, ...] = ()  # as breastrig/plan@1 has them
@@ -78,12 +78,12 @@ def scans_of_patient(storage: Storage, patient_id: str) -> list[str]:
     return [one.id for one in storage.case(patient_id).scans()]
 
 
-def get_patient(storage: Storage, patient_id: str) -> PatientRow:
+def get_patient(storage: Storage, patient_id: str) -> StoredPatient:
     """The patient's row. Raises NotFound."""
     return _row(storage.case(patient_id))
 
 
-def patients_of_scans(storage: Storage, scan_ids: Sequence[str]) -> dict[str, PatientRow]:
+def patients_of_scans(storage: Storage, scan_ids: Sequence[str]) -> dict[str, StoredPatient]:
     """{scan: its patient}; scans that are gone are not in it."""
     found = {}
     for scan_id in scan_ids:
@@ -157,12 +157,12 @@ def rename_patient(storage: Storage, patient_id: str, code: str) -> None:
     storage.index.refresh(patient_id)
 
 
-def get_plan(storage: Storage, patient_id: str, version: int | None = None) -> PlanRow:
+def get_plan(storage: Storage, patient_id: str, version: int | None = None) -> PatientPlan:
     """The plan as it is, or as it was in a version that is still kept; empty before the first.  Raises NotFound."""
-    return _plan_row(plans.get_plan(storage.case(patient_id), version))
+    return _patient_plan(plans.get_plan(storage.case(patient_id), version))
 
 
-def put_plan(storage: Storage, patient_id: str, items: Sequence[Document], seen: str) -> PlanRow:
+def put_plan(storage: Storage, patient_id: str, items: Sequence[Document], seen: str) -> PatientPlan:
     """Replaces the plan that has the ETag `seen`.
 
     Raises NotFound, Changed when another one is there by now, and Conflict for an item of a scan that is not the
@@ -171,7 +171,7 @@ def put_plan(storage: Storage, patient_id: str, items: Sequence[Document], seen:
     case = storage.case(patient_id)
     plan = plans.put_plan(case, ITEMS.validate_python(list(items)), seen)
     storage.index.refresh(case.id)
-    return _plan_row(plan)
+    return _patient_plan(plan)
 
 
 def put_items_of_scan(storage: Storage, scan_id: str, kind: str, items: Sequence[Document]) -> None:
@@ -181,11 +181,11 @@ def put_items_of_scan(storage: Storage, scan_id: str, kind: str, items: Sequence
     storage.index.refresh(case.id)
 
 
-def _row(case: CaseFolder) -> PatientRow:
+def _row(case: CaseFolder) -> StoredPatient:
     document = case.document()
-    return PatientRow(case.id, document.code, document.created_at, plans.stored_plan(case).version)
+    return StoredPatient(case.id, document.code, document.created_at, plans.stored_plan(case).version)
 
 
-def _plan_row(plan: StoredPlan) -> PlanRow:
+def _patient_plan(plan: StoredPlan) -> PatientPlan:
     items = tuple(item.model_dump(mode="json") for item in plan.document.items)
-    return PlanRow(plan.document.version, plan.etag, items, plan.document.whole, plan.document.written_at)
+    return PatientPlan(plan.document.version, plan.etag, items, plan.document.whole, plan.document.written_at)

@@ -21,7 +21,7 @@ Cuts = tuple[dict[str, Any], ...]  # {to_picture, lasso}, see scan/hand_cuts.py
 
 
 @dataclass(frozen=True)
-class ScanRow:
+class StoredScan:
     id: str
     created_at: str
     file_type: str
@@ -29,7 +29,7 @@ class ScanRow:
     facts: dict[str, Any]  # what reading found: unit, counts, bounds, frame, stance, notes
 
 
-def add_scan(storage: Storage, row: ScanRow, patient: str | None = None, again: bool = False) -> None:
+def add_scan(storage: Storage, row: StoredScan, patient: str | None = None, again: bool = False) -> None:
     """Its files have been made; it is of that patient, or of a new one.
 
     Raises NotFound when the patient is gone, and NeedsYes where there is that file already and nobody said `again`.
@@ -47,7 +47,7 @@ def add_scan(storage: Storage, row: ScanRow, patient: str | None = None, again: 
     storage.index.refresh(case.id)
 
 
-def get_scan(storage: Storage, scan_id: str) -> ScanRow:
+def get_scan(storage: Storage, scan_id: str) -> StoredScan:
     """The scan's row. Raises NotFound."""
     return _row(ScanEntry(scan_id, storage.case_of_scan(scan_id).scan(scan_id)))
 
@@ -57,7 +57,7 @@ def are_kept(storage: Storage, ids: Collection[str]) -> bool:
     return len(get_scans(storage, list(ids))) == len(set(ids))
 
 
-def get_scans(storage: Storage, ids: Sequence[str]) -> list[ScanRow]:
+def get_scans(storage: Storage, ids: Sequence[str]) -> list[StoredScan]:
     """The scans that exist, oldest first."""
     found = []
     for scan_id in dict.fromkeys(ids):
@@ -70,7 +70,7 @@ def get_scans(storage: Storage, ids: Sequence[str]) -> list[ScanRow]:
 
 def scans_page(
     storage: Storage, limit: int, last: tuple[str, str] | None = None
-) -> tuple[list[ScanRow], tuple[str, str] | None]:
+) -> tuple[list[StoredScan], tuple[str, str] | None]:
     """Scans after the `last` one's time and id, the newest first, and where the next page goes on (None: nowhere)."""
     ids, more = storage.index.asked(lambda rows: questions.scans_page(rows, limit, last))
     return get_scans(storage, ids)[::-1], more
@@ -136,6 +136,6 @@ def cuts_digest(cuts: Sequence[dict[str, Any]]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16] if cuts else ""
 
 
-def _row(entry: ScanEntry) -> ScanRow:
+def _row(entry: ScanEntry) -> StoredScan:
     known = entry.document
-    return ScanRow(entry.id, known.created_at, Path(known.file).suffix.lstrip("."), known.sha256, known.facts)
+    return StoredScan(entry.id, known.created_at, Path(known.file).suffix.lstrip("."), known.sha256, known.facts)

@@ -19,7 +19,7 @@ NO_SHARE = "This fit has no such share."
 
 
 @dataclass(frozen=True)
-class ShareRow:
+class StoredShare:
     id: str
     fit: str
     created_at: str
@@ -45,7 +45,7 @@ class ShareRow:
         return self.wrong_passcodes - self.forgiven_passcodes >= most_wrong
 
 
-def add_share(storage: Storage, share: ShareRow, token_sha256: str) -> ShareRow:
+def add_share(storage: Storage, share: StoredShare, token_sha256: str) -> StoredShare:
     """Keeps the link with the snapshot that was made under its place.  Raises NotFound when the fit is gone."""
     case, scan_id = storage.case_of_fit(share.fit)
     document = LinkDocument(
@@ -62,7 +62,7 @@ def add_share(storage: Storage, share: ShareRow, token_sha256: str) -> ShareRow:
     return get_share(storage, share.fit, share.id)
 
 
-def get_share(storage: Storage, fit_id: str, share_id: str) -> ShareRow:
+def get_share(storage: Storage, fit_id: str, share_id: str) -> StoredShare:
     """The share's row. Raises NotFound."""
     try:
         case, scan_id = storage.case_of_fit(fit_id)
@@ -72,13 +72,13 @@ def get_share(storage: Storage, fit_id: str, share_id: str) -> ShareRow:
     return _row(storage, fit_id, share_id, document)
 
 
-def share_of_token(storage: Storage, token_sha256: str) -> ShareRow | None:
+def share_of_token(storage: Storage, token_sha256: str) -> StoredShare | None:
     """The share that a link's secret opens, expired or revoked ones too."""
     secret = storage.index.asked(lambda rows: questions.secret_of_token(rows, token_sha256))
     return None if secret is None else _share(storage, secret.link)
 
 
-def shares_page(storage: Storage, fit_id: str, limit: int, before: int | None) -> tuple[list[ShareRow], int | None]:
+def shares_page(storage: Storage, fit_id: str, limit: int, before: int | None) -> tuple[list[StoredShare], int | None]:
     """Shares of a fit, the newest first, and where the next page goes on (None: there is none)."""
     case, scan_id = storage.case_of_fit(fit_id)
     found = list(enumerate(links.links_of_fit(case, scan_id, fit_id).items(), start=1))[::-1]
@@ -87,7 +87,7 @@ def shares_page(storage: Storage, fit_id: str, limit: int, before: int | None) -
     return rows, wanted[limit - 1][0] if len(wanted) > limit else None
 
 
-def replace_snapshot(storage: Storage, share: ShareRow, snapshot: str) -> None:
+def replace_snapshot(storage: Storage, share: StoredShare, snapshot: str) -> None:
     """The link shows that one from now on, made under its place; the one before is gone.
 
     Raises NotFound when the share is gone, Conflict when it is over.
@@ -147,7 +147,7 @@ def unlock_share(storage: Storage, fit_id: str, share_id: str) -> None:
             questions.forgive(rows, share_id)
 
 
-def share_of_visit(storage: Storage, share_id: str, visit_hmac: str, opened_after: str) -> ShareRow | None:
+def share_of_visit(storage: Storage, share_id: str, visit_hmac: str, opened_after: str) -> StoredShare | None:
     """The share, if a visit of it that was started after a time (as `iso_utc`) has not been ended."""
     if not storage.index.asked(lambda rows: questions.has_visit(rows, share_id, visit_hmac, opened_after)):
         return None
@@ -165,7 +165,7 @@ def openings_of(storage: Storage, share_id: str, limit: int) -> list[str]:
     return storage.index.asked(lambda rows: questions.openings_of(rows, share_id))[::-1][:limit]
 
 
-def _share(storage: Storage, share_id: str) -> ShareRow | None:
+def _share(storage: Storage, share_id: str) -> StoredShare | None:
     where = storage.index.asked(lambda rows: questions.fit_of_link(rows, share_id))
     try:
         return None if where is None else get_share(storage, where[2], share_id)
@@ -173,11 +173,11 @@ def _share(storage: Storage, share_id: str) -> ShareRow | None:
         return None
 
 
-def _row(storage: Storage, fit_id: str, share_id: str, document: LinkDocument) -> ShareRow:
+def _row(storage: Storage, fit_id: str, share_id: str, document: LinkDocument) -> StoredShare:
     """The share's row; a link without its secret, which was lost with the index, shows nothing."""
     secret = storage.index.asked(lambda rows: questions.secret_of_link(rows, share_id))
     opened = storage.index.asked(lambda rows: questions.openings_of(rows, share_id))
-    return ShareRow(
+    return StoredShare(
         id=share_id,
         fit=fit_id,
         created_at=document.created_at,

@@ -32,7 +32,7 @@ from breastrig.api.errors import refuse
 from breastrig.api.share_limits import COOKIES, VISIT_S, WRONG_PASSCODES
 from breastrig.api.trusted_proxy import client_of
 from breastrig.storage.documents.shares import (
-    ShareRow,
+    StoredShare,
     add_opening,
     end_visit,
     note_wrong_passcode,
@@ -63,7 +63,7 @@ def token_sha256(token: str) -> str:
     return hashlib.sha256(token.encode("utf-8", "replace")).hexdigest()
 
 
-def share_of_secret(token: str) -> ShareRow:
+def share_of_secret(token: str) -> StoredShare:
     """The share that the secret opens.  Raises 404 for none, 410 for one that is over."""
     share = share_of_token(app_context().service.storage, token_sha256(token))
     if share is None:
@@ -71,7 +71,7 @@ def share_of_secret(token: str) -> ShareRow:
     return _still_valid(share)
 
 
-def check_passcode(share: ShareRow, passcode: str | None) -> None:
+def check_passcode(share: StoredShare, passcode: str | None) -> None:
     """Raises 403 for a wrong or missing passcode, 423 when the link takes none, 429 for an address that has to wait."""
     if share.passcode_hash is None:
         return
@@ -96,7 +96,7 @@ def check_passcode(share: ShareRow, passcode: str | None) -> None:
     context.passcode_delays.was_right(share.id, client)
 
 
-def begin_visit(response: Response, share: ShareRow) -> None:
+def begin_visit(response: Response, share: StoredShare) -> None:
     """Notes the opening and sets the cookie for the calls that follow.  Raises 423 when the link is locked."""
     credential = secrets.token_urlsafe(32)
     stored = _visit_hmac(credential, share.id)
@@ -119,7 +119,7 @@ def begin_visit(response: Response, share: ShareRow) -> None:
 class Visit:
     """A share that is open in the calling browser."""
 
-    share: ShareRow
+    share: StoredShare
     is_open: Callable[[], bool]  # whether it still is, asked of the rows; also after the request
 
 
@@ -127,7 +127,7 @@ def visit_of(share_id: str) -> Visit:
     """The visit that the request's cookie is of.  Raises 401 without one, 410 for a share that is over."""
     storage, stored = app_context().service.storage, _visit_hmac(_credential(share_id), share_id)
 
-    def visited() -> ShareRow | None:
+    def visited() -> StoredShare | None:
         opened_after = iso_utc(datetime.now(UTC) - timedelta(seconds=VISIT_S))
         return share_of_visit(storage, share_id, stored, opened_after)
 
@@ -168,7 +168,7 @@ def _not_open() -> Exception:
     return refuse(401, "This link is not open in this browser; open it again as it was sent to you.")
 
 
-def _still_valid(share: ShareRow) -> ShareRow:
+def _still_valid(share: StoredShare) -> StoredShare:
     if not share.is_valid(utc_now()):
         raise refuse(410, "This link has expired or was revoked; ask the person who sent it for a new one.")
     return share

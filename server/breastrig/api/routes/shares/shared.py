@@ -27,7 +27,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.core.errors import NotFound
 from breastrig.drawings.drawing_schema import DrawingFile
 from breastrig.files.result import ResultFile
-from breastrig.storage.documents.shares import ShareRow
+from breastrig.storage.documents.shares import StoredShare
 from breastrig.storage.files import OpenedFile, share_place
 
 shared = APIBlueprint("shared", __name__, url_prefix="/api/shared", tag=SHARES_TAG)
@@ -224,11 +224,11 @@ def _file(share_id: str, name: str, download_as: str | None = None) -> Response:
     )
 
 
-def _found(share: ShareRow, name: str) -> OpenedFile | None:
+def _found(share: StoredShare, name: str) -> OpenedFile | None:
     return app_context().service.storage.files.find(share_place(share.snapshot or ""), name)
 
 
-def _result(share: ShareRow) -> wire_shares.SharedResult:
+def _result(share: StoredShare) -> wire_shares.SharedResult:
     place = cookie_path(share.id)
     shown = {name: f"{place}/{name}" if _found(share, name) else None for name in OF_THE_SCAN}
     return wire_shares.SharedResult(

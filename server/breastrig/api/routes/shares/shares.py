@@ -12,7 +12,7 @@ from breastrig.api.wire import common as wire
 from breastrig.api.wire import shares as wire_shares
 from breastrig.storage.documents.fits import get_fit
 from breastrig.storage.documents.shares import (
-    ShareRow,
+    StoredShare,
     get_share,
     openings_of,
     shares_page,
@@ -39,7 +39,7 @@ def make_share(fit_id: str, json_data: wire_shares.ShareRequest) -> tuple[wire_s
     the link cannot be shown again.
     """
     now, token = datetime.now(UTC), new_token()
-    share = ShareRow(
+    share = StoredShare(
         id=new_id(),
         fit=fit_id,
         created_at=iso_utc(now),
@@ -116,7 +116,7 @@ def unlock(fit_id: str, share_id: str) -> wire_shares.Share:
     return share_answer(get_share(storage, fit_id, share_id))
 
 
-def share_answer(row: ShareRow) -> wire_shares.Share:
+def share_answer(row: StoredShare) -> wire_shares.Share:
     """The stored row as the owner sees it."""
     place, is_locked = f"/api/fits/{row.fit}/shares/{row.id}", row.is_locked(WRONG_PASSCODES)
     return wire_shares.Share.of(
