@@ -7,6 +7,8 @@ and message needs.
 
 import ast
 import csv
+import inspect
+import json
 import re
 import sys
 import tomllib
@@ -18,6 +20,7 @@ import numpy as np
 from pydantic import BaseModel
 
 import breastrig
+from breastrig.api.errors import STATUS
 from breastrig.cli.fit_command import SAID
 from breastrig.colour.areolae import ObservedAreola
 from breastrig.colour.features.observation import LOOKED_FOR
@@ -42,6 +45,7 @@ from breastrig.scan.landmarks.names import WORDS
 
 HERE, PACKAGE = Path(__file__).parent, Path(breastrig.__file__).parent
 PAGE_WORDS = PACKAGE.parents[1] / "web" / "src" / "fit" / "resultText.ts"
+OPENAPI, METHODS = PACKAGE / "api" / "openapi.json", ("get", "post", "put", "patch", "delete")
 UNIT_WORDS = {"mm": "mm", "deg": "°", "h": "hour", "": ""}
 STANCES = (STANDING, SUPINE, PRONE)
 BLOCK = re.compile(r"(<!-- data: ([^>]+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
@@ -284,7 +288,69 @@ def fit_messages(rig: Rig) -> frozenset[str]:
     return sentences(QUALITY_MODULES) | {NOT_CALIBRATED} | {PLACEHOLDER.sub("…", signal.fact) for signal in signals}
 
 
+STEPS: Mapping[str, tuple[str, str]] = {  # of a case: its routes (the first step that has one counts), and its names
+    "share": ("/api/shared/|/shares", ""),
+    "service": (
+        "/api/meta|/api/models|/api/examples|/healthz|/readyz|/metrics",
+        "example Example load_model Rig __version__",
+    ),
+    "landmarks": ("/landmarks", "propose_landmarks Proposal Proposals"),
+    "checks": ("/checks", "LineChecks LandmarkCheck"),
+    "draw": ("/plan|/pattern|/lengths|/scans/{scan_id}/drawing", "draw project Drawing Line Lesion"),
+    "transfer": ("/api/transfers", "transfer"),
+    "predict": ("/predictions", "predict"),
+    "report": ("/measures.json|/report", "measure Measure Number write_report"),
+    "result": (
+        "/result|/fitted|/distances|/uncertainty|/volume|/fits/{fit_id}/drawing.json",
+        "Fit Frame Posterior Parameters BonePose Volume volume_mesh",
+    ),
+    "fit": ("/fits", "fit iterates Iterate FitRun"),
+    "patients": ("/api/patients|/scans/{scan_id}/patient|DELETE /api/scans", "Case CaseScan CaseFit"),
+    "upload": ("/api/scans", "read_scan Scan find_ink Ink InkLine"),
+}
+
+
+def api_blocks(_rig: Rig) -> Mapping[str, str]:
+    """Of each step the names of Python and the routes of HTTP; `errors` with the statuses they have."""
+    routes: dict[str, list[tuple[str, str, str]]] = {step: [] for step in STEPS}
+    for path, operations in json.loads(OPENAPI.read_text("utf-8"))["paths"].items():
+        for method, operation in operations.items():
+            if method in METHODS:
+                route = f"{method.upper()} {path}"
+                step = next(step for step, (pattern, _) in STEPS.items() if re.search(pattern, route))
+                routes[step].append(("HTTP", f"`{route}`", operation["summary"]))
+    names = [name for _, listed in STEPS.values() for name in listed.split()]
+    raised = [name for name in breastrig.__all__ if is_error(name)]
+    if {*names, *raised} != {*breastrig.__all__}:
+        raise ValueError(f"say in STEPS where these belong: {sorted({*names, *raised} ^ {*breastrig.__all__})}")
+    found = {
+        step: table(("", "name", ""), [*(python_row(name) for name in listed.split()), *routes[step]])
+        for step, (_, listed) in STEPS.items()
+    }
+    return found | {"errors": table(("Python", "HTTP", "meaning"), (error_row(name) for name in raised))}
+
+
+def python_row(name: str) -> tuple[str, str, str]:
+    if name == "__version__":
+        return "Python", "`breastrig.__version__`", "The version"
+    about = inspect.getdoc(getattr(breastrig, name)) or ""
+    return "Python", f"`breastrig.{name}`", " ".join(about.partition("\n\n")[0].split()).rstrip(".:")
+
+
+def is_error(name: str) -> bool:
+    found = getattr(breastrig, name)
+    return isinstance(found, type) and issubclass(found, breastrig.BreastRigError)
+
+
+def error_row(name: str) -> tuple[str, str, str]:
+    kind = getattr(breastrig, name)
+    status = next(status for base, status in STATUS if issubclass(kind, base))
+    about = " ".join((inspect.getdoc(kind) or "").partition("\n\n")[0].split())
+    return f"`breastrig.{name}`", str(status), about
+
+
 PAGES: Mapping[str, Callable[[Rig], Mapping[str, str]]] = {
+    "api.md": api_blocks,
     "landmarks.md": landmark_blocks,
     "measures.md": measure_blocks,
     "patterns.md": pattern_blocks,
