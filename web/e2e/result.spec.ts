@@ -1,36 +1,10 @@
-// The result in colour: distances are those of distances.bin, under the pointer and in the numbers; scan and model beside
-// each other and cut by a line.
+// The result in colour: distances are those of distances.bin, under the pointer and in the numbers.
 import { readFileSync } from "node:fs";
-import { expect, type Page } from "@playwright/test";
+import { expect } from "@playwright/test";
 import type { Fit, Result } from "../src/api/types";
 import { distanceWithin, readDistances, SCANNER_MM, summarise } from "../src/fit/distances/distances";
 import { formatMm, formatPercent, formatSignedMm } from "../src/ui/units";
-import { distance, example, hook, look, more, openDetails, openFiles, test, until, untilFitted, untilStill } from "./page";
-
-/** Shares of strongly blue and strongly orange pixels in a part of the stage (0 to 1 across). */
-async function colours(page: Page, from: number, to: number): Promise<{ coloured: number; skin: number }> {
-  await untilStill(page);
-  const box = (await page.locator("main canvas.view").boundingBox())!;
-  const clip = { x: box.x + from * box.width, y: box.y, width: (to - from) * box.width, height: box.height - 140 };
-  const shot = (await page.screenshot({ clip })).toString("base64");
-  return page.evaluate(async (data) => {
-    const image = new Image();
-    image.src = `data:image/png;base64,${data}`;
-    await image.decode();
-    const canvas = document.createElement("canvas");
-    [canvas.width, canvas.height] = [image.width, image.height];
-    const context = canvas.getContext("2d")!;
-    context.drawImage(image, 0, 0);
-    const { data: pixels } = context.getImageData(0, 0, image.width, image.height);
-    let [coloured, skin] = [0, 0];
-    for (let i = 0; i < pixels.length; i += 4) {
-      const [r, g, b] = [pixels[i]!, pixels[i + 1]!, pixels[i + 2]!];
-      if (b - r > 30 || (r - b > 75 && r - g > 25)) coloured += 1;
-      if (r - b > 15 && r - b <= 75) skin += 1;
-    }
-    return { coloured: (4 * coloured) / pixels.length, skin: (4 * skin) / pixels.length };
-  }, shot);
-}
+import { distance, example, hook, look, more, openFiles, test, until, untilFitted, untilStill } from "./page";
 
 test("distances are coloured, read under the pointer, and are the service's", async ({ page, base, troubles }) => {
   await page.goto(base);
@@ -132,61 +106,6 @@ test("distances are coloured, read under the pointer, and are the service's", as
     expect(seen.bar, "the colours' scale").toBeGreaterThan(20);
     expect(seen.foot, "scale and notice").toBeGreaterThan(5);
   });
-
-  await test.step("side by side: two bodies, the map on the right one only", async () => {
-    await look(page, "Beside");
-    await untilStill(page);
-    expect(await read(0.25, 0.4), "over the scan there is no value").toBeNull();
-    expect(await read(0.75, 0.45), "over the model, between the breasts").not.toBeNull();
-    await page.mouse.move(5, 5);
-    const [left, right] = [await colours(page, 0, 0.5), await colours(page, 0.5, 1)];
-    expect(left.skin).toBeGreaterThan(0.05);
-    expect(right.skin).toBeLessThan(left.skin / 2);
-  });
-
-  await test.step("the line between scan and model is moved by keys", async () => {
-    await look(page, "Swipe");
-    const line = page.getByRole("slider", { name: "Line between scan and model" });
-    await line.focus();
-    const half = await hook.picture(page);
-    for (let i = 0; i < 20; i += 1) await page.keyboard.press("ArrowRight");
-    await expect(line).toHaveValue("0.7");
-    expect((await hook.picture(page)).checksum).not.toBe(half.checksum);
-    expect(await read(0.6, 0.5)).toBeNull();
-    await page.keyboard.press("Home");
-    expect(await read(0.5, 0.3)).not.toBeNull();
-  });
-  expect(troubles).toEqual([]);
-});
-
-test("the model's shape is read off sliders; they pose the picture, not the fit", async ({ page, base, troubles }) => {
-  await page.emulateMedia({ reducedMotion: "reduce" });
-  await page.goto(base);
-  await example(page);
-  await hook.ready(page);
-  await page.keyboard.press("1");
-  await page.getByRole("button", { name: "Fit without landmarks" }).click();
-  await untilFitted(page);
-  await openDetails(page);
-  await page.locator("summary", { hasText: "Shape of the model" }).click();
-  await page.locator("summary", { hasText: "Left breast" }).click();
-  await page.locator("summary", { hasText: "Size of the parts" }).click();
-  const fit = (await hook.fit(page))!;
-  const result = (await (await page.request.get(`${base}/api/fits/${fit.id}/result.json`)).json()) as Result;
-  const forward = page.getByRole("slider", { name: /^Breast stands further forward/ });
-  const waist = page.getByRole("slider", { name: /^Waist, width/ });
-  expect(Number(await forward.inputValue())).toBeCloseTo(result.parameters.blendshapes.projection_L!, 1);
-  expect(Number(await waist.inputValue())).toBeCloseTo(result.parameters.bones.find(({ name }) => name === "lumbar")!.scale[0], 1);
-  const sure = (await page.locator(".numbers .verdict").textContent())!;
-  const fitted = await hook.picture(page);
-  await forward.fill("1.5");
-  await waist.fill("1.4");
-  const posed = await hook.picture(page);
-  expect(posed.checksum).not.toBe(fitted.checksum);
-  await expect(page.getByText("Posed by hand")).toBeVisible();
-  await expect(page.locator(".numbers .verdict")).toHaveText(sure);
-  await page.getByRole("button", { name: "Back to the fitted shape" }).click();
-  expect((await hook.picture(page)).checksum).toBe(fitted.checksum);
   expect(troubles).toEqual([]);
 });
 

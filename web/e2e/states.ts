@@ -1,7 +1,7 @@
 // The states of the page in the order in which a person meets them, for whoever looks at all of them: accessibility,
 // sizes of targets, pictures.  A running fit is held at an iteration, so that it can be looked at.
 import { expect, type Page } from "@playwright/test";
-import { example, hook, look, openShare, until, untilFitted } from "./page";
+import { example, hook, openShare, until, untilFitted } from "./page";
 
 export interface StateOfPage {
   readonly name: string;
@@ -98,8 +98,6 @@ export const STATES: readonly StateOfPage[] = [
     },
   },
   { name: "distances", reach: (page) => page.keyboard.press("d") },
-  { name: "beside", reach: (page) => look(page, "Beside") },
-  { name: "swipe", reach: (page) => look(page, "Swipe") },
   {
     name: "share dialog",
     reach: async (page) => {

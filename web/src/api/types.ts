@@ -51,7 +51,6 @@ export type {
   ShareRequest,
   Started,
   SurfacePoint,
-  TransferRequest,
 } from "./types.gen";
 
 export type PlanItem = wire.StoredPlan["items"][number];
@@ -84,11 +83,9 @@ export type Ended = Pick<wire.Failed, "reason">;
 export interface Done {
   result: Result;
 }
-/** The side file has more; the page needs where the model's landmarks are, and how far its parts and shapes go. */
+/** The side file has more; the page needs where the model's landmarks are. */
 export type ModelSide = wire.ModelSide & {
   landmarks: (LandmarkDefinition & wire.SurfacePoint)[];
-  bones: { name: string; scale_min: Vector; scale_max: Vector }[];
-  shapes: { name: string; label: string; min: number; max: number }[];
   skinning?: "linear" | "dual_quaternion" | "corrective"; // the last one is linear with further shapes
 };
 /** A rig: its file, and what is known of it. */

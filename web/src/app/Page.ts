@@ -9,8 +9,7 @@ import { createMirrorLegend, hasMirror } from "../drawing/mirror/MirrorLegend";
 import { createFitPanel } from "../fit/FitPanel";
 import { outdated } from "../fit/outdated";
 import { linesOn } from "../fit/verdict";
-import { createShapeSliders } from "../fit/hand_pose/ShapeSliders";
-import { hasBoth, viewBarShown } from "../fit/state";
+import { viewBarShown } from "../fit/state";
 import { createTimeline } from "../fit/playback/TimelinePanel";
 import { createGuideCard } from "../landmarks/GuideCard";
 import { pickCount } from "../landmarks/state";
@@ -30,7 +29,6 @@ import { el, setText, show } from "../ui/dom";
 import { later } from "../ui/later";
 import type { Panel } from "../ui/Panel";
 import { betweenPresses } from "../ui/press";
-import { createSwipe } from "../viewer/Swipe";
 import { errors, view as viewText } from "../viewer/text";
 import { createViewBar, type ViewBarShown } from "../viewer/ViewBar";
 import type { Stage } from "../viewer/Viewer";
@@ -77,7 +75,6 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const looks = { distances: actions.fit.showDistances, mirror: actions.fit.showMirror, relief: actions.scan.showRelief, loose: actions.scan.showLoose, colours: actions.scan.showColours, linked: actions.stances.link, slices: actions.drawing.showSlices };
   const viewBar = createViewBar(actions.view, looks, shownInViewBar, tools.element);
   const colourBar = createColourBar();
-  const swipe = createSwipe(actions.view.swipe, hasBoth);
   const loading = createLoadingCard();
   const home = createHome(actions.patients, { files: (files) => void actions.bring.files(files), examples: (names) => void actions.bring.examples(names) }, addressOfPatient, dismiss);
   const page = problem(() => dismiss("page"));
@@ -85,7 +82,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const distances = problem(() => dismiss("distances"));
   const refit = problem(() => dismiss("fit")); // of a fit that was asked for from another step
   const graphics = el("p", { class: "no-graphics", role: "alert", hidden: true });
-  const host = el("div", { class: "stage" }, canvas, overlay, swipe.element, colourBar.element, model.element, distances.element, refit.element);
+  const host = el("div", { class: "stage" }, canvas, overlay, colourBar.element, model.element, distances.element, refit.element);
   const canvasBar = later(
     only("problems", "drawn", "isCanvasFull", "hasPen", "fingersDraw"),
     ({ isCanvasFull }: Pick<Session, "problems" | "drawn" | "isCanvasFull" | "hasPen" | "fingersDraw">) => isCanvasFull,
@@ -116,7 +113,6 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   };
   const landmarks = withScan(async () => (await import("../landmarks/LandmarkPanel")).createLandmarkPanel(actions.landmarks, actions.proposals, () => dismiss("landmarks")));
   const plan = withScan(async () => (await import("../drawing/panel/PlanPanel")).createPlanPanel(actions.drawing, actions.plan, () => dismiss("drawing"), ink.drawing, carry.element));
-  const sliders = createShapeSliders(actions.handPose);
   const handOver = later(
     only("meta", "step", "loading", "scan", "confirmed", "picks", "certain", "proposals", "skipped", "active", "fit", "isStarting", "stance", "preset", "refine", "drawing", "drawn", "ink", "stances", "checks", "overlay"),
     ({ step, scan }: HandOverShown) => step === "handover" && scan !== null,
@@ -146,7 +142,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const timeline = createTimeline(actions.player);
   const side = createSidePanel(
     {
-      body: createBodyPanel(() => actions.page.goTo("points"), [sentence.element, ink.scan, scan.asked, fit.element, numbers.element], [timeline.element, scan.element, fit.settings, sliders.element]),
+      body: createBodyPanel(() => actions.page.goTo("points"), [sentence.element, ink.scan, scan.asked, fit.element, numbers.element], [timeline.element, scan.element, fit.settings]),
       points: el("div", { class: "panel" }, guide.element, landmarks.element),
       plan: plan.element,
       handover: handOver.element,
@@ -235,14 +231,12 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(canvasBar);
       on(mirror);
       on(carry);
-      on(sliders);
       on(handOver);
       on(paper);
       on(next);
       on(guide);
       on(viewBar);
       on(colourBar);
-      on(swipe);
       on(home);
       on(loading);
       on(numbers);

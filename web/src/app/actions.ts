@@ -6,7 +6,6 @@ import { drawingActions } from "../drawing/actions";
 import { handleActions } from "../drawing/patterns/handles";
 import { fitActions } from "../fit/actions";
 import { createFollower } from "../fit/playback/follower";
-import { handPoseActions } from "../fit/hand_pose/handPoseActions";
 import { createPlayer } from "../fit/playback/playback";
 import { landmarkActions } from "../landmarks/actions";
 import { createProposalSearch } from "../landmarks/proposals/proposalSearch";
@@ -77,7 +76,6 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
     },
     fit,
     follower,
-    handPose: handPoseActions(store),
     files: exportActions(store),
     player,
   };

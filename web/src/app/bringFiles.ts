@@ -115,8 +115,6 @@ export function bringActions(store: Store<Session>, client: Pick<Client, "landma
   };
 }
 
-export type BringActions = ReturnType<typeof bringActions>;
-
 /** mm, in the box of the scan. */
 function isWithin(point: Vector, { bounds_m: { min, max } }: Pick<Scan, "bounds_m">): boolean {
   return point.every((mm, axis) => metresFromMm(mm) > min[axis]! - NEAR_M && metresFromMm(mm) < max[axis]! + NEAR_M);

@@ -39,5 +39,3 @@ export function exportActions(store: Store<PageSlice & ScanSlice & FitSlice & Dr
     },
   };
 }
-
-export type ExportActions = ReturnType<typeof exportActions>;

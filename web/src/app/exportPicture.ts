@@ -78,7 +78,7 @@ function coloursOf(host: HTMLElement): Colour {
 function drawLetters(pen: CanvasRenderingContext2D, overlay: HTMLElement, colour: Colour): void {
   const origin = overlay.getBoundingClientRect();
   pen.textAlign = "center";
-  for (const letter of overlay.querySelectorAll<HTMLElement>(".letter:not([hidden], .is-far, .is-elsewhere)")) {
+  for (const letter of overlay.querySelectorAll<HTMLElement>(".letter:not([hidden], .is-far)")) {
     const box = letter.querySelector("strong")!.getBoundingClientRect();
     const [x, y, radius] = [box.left + box.width / 2 - origin.left, box.top + box.height / 2 - origin.top, box.width / 2];
     const isLeft = letter.classList.contains("side-left");

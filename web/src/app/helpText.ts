@@ -15,7 +15,7 @@ export const help = {
     ["Tab, arrows", "In the plan: from handle to handle of a pattern; arrows move it by 1 mm (Shift: 5 mm)"],
     ["Lasso", "In the body's details: draw around what is to be cut away; Z brings it back, Esc puts the lasso down"],
     ["F", "View from the front"],
-    ["O", "Scan, both, model, beside, swipe"],
+    ["O", "Scan, both, model"],
     ["D", "Distances in colour"],
     ["Space", "Replay the fit"],
     ["?", "This list"],

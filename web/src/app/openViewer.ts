@@ -9,7 +9,7 @@ import { skinFrom } from "../drawing/lines/skin";
 import type { SureParts } from "../drawing/sureParts";
 import { FittedSurface } from "../fit/distances/FittedSurface";
 import { HoverValue } from "../fit/distances/HoverValue";
-import { hasBoth, hasModelShown } from "../fit/state";
+import { hasModelShown } from "../fit/state";
 import { errors as fitErrors } from "../fit/text";
 import { TorsoModel } from "../fit/TorsoModel";
 import { listenToLandmarkKeys } from "../landmarks/canvasKeys";
@@ -38,7 +38,6 @@ import { Loupe } from "../viewer/Loupe";
 import { pickAt } from "../viewer/picking";
 import { ScaleBar } from "../viewer/ScaleBar";
 import { SideLetters } from "../viewer/SideLetters";
-import { isBeside } from "../viewer/state";
 import { offerTestHook } from "../viewer/testHook";
 import { type Part, Viewer } from "../viewer/Viewer";
 import type { Actions } from "./actions";
@@ -48,8 +47,8 @@ import type { Session } from "./session";
 
 /** What of the state the view shows; when something else changes it is not drawn again. */
 const SEEN = [
-  ...(["meta", "models", "theme", "step", "overlay", "swipe", "view", "loading", "scan", "showColours", "showLoose", "showRelief", "showMirror", "stances"] as const),
-  ...(["picks", "certain", "proposals", "active", "fit", "handPose", "followed", "showDistances", "drawing", "drawn", "lesion", "ink", "inkPointed", "pointedCut", "checks"] as const),
+  ...(["meta", "models", "theme", "step", "overlay", "view", "loading", "scan", "showColours", "showLoose", "showRelief", "showMirror", "stances"] as const),
+  ...(["picks", "certain", "proposals", "active", "fit", "followed", "showDistances", "drawing", "drawn", "lesion", "ink", "inkPointed", "pointedCut", "checks"] as const),
 ];
 type Seen = Pick<Session, (typeof SEEN)[number]>;
 
@@ -106,7 +105,6 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
   ];
   /** A part that fails must not keep the others from drawing, nor the state from changing: its error is reported later. */
   const updateAll = (state: Seen): void => {
-    viewer.share(hasBoth(state) && isBeside(state.overlay) ? state.overlay : "one", state.swipe);
     for (const part of parts) {
       try {
         part.update(state);

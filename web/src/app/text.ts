@@ -6,11 +6,9 @@ export * from "./exportText";
 export * from "./questionText";
 
 export const page = {
-  version: (version: string) => `version ${version}`,
   steps: { body: "Body", points: "Set points", plan: "Plan", handover: "Hand over" } satisfies Record<Step, string>,
   stepsLabel: "Body, plan, hand over",
   setPoints: "Set points myself",
-  pointsDone: "Back to the body",
   details: "Details",
   side: "What is known and planned",
 };

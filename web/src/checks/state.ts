@@ -36,7 +36,7 @@ export const initialChecks: ChecksState = { of: {}, tour: null, outcome: null };
 
 type Shown = ChecksSlice & Pick<FitSlice, "fit"> & Asked;
 
-export const checksOf = ({ checks, fit }: Pick<Shown, "checks"> & { readonly fit: { readonly id: string } | null }): Checks | null => checks.of[fit?.id ?? ""] ?? null;
+const checksOf = ({ checks, fit }: Pick<Shown, "checks"> & { readonly fit: { readonly id: string } | null }): Checks | null => checks.of[fit?.id ?? ""] ?? null;
 
 /** In the order in which they are asked: what contradicts the rest, how the patient stands or lies, and the points that narrow the lines. */
 export function stepsOf(state: Shown): TourStep[] {

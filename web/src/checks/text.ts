@@ -26,7 +26,6 @@ export const checks = {
   fitting: (count: number) => `Fitting with ${plural(count, "checked point", "checked points")} …`,
   stance: "Is the patient standing or lying?",
   stances: { standing: "Standing", supine: "Lying on the back", prone: "Lying on the front" } as const,
-  question: "Is this right?",
   narrowed: (from: string, to: string) => `The lines have narrowed: they were ${from} and are ${to}.`,
   notNarrowed: (to: string) => `The lines have not narrowed: they are ${to}, as before. The points were where they were expected.`,
   nothing: "Nothing was checked; the lines are as they were.",

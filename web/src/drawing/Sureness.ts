@@ -13,7 +13,7 @@ type Shown = Pick<FitSlice & DrawingSlice, "fit" | "drawn">;
 type Shape = Pick<Laid["shapes"][number], "name" | "points" | "error_mm" | "line_error_mm"> & { readonly label?: string; readonly kind?: string };
 
 /** The line with the widest place; `mm` is null where nothing is known of one. */
-export function leastSure({ fit, drawn }: Shown): { readonly label: string; readonly mm: number | null } | null {
+function leastSure({ fit, drawn }: Shown): { readonly label: string; readonly mm: number | null } | null {
   const on = (layer: "reference" | "carried", shapes: readonly Shape[]): Shape[] => shapes.filter(({ name, kind }) => kind !== "note" && !drawn.hidden.has(layerKey(layer, name)));
   const shapes = [...on("reference", shownPatterns({ fit, drawn })?.shapes ?? []), ...on("carried", drawn.onScan?.carried.shapes ?? [])];
   const widest = shapes.map((shape) => {

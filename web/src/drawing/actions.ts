@@ -139,7 +139,7 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
       store.set((state) => ({
         step: tool === "none" ? state.step : "plan",
         active: null,
-        overlay: tool !== "none" && (state.overlay === "model" || state.overlay === "swipe" || state.overlay === "beside") ? "scan" : state.overlay,
+        overlay: tool !== "none" && state.overlay === "model" ? "scan" : state.overlay,
         drawn: { ...state.drawn, tool, start: null, open: null, tape: null, chosen, corner: null },
         announcement: words.hints[tool],
       }));
@@ -292,7 +292,6 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
     /** Other lines instead, as one step to undo. */
     restore: (kept: readonly OwnLine[]): void => change(kept, {}, ""),
 
-    clear: (): void => change([], { start: null, open: null, chosen: null, corner: null }, words.announceCleared),
 
     choose: (name: string | null): void => put({ chosen: name, corner: null }),
     chooseCorner: (corner: number | null): void => put({ corner }),

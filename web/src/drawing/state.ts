@@ -89,7 +89,7 @@ export const withStep = (state: { readonly drawing: string; readonly drawn: Draw
 });
 
 /** What is drawn on one scan, and what the hand does there. */
-export interface AnotherDrawing {
+interface AnotherDrawing {
   readonly theirs: string | null; // code of the patient that the file names
   readonly ours: string;
   readonly lines: readonly OwnLine[];

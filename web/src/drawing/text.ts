@@ -21,7 +21,6 @@ export const sureness = {
 export const bands = {
   error: (mm: string) => `±\u00a0${mm} mm`,
   of: "the line's true place, 90 %",
-  legend: "The grey band holds the true line nine times in ten; hatched where it is not known. Point at it for the millimetres.",
 };
 
 const mm = (length: number | null, hasHole: boolean): string => length === null ? "…" : `${hasHole ? "≈\u00a0" : ""}${formatMmWhole(length)}\u00a0mm`;
@@ -54,7 +53,6 @@ export const canvas = {
   tools: "Drawing tools",
   views: "View",
   inks: "Colour of the next line",
-  ofLine: "Colour of this line",
   recolour: (name: string, ink: string) => `Draw ${name} in ${ink}`,
   recolourShort: "Use colour",
   noLine: "No line is chosen",
@@ -85,23 +83,18 @@ export const changes = {
 };
 
 export const lesions = {
-  title: "Lesion in an image",
   heading: "Lesions",
-  give: "Give one by its place",
   name: "Name",
   numbered: (number: number) => `Lesion ${number}`,
   center: "Centre",
   centerHint: "x, y, z in mm, in this scan's frame",
   radius: "Radius",
   add: "Add",
-  remove: (name: string) => `Remove ${name}`,
   noPlace: "The centre needs three numbers in millimetres, as 12.5 -80 43.",
   says: (radius: number, depth: number | null) => [`radius ${Number(radius.toFixed(1))}\u00a0mm`, depth === null ? "" : `${Math.round(depth)}\u00a0mm deep`].filter((part) => part !== "").join(", "),
 };
 
 export const drawing = {
-  before: "Draw on the skin, show the reference drawing, mark a tumour.",
-  summary: (count: number) => (count === 0 ? "" : plural(count, "line", "lines")),
   stem: "Line",
   tools: "Tool",
   toolNames: { none: "Turn", pen: "Pen", points: "Points", tumour: "Tumour", tape: "Tape", erase: "Erase" },
@@ -125,21 +118,10 @@ export const drawing = {
   tumourName: (mm: string) => `Tumour ${mm} mm`,
   undo: "Undo (Z)",
   redo: "Redo (Shift+Z)",
-  importFile: "Import a drawing",
-  importHint: "Lines of a drawing file (JSON), added to these",
-  exportFile: "Export",
-  exportHint: "These lines as a JSON file, millimetres in the scan's frame",
-  clear: "Erase all",
   finish: "End the line",
-  saved: "Saved",
-  saving: "Saving …",
-  unsaved: "Not saved yet",
   again: "Save again",
-  lines: "Drawn here",
-  none: "Nothing drawn yet. Take the pen and draw on the body.",
   name: (name: string) => `Name of ${name}`,
   nameTaken: "Another line has this name.",
-  show: (name: string) => `Show ${name}`,
   length: (cm: string) => `${cm} cm`,
   close: (name: string) => `Close ${name} to a ring`,
   open: (name: string) => `Open the ring ${name}`,
@@ -157,11 +139,6 @@ export const drawing = {
   nudge: "Move the point along the skin",
   arrows: { ArrowLeft: "To the left", ArrowUp: "Up", ArrowDown: "Down", ArrowRight: "To the right" },
   arrowSigns: { ArrowLeft: "←", ArrowUp: "↑", ArrowDown: "↓", ArrowRight: "→" },
-  patternItem: "Pattern",
-  tumourItem: "Tumour",
-  count: (lines: number) => plural(lines, "line", "lines"),
-  linesOf: (lines: number, label: string) => `${plural(lines, "line", "lines")} of ${label}`,
-  carried: (from: string) => `Carried from ${from}`,
   dashed: "Dashed and paler where the scan shows no skin: a guess of the model.",
   elsewhere: (name: string, mm: number) => `“${name}” lies ${Math.round(mm)} mm off this scan: it was drawn on another one, or in another unit.`,
   imported: (count: number, mm: number, out: readonly string[]) =>
@@ -173,24 +150,13 @@ export const drawing = {
     take: (ours: string) => `Import: it is of ${ours}`,
   },
   pattern: {
-    title: "Patterns and tumour",
-    titleWithoutTumour: "Drawing and notes",
-    base: "Drawing",
-    tumour: "Tumour by the clock",
     stillNeeded: (labels: readonly string[]) => `Nothing is entered yet: say ${labels.join(", ")}.`,
     depth: "Depth below the skin",
     depthHint: "of the tumour; leave it empty where it is not known",
     note: "Notes",
-    noteHint: "For the report: what is wanted, in words. No names.",
-    follows: "Drawn on the fitted body as you change it; the fit stays as it is.",
     needsFit: "Drawn on the body as soon as the model is fitted.",
     mirror: "Mirror to the other side",
     byItself: "auto",
-    byItselfAt: (amount: string) => `auto: ${amount}`,
-    drawnAt: (amount: string) => `Drawn: ${amount}, measured on this skin.`,
-    stopsAt: (amount: string) => `Drawn at ${amount}: the breast ends there, and the nipple is not moved down.`,
-    sides: { L: "left", R: "right" },
-    amount: (value: string, unit: string) => `${value}${unit === "deg" ? "°" : unit === "mm" ? "\u00a0mm" : ""}`,
     choices: { "": "choose", L: "Patient's left", R: "Patient's right", both: "Both" } as Record<string, string>,
     range: (min: number, max: number, unit: string) => `${min} to ${max} ${unit}`.trim(),
   },
@@ -214,19 +180,6 @@ export const drawing = {
   announceErased: (name: string) => `${name} is erased.`,
   merged: "The plan was changed in another tab or by somebody else: both are kept, look at the lines.",
   nothingEarlier: "There is nothing earlier to go back to.",
-  announceCleared: "All lines are erased.",
   announceMoved: "The point is moved.",
   announceCornerGone: "The point is deleted.",
-};
-
-export const summary = {
-  title: "The plan on this scan",
-  hint: "± holds nine of ten places of a line, measured across it, as does the number of the fit.  What was drawn on this scan is where it was drawn.",
-  none: "Nothing is drawn yet.",
-  carrying: "What is planned is being carried here …",
-  busy: "being carried here …",
-  own: "as drawn",
-  mirrored: "mirrored from the other side",
-  given: "as given",
-  carried: "carried here",
 };

@@ -7,7 +7,7 @@ import type { ScanSlice } from "../scan/state";
 import { disposeTree, readGltf } from "../viewer/gltf";
 import { lidMaterial, tintLid, withLids } from "../viewer/openings";
 import { bringNearer, depthMaterial, GLASS, MODEL_SHARE, ORDER } from "../viewer/overlaid";
-import { isBeside, type ViewSlice } from "../viewer/state";
+import type { ViewSlice } from "../viewer/state";
 import type { VertexAt } from "../viewer/lines/surfacePoints";
 import type { Part, Viewer } from "../viewer/Viewer";
 import type { DualQuaternionSkin } from "./dualQuaternions";
@@ -49,7 +49,6 @@ export class TorsoModel implements Part<State> {
     if (model !== this.model) this.applied = null;
     if (poses && poses !== this.applied) this.apply(poses);
     this.root.visible = poses !== null && state.overlay !== "scan" && !showsFittedSurface(state);
-    this.viewer.inHalf(this.root, isBeside(state.overlay) ? "model" : null);
     const isAlone = state.overlay !== "both";
     this.isOver = !isAlone;
     if (this.restoring) this.restoring.visible = !isAlone;

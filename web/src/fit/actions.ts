@@ -18,7 +18,7 @@ import type { ViewSlice } from "../viewer/state";
 import { readDistances } from "./distances/distances";
 import type { Follower } from "./playback/follower";
 import type { Player } from "./playback/playback";
-import { type FitSlice, type FitState, withDistances } from "./state";
+import { blankFit, type FitSlice, type FitState, withDistances } from "./state";
 import * as text from "./text";
 import { outdated } from "./outdated";
 import { frameOfRig } from "./upright";
@@ -28,25 +28,6 @@ import { verdictWords } from "./verdict";
 type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice;
 
 const PAUSE_MS = 150; // a run of key presses that nudge a landmark is one fit
-
-/** As the service's first word makes it: nothing has been computed yet. */
-const freshFit = (id: string, links: FitLinks, drawingName: string | null, given: Pick<FitState, "picks" | "certain" | "before" | "asked" | "cuts">): FitState => ({
-  id,
-  links,
-  state: "running",
-  started: null,
-  iterations: [],
-  shown: -1,
-  playing: true,
-  result: null,
-  drawing: null,
-  drawingName,
-  surface: null,
-  distances: null,
-  reason: null,
-  isConnected: true,
-  ...given,
-});
 
 export function fitActions(store: Store<State>, client: Client, player: Player, follower: Follower) {
   let stopFollowing: () => void = () => undefined;
@@ -184,7 +165,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
         return;
       }
       const before = isUnseen ? (store.get().fit?.result ?? store.get().fit?.before ?? null) : null;
-      (isUnseen ? followUnseen : follow)(freshFit(id, links, null, { picks: picks.present, certain, before, cuts, asked: { stance, preset, refine } }));
+      (isUnseen ? followUnseen : follow)({ ...blankFit(id, links), playing: true, picks: picks.present, certain, before, cuts, asked: { stance, preset, refine } });
     } catch (error) {
       if (mine === run) store.set((state) => ({ ...standStill(state), ...withProblem(state, "fit", messageOf(error)) }));
     }
@@ -241,9 +222,8 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
         const fit = await client.fit(id);
         // The settings come back with the fit, so that the next one is asked for as this one was; its drawing is the plan's.
         const asked = { stance: fit.asked_stance, preset: fit.preset, refine: fit.refine };
-        const given = { picks: picksOf({ landmarks: fit.landmarks, unit: "mm" }), certain: fit.certain, before: null, asked, cuts: fit.cuts };
         store.set(asked);
-        follow(freshFit(fit.id, fit.links, fit.drawing, given));
+        follow({ ...blankFit(fit.id, fit.links), playing: true, drawingName: fit.drawing, picks: picksOf({ landmarks: fit.landmarks, unit: "mm" }), certain: fit.certain, asked, cuts: fit.cuts });
         stepAfter = fit.state === "done" ? step : null;
       } catch (error) {
         store.set((state) => withProblem(state, "fit", messageOf(error)));

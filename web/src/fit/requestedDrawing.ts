@@ -84,11 +84,5 @@ export function mirroredValues(values: Values): Values | null {
 /** As read by an observer facing the patient, 0.5 to 12.5: 10 o'clock on one breast lies where 2 o'clock does on the other. */
 const mirroredHour = (hour: number): number => Math.round(100 * (hour > 11.5 ? 24 - hour : 12 - hour)) / 100;
 
-/** For people: the labels of all parts. */
-export function requestLabel(text: string, labels: ReadonlyMap<string, string>): string {
-  const { base, tumour } = readRequest(text);
-  return [...(base === "" ? [] : [base]), ...(tumour ? [TUMOUR] : [])].map((name) => labels.get(name) ?? name).join(", ");
-}
-
 export const drawingLabels = ({ meta }: { meta: Meta | null }): ReadonlyMap<string, string> =>
   new Map([...(meta?.patterns ?? []), ...(meta?.drawings ?? [])].map(({ name, label }) => [name, label]));

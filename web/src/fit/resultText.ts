@@ -85,7 +85,6 @@ export const numbers = {
   landmarkDistance: "landmark mean",
   coverage: "coverage",
   coverageHint: "Share of the model's vertices that have a partner on the scan",
-  iteration: "iteration",
   iterations: "iterations",
   stage: "stage",
   stance: "stance",
@@ -93,7 +92,6 @@ export const numbers = {
   solve: "solve time",
   total: "total time",
   stop: "stopped because",
-  curve: "Mean distance over the iterations",
   noLandmarks: "None were given. Those that you check make nearly every other place surer.",
   each: "Each landmark",
 };

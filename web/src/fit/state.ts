@@ -7,11 +7,10 @@ import type { PageSlice } from "../store/page";
 import type { Triangles } from "../viewer/ply";
 import type { ViewSlice } from "../viewer/state";
 import type { ViewBarShown } from "../viewer/ViewBar";
-import type { HandPose } from "./hand_pose/handPose";
 import { levelOf } from "./verdict";
 
 /** What a fit was asked for besides its landmarks; the drawing is the plan's, and follows without a fit. */
-export interface AskedSettings {
+interface AskedSettings {
   readonly stance: StanceChoice;
   readonly preset: string;
   readonly refine: boolean;
@@ -40,14 +39,34 @@ export interface FitState {
   readonly before: Result | null; // of the fit whose place it takes, which is shown until this one has its own
 }
 
+/** Nothing is known of it but its address. */
+export const blankFit = (id: string, links: FitLinks): FitState => ({
+  id,
+  links,
+  state: "running",
+  started: null,
+  iterations: [],
+  shown: -1,
+  playing: false,
+  result: null,
+  drawing: null,
+  drawingName: null,
+  surface: null,
+  distances: null,
+  reason: null,
+  isConnected: true,
+  picks: null,
+  certain: [],
+  before: null,
+});
+
 export interface FitSlice {
   readonly stance: StanceChoice;
   readonly preset: string;
   readonly drawing: string; // the pattern and the tumour that are planned on this scan, see requestedDrawing.ts
   readonly refine: boolean;
   readonly fit: FitState | null;
-  readonly handPose: HandPose | null;
-  readonly followed: HandPose | null; // where the model lies while a landmark is dragged
+  readonly followed: { readonly fit: string; readonly nodes: readonly NodePose[] } | null; // where the model lies while a landmark is dragged
   readonly isStarting: boolean; // the request for a fit is under way
   readonly showDistances: boolean;
   readonly showMirror: boolean; // the left breast on the right one
@@ -59,7 +78,6 @@ export const initialFit: FitSlice = {
   drawing: "",
   refine: true,
   fit: null,
-  handPose: null,
   followed: null,
   isStarting: false,
   showDistances: false,
@@ -77,9 +95,6 @@ export const isAtRest = (fit: FitState): boolean => fit.state !== "running" && f
 /** It found no body, or the service says that it cannot be used: nothing of it is shown, no model, no line and no number. */
 export const isUnusable = ({ fit }: { readonly fit: Pick<FitState, "state" | "result"> | null }): boolean => fit?.state === "failed" || levelOf(fit?.result) === "unusable";
 
-/** Somebody has posed this fit's model by hand, and sees it so. */
-export const isPosedByHand = ({ fit, handPose }: Pick<FitSlice, "fit" | "handPose">): boolean => fit !== null && handPose?.fit === fit.id && isAtRest(fit);
-
 /** The model follows a landmark of this fit, or waits for the fit with the landmark where it is now. */
 export const isFollowing = ({ fit, followed }: Pick<FitSlice, "fit" | "followed">): boolean => fit !== null && followed?.fit === fit.id && isAtRest(fit);
 
@@ -89,18 +104,18 @@ export const modelHash = ({ meta, fit }: Pick<FitSlice & PageSlice, "meta" | "fi
 /** That model, once it is here: a fit's parameters mean nothing to another one. */
 export const modelOf = (state: Pick<FitSlice & PageSlice, "meta" | "models" | "fit">): Model | null => state.models[modelHash(state) ?? ""] ?? null;
 
-/** How the rig stands on the screen: as it follows a landmark, as posed by hand, else as in the shown iteration. */
-export const shownPoses = (state: Pick<FitSlice, "fit" | "handPose" | "followed">): readonly NodePose[] | null =>
-  isUnusable(state) ? null : isFollowing(state) ? state.followed!.nodes : isPosedByHand(state) ? state.handPose!.nodes : (shownIteration(state.fit)?.nodes ?? null);
+/** How the rig stands on the screen: as it follows a landmark, else as in the shown iteration. */
+export const shownPoses = (state: Pick<FitSlice, "fit" | "followed">): readonly NodePose[] | null =>
+  isUnusable(state) ? null : isFollowing(state) ? state.followed!.nodes  : (shownIteration(state.fit)?.nodes ?? null);
 
 /** What decides which surface stands for the model. */
-export type Shown = Pick<FitSlice & PageSlice, "meta" | "fit" | "handPose" | "followed" | "models" | "showDistances">;
+export type Shown = Pick<FitSlice & PageSlice, "meta" | "fit" | "followed" | "models" | "showDistances">;
 
 /** Something of the model is on the stage. */
 export const hasModelShown = (state: Shown): boolean => (state.fit !== null && state.fit.shown >= 0 && !isUnusable(state)) || showsFittedSurface(state);
 
 /** At rest the surface that the service wrote stands for the posed rig: coloured, or bent onto the skin beyond what a rig can show. */
-export const showsFittedSurface = (state: Shown): boolean => !isFollowing(state) && !isPosedByHand(state) && !isUnusable(state) && hasFittedSurface(state);
+export const showsFittedSurface = (state: Shown): boolean => !isFollowing(state) && !isUnusable(state) && hasFittedSurface(state);
 
 const hasFittedSurface = (state: Shown): boolean => {
   const { fit, showDistances } = state;
@@ -125,8 +140,7 @@ export const viewBarShown = ({ scan, loading, fit, overlay, view, showDistances,
 });
 
 /** The coloured surface alone: over the scan the two would fight for each pixel. */
-export const withDistances = ({ handPose, overlay }: Pick<ViewSlice & FitSlice, "handPose" | "overlay">, showDistances: boolean) => ({
+export const withDistances = ({ overlay }: Pick<ViewSlice, "overlay">, showDistances: boolean) => ({
   showDistances,
-  handPose: showDistances ? null : handPose, // distances belong to the fit as it is
   overlay: showDistances && (overlay === "both" || overlay === "scan") ? ("model" as const) : overlay,
 });

@@ -1,11 +1,9 @@
 // The running fit and its iterations.
 import { plural } from "../ui/plural";
 
-export * from "./hand_pose/handPoseText";
 export * from "./resultText";
 
 export const fit = {
-  noDrawing: "None",
   preset: "Settings",
   presets: { default: "Best known (default)", paper: "As in the paper" } as Record<string, string>,
   refine: "Follow the skin",
@@ -22,7 +20,6 @@ export const fit = {
   with: (count: number) => `Fit with ${plural(count, "landmark", "landmarks")}`,
   without: "Fit without landmarks",
   again: (count: number) => (count === 0 ? "Fit again without landmarks" : `Fit again with ${plural(count, "landmark", "landmarks")}`),
-  summary: (mean: string) => `${mean} mm`,
   announceStarted: "The fit has started.",
   announceStage: (stage: string) => `Stage ${stage}.`,
   announceDone: (mean: string) => `The fit is done: mean distance ${mean} millimetres.`,

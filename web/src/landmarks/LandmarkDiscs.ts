@@ -27,7 +27,7 @@ interface Disc {
 }
 
 /** By name: of those that are placed, and while landmarks are looked at of those that are proposed. */
-export function discsOf(state: Shown): Readonly<Record<string, Disc>> {
+function discsOf(state: Shown): Readonly<Record<string, Disc>> {
   const { fit, picks, proposals, step } = state;
   const found: Record<string, Disc> = {};
   if (proposals?.state === "found") {

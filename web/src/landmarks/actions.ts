@@ -311,7 +311,6 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
     /** Other picks instead, as one step to undo. */
     restore: (picks: Picks, certain: readonly string[] = []): void => change(picks, { certain: certainAt(picks, certain) }),
     remove: (name: string): void => change(withoutPick(store.get().picks.present, name)),
-    clear: (): void => change({}, { active: null, skipped: new Set() }),
 
     undo(): void {
       if (store.get().picks.past.length === 0) return;

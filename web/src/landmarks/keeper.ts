@@ -75,5 +75,3 @@ export function createPicksKeeper(client: Pick<Client, "landmarks" | "saveLandma
       }),
   };
 }
-
-export type PicksKeeper = ReturnType<typeof createPicksKeeper>;

@@ -11,7 +11,6 @@ export const landmarks = {
     const side = { left: ", patient's left", right: ", patient's right", middle: "" }[sideOf(name)];
     return plain.charAt(0).toLowerCase() + plain.slice(1) + side;
   },
-  progress: (placed: number, all: number) => `${placed}/${all}`,
   sides: { left: "patient's LEFT", right: "patient's RIGHT", middle: "midline" },
   sideWords: { left: "LEFT", right: "RIGHT", middle: "" },
   sideShort: { left: "L", right: "R", middle: "" },
@@ -31,7 +30,6 @@ export const landmarks = {
   exportPp: "for MeshLab",
   exportSlicer: "for 3D Slicer",
   useExample: "Use the example's landmarks",
-  clear: "Clear all",
   again: "Try again",
   how: "A click on the body places the point, dragging turns the view.",
   guideTitle: "Place this point",
@@ -74,7 +72,6 @@ export const questions = {
   exchangeTwo: "Exchange the two",
   allSides: "all sides",
   state: "placed, to be checked",
-  toCheck: (count: number) => `${count} to check`,
   wrongSide: (isSeveral: boolean) => (isSeveral ? "Are left and right swapped? Left points lie on the right side of the body, and right ones on the left." : "Are left and right swapped? Each of the two lies on the other's side of the body."),
   kept: "kept",
   keptState: "placed, kept as picked",

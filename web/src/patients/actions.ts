@@ -5,7 +5,7 @@ import type { PageSlice } from "../store/page";
 import type { Outbox } from "../store/outbox";
 import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
-import { initialPatients, type Order, type PatientsSlice, type PatientsState } from "./state";
+import type { Order, PatientsSlice, PatientsState } from "./state";
 import * as text from "./text";
 
 const UNDO_MS = 10_000;
@@ -91,7 +91,6 @@ export function patientActions(store: Store<State>, client: Pick<Client, "patien
       put({ going: store.get().patients.going.filter((each) => each !== id) });
     },
 
-    forget: (): void => put(initialPatients),
   };
 }
 

@@ -78,5 +78,3 @@ export function createPlanKeeper(client: Pick<Client, "plan" | "savePlan" | "pla
     },
   };
 }
-
-export type PlanKeeper = ReturnType<typeof createPlanKeeper>;

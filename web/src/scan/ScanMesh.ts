@@ -6,7 +6,7 @@ import { firstMesh, readGltf } from "../viewer/gltf";
 import { nextTask } from "../viewer/nextTask";
 import type { Surface } from "../viewer/picking";
 import { depthMaterial, GLASS, ORDER, wipesDepth } from "../viewer/overlaid";
-import { isBeside, type ViewSlice } from "../viewer/state";
+import type { ViewSlice } from "../viewer/state";
 import { nearestNormal } from "../viewer/lines/surfacePoints";
 import { type Viewer, viewFromScan } from "../viewer/Viewer";
 import { type Body, cutByService, indexOf, NOTHING_CUT, type Outline, partOf, type ScanParts, setTree } from "./body";
@@ -86,10 +86,7 @@ export class ScanMesh implements Surface {
   }
 
   private clear(): void {
-    if (this.mesh) {
-      this.viewer.inHalf(this.mesh, null);
-      this.mesh.removeFromParent();
-    }
+    this.mesh?.removeFromParent();
     this.texture?.dispose(); // shown or not
     if (this.skin.map) this.skin.needsUpdate = true;
     this.skin.map = null;
@@ -268,7 +265,6 @@ export class ScanMesh implements Surface {
     this.relief.value = state.showRelief && this.found?.relief ? 1 : 0;
     this.rim.color.copy(palette["scan-edge"]);
     this.veil.color.copy(palette["scan-edge"]);
-    this.viewer.inHalf(mesh, hasModel && isBeside(state.overlay) ? "scan" : null);
     if (this.depth) this.depth.visible = hasModel && state.overlay === "both";
     mesh.visible = !(hasModel && state.overlay === "model");
     this.viewer.invalidate();

@@ -25,7 +25,7 @@ import { isComparing, otherState, type StancesSlice, type Workspace } from "./st
 type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice & DrawingSlice & StancesSlice;
 
 /** What of the state the pane shows, or follows; when something else changes it is not drawn again. */
-const SEEN = ["meta", "models", "theme", "step", "overlay", "view", "scan", "showColours", "showLoose", "showRelief", "active", "handPose", "followed", "showDistances", "lesion", "stances"] as const;
+const SEEN = ["meta", "models", "theme", "step", "overlay", "view", "scan", "showColours", "showLoose", "showRelief", "active", "followed", "showDistances", "lesion", "stances"] as const;
 type Seen = Pick<State, (typeof SEEN)[number]>;
 
 export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, prefersStill: () => boolean, foundLoose: (file: ArrayBuffer) => void, failed: (error: unknown) => void): OtherPane {

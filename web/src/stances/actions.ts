@@ -312,7 +312,7 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       store.set((state) => ({
         active: null,
         stances: { ...state.stances, isComparing },
-        overlay: isComparing && (state.overlay === "beside" || state.overlay === "swipe" || !state.stances.isComparing) ? "scan" : state.overlay,
+        overlay: isComparing && !state.stances.isComparing ? "scan" : state.overlay,
       })),
     dismiss: (): void => store.set((state) => withProblem(state, "stances", null)),
     /** Whether the scans that are asked about are of one patient. */

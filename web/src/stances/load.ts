@@ -3,7 +3,7 @@ import type { Client } from "../api/client";
 import type { ExampleScan, Frame, Iterated, Started } from "../api/types";
 import { startDrawn } from "../drawing/state";
 import { readDistances } from "../fit/distances/distances";
-import type { FitState } from "../fit/state";
+import { blankFit, type FitState } from "../fit/state";
 import type { LandmarkActions } from "../landmarks/actions";
 import { certainAt } from "../landmarks/certain";
 import type { PlanActions } from "../plan/actions";
@@ -32,24 +32,20 @@ export async function loadFit(client: Client, id: string, picks: Picks | null, c
       ])
     : [null, null, null, null];
   return {
-    id,
-    links: fit.links,
+    ...blankFit(id, fit.links),
     state: fit.state === "queued" ? "running" : fit.state,
     started: events.find((event): event is Started => event.kind === "started") ?? null,
     iterations,
     shown: iterations.length - 1,
-    playing: false,
     result,
     drawing,
     drawingName: fit.drawing,
     surface,
     distances,
     reason: fit.reason,
-    isConnected: true,
     picks,
     certain,
     cuts: fit.cuts,
-    before: null,
     ...(fit.predicted_from == null ? {} : { predictedFrom: fit.predicted_from }),
   };
 }

@@ -6,7 +6,7 @@ import type { LandmarksSlice } from "../landmarks/state";
 import type { ScanSlice } from "../scan/state";
 import { startHistory } from "../store/history";
 import type { PageSlice } from "../store/page";
-import { isBeside, type ViewSlice } from "../viewer/state";
+import type { ViewSlice } from "../viewer/state";
 import * as text from "./text";
 
 /** What belongs to one scan, and goes away and comes back with it. */
@@ -125,7 +125,7 @@ export const isComparing = (state: Pick<ScanSlice & LandmarksSlice & StancesSlic
 export function otherState<State extends Pick<PageSlice & ViewSlice & LandmarksSlice & StancesSlice, "step" | "overlay" | "active" | "stances">>(state: State): (State & Workspace) | null {
   const { other } = state.stances;
   if (!other) return null;
-  const overlay = isPredicted(other) ? "model" : isBeside(state.overlay) ? "both" : state.overlay;
+  const overlay = isPredicted(other) ? "model"  : state.overlay;
   return { ...state, ...other, overlay, active: null, step: state.step === "plan" ? "plan" : "handover" };
 }
 

@@ -13,11 +13,6 @@ export const strip = {
 };
 
 export const stances = {
-  add: "Add a scan",
-  link: "Turn both together",
-  linkHint: "Turning one pane turns the other",
-  measures: "Measures",
-  measuresHint: "Lengths, symmetry and volumes of this stance, or of both",
   here: (name: string) => capital(name),
   called: (stance: string, isPredicted: boolean) => (isPredicted ? `${stance}, predicted` : stance),
   workHere: "Work here",
@@ -65,5 +60,4 @@ export const stances = {
 
   announceAdded: "The second scan is here. Landmarks and fit are its own.",
   announceSwapped: (name: string) => `Now working on the ${name} scan.`,
-  announceCarried: (name: string) => `The drawing is shown on the ${name} scan.`,
 };

@@ -62,7 +62,7 @@ export class Loupe {
     const [x, y] = [at.x - box.left, at.y - box.top];
     const part = SIZE / ZOOM;
     this.camera.copy(camera, false);
-    this.camera.setViewOffset(this.viewer.paneWidth, box.height, x - part / 2, y - part / 2, part, part);
+    this.camera.setViewOffset(box.width, box.height, x - part / 2, y - part / 2, part, part);
     this.camera.updateMatrixWorld();
     this.snapshot.draw(scene, this.camera, palette.canvas, this.canvas);
     const isHigh = y > SIZE + AWAY + 8;

@@ -1,7 +1,7 @@
 // The one WebGL view: renderer, camera, controls and a loop that draws only when something changed.
 // `body` is the scan's own frame (metres); it is turned so that the patient stands upright and faces +Z, hence the
 // camera always has +Y up and "from the front" means the same for every scan.
-import { type Box3, Group, Matrix4, MOUSE, type Object3D, PerspectiveCamera, Scene, Spherical, TOUCH, Vector2, Vector3, WebGLRenderer } from "three";
+import { type Box3, Group, Matrix4, MOUSE, PerspectiveCamera, Scene, Spherical, TOUCH, Vector2, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Frame, Vector } from "../api/types";
 import { metresFromMm, mmFromMetres } from "../ui/units";
@@ -24,10 +24,6 @@ export interface Stage {
 export interface Part<State> {
   update(state: State): void;
 }
-
-/** One picture of all; two pictures beside each other; one picture, cut by a line into scan and model. */
-export type Layout = "one" | "beside" | "swipe";
-export type Half = "scan" | "model";
 
 const FIELD_OF_VIEW = 26; // degrees; long enough a lens that a torso is not distorted
 const MARGIN = 1.24; // above and below
@@ -64,10 +60,7 @@ export class Viewer {
   isHeld = false;
   palette: Palette = readPalette();
   frames = 0;
-  private layout: Layout = "one";
-  private split = 0.5; // share of the width that is the scan's
   private view: ViewName = "front";
-  private readonly halves = new Map<Object3D, Half>();
 
   private readonly controls: OrbitControls;
   private readonly move: CameraMove;
@@ -185,8 +178,7 @@ export class Viewer {
   draw(): void {
     this.scene.updateMatrixWorld();
     for (const part of this.beforeFrame) part();
-    if (this.layout === "one") this.renderer.render(this.scene, this.camera);
-    else for (const half of ["scan", "model"] as const) this.drawHalf(half);
+    this.renderer.render(this.scene, this.camera);
     this.frames += 1;
   }
 
@@ -206,56 +198,10 @@ export class Viewer {
     return this.host.clientHeight / (2 * Math.tan((FIELD_OF_VIEW * Math.PI) / 360) * away);
   }
 
-  /** In which half a thing is seen while the stage is shared; null: in both. */
-  inHalf(thing: Object3D, half: Half | null): void {
-    if (half === null) this.halves.delete(thing);
-    else this.halves.set(thing, half);
-  }
-
-  /** `split`: share of the width that is the scan's, where a line cuts the picture. */
-  share(layout: Layout, split: number): void {
-    const isOther = layout !== this.layout;
-    this.layout = layout;
-    this.split = layout === "beside" ? 0.5 : split;
-    if (isOther) this.resize();
-    this.invalidate();
-  }
-
-  /** Pictures of the body beside each other. */
-  get panes(): number {
-    return this.layout === "beside" ? 2 : 1;
-  }
-
-  /** Width of one picture of the body, pixels. */
-  get paneWidth(): number {
-    return this.host.clientWidth * (this.layout === "beside" ? 0.5 : 1);
-  }
-
-  /** Page pixels as the camera's coordinates (-1 to 1); null where the stage shows the other half. */
-  toCamera(clientX: number, clientY: number, half: Half): Vector2 | null {
+  /** Page pixels as the camera's coordinates (-1 to 1). */
+  toCamera(clientX: number, clientY: number): Vector2 {
     const box = this.host.getBoundingClientRect();
-    const x = clientX - box.left;
-    const isScan = x < this.split * box.width;
-    if (this.layout !== "one" && isScan !== (half === "scan")) return null;
-    const start = this.layout === "beside" && half === "model" ? this.paneWidth : 0;
-    return new Vector2(((x - start) / this.paneWidth) * 2 - 1, 1 - ((clientY - box.top) / box.height) * 2);
-  }
-
-  private drawHalf(half: Half): void {
-    const { renderer } = this;
-    const { clientWidth: width, clientHeight: height } = this.host;
-    const cut = Math.round(this.split * width);
-    const [left, wide] = half === "scan" ? [0, cut] : [cut, width - cut];
-    if (wide <= 0) return;
-    const others = [...this.halves].filter(([thing, where]) => where !== half && thing.visible);
-    for (const [thing] of others) thing.visible = false;
-    renderer.setScissorTest(true);
-    renderer.setScissor(left, 0, wide, height);
-    if (this.layout === "beside") renderer.setViewport(left, 0, wide, height);
-    renderer.render(this.scene, this.camera);
-    renderer.setScissorTest(false);
-    renderer.setViewport(0, 0, width, height);
-    for (const [thing] of others) thing.visible = true;
+    return new Vector2(((clientX - box.left) / box.width) * 2 - 1, 1 - ((clientY - box.top) / box.height) * 2);
   }
 
   private fitDistance(name: ViewName): number {
@@ -352,8 +298,8 @@ export class Viewer {
     const seen = this.body.localToWorld(point.clone());
     const depth = seen.distanceTo(this.camera.position);
     seen.project(this.camera);
-    const { clientHeight } = this.host;
-    return { x: ((seen.x + 1) / 2) * this.paneWidth, y: ((1 - seen.y) / 2) * clientHeight, depth };
+    const { clientWidth, clientHeight } = this.host;
+    return { x: ((seen.x + 1) / 2) * clientWidth, y: ((1 - seen.y) / 2) * clientHeight, depth };
   }
 
   /** Page pixels of a point in the scan's axes, millimetres. */
@@ -368,7 +314,7 @@ export class Viewer {
     const { clientWidth, clientHeight } = this.host;
     if (clientWidth === 0 || clientHeight === 0) return;
     const before = this.fitDistance(this.view);
-    this.camera.aspect = this.paneWidth / clientHeight;
+    this.camera.aspect = clientWidth / clientHeight;
     this.camera.updateProjectionMatrix();
     // Another width for the same body: closer or farther away, from where the person looks.
     const factor = this.fitDistance(this.view) / before;

@@ -6,7 +6,6 @@ export function viewActions(store: Store<ViewSlice>) {
   return {
     from: (name: ViewName): void => store.set((state) => ({ view: { name, asked: state.view.asked + 1 } })),
     overlay: (overlay: Overlay): void => store.set({ overlay }),
-    swipe: (swipe: number): void => store.set({ swipe }),
     graphics: (graphics: ViewSlice["graphics"]): void => store.set({ graphics }),
   };
 }

@@ -25,8 +25,7 @@ raycaster.firstHitOnly = true;
 /** `clientX`, `clientY` as in pointer events; null beside the scan. */
 export function pickAt(viewer: Viewer, scan: Surface, clientX: number, clientY: number): Hit | null {
   if (!scan.mesh) return null;
-  const at = viewer.toCamera(clientX, clientY, "scan");
-  if (!at) return null;
+  const at = viewer.toCamera(clientX, clientY);
   viewer.scene.updateMatrixWorld();
   raycaster.setFromCamera(at, viewer.camera);
   const hit = raycaster.intersectObject(scan.mesh, false)[0];
@@ -44,8 +43,8 @@ export interface SurfaceHit {
 
 /** What of the fitted surface lies under page pixels; null beside it. */
 export function surfaceAt(viewer: Viewer, surface: Mesh | null, clientX: number, clientY: number): SurfaceHit | null {
-  const at = viewer.toCamera(clientX, clientY, "model");
-  if (!surface?.visible || !at) return null;
+  const at = viewer.toCamera(clientX, clientY);
+  if (!surface?.visible) return null;
   viewer.scene.updateMatrixWorld();
   raycaster.setFromCamera(at, viewer.camera);
   const hit = raycaster.intersectObject(surface, false)[0];

@@ -1,7 +1,7 @@
 // From which side the body is seen, and what of scan and model is shown.
 
-export type Overlay = "scan" | "both" | "model" | "beside" | "swipe";
-export const OVERLAYS: readonly Overlay[] = ["scan", "both", "model", "beside", "swipe"];
+export type Overlay = "scan" | "both" | "model";
+export const OVERLAYS: readonly Overlay[] = ["scan", "both", "model"];
 /** What can be switched beside scan and model. */
 export const LOOKS = ["distances", "mirror", "relief", "loose", "colours", "linked", "slices"] as const;
 export type Look = (typeof LOOKS)[number];
@@ -9,16 +9,12 @@ export type ViewName = "front" | "left" | "right" | "back" | "top";
 
 export interface ViewSlice {
   readonly overlay: Overlay;
-  readonly swipe: number; // 0 to 1: how much of the stage shows the scan
   readonly view: { readonly name: ViewName; readonly asked: number };
   readonly graphics: "ok" | "absent" | "lost";
   readonly otherGraphics: "ok" | "lost"; // of the second pane
 }
 
-export const initialView: ViewSlice = { overlay: "both", swipe: 0.5, view: { name: "front", asked: 0 }, graphics: "ok", otherGraphics: "ok" };
+export const initialView: ViewSlice = { overlay: "both", view: { name: "front", asked: 0 }, graphics: "ok", otherGraphics: "ok" };
 
 /** The body seen from the front again, as after a turn. */
 export const fromFront = ({ view }: Pick<ViewSlice, "view">): Pick<ViewSlice, "view"> => ({ view: { name: "front", asked: view.asked + 1 } });
-
-/** Scan and model each have a part of the stage. */
-export const isBeside = (overlay: Overlay): overlay is "beside" | "swipe" => overlay === "beside" || overlay === "swipe";

@@ -14,13 +14,11 @@ export const view = {
   overlayLabel: "What is shown",
   bar: "Tools and view",
   scale: (cm: number) => `${cm}\u00a0cm`,
-  overlays: { scan: "Skin", both: "Both", model: "Model", beside: "Beside", swipe: "Swipe" } satisfies Record<Overlay, string>,
+  overlays: { scan: "Skin", both: "Both", model: "Model" } satisfies Record<Overlay, string>,
   overlayHints: {
     scan: "The scan alone",
     both: "The model over the scan",
     model: "The model alone",
-    beside: "Scan and model side by side, turning together",
-    swipe: "Scan to the left, model to the right of a line that you move",
   } satisfies Record<Overlay, string>,
   looks: { distances: "Distances", mirror: "Left on right", relief: "Folds darker", loose: "Table and loose pieces", colours: "The scan's own colours", linked: "Turn both together", slices: "Slices" } satisfies Record<Look, string>,
   lookHints: {
@@ -32,8 +30,6 @@ export const view = {
     linked: "Turning one pane turns the other",
     slices: "Axial, sagittal and coronal beside the body, with one cross",
   } satisfies Record<Look, string>,
-  swipe: "Line between scan and model",
-  panes: { scan: "Scan", model: "Model" },
   left: "patient's left",
   right: "patient's right",
   canvas: "3D view of the scan. Arrow keys turn it, plus and minus zoom; while a landmark is wanted they move a cross, and Enter places it.",

@@ -5,7 +5,8 @@ import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { fakePlans, page } from "../fakes";
 import { ApiError } from "../../src/api/client";
 import type { PlanLine, StoredPlan, Vector } from "../../src/api/types";
-import { fromDrawing, readDrawing, toDrawing, toText, UnreadableDrawing } from "../../src/drawing/lines/files";
+import { lineAlong } from "../../src/drawing/lines/edits";
+import { readDrawing, toDrawing, toText, UnreadableDrawing } from "../../src/drawing/lines/files";
 import { drawingKey } from "../../src/drawing/keys";
 import { lengthOf } from "../../src/drawing/lines/lines";
 import { skinOf } from "../../src/drawing/lines/skin";
@@ -98,7 +99,7 @@ test("undo and redo say what they changed", async () => {
   actions.drawing.choosePattern("reduction:areola_mm=42");
   actions.drawing.choosePattern("reduction:areola_mm=50+tumour:side=L,clock=12,distance_mm=40,radius_mm=15");
   actions.drawing.choosePattern("reduction:areola_mm=50+tumour:side=R,clock=10.5,distance_mm=40,radius_mm=15");
-  actions.drawing.clear();
+  actions.drawing.restore([]);
   const all: (string | undefined)[] = [];
   for (let i = 0; i < 7; i += 1) {
     actions.drawing.undo();
@@ -220,8 +221,7 @@ test("keys work in the step alone, and leave the browser's own alone", async () 
 });
 
 test("a file holds what was drawn, in millimetres, and is read in any unit", () => {
-  const [line] = fromDrawing({ shapes: [{ name: "a", closed: true, color: "#c53030", points: [[0, 0, 0], [10.12345, 0, 0], [10, 10, 0]] }] });
-  const text = toText([line!]);
+  const text = toText([lineAlong("a", "#c53030", [[0, 0, 0], [10.12345, 0, 0], [10, 10, 0]], true)]);
   expect(JSON.parse(text)).toMatchObject({ schema: "breastrig/drawing@1", unit: "mm", shapes: [{ name: "a", closed: true, points: [[0, 0, 0], [10.123, 0, 0], [10, 10, 0]] }] });
   expect(readDrawing(text, "m")).toMatchObject([{ name: "a", closed: true, color: "#c53030" }]);
   const metres = JSON.stringify({ unit: "m", shapes: [{ name: "b", points: [[0, 0, 0], [0.01, 0, 0]] }] });

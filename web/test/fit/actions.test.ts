@@ -101,7 +101,7 @@ test("a landmark that is dragged after a fit is fitted again; the model follows 
   FakeEventSource.last!.say("iterated", iterated(0));
   FakeEventSource.last!.say("done", { result });
   await settle();
-  actions.view.overlay("swipe");
+  actions.view.overlay("model");
   actions.page.goTo("points");
 
   actions.landmarks.move("nipple_L", [7, 8, 9]);
@@ -115,7 +115,7 @@ test("a landmark that is dragged after a fit is fitted again; the model follows 
   second.say("iterated", iterated(1));
   expect(store.get().fit?.id, "the model stands where it has followed the landmark").toBe("f1");
   second.say("done", { result });
-  expect(store.get()).toMatchObject({ fit: { id: "f2", shown: 0, started: { iterations_limit: 9 } }, isStarting: false, followed: null, overlay: "swipe", step: "points" });
+  expect(store.get()).toMatchObject({ fit: { id: "f2", shown: 0, started: { iterations_limit: 9 } }, isStarting: false, followed: null, overlay: "model", step: "points" });
   await settle();
 
   actions.landmarks.move("nipple_L", [8, 8, 9]);

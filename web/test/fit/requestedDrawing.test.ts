@@ -1,7 +1,7 @@
 // Pattern and tumour as one text.
 import { expect, test } from "vitest";
 import type { PatternInfo, PatternParameter } from "../../src/api/types";
-import { areApart, mirroredValues, readRequest, requestLabel, requestText, setApart, setTogether, startValue, stillNeeded, valueOn } from "../../src/fit/requestedDrawing";
+import { areApart, mirroredValues, readRequest, requestText, setApart, setTogether, startValue, stillNeeded, valueOn } from "../../src/fit/requestedDrawing";
 
 const parameter = (part: Partial<PatternParameter>): PatternParameter => ({ name: "areola_mm", label: "New areola", about: "", unit: "mm", default: 42, needed: false, min: 30, max: 55, choices: null, ...part });
 
@@ -24,11 +24,6 @@ test("what is needed starts without a value: nobody guesses a patient's tumour",
   expect(stillNeeded(pattern, {}).map(({ name }) => name)).toEqual(["side", "clock"]);
   expect(stillNeeded(pattern, { side: "L", clock: "" }).map(({ name }) => name)).toEqual(["clock"]);
   expect(stillNeeded(pattern, { side: "L", clock: "10" })).toEqual([]);
-});
-
-test("people read labels", () => {
-  const labels = new Map([["lumpectomy", "Lumpectomy"], ["tumour", "Tumour"]]);
-  expect(requestLabel("lumpectomy+tumour:side=L,clock=1,distance_mm=3,radius_mm=4", labels)).toBe("Lumpectomy, Tumour");
 });
 
 test("on the other side a tumour's hour is exchanged as well; what is on both sides has no other", () => {

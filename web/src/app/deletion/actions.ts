@@ -11,7 +11,7 @@ import type { Store } from "../../store/store";
 import type { Deletion, Session } from "../session";
 import * as text from "../text";
 
-export const UNDO_MS = 10_000;
+const UNDO_MS = 10_000;
 
 interface Others {
   readonly scan: Pick<ScanActions, "leave" | "open">;

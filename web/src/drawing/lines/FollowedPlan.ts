@@ -8,7 +8,7 @@ import type { ScanMesh } from "../../scan/ScanMesh";
 import { isUnit, metresFromMm, mmFrom } from "../../ui/units";
 import type { DrawingSlice, DrawnState, Laid, OnScan } from "../state";
 
-type State = Pick<FitSlice, "fit" | "handPose" | "followed"> & Pick<DrawingSlice, "drawn">;
+type State = Pick<FitSlice, "fit" | "followed"> & Pick<DrawingSlice, "drawn">;
 
 /** Where on the model a point of the plan lies: corners and their shares. */
 interface Place {
@@ -40,9 +40,9 @@ export class FollowedPlan {
     return { ...drawn, onScan: this.made.moved };
   }
 
-  private remember({ fit, handPose }: State): void {
+  private remember({ fit }: State): void {
     const { mesh, vertexAt } = this.torso;
-    if (!fit || !isAtRest(fit) || handPose || !mesh || !vertexAt || this.rest?.fit === fit.id) return;
+    if (!fit || !isAtRest(fit) || !mesh || !vertexAt || this.rest?.fit === fit.id) return;
     const vertices = new Float32Array(3 * mesh.geometry.attributes.position!.count);
     const at = new Vector3();
     for (let i = 0; i < vertices.length / 3; i += 1) vertexAt(i, at).toArray(vertices, 3 * i);

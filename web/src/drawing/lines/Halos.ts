@@ -3,7 +3,7 @@
 import { Color, Vector3 } from "three";
 import type { DrawingFile } from "../../api/types";
 import type { FittedSurface } from "../../fit/distances/FittedSurface";
-import { isAtRest, isPosedByHand, isUnusable, type Shown } from "../../fit/state";
+import { isAtRest, isUnusable, type Shown } from "../../fit/state";
 import type { ScanMesh } from "../../scan/ScanMesh";
 import { el, setText } from "../../ui/dom";
 import { formatMmWhole, isUnit, metresFromMm, mmFrom } from "../../ui/units";
@@ -55,9 +55,9 @@ export class Halos implements Part<State> {
   update(state: State, share = 1): void {
     const { fit, overlay, drawn } = state;
     const skin: Skin = this.scan.mesh && overlay !== "model" ? this.scan : this.fitted.mesh ? this.fitted : this.scan;
-    const isThere = fit !== null && isAtRest(fit) && !isPosedByHand(state) && !isUnusable(state);
+    const isThere = fit !== null && isAtRest(fit) && !isUnusable(state);
     const patterns = isThere ? shownPatterns(state) : null;
-    const carried = overlay === "model" && isPosedByHand(state) ? null : (drawn.onScan?.carried ?? null);
+    const carried = drawn.onScan?.carried ?? null;
     const now = [patterns, carried, drawn.hidden, skin.bvh, this.viewer.palette];
     if (now.every((each, i) => each === this.shown[i])) {
       if (share === this.share) return;

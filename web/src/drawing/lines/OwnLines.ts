@@ -1,19 +1,18 @@
 // The surgeon's lines on the scan: in their colour, else black with a white outline; dashed over holes.  What was carried here from the other
 // stance is drawn the same way, and dashed on a body that nobody has scanned.
 import type { Vector } from "../../api/types";
-import { type FitSlice, isPosedByHand } from "../../fit/state";
+import type { FitSlice } from "../../fit/state";
 import { isUnit, mmFrom } from "../../ui/units";
 import { allGuessed, FatLines, type Polyline } from "../../viewer/lines/FatLines";
 import type { Surface } from "../../viewer/picking";
 import { smoothed } from "../../viewer/smooth";
-import type { ViewSlice } from "../../viewer/state";
 import type { Part, Viewer } from "../../viewer/Viewer";
 import { bridgedAt } from "./edits";
 import { type OwnLine, polyline } from "./lines";
 import { type DrawingSlice, type DrawnState, type Layer, layerKey } from "../state";
 import { BRIDGE_MM } from "./strokes";
 
-type Shown = Pick<ViewSlice & FitSlice & DrawingSlice, "overlay" | "fit" | "handPose" | "drawn">;
+type Shown = Pick<FitSlice & DrawingSlice, "fit" | "drawn">;
 
 export class OwnLines implements Part<Shown> {
   private readonly own = new FatLines();
@@ -40,7 +39,7 @@ export class OwnLines implements Part<Shown> {
     for (const each of [this.own, this.carried, this.live]) each.paint(palette.ink, palette["ink-outline"]);
     this.state = state.drawn;
     this.isPredicted = state.fit?.result?.predicted ?? false;
-    this.isShown = this.scan.mesh !== null && !(state.overlay === "model" && isPosedByHand(state)); // the fitted model lies on the same skin
+    this.isShown = this.scan.mesh !== null;
     const { lines, hidden, onScan } = state.drawn;
     const now = [lines.present, hidden, onScan, this.isShown];
     if (now.every((each, i) => each === this.drawn[i])) return;

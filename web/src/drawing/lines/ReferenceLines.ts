@@ -3,7 +3,7 @@ import { Vector3 } from "three";
 import type { DrawingFile, ModelShape, PlannedShape } from "../../api/types";
 import type { FittedSurface } from "../../fit/distances/FittedSurface";
 import { hasPattern, shapesOnModel } from "../../fit/modelLines";
-import { type FitSlice, isAtRest, isPosedByHand, isUnusable, modelOf, type Shown, shownPoses } from "../../fit/state";
+import { type FitSlice, isAtRest, isUnusable, modelOf, type Shown, shownPoses } from "../../fit/state";
 import type { TorsoModel } from "../../fit/TorsoModel";
 import type { ScanMesh } from "../../scan/ScanMesh";
 import { mmFrom } from "../../ui/units";
@@ -40,7 +40,7 @@ export class ReferenceLines implements Part<State> {
     const side = modelOf(state)?.side ?? null;
     const drawing = shownPatterns(state);
     const asked = fit?.drawingName ?? state.drawing;
-    const isOnScan = fit !== null && drawing !== null && !isPosedByHand(state) && !isUnusable(state) && isAtRest(fit) && (state.overlay === "model" ? this.fitted.mesh !== null && (this.fitted.mesh.visible || hasPattern(side, asked)) : this.scan.bvh !== null);
+    const isOnScan = fit !== null && drawing !== null && !isUnusable(state) && isAtRest(fit) && (state.overlay === "model" ? this.fitted.mesh !== null && (this.fitted.mesh.visible || hasPattern(side, asked)) : this.scan.bvh !== null);
     const skin = this.scan.bvh ? this.scan : this.fitted; // a link may show the model alone
     const shapes = shapesOnModel(side, asked);
     const vertexAt = this.torso.vertexAt;

@@ -42,10 +42,6 @@ export function whoseIs(text: string): Whose {
 /** Whether the file names somebody, and neither this patient nor this scan. */
 export const isAnothers = (file: Whose, patient: string, scan: string): boolean => (file.patient !== null || file.scans.length > 0) && file.patient !== patient && !file.scans.includes(scan);
 
-export function fromDrawing(drawing: OwnDrawing): OwnLine[] {
-  return drawing.shapes.map(({ name, closed, color, points, bridged }) => lineAlong(name, color ?? INK, points, closed ?? false, bridged));
-}
-
 function checkedPoint(point: unknown, name: string, unit: Unit): Vector {
   const numbers = Array.isArray(point) ? point : [];
   if (numbers.length !== 3 || !numbers.every((value) => typeof value === "number" && Number.isFinite(value))) {

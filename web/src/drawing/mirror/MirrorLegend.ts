@@ -4,7 +4,6 @@ import type { FitSlice } from "../../fit/state";
 import { el, setText, show } from "../../ui/dom";
 import type { Panel } from "../../ui/Panel";
 import { formatMm } from "../../ui/units";
-import { isBeside, type ViewSlice } from "../../viewer/state";
 import { mirrorPlane } from "./mirror";
 import type { Asymmetry } from "./mirroredBreast";
 import { mirrored as words } from "../text";
@@ -12,7 +11,7 @@ import { mirrored as words } from "../text";
 /** mm at the ends of the scale; breasts of one woman differ by more than a fit does. */
 export const MIRROR_MM = 15;
 
-type Shown = Pick<FitSlice & ViewSlice, "fit" | "showMirror" | "overlay"> & { readonly asymmetry: Asymmetry | null };
+type Shown = Pick<FitSlice, "fit" | "showMirror"> & { readonly asymmetry: Asymmetry | null };
 
 /** There are two sides to compare. */
 export const hasMirror = ({ fit }: Pick<FitSlice, "fit">): boolean => fit?.state === "done" && fit.result !== null && fit.surface !== null && mirrorPlane(fit.result) !== null;
@@ -25,9 +24,9 @@ export function createMirrorLegend(): Panel<Shown> {
   const element = el("div", { class: "mirror-legend", role: "status", hidden: true }, el("p", {}, words.title), scale, el("div", { class: "mirror-ends small" }, el("span", {}, words.deeper(MIRROR_MM)), el("span", {}, words.farther(MIRROR_MM))), says);
   return {
     element,
-    select: ({ fit, showMirror, overlay, asymmetry }) => ({ fit, showMirror, overlay, asymmetry }),
+    select: ({ fit, showMirror, asymmetry }) => ({ fit, showMirror, asymmetry }),
     update(state: Shown): void {
-      show(element, state.showMirror && hasMirror(state) && !isBeside(state.overlay));
+      show(element, state.showMirror && hasMirror(state));
       setText(says, state.asymmetry ? words.numbers(formatMm(state.asymmetry.medianMm), formatMm(state.asymmetry.mostMm)) : "");
     },
   };

@@ -2,16 +2,15 @@
 import { BufferAttribute, BufferGeometry, Color, Mesh, MeshLambertMaterial } from "three";
 import { colourOf, SCALE_MM, SCANNER_MM } from "../../fit/distances/distances";
 import type { FittedSurface } from "../../fit/distances/FittedSurface";
-import { type FitSlice, isAtRest, isPosedByHand } from "../../fit/state";
+import { type FitSlice, isAtRest } from "../../fit/state";
 import { bringNearer, ORDER } from "../../viewer/overlaid";
-import { isBeside, type ViewSlice } from "../../viewer/state";
 import type { Part, Viewer } from "../../viewer/Viewer";
 import { type Asymmetry, asymmetryOf, mirroredBreast } from "./mirroredBreast";
 import { MIRROR_MM } from "./MirrorLegend";
 
 const OPACITY = 0.8;
 
-type Shown = Pick<FitSlice & ViewSlice, "fit" | "handPose" | "showMirror" | "overlay">;
+type Shown = Pick<FitSlice, "fit" | "showMirror">;
 
 /** Neutral within the scanner's noise, then as distances are coloured, stretched to the ends of this scale. */
 function colourAt(mm: number): readonly [number, number, number] {
@@ -35,7 +34,7 @@ export class MirrorOverlay implements Part<Shown> {
   update(state: Shown): void {
     const { fit } = state;
     const geometry = this.fitted.mesh?.geometry ?? null;
-    const isWanted = state.showMirror && geometry !== null && fit?.result != null && isAtRest(fit) && !isPosedByHand(state) && !isBeside(state.overlay);
+    const isWanted = state.showMirror && geometry !== null && fit?.result != null && isAtRest(fit);
     if (isWanted && geometry !== this.of) this.make(geometry, fit.result);
     if (this.mesh) this.mesh.visible = isWanted && geometry === this.of;
     if (!isWanted && geometry === null) this.of = null;

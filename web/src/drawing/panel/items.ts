@@ -16,7 +16,7 @@ export type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "models" 
 };
 
 /** One line on the body, for its row of on and off. */
-export interface ShownLine {
+interface ShownLine {
   readonly name: string;
   readonly label: string;
   readonly colour: string | null;

@@ -55,7 +55,7 @@ export function listenToPenKeys(canvas: HTMLElement, viewer: Viewer, scan: Surfa
     if (!arrow) return false;
     const box = viewer.host.getBoundingClientRect();
     if (cross.isShown) cross.moveBy(far * CROSS_PX * arrow[0], far * CROSS_PX * arrow[1]);
-    else cross.show(box.left + viewer.paneWidth / 2, box.top + box.height / 2);
+    else cross.show(box.left + box.width / 2, box.top + box.height / 2);
     return true;
   }
 

@@ -3,7 +3,7 @@ import type { PageSlice } from "../../store/page";
 import { only } from "../../store/store";
 import { el, show } from "../../ui/dom";
 import type { Panel } from "../../ui/Panel";
-import { isBeside, type ViewSlice } from "../../viewer/state";
+import type { ViewSlice } from "../../viewer/state";
 import { SCALE_MM, SCANNER_MM, screenColourOf } from "./distances";
 import { type FitSlice, showsFittedSurface } from "../state";
 import * as text from "../text";
@@ -16,7 +16,7 @@ const words = text.distances;
 
 export const signedMm = (mm: number): string => (mm > 0 ? `+${mm}` : mm < 0 ? `\u2212${-mm}` : "0");
 
-type Shown = Pick<PageSlice & ViewSlice & FitSlice, "overlay" | "meta" | "models" | "fit" | "handPose" | "followed" | "showDistances">;
+type Shown = Pick<PageSlice & ViewSlice & FitSlice, "overlay" | "meta" | "models" | "fit" | "followed" | "showDistances">;
 
 export function createColourBar(): Panel<Shown> {
   const canvas = el("canvas", { width: WIDTH, height: HEIGHT, role: "img", "aria-label": words.bar(SCALE_MM, SCANNER_MM) });
@@ -40,9 +40,8 @@ export function createColourBar(): Panel<Shown> {
   paintColourScale(canvas);
   return {
     element,
-    select: only("overlay", "meta", "models", "fit", "handPose", "followed", "showDistances"),
+    select: only("overlay", "meta", "models", "fit", "followed", "showDistances"),
     update(state: Shown): void {
-      element.classList.toggle("is-small", isBeside(state.overlay)); // there the body stands where the large one would be
       show(element, state.showDistances && showsFittedSurface(state) && state.overlay !== "scan");
     },
   };

@@ -9,7 +9,7 @@ import { extent } from "../../viewer/extent";
 import type { Surface } from "../../viewer/picking";
 import { lidMaterial, tintLid, withLids } from "../../viewer/openings";
 import { bringNearer, depthMaterial, GLASS, MODEL_SHARE, ORDER, pushAway } from "../../viewer/overlaid";
-import { isBeside, type ViewSlice } from "../../viewer/state";
+import type { ViewSlice } from "../../viewer/state";
 import { geometryOf, type Triangles } from "../../viewer/ply";
 import { nearestNormal } from "../../viewer/lines/surfacePoints";
 import { type Part, type Viewer, viewFromScan } from "../../viewer/Viewer";
@@ -75,7 +75,6 @@ export class FittedSurface implements Part<State>, Surface {
     tintLid(this.lid, hasMap ? this.viewer.palette.unknown : this.viewer.palette.clay); // no distance is known of a lid
     this.lids?.show(isAlone && !isGlass);
     this.mesh.visible = showsFittedSurface(state) && state.overlay !== "scan";
-    this.viewer.inHalf(this.mesh, isBeside(state.overlay) ? "model" : null);
     this.viewer.invalidate();
   }
 
@@ -83,7 +82,6 @@ export class FittedSurface implements Part<State>, Surface {
     this.read = triangles;
     this.coloured = null;
     if (this.mesh) {
-      this.viewer.inHalf(this.mesh, null);
       this.mesh.removeFromParent();
       this.mesh.geometry.dispose();
       this.mesh = null;

@@ -10,7 +10,6 @@ import { el, fill, setText, show } from "../../ui/dom";
 import { margin } from "../../ui/margins";
 import type { Panel } from "../../ui/Panel";
 import { formatMm, formatMmWhole, formatPercent, formatSeconds, formatSignedMm } from "../../ui/units";
-import { createDistanceCurve } from "./DistanceCurve";
 import { SCALE_MM, SCANNER_MM, summarise } from "./distances";
 import type { Outdated } from "../outdated";
 import { type FitSlice, isAtRest, isUnusable, shownIteration } from "../state";
@@ -132,13 +131,11 @@ export function createNumbersPanel<More extends Pick<WithLines, "drawn"> = Pick<
   const number = el("span", { class: "hero-number" });
   const hero = el("p", { class: "hero" }, number, el("span", { class: "muted" }, words.meanDistance));
   const verdict = createVerdictBox(ageing);
-  const curve = createDistanceCurve();
   const now = el("div", { class: "numbers-body" });
-  const live = el("div", {}, now);
   const each = el("div", {});
   const body = el("div", { class: "numbers-body" });
   const folded = el("details", { class: "solver" }, el("summary", {}, words.solver), body);
-  const element = el("section", { class: "numbers", "aria-label": words.title }, ...verdict.elements, hero, live, each, folded);
+  const element = el("section", { class: "numbers", "aria-label": words.title }, ...verdict.elements, hero, now, each, folded);
   return {
     element,
     select: (state) => ({ meta: state.meta, fit: state.fit, old: ageing?.outdated(state) ?? null, lines: linesOn(state), doubt: ageing?.doubt(state) ?? "", asks: ageing?.asks(state) ?? NOTHING_ASKED }),
@@ -151,10 +148,7 @@ export function createNumbersPanel<More extends Pick<WithLines, "drawn"> = Pick<
       setText(number, shown && !result ? `${formatMm(shown.mean_distance_mm)}\u00a0mm` : "");
       element.classList.toggle("is-outdated", state.old !== null);
       verdict.update({ ...state, result: result ?? null, failed: fit?.state === "failed" ? fit.reason : null, old: fit?.state === "running" ? null : state.old });
-      curve.update(state);
-      if (result) folded.append(curve.element);
-      else live.prepend(curve.element);
-      show(live, !result && !isUnusable(state));
+      show(now, !result && !isUnusable(state));
       for (const part of [each, folded]) show(part, isOfUse);
       fill(each, [fit?.id, isOfUse], () => (isOfUse ? ofEach(result, state) : []));
       const key = [fit?.id, result ? "result" : shown?.iteration, fit?.distances != null];

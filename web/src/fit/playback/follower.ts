@@ -34,7 +34,7 @@ export function createFollower(store: Store<State>, client: Pick<Client, "moved"
     try {
       const { nodes } = await client.moved(fit.links, landmarks);
       const now = store.get().fit;
-      if (mine === run && now?.id === fit.id) store.set({ followed: { fit: fit.id, nodes }, handPose: null });
+      if (mine === run && now?.id === fit.id) store.set({ followed: { fit: fit.id, nodes } });
     } catch {
       newest = null; // the fit that is asked for at the end says what is wrong
     } finally {

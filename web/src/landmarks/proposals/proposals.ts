@@ -5,7 +5,7 @@ import type { ProposedLandmark } from "../../api/types";
 import { formatMmWhole } from "../../ui/units";
 import type { Picks } from "../picks";
 
-export type Proposed = Readonly<Record<string, ProposedLandmark>>;
+type Proposed = Readonly<Record<string, ProposedLandmark>>;
 export type OpenProposal = ProposedLandmark & { readonly name: string };
 
 export type Proposals =

@@ -70,7 +70,7 @@ export function listenToLasso(canvas: HTMLElement, viewer: Viewer, scan: ScanMes
     else if (cross.isShown) cross.moveBy(far * CROSS_PX * arrow[0], far * CROSS_PX * arrow[1]);
     else {
       const box = viewer.host.getBoundingClientRect();
-      cross.show(box.left + viewer.paneWidth / 2, box.top + box.height / 2);
+      cross.show(box.left + box.width / 2, box.top + box.height / 2);
     }
     return true;
   }
@@ -80,9 +80,9 @@ export function listenToLasso(canvas: HTMLElement, viewer: Viewer, scan: ScanMes
     viewer.scene.updateMatrixWorld();
     const { camera, body } = viewer;
     const toPicture = new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse).multiply(body.matrixWorld).toArray();
-    const lasso = corners.flatMap(({ x, y }) => {
-      const at = viewer.toCamera(x, y, "scan");
-      return at ? [[at.x, at.y] as const] : [];
+    const lasso = corners.map(({ x, y }) => {
+      const at = viewer.toCamera(x, y);
+      return [at.x, at.y] as const;
     });
     const every = Math.ceil(lasso.length / MOST.corners); // of a very long line the service would not take all
     return { toPicture, lasso: lasso.filter((_, i) => i % every === 0) };

@@ -9,7 +9,6 @@ import { withLoose } from "../../scan/state";
 import type { Store } from "../../store/store";
 import { ScaleBar } from "../../viewer/ScaleBar";
 import { SideLetters } from "../../viewer/SideLetters";
-import { isBeside } from "../../viewer/state";
 import { offerTestHook } from "../../viewer/testHook";
 import { type Part, type Stage, Viewer } from "../../viewer/Viewer";
 import type { VisitorState } from "./state";
@@ -33,7 +32,6 @@ export function openSharedViewer(store: Store<VisitorState>, stage: Stage, faile
     new ScaleBar(viewer),
   ];
   function update(state: VisitorState): void {
-    viewer.share(isBeside(state.overlay) ? state.overlay : "one", state.swipe);
     for (const part of parts) part.update(state);
     viewer.invalidate();
   }

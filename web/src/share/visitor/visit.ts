@@ -4,6 +4,7 @@ import * as text from "../text";
 import { ApiError, ask, askJson } from "../../api/client";
 import type { DrawingFile, PlanOnScan, Result, Scan, SharedResult } from "../../api/types";
 import { readDistances } from "../../fit/distances/distances";
+import { blankFit } from "../../fit/state";
 import { frameOfRig } from "../../fit/upright";
 import { frameFromPicks, picksOf } from "../../landmarks/picks";
 import { tidyFrame } from "../../viewer/frame";
@@ -74,23 +75,12 @@ export async function readShared(shared: SharedResult): Promise<VisitorState> {
     overlay: mesh === null ? "model" : "both",
     scan: { info, title: text.shared.title, mesh, frame, frameFrom: "fit", file: null, example: null },
     fit: {
-      id: "shared",
-      links: { ...initialLinks, result: links.result, fitted_ply: links.fitted_ply, fitted_glb: links.fitted_glb, drawing: links.drawing },
+      ...blankFit("shared", { ...initialLinks, result: links.result, fitted_ply: links.fitted_ply, fitted_glb: links.fitted_glb, drawing: links.drawing }),
       state: "done",
-      started: null,
-      iterations: [],
-      shown: -1,
-      playing: false,
       result,
       drawing,
-      drawingName: null,
       surface,
       distances: distances && readDistances(distances),
-      reason: null,
-      isConnected: true,
-      picks: null,
-      certain: [],
-      before: null,
     },
   };
 }

@@ -6,7 +6,6 @@ export const table = {
   left: "Left",
   right: "Right",
   difference: "L − R",
-  whole: "both",
   change: (second: string, first: string) => `Change: ${second} − ${first}`,
   hint: "Method and landmarks of a measure open under its name; point at it to see where it runs on the body.",
   method: "Method",
