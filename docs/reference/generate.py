@@ -5,6 +5,7 @@ tests/contracts/test_reference_pages.py compares them, and asks for the sentence
 and message needs.
 """
 
+import argparse
 import ast
 import csv
 import inspect
@@ -21,7 +22,10 @@ from pydantic import BaseModel
 
 import breastrig
 from breastrig.api.errors import STATUS
+from breastrig.api.settings import PREFIX, SETTINGS, SHOWN_DATA, Setting
+from breastrig.cli.commands import COMMANDS, further_commands
 from breastrig.cli.fit_command import SAID
+from breastrig.cli.main import parser
 from breastrig.colour.areolae import ObservedAreola
 from breastrig.colour.features.observation import LOOKED_FOR
 from breastrig.core.assets import packaged_models
@@ -349,8 +353,60 @@ def error_row(name: str) -> tuple[str, str, str]:
     return f"`breastrig.{name}`", str(status), about
 
 
+def command_blocks(_rig: Rig) -> Mapping[str, str]:
+    """One `command NAME` each: its purpose, and what it takes, from its own parser."""
+    studies = "tables and figures of how accurate fits are, of the package `breastrig_studies`"
+    purposes = COMMANDS | dict.fromkeys(further_commands(), studies)
+    found = {}
+    for name, purpose in purposes.items():
+        [commands] = [each for each in parser(name)._actions if isinstance(each, argparse._SubParsersAction)]
+        found[f"command {name}"] = f"{purpose.capitalize()}.\n\n{options_table(name, commands.choices[name])}"
+    return found
+
+
+def options_table(name: str, of: argparse.ArgumentParser) -> str:
+    """What a command takes, then each of its own commands."""
+    within = [each for each in of._actions if isinstance(each, argparse._SubParsersAction)]
+    taken = [each for each in of._actions if each not in within and "--help" not in each.option_strings]
+    rows = [(usage_of(each), help_of(of, each)) for each in taken]
+    parts = [table((f"`{name}`", ""), rows)] if rows else []
+    for each in within:
+        parts += [options_table(f"{name} {word}", one) for word, one in each.choices.items()]
+    return "\n".join(parts)
+
+
+def usage_of(action: argparse.Action) -> str:
+    """`-o OUT`, `--output OUT`, or the name of what is given without an option."""
+    choices = "{" + ",".join(map(str, action.choices)) + "}" if action.choices else action.dest.upper()
+    value = action.metavar or choices
+    value = " ".join(value) if isinstance(value, tuple) else value
+    words = [word if action.nargs == 0 else f"{word} {value}" for word in action.option_strings] or [value]
+    return ", ".join(f"`{word}`" for word in words).replace("|", "\\|")
+
+
+def help_of(of: argparse.ArgumentParser, action: argparse.Action) -> str:
+    """The help of an option, with its default where the sentence has its place; for any user of any machine."""
+    said = of._get_formatter()._expand_help(action) if action.help else ""
+    return said.replace(SHOWN_DATA, "the user's data folder").replace("`", "").replace("|", "\\|")
+
+
+def setting_blocks(_rig: Rig) -> Mapping[str, str]:
+    """`settings`: the name of each in the settings file, as option and in the environment."""
+    head = ("settings file", "option", "environment", "default", "meaning")
+    return {"settings": table(head, (setting_row(name, each) for name, each in SETTINGS.items()))}
+
+
+def setting_row(name: str, setting: Setting) -> tuple[str, ...]:
+    option, variable = f"`--{name.replace('_', '-')}`", f"`{PREFIX}{name.upper()}`"
+    default = {"data": "the user's data folder", "workers": "one a core, at most 8"}.get(name)
+    meaning = setting.help.replace(SHOWN_DATA, "the user's data folder")
+    return f"`{name}`", option, variable, default or setting.shown(setting.default()), meaning
+
+
 PAGES: Mapping[str, Callable[[Rig], Mapping[str, str]]] = {
     "api.md": api_blocks,
+    "commands.md": command_blocks,
+    "settings.md": setting_blocks,
     "landmarks.md": landmark_blocks,
     "measures.md": measure_blocks,
     "patterns.md": pattern_blocks,

@@ -54,6 +54,7 @@ RUN = {  # in this order, each as the lines on the right; an empty list: as it s
     "breastrig model info": [],
     "breastrig model check": [],
     "breastrig presets list | show NAME": ["breastrig presets list", "breastrig presets show default"],
+    "breastrig presets list": [],
     "breastrig presets show default": [],
     "breastrig config": [],
     "breastrig purge": ["breastrig purge --all --data data"],
