@@ -23,8 +23,8 @@ from breastrig.rig.model import DrawnShape, Rig
 FOLDER = Path(__file__).parents[1] / "pictures"
 INK = (0.76, 0.10, 0.16)
 DOT, RING = 9.0, 15  # pixels: width of a dot, radius of the ring around one
-CLOSE = 0.32  # m that the picture of one landmark is high
-SIZE = (320, 320)
+CLOSE = 0.24  # m that the picture of one landmark is high
+SIZE = (320, 240)
 ABOVE, BELOW = ("midclavicle",), ("suprasternal_notch",)  # where names stand that would cover others beside their dots
 NEEDED = {  # of patterns that have no default for all parameters: the left breast, at half past one
     "tumour": {"side": "L", "clock": 1.5, "distance_mm": 45.0, "radius_mm": 12.0},
@@ -57,10 +57,9 @@ def one_landmark(rig: Rig, stem: str) -> Picture:
     [at] = rig.landmark_points((name,)).positions(rig.template, rig.faces)
     front = Camera(at, camera("front", rig.template).axes, CLOSE)
     image = Image.fromarray(render([Layer(rig.template, rig.faces)], front, SIZE))
-    middle = SIZE[0] / 2
     pen = ImageDraw.Draw(image)
     for radius in (1.5, RING):
-        pen.circle((middle, middle), radius, outline=tuple(round(255 * part) for part in INK), width=3)
+        pen.circle((SIZE[0] / 2, SIZE[1] / 2), radius, outline=tuple(round(255 * part) for part in INK), width=3)
     return np.asarray(image)
 
 
