@@ -75,7 +75,9 @@ test("which side is left is asked with pictures; called off, nothing is uploaded
 
 /** Where a thing lies in the box of another: 0 at its left and upper edge, 1 at the right and lower one. */
 async function within(page: Page, pane: string, thing: string, box: string): Promise<[number, number]> {
-  const [a, b] = await Promise.all([thing, box].map(async (name) => (await page.locator(`.slice.is-${pane} ${name}`).first().boundingBox())!));
+  const drawn = [thing, box].map((name) => page.locator(`.slice.is-${pane} ${name}`).first());
+  for (const each of drawn) await expect(each).toBeVisible(); // a slice that is being drawn has no box yet
+  const [a, b] = await Promise.all(drawn.map(async (each) => (await each.boundingBox())!));
   return [(a!.x + a!.width / 2 - b!.x) / b!.width, (a!.y + a!.height / 2 - b!.y) / b!.height];
 }
 
