@@ -33,6 +33,7 @@ from breastrig.core.errors import unknown_name
 from breastrig.core.stances import PRONE, SIDES, STANDING, SUPINE, split_side
 from breastrig.drawings.pattern_parameters import PatternParameter, parameters_of
 from breastrig.drawings.patterns import PATTERNS
+from breastrig.files.result import ResultFile
 from breastrig.fitting.body.landmarks import TIPS, landmark_errors
 from breastrig.fitting.uncertainty.radii import HOLDS_90
 from breastrig.fitting.verdicts.verdict import Level, verdict_limits
@@ -403,10 +404,45 @@ def setting_row(name: str, setting: Setting) -> tuple[str, ...]:
     return f"`{name}`", option, variable, default or setting.shown(setting.default()), meaning
 
 
+RESULT_WORDS = {  # of fields whose names say it all to programmers
+    "schema": "`breastrig/result@1`",
+    "notice": "limits of use",
+    "scan": "what was read: counts, unit and why, sha256, what was cut away",
+    "model": "name and sha256 of the rig",
+    "stance": "standing, supine or prone",
+    "stance_reason": "why, [a sentence](quality.md#position)",
+    "preset": "name of the preset",
+    "converged": "whether the fit stopped by itself",
+    "stop_reason": "why it stopped",
+    "iterations": "number of iterations",
+    "timing_s": "seconds of each part",
+    "surface_distance_mm": "from model vertices to the scan: mean, std, max, p95, coverage",
+    "scan_to_model_mm": "from scan points within reach to the model: mean, std, max, p95",
+    "landmark_distance_mm": "from placed to fitted landmarks: mean, std, max, min, each",
+    "parameters": "bones and weights of shapes, by name",
+    "notes": "what reading, cleaning and colours found, a sentence each",
+    "versions": "of BreastRig, Python and libraries",
+}
+
+
+def file_blocks(_rig: Rig) -> Mapping[str, str]:
+    """`result`: the fields of result.json."""
+    rows = (
+        (
+            f"`{field.alias or name}`",
+            "yes" if field.exclude_if is None else "not always",
+            field.description or RESULT_WORDS[field.alias or name],
+        )
+        for name, field in ResultFile.model_fields.items()
+    )
+    return {"result": table(("field", "always there", "meaning"), rows)}
+
+
 PAGES: Mapping[str, Callable[[Rig], Mapping[str, str]]] = {
     "api.md": api_blocks,
     "commands.md": command_blocks,
     "settings.md": setting_blocks,
+    "file_formats.md": file_blocks,
     "landmarks.md": landmark_blocks,
     "measures.md": measure_blocks,
     "patterns.md": pattern_blocks,
