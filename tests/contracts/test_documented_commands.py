@@ -103,7 +103,6 @@ LISTED = {  # why they are not run here, or the test that runs them
     ],
     "tests/cli/test_cohort_command.py": [
         "breastrig cohort learn results/ -o prior.json",
-        "breastrig cohort learn",
         "breastrig cohort info prior.json",
         "breastrig fit scan.ply --prior prior.json -o out/",
         "breastrig cohort merge ours.json theirs.json -o both.json",
