@@ -404,6 +404,32 @@ def setting_row(name: str, setting: Setting) -> tuple[str, ...]:
     return f"`{name}`", option, variable, default or setting.shown(setting.default()), meaning
 
 
+FILE_MODULES: Mapping[str, tuple[str, ...]] = {  # the rooms of scan/ by what their sentences are about
+    "unit and size": ("scan/units.py", "scan/limits.py", "scan/read.py", "scan/winding.py"),
+    "formats": ("scan/file_type.py", "scan/formats/**/*.py", "scan/point_clouds/*.py"),
+    "colours": ("scan/pictures/*.py", "scan/piece.py"),
+    "label maps": ("scan/volumes/*.py",),
+    "landmark files": ("scan/landmarks/*.py",),
+    "cuts and orientation": (
+        *(f"scan/{name}.py" for name in ("clean", "hand_cuts", "caps", "background", "other_pieces", "table")),
+        *(f"scan/{name}.py" for name in ("orient", "numbers_in_text", "scan", "stored_scan")),
+    ),
+}
+
+
+def file_message_blocks(_rig: Rig) -> Mapping[str, str]:
+    """The sentences of each group; ValueError for a module that is in none."""
+    grouped = {file for modules in FILE_MODULES.values() for one in modules for file in PACKAGE.glob(one)}
+    left = {file.name for file in PACKAGE.glob("scan/**/*.py")} - {file.name for file in grouped} - {"__init__.py"}
+    if left:
+        raise ValueError(f"say in FILE_MODULES what the sentences of {sorted(left)} are about")
+    found = {}
+    for group, modules in FILE_MODULES.items():
+        whole = sorted(text for text in sentences(modules) if text.endswith(".") and re.match(r'[A-Z"]|… \w', text))
+        found[group] = "".join(f"- {text}\n" for text in whole)
+    return found
+
+
 RESULT_WORDS = {  # of fields whose names say it all to programmers
     "schema": "`breastrig/result@1`",
     "notice": "limits of use",
@@ -443,6 +469,7 @@ PAGES: Mapping[str, Callable[[Rig], Mapping[str, str]]] = {
     "commands.md": command_blocks,
     "settings.md": setting_blocks,
     "file_formats.md": file_blocks,
+    "file_messages.md": file_message_blocks,
     "landmarks.md": landmark_blocks,
     "measures.md": measure_blocks,
     "patterns.md": pattern_blocks,
