@@ -95,15 +95,19 @@ def patterns(rig: Rig) -> Mapping[str, Picture]:
     return found
 
 
+def all_pictures(rig: Rig) -> Mapping[str, Picture]:
+    """Each by its place in docs/pictures."""
+    stems = dict.fromkeys(split_side(name)[0] for name in rig.landmark_names)
+    landmarks = {"all": all_landmarks(rig), **{stem: one_landmark(rig, stem) for stem in stems}}
+    made = {"landmarks": landmarks, "patterns": patterns(rig)}
+    return {f"{kind}/{name}.webp": picture for kind, pictures in made.items() for name, picture in pictures.items()}
+
+
 def main() -> None:
-    rig = read_rig(default_rig_path())
-    landmarks = {stem: one_landmark(rig, stem) for stem in dict.fromkeys(split_side(n)[0] for n in rig.landmark_names)}
-    for kind, made in (("landmarks", {"all": all_landmarks(rig), **landmarks}), ("patterns", patterns(rig))):
-        folder = FOLDER / kind
-        folder.mkdir(exist_ok=True)
-        for name, picture in made.items():
-            Image.fromarray(picture).save(folder / f"{name}.webp", quality=80, method=6)
-            print(f"{kind}/{name}.webp")
+    for name, picture in all_pictures(read_rig(default_rig_path())).items():
+        (FOLDER / name).parent.mkdir(exist_ok=True)
+        Image.fromarray(picture).save(FOLDER / name, quality=80, method=6)
+        print(name)
 
 
 if __name__ == "__main__":

@@ -158,6 +158,10 @@ LISTED = {  # why they are not run here, or the test that runs them
     "needs gmsh, which no test has": [
         "python model_assets/make_volume.py --model NAME.glb",
     ],
+    "tests/contracts/test_reference_pages.py": [
+        "python docs/reference/generate.py",
+        "python docs/reference/pictures.py",
+    ],
     "tests/contracts/test_types_fresh.py": [
         "python -m breastrig.api.write_openapi",
     ],

@@ -6,24 +6,31 @@ import re
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
+from PIL import Image
 
 from breastrig.core.assets import packaged_models
 from breastrig.drawings.patterns import PATTERNS
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 
+OTHER_PIXELS = 0.002  # share: compression makes up to 0.00013, lines of another pattern 0.012
 
-@pytest.fixture(scope="module")
-def reference(repository: Path) -> ModuleType:
-    """docs/reference/generate.py, which is in no package."""
-    place = repository / "docs" / "reference" / "generate.py"
-    spec = importlib.util.spec_from_file_location("reference_pages", place)
+
+def program(file: Path) -> ModuleType:
+    """A program of docs/reference, which is no package."""
+    spec = importlib.util.spec_from_file_location(f"reference_{file.stem}", file)
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+@pytest.fixture(scope="module")
+def reference(repository: Path) -> ModuleType:
+    return program(repository / "docs" / "reference" / "generate.py")
 
 
 @pytest.fixture(scope="module")
@@ -122,3 +129,19 @@ def judged(share):
         '"…" is not a kind of light; known are: ….',
     }
     assert "look at the light" not in reference.texts(ast.parse(module), "judged", raised=True)
+
+
+def test_the_pictures_are_those_of_the_model(torso: Rig, repository: Path) -> None:
+    pictures, folder = program(repository / "docs" / "reference" / "pictures.py"), repository / "docs" / "pictures"
+    made = pictures.all_pictures(torso)
+    kept = {str(file.relative_to(folder)) for kind in ("landmarks", "patterns") for file in (folder / kind).iterdir()}
+    assert kept == made.keys()
+    other = {name: share_of_others(picture, folder / name) for name, picture in made.items()}
+    assert max(other.values()) < OTHER_PIXELS, f"run python docs/reference/pictures.py: {other}"
+    assert share_of_others(made["patterns/vertical.webp"], folder / "patterns" / "reduction.webp") > OTHER_PIXELS
+
+
+def share_of_others(picture: np.ndarray, file: Path) -> float:
+    """Share of the pixels that differ by more than compression makes them."""
+    with Image.open(file) as kept:
+        return float((np.abs(np.asarray(kept.convert("RGB"), dtype=float) - picture).max(axis=2) > 80).mean())
