@@ -176,7 +176,7 @@ def refusals(_rig: Rig) -> frozenset[str]:
 def measure_blocks(rig: Rig) -> Mapping[str, str]:
     """`measures`, `errors` of the model's data file, and `differences` that were measured (decision 0029)."""
     return {
-        "measures": table(("name in files", "label", "unit", "taken", "of", "from", "positions"), measure_rows(rig)),
+        "measures": table(("name in files", "label and unit", "taken", "of", "from", "positions"), measure_rows(rig)),
         "errors": table(("entry of `measures.toml`", "value", "meaning"), calibration_rows(rig)),
         "differences": table(("number", "half of the 90 % band", "true values held"), difference_rows()),
     }
@@ -196,16 +196,22 @@ def measure_rows(rig: Rig) -> Iterable[tuple[str, ...]]:
     for name in dict.fromkeys(row.measure for row in found[STANDING]):
         rows = [row for row in found[STANDING] if row.measure == name]
         positions = [position for position in STANCES if any(row.measure == name for row in found[position])]
-        sources = dict.fromkeys(split_side(each.partition(" (")[0])[0] for row in rows for each in row.landmarks)
+        sources = dict.fromkeys(spoken_source(each) for row in rows for each in row.landmarks)
+        label = " ".join(rows[0].label.removeprefix(name).split())
         yield (
             f"`{name}`",
-            " ".join(rows[0].label.removeprefix(name).split()),
-            {"1": "ratio"}.get(rows[0].unit, rows[0].unit),
+            f"{label}, {'ratio' if rows[0].unit == '1' else rows[0].unit}",
             ", ".join(row.kind for row in rows if row.unit == "mm") or "–",
-            "left, right" if rows[0].value is None else "both together",
+            "each side" if rows[0].value is None else "both",
             ", ".join(sources),
             "all" if len(positions) == len(STANCES) else ", ".join(positions),
         )
+
+
+def spoken_source(named: str) -> str:
+    """A landmark or line of a row as its term, without its side and its source."""
+    stem = split_side(named.partition(" (")[0])[0]
+    return TERMS.get(stem, "breast outline" if "outline" in stem else stem)
 
 
 CALIBRATED = {  # what each entry of measures.toml is, and whether it is in m
