@@ -14,6 +14,7 @@ from breastrig.core.assets import packaged_models
 from breastrig.drawings.patterns import PATTERNS
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
+from breastrig.scan.landmarks.names import known_name
 
 OTHER_PIXELS = 0.002  # share: compression makes up to 0.00013, lines of another pattern 0.012
 
@@ -66,6 +67,15 @@ def test_every_landmark_says_how_it_is_found_on_a_patient_and_on_a_scan(
         assert re.search(r"^\*\*On the patient\.\*\* \w", section, re.MULTILINE), stem
         assert re.search(r"^\*\*On a scan\.\*\* \w", section, re.MULTILINE), stem
         assert f"](../pictures/landmarks/{stem}.webp)" in section, f"python docs/reference/pictures.py makes {stem}"
+
+
+def test_every_term_of_a_landmark_is_read_in_files(reference: ModuleType, torso: Rig) -> None:
+    known = {each.name: (each.label, each.latin) for each in torso.landmarks}
+    for stem, row in reference.TERMS.items():
+        sides = [("links", "_L"), ("dextra", "_R")] if f"{stem}_L" in known else [("", "")]
+        for term in (term for cell in reference.glossary()[row] for term in cell.removesuffix(" T").split(", ")):
+            for word, side in sides if term != "–" else ():
+                assert known_name(f"{term} {word}", known) == stem + side
 
 
 def test_every_measure_is_defined(reference: ModuleType, torso: Rig, repository: Path) -> None:
