@@ -470,6 +470,25 @@ def file_blocks(_rig: Rig) -> Mapping[str, str]:
     return {"result": table(("field", "always there", "meaning"), rows)}
 
 
+def keys_of(part: type[BaseModel], above: str = "") -> dict[str, bool]:
+    """The keys of a JSON document, `bones[].name`, and whether each has to be there."""
+    found = {}
+    for name, field in part.model_fields.items():
+        key = above + (field.alias or name)
+        inner = next((each for each in get_args(field.annotation) if is_part(each)), None)
+        if inner is not None:
+            found |= keys_of(inner, f"{key}[].")
+        elif is_part(field.annotation):
+            found |= keys_of(field.annotation, f"{key}.")
+        else:
+            found[key] = field.is_required()
+    return found
+
+
+def is_part(kind: Any) -> bool:
+    return isinstance(kind, type) and issubclass(kind, BaseModel)
+
+
 PAGES: Mapping[str, Callable[[Rig], Mapping[str, str]]] = {
     "api.md": api_blocks,
     "commands.md": command_blocks,

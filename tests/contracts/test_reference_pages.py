@@ -13,6 +13,7 @@ from PIL import Image
 from breastrig.core.assets import packaged_models
 from breastrig.drawings.patterns import PATTERNS
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.gltf.side_file import DrawingFile, RigFile
 from breastrig.rig.model import Rig
 from breastrig.scan.landmarks.names import known_name
 
@@ -95,6 +96,18 @@ def test_shares_of_true_values_held_are_those_of_the_data_file(repository: Path)
     for row in rows:
         for shares in zip(*row, strict=True):
             assert " / ".join(shares) in reasons
+
+
+def test_every_key_of_a_rigs_side_file_is_explained(reference: ModuleType, repository: Path) -> None:
+    text = (repository / "docs" / "reference" / "side_file.md").read_text("utf-8")
+    side, drawing = text.split("## Drawings")[0], text.split("## Drawings")[1].split("## Skinning")[0]
+    for part, model in ((side, RigFile), (drawing, DrawingFile)):
+        said = {
+            key: needed == "yes" for key, needed in re.findall(r"^\| `([^`]+)` \| (yes|no) \| .", part, re.MULTILINE)
+        }
+        assert said == reference.keys_of(model)
+    files = set(re.findall(r"^\| `([a-z_]+\.(?:json|toml))` \|", text, re.MULTILINE))
+    assert files == {file.name for file in (repository / "model_assets" / "built" / "torso.known").iterdir()}
 
 
 def test_every_pattern_and_drawing_has_its_picture(reference: ModuleType, repository: Path) -> None:
