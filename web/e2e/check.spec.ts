@@ -1,9 +1,9 @@
 // The guided check, by keys alone: the eye flies to the point, the dot is moved by a millimetre, Escape leaves; the answers narrow the
 // halo, and the page says so.
 import { expect, type Page } from "@playwright/test";
-import type { Checks, Fit } from "../src/api/types";
+import type { Checks, Fit, Vector } from "../src/api/types";
 import { overlaps, seriousFindings, smallTargets } from "./audit";
-import { addToPlan, hook, test, until, untilFitted, untilStill } from "./page";
+import { addToPlan, distance, hook, test, until, untilFitted, untilStill } from "./page";
 import { inTheme } from "./states";
 
 const tour = (page: Page) => page.evaluate(() => window.__breastrig!.state().checks.tour);
@@ -52,6 +52,26 @@ test("points that are worth it are checked by keys alone, and the halo narrows",
     await inTheme(page, "dark");
     expect.soft(await seriousFindings(page, { runOnly: ["color-contrast"] }), "contrast in the dark").toEqual([]);
     await inTheme(page, "light");
+  });
+
+  await test.step("one tap shows the same point from below, another one from the side, and again square to the skin", async () => {
+    const square = await pose(page);
+    const tap = async (name: string) => {
+      await page.getByRole("button", { name }).click();
+      await untilStill(page);
+      const { eye, target } = await pose(page);
+      expect(distance(target, square.target), "the point stays in the middle").toBeLessThan(1e-3);
+      await expect(page.locator(".overlay > .check-dot")).not.toHaveClass(/is-hidden/);
+      const way = eye.map((value, axis) => value - target[axis]!);
+      return way.map((value) => value / Math.hypot(...way)) as unknown as Vector;
+    };
+    expect((await tap("From below"))[1]).toBeLessThan(-0.4);
+    const side = await tap("From the side");
+    expect(side[0] * (checks.checks[0]!.name.endsWith("_R") ? -1 : 1)).toBeGreaterThan(0.6);
+    await expect(page.getByRole("button", { name: "From the side" })).toHaveAttribute("aria-pressed", "true");
+    await tap("From the side");
+    expect(distance((await pose(page)).eye, square.eye)).toBeLessThan(1e-3);
+    await page.getByRole("button", { name: /^Yes, it is here/ }).focus();
   });
 
   await test.step("an arrow key moves the dot by a millimetre, and the halo shows what is expected", async () => {

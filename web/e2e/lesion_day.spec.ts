@@ -136,6 +136,45 @@ test("an MRI stands in three slices and as a body with one cross: sides, places 
     expect(Math.abs(flat.y - at.y)).toBeLessThan(4);
   });
 
+  await test.step("keys, the wheel with Ctrl and two fingers zoom all slices alike, around the place that is pointed at", async () => {
+    const box = (of: string) => page.evaluate((one) => document.querySelector(one)!.getBoundingClientRect().toJSON() as DOMRect, of); // balls are drawn anew
+    const wide = async () => (await box(".is-axial .slice-ball")).width;
+    const picture = page.locator(".is-axial .slice-picture");
+    for (const [plane, at] of [["axial", "150"], ["sagittal", "60"], ["coronal", "35"]] as const) await page.getByRole("slider", { name: `Place of the ${plane} slice` }).fill(at);
+    await expect(page.locator(".slice .slice-ball")).toHaveCount(3);
+    const whole = await wide();
+    await picture.press("+");
+    await picture.press("+");
+    await expect.poll(wide).toBeGreaterThan(1.4 * whole);
+    expect((await page.locator(".is-sagittal .scale-bar").boundingBox())!.width).toBeCloseTo((await page.locator(".is-axial .scale-bar").boundingBox())!.width, 0);
+    const ball = async () => { const { x, y, width, height } = await box(".is-axial .slice-ball"); return { x: x + width / 2, y: y + height / 2 }; };
+    const at = await ball();
+    const before = await wide();
+    await page.mouse.move(at.x, at.y);
+    await page.keyboard.down("Control");
+    await page.mouse.wheel(0, -40);
+    await page.keyboard.up("Control");
+    await expect.poll(wide).toBeGreaterThan(1.2 * before);
+    expect(distance([(await ball()).x, (await ball()).y, 0], [at.x, at.y, 0]), "it stays under the pointer").toBeLessThan(3);
+    const all = await box(".is-axial .slice-picture");
+    const [x, y] = [all.x + all.width / 2, all.y + all.height / 2];
+    const now = await cross();
+    const zoomed = await wide();
+    const fingers = await page.context().newCDPSession(page);
+    const touch = (type: "touchStart" | "touchMove" | "touchEnd", ...points: [number, number][]) => fingers.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([px, py], id) => ({ x: px, y: py, id })) });
+    await touch("touchStart", [x - 80, y]);
+    await touch("touchStart", [x - 80, y], [x + 80, y]);
+    for (let step = 1; step <= 4; step += 1) await touch("touchMove", [x - 80 + 10 * step, y], [x + 80 - 10 * step, y]);
+    await touch("touchEnd");
+    await expect.poll(wide).toBeLessThan(0.7 * zoomed);
+    expect(await cross(), "two fingers move nothing").toEqual(now);
+    for (let i = 0; i < 12; i += 1) await picture.press("-");
+    await expect.poll(wide).toBeCloseTo(whole, 0);
+    await page.keyboard.press("?");
+    await expect(page.locator(".key-help")).toContainText("Page Up and Page Down go through, + and − zoom");
+    await page.keyboard.press("Escape");
+  });
+
   await test.step("a double click enlarges one; Escape goes back, and once more closes", async () => {
     const picture = page.locator(".is-sagittal .slice-picture");
     await picture.dblclick({ position: { x: 120, y: 120 } });
@@ -259,6 +298,17 @@ test("an MRI's lesion is found in the same breast of a standing scan, with its n
     const report = info.outputPath("report.pdf");
     writeFileSync(report, await (await page.request.get(`${base}/api/fits/${standing}/report.pdf`)).body());
     const words = execFileSync(findPython(), ["-c", "import sys, pypdf; print(' '.join(' '.join(page.extract_text() for page in pypdf.PdfReader(sys.argv[1]).pages).split()))", report], { encoding: "utf8" });
+    for (const [shows, count] of [["plain", 3], ["none", 0]] as const) {
+      const link = (await (await page.request.post(`${base}/api/fits/${standing}/shares`, { data: { expires_in_days: 1, scan: shows } })).json()) as { url: string };
+      const visitor = await page.context().browser()!.newPage();
+      await visitor.goto(new URL(link.url, base).href);
+      await visitor.getByRole("button", { name: "Lesion 1" }).click();
+      await expect(visitor.getByRole("img", { name: /^\d+\smm below the skin/ }), "who has a link sees how deep it lies").toBeVisible();
+      await expect(visitor.getByRole("img", { name: /^(axial|sagittal|coronal) slice through Lesion 1$/ })).toHaveCount(count);
+      if (count === 0) await expect(visitor.getByText("No slices: this link shows the model alone, and no skin of the patient.")).toBeVisible();
+      else expect(await visitor.locator(".lesion-slices .slice-of-skin").first().evaluate((path) => (path as SVGPathElement).getTotalLength())).toBeGreaterThan(200);
+      await visitor.close();
+    }
     expect(words).toMatch(/Lesion: Lesion 1.*radius [67][.\d]* mm.*to the skin \d+ mm.*nipple, left \d+ mm/);
   });
 });

@@ -100,10 +100,12 @@ test("distances are coloured, read under the pointer, and are the service's", as
       const pen = new OffscreenCanvas(image.width, image.height).getContext("2d")!;
       pen.drawImage(image, 0, 0);
       const shades = (x: number, y: number, width: number, height: number): number => new Set(new Uint32Array(pen.getImageData(x, y, width, height).data.buffer)).size;
-      return { body: shades(0, 0, image.width, image.height - 68), bar: shades(36, image.height - 68 - 420, 20, 320), foot: shades(0, image.height - 60, image.width, 60) };
+      return { body: shades(0, 0, image.width, image.height - 68), bar: shades(36, image.height - 68 - 420, 20, 320), foot: shades(0, image.height - 60, image.width, 60), fingers: shades(32, 28, 40, 40), width: shades(84, 32, 200, 32) };
     }, png.toString("base64"));
     expect(seen.body, "the body").toBeGreaterThan(100);
     expect(seen.bar, "the colours' scale").toBeGreaterThan(20);
+    expect(seen.fingers, "the mark of how wide lines are").toBeGreaterThan(1);
+    expect(seen.width, "and its millimetres").toBeGreaterThan(5);
     expect(seen.foot, "scale and notice").toBeGreaterThan(5);
   });
   expect(troubles).toEqual([]);

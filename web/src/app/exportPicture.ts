@@ -2,8 +2,10 @@
 // where distances are shown, and what it must not be used for.  No date and no name: nothing in it identifies the patient.
 import { paintColourScale, signedMm } from "../fit/distances/ColourBar";
 import { SCALE_MM, SCANNER_MM } from "../fit/distances/distances";
+import { fingersMark, fingersOf, wideOf } from "../fit/fingers";
 import { showsFittedSurface } from "../fit/state";
 import { distances as distancesText } from "../fit/text";
+import { marginOf } from "../fit/verdict";
 import { name, notice } from "../ui/text";
 import { metresFromMm } from "../ui/units";
 import { view as viewText } from "../viewer/text";
@@ -19,6 +21,7 @@ const FOOT = 34; // pixels below the picture, for scale and notice
 export interface Pane {
   readonly viewer: Viewer;
   readonly title: string;
+  readonly lines: number | null | undefined; // mm, how sure lines are on it; null: not known, undefined: there is no fit
 }
 
 /** PNG bytes of all panes beside each other, with one legend. */
@@ -37,7 +40,7 @@ export function exportPicture(panes: readonly Pane[], state: Session): Promise<B
   pen.fillRect(0, 0, width, height + FOOT);
   pen.textBaseline = "middle";
   let left = 0;
-  for (const { viewer, title } of panes) {
+  for (const { viewer, title, lines } of panes) {
     const { clientWidth: wide, clientHeight: high } = viewer.host;
     pen.save();
     pen.translate(left, 0);
@@ -47,6 +50,7 @@ export function exportPicture(panes: readonly Pane[], state: Session): Promise<B
     pen.font = font(15, 600);
     pen.textAlign = "left";
     pen.fillText(title, 16, 24);
+    if (lines !== undefined) drawFingers(pen, 16 + (title === "" ? 0 : pen.measureText(title).width + 12), lines);
     pen.restore();
     left += wide;
   }
@@ -56,6 +60,29 @@ export function exportPicture(panes: readonly Pane[], state: Session): Promise<B
   pen.textAlign = "right";
   pen.fillText(`${name} · ${notice}`, width - 16, height + FOOT / 2);
   return new Promise((done, failed) => canvas.toBlob((blob) => (blob ? done(blob) : failed(new Error("no picture"))), "image/png"));
+}
+
+/** How wide lines are, as the pane's mark has it. */
+function drawFingers(pen: CanvasRenderingContext2D, left: number, mm: number | null): void {
+  const mark = fingersMark(fingersOf(mm));
+  pen.save();
+  pen.translate(left, 14);
+  for (const bar of mark.querySelectorAll("rect")) {
+    const [x, y, width, height, radius] = ["x", "y", "width", "height", "rx"].map((name) => Number(bar.getAttribute(name))) as [number, number, number, number, number];
+    pen.beginPath();
+    pen.roundRect(x, y, width, height, radius);
+    pen.fill();
+  }
+  if (fingersOf(mm) === null) {
+    pen.lineWidth = 1.5;
+    pen.beginPath();
+    pen.arc(9, 10, 7.5, 0, 2 * Math.PI);
+    pen.stroke();
+    pen.stroke(new Path2D(mark.querySelector("path")!.getAttribute("d")!));
+  }
+  pen.restore();
+  pen.font = font(13);
+  pen.fillText([wideOf(mm), ...(fingersOf(mm) === null ? [] : [marginOf(mm!)])].join("  "), left + 26, 24);
 }
 
 type Colour = (name: string) => string;

@@ -9,9 +9,10 @@ import { skinFrom } from "../drawing/lines/skin";
 import type { SureParts } from "../drawing/sureParts";
 import { FittedSurface } from "../fit/distances/FittedSurface";
 import { HoverValue } from "../fit/distances/HoverValue";
-import { hasModelShown } from "../fit/state";
+import { hasModelShown, isUnusable } from "../fit/state";
 import { errors as fitErrors } from "../fit/text";
 import { TorsoModel } from "../fit/TorsoModel";
+import { linesOn } from "../fit/verdict";
 import { listenToLandmarkKeys } from "../landmarks/canvasKeys";
 import { followWanted } from "../landmarks/questions/closeUp";
 import { listenToDrags } from "../landmarks/dragPins";
@@ -26,7 +27,7 @@ import { withLoose } from "../scan/state";
 import { errors as scanErrors } from "../scan/text";
 import { MeasureLines } from "../stances/measures/MeasureLines";
 import { openOtherView } from "../stances/OtherView";
-import { isComparing, isPredicted, stanceNames } from "../stances/state";
+import { isComparing, isPredicted, stanceNames, type Workspace } from "../stances/state";
 import { stances as stancesText } from "../stances/text";
 import type { Theme } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
@@ -220,8 +221,9 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
 
 /** From left to right, as they stand on the stage. */
 function panesOf(main: Viewer, other: Viewer | null, state: Session): Pane[] {
-  if (!other || !isComparing(state)) return [{ viewer: main, title: "" }];
+  const sure = (of: Workspace): number | null | undefined => (of.fit?.state === "done" && !isUnusable(of) ? (linesOn(of)?.mm ?? null) : undefined);
+  if (!other || !isComparing(state)) return [{ viewer: main, title: "", lines: sure(state) }];
   const [mine, its] = stanceNames(state);
-  const panes = [{ viewer: main, title: mine }, { viewer: other, title: isPredicted(state.stances.other!) ? stancesText.predicted.picture(its) : its }];
+  const panes = [{ viewer: main, title: mine, lines: sure(state) }, { viewer: other, title: isPredicted(state.stances.other!) ? stancesText.predicted.picture(its) : its, lines: sure(state.stances.other!) }];
   return state.stances.isSecond ? panes.reverse() : panes;
 }

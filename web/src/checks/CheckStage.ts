@@ -9,6 +9,7 @@ import type { LandmarksSlice } from "../landmarks/state";
 import type { PageSlice } from "../store/page";
 import { CLOSE_PIXELS } from "../landmarks/proposals/agreed";
 import { only, type Store } from "../store/store";
+import { button } from "../ui/controls";
 import { el, setText } from "../ui/dom";
 import { metresFromMm } from "../ui/units";
 import { onClick } from "../viewer/clicks";
@@ -26,14 +27,18 @@ const REACH = 24; // pixels from the dot's middle that still hold it
 const FAR = 5; // times as far with Shift
 const ABOVE = 0.004; // metres off the skin, from where the eye must be free to look
 const UPRIGHT = 0.85; // sine of the steepest look: straight down has no upright
+type Way = "below" | "side";
 
 export function openCheckStage(store: Store<ChecksSlice & Pick<LandmarksSlice, "picks"> & Pick<PageSlice, "announcement">>, viewer: Viewer, scan: Surface & { readonly bvh: unknown }, torso: RestingModel, canvas: HTMLCanvasElement, actions: CheckActions): void {
   const halo = new Halo(viewer, "disc of the check", 8.6);
   const label = el("span", { class: "check-label" }, text.checks.disc);
   const dot = el("div", { class: "check-dot is-asked", hidden: true });
   const inset = new ModelInset(viewer, torso);
+  const ways = (["below", "side"] as const).map((way) => ({ way, button: button(text.checks.ways[way], () => look(from === way ? null : way), "quiet") }));
+  const bar = el("div", { class: "check-ways toolbar", role: "toolbar", "aria-label": text.checks.look, hidden: true }, ...ways.map((each) => each.button));
+  let from: Way | null = null; // null: square to the skin
   viewer.overlay.append(dot, label);
-  viewer.host.append(inset.element);
+  viewer.host.append(inset.element, bar);
   let before: Viewer["pose"] | null = null; // from where the tour began
   let seen: Check | null = null;
   let shown: TourStep | null = null;
@@ -48,14 +53,16 @@ export function openCheckStage(store: Store<ChecksSlice & Pick<LandmarksSlice, "
   };
   const metres = (at: Vector): Vector3 => new Vector3(...at.map(metresFromMm));
 
-  /** Square to the skin; where that side is covered, as under a breast, from as near to it as the eye is free to look. */
+  /** Square to the skin, or as asked for; where that side is covered, as under a breast, from as near to it as the eye is free to look. */
   function outwards(place: Vector, normal: Vector): Vector3 {
     const square = new Vector3(...normal).transformDirection(viewer.body.matrixWorld);
-    const from = viewer.body.localToWorld(metres(place));
-    const aside = new Vector3(square.x < 0 ? -1 : 1, 0, 0);
-    const ways = [square, ...[new Vector3(0, 0, 1), aside, new Vector3(0, -1, 0)].map((way) => way.add(square).normalize())].map((way) => way.setY(Math.max(-UPRIGHT, Math.min(UPRIGHT, way.y))).normalize());
-    const isFree = (way: Vector3): boolean => !scan.mesh || new Raycaster(from.clone().addScaledVector(square, ABOVE), way, 0, 0.4).intersectObject(scan.mesh, false).length === 0;
-    return ways.find(isFree) ?? square;
+    const at = viewer.body.localToWorld(metres(place));
+    const side = { left: 1, right: -1, middle: Math.sign(square.x) || 1 }[sideOf(point()?.name ?? "")];
+    const [ahead, aside, below] = [new Vector3(0, 0, 1), new Vector3(side, 0, 0.3).normalize(), new Vector3(0, -1, 0.6).normalize()] as const;
+    const first = from === null ? square : { below, side: aside }[from];
+    const ways = [first, ...[ahead, aside, below].map((way) => way.clone().add(first).normalize())].map((way) => way.clone().setY(Math.max(-UPRIGHT, Math.min(UPRIGHT, way.y))).normalize());
+    const isFree = (way: Vector3): boolean => !scan.mesh || new Raycaster(at.clone().addScaledVector(square, ABOVE), way, 0, 0.4).intersectObject(scan.mesh, false).length === 0;
+    return ways.find(isFree) ?? first;
   }
 
   function lookAt(place: Vector, normal: Vector, radiusMm: number): void {
@@ -63,6 +70,14 @@ export function openCheckStage(store: Store<ChecksSlice & Pick<LandmarksSlice, "
     viewer.scene.updateMatrixWorld();
     const half = Math.max(viewer.host.clientHeight / 2 / (1000 * CLOSE_PIXELS), DISC * metresFromMm(radiusMm));
     viewer.faceTo(place, outwards(place, normal), half);
+  }
+
+  /** The same point from below or from the side, which the front may hide; null: square to the skin. */
+  function look(way: Way | null): void {
+    from = way;
+    for (const each of ways) each.button.setAttribute("aria-pressed", String(each.way === way));
+    const check = point();
+    if (check) lookAt(place() ?? check.place, check.normal, check.radius_mm);
   }
 
   function update(): void {
@@ -73,7 +88,8 @@ export function openCheckStage(store: Store<ChecksSlice & Pick<LandmarksSlice, "
       halo.set(disc ? [disc] : [], scan.mesh?.geometry ?? null);
       inset.show(check);
       dot.className = `check-dot is-asked side-${check ? sideOf(check.name) : "middle"}`;
-      if (check) lookAt(check.place, check.normal, check.radius_mm);
+      bar.hidden = check === null;
+      look(null);
     }
     const step = stepNow(store.get());
     if (step !== shown) {

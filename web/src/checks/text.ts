@@ -20,6 +20,8 @@ export const checks = {
   how: "Click where it is, drag the dot, or press the arrow keys: 1 mm, with Shift 5 mm.",
   unseen: "I cannot see it",
   leave: "Leave the check",
+  look: "Look at the point",
+  ways: { below: "From below", side: "From the side" } as const,
   disc: "guessed: it may lie anywhere in the disc",
   inset: "The same place on the model",
   next: (label: string) => `Next: ${label}`,

@@ -131,6 +131,7 @@ export const viewBarShown = ({ scan, loading, fit, overlay, view, showDistances,
   view: view.name,
   hasOverlays: fit !== null && !isUnusable({ fit }) && scan?.mesh !== null,
   overlay,
+  only: scan?.mesh === null ? "model" : "scan",
   looks: {
     ...(fit?.distances != null ? { distances: showDistances } : {}),
     ...(scan?.info.colours === "none" && scan.mesh !== null && overlay !== "model" ? { relief: showRelief } : {}),

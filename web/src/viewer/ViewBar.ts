@@ -12,6 +12,8 @@ export interface ViewBarShown {
   readonly overlay: Overlay;
   /** there is a scan and a model to choose between */
   readonly hasOverlays: boolean;
+  /** what is shown where there is no choice */
+  readonly only: "scan" | "model";
   /** what can be switched now, and whether it is on */
   readonly looks: Readonly<Partial<Record<Look, boolean>>>;
 }
@@ -42,7 +44,7 @@ export function createViewBar<State extends object>(view: ViewActions, actions: 
     update(shown: ViewBarShown): void {
       show(element, shown.isShown);
       from.set(text.view.names[shown.view]);
-      seen.set(text.view.overlays[shown.overlay]);
+      seen.set(shown.hasOverlays ? text.view.overlays[shown.overlay] : text.view.alone[shown.only]);
       for (const { overlay, item } of overlays) {
         show(item, shown.hasOverlays);
         item.setAttribute("aria-pressed", String(overlay === shown.overlay));

@@ -30,6 +30,7 @@ export const view = {
     linked: "Turning one pane turns the other",
     slices: "Axial, sagittal and coronal beside the body, with one cross",
   } satisfies Record<Look, string>,
+  alone: { scan: "Scan", model: "Model" },
   left: "patient's left",
   right: "patient's right",
   canvas: "3D view of the scan. Arrow keys turn it, plus and minus zoom; while a landmark is wanted they move a cross, and Enter places it.",

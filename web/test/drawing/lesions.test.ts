@@ -87,10 +87,10 @@ test("where the depth's band is not known none is drawn", () => {
 });
 
 test("each lesion stands in the plan: while it is carried, then with its depth and how sure its place is", () => {
-  const state = { meta: null, models: {}, fit: null, drawing: "", lesion: null, item: null, drawn: startDrawn([], { note: "", depthMm: null, lesions: [LESION] }), stances: { isCarrying: true, other: null } };
+  const state = { meta: null, models: {}, fit: null, drawing: "", lesion: null, item: null, drawn: startDrawn([], { note: "", depthMm: null, lesions: [LESION] }), scan: null, stances: { isCarrying: true, other: null, scans: [], asked: [] } };
   const said = (of: Parameters<typeof planRows>[0]) => planRows(of).map(({ label, says, hint }) => [label, says, hint]);
   expect(said(state)).toEqual([["MRI 1", "being carried here …", ""]]);
-  const laid = (lesions: object[]) => ({ ...state, drawn: { ...state.drawn, onScan: laidOnScan("supine", [], { unit: "mm", shapes: [], lesions } as unknown as PlanOnScan) }, stances: { isCarrying: false, other: null } });
+  const laid = (lesions: object[]) => ({ ...state, drawn: { ...state.drawn, onScan: laidOnScan("supine", [], { unit: "mm", shapes: [], lesions } as unknown as PlanOnScan) }, stances: { isCarrying: false, other: null, scans: [], asked: [] } });
   const both = laid([{ id: "m", name: "MRI 1", carried: false, error_mm: 0, depth_mm: 27.2 }, { id: "o", name: "MRI 2", carried: true, error_mm: 9.2, depth_mm: 9 }]);
   expect(said(both)).toEqual([
     ["MRI 1", "27\u00a0mm deep", "as given"],

@@ -2,7 +2,7 @@
 import { expect, test } from "vitest";
 import type { PatternParameter, PlanOnScan } from "../../src/api/types";
 import { columnsOf, drawnNumber, reasonsOf } from "../../src/drawing/panel/drawnNumbers";
-import { chosenRow, planRows } from "../../src/drawing/panel/items";
+import { chosenRow, planRows, planScans } from "../../src/drawing/panel/items";
 import { laidOnScan, type LiveHandle, startDrawn } from "../../src/drawing/state";
 import { lineAlong } from "../../src/drawing/lines/edits";
 
@@ -51,7 +51,7 @@ test("one row for a pattern with all its lines, saying on which sides it is; lin
   const plan = { unit: "mm", shapes: [shape("wise_L"), shape("areola_L"), shape("cut", { kind: "line", carried: true, item: "c", line_error_mm: 9.4 })], lesions: [] } as unknown as PlanOnScan;
   const line = { ...lineAlong("Line 1", "#101010", [[0, 0, 0], [30, 0, 0]], false), id: "one" };
   const drawn = { ...startDrawn([line], { note: "smaller", depthMm: null, lesions: [] }), onScan: laidOnScan("standing", [], plan), hidden: new Set(["own/Line 1"]) };
-  const state = { meta: null, models: {}, fit: null, drawing: "reduction", lesion: null, item: null, drawn, stances: { isCarrying: false, other: null } };
+  const state = { meta: null, models: {}, fit: null, drawing: "reduction", lesion: null, item: null, drawn, scan: null, stances: { isCarrying: false, other: null, scans: [], asked: [] } };
   const rows = planRows(state);
   expect(rows.map(({ kind, label, says, hint, isHidden }) => [kind, label, says, hint, isHidden])).toEqual([
     ["pattern", "reduction", "left", "", false],
@@ -63,4 +63,18 @@ test("one row for a pattern with all its lines, saying on which sides it is; lin
   expect(chosenRow(rows, { ...state, drawn: { ...drawn, chosen: "Line 1" } })?.kind).toBe("line");
   expect(chosenRow(rows, { ...state, item: "note" })?.kind).toBe("note");
   expect(chosenRow(rows, { ...state, item: "" }), "put aside").toBeNull();
+});
+
+test("a pattern says on how many scans it lies, and which: those with a fit that can be used", () => {
+  const kept = (id: string, stance: string, kind: string, state: string, verdict: string | null) => ({ id, stance, kind, fit: { state, verdict } });
+  const scans = [kept("a", "standing", "surface", "failed", null), kept("b", "supine", "surface", "done", "check"), kept("c", "prone", "image", "done", "good"), kept("d", "standing", "surface", "done", "unusable"), { ...kept("e", "supine", "surface", "done", "good"), fit: null }];
+  const fit = { state: "done", drawing: null, result: { verdict: { level: "good", reasons: [] }, model: { sha256: "" } } };
+  const of = (stances: object = {}) => ({ scan: { info: { id: "a" } }, fit, stances: { isCarrying: false, other: null, scans, asked: [], ...stances } }) as unknown as Parameters<typeof planScans>[0];
+  expect(planScans(of()), "of the scan in work the fit on the page counts").toEqual(["standing", "supine", "MRI"]);
+  expect(planScans(of({ other: { scan: { info: { id: "b" } }, fit: { state: "running", result: null } } }))).toEqual(["standing", "MRI"]);
+  expect(planScans(of({ asked: [{}] })), "whether they are one patient's is asked").toEqual([]);
+  const shapes = ["wise_L", "wise_R"].map((name) => ({ name, kind: "pattern", item: "p", carried: false, points: [], closed: false, color: "#101010" }));
+  const drawn = { ...startDrawn([], { note: "", depthMm: null, lesions: [] }), onScan: laidOnScan("supine", [], { unit: "mm", shapes, lesions: [] } as unknown as PlanOnScan) };
+  const [row] = planRows({ ...of(), meta: null, models: {}, drawing: "reduction", lesion: null, item: null, drawn });
+  expect(row!.says).toBe("both, on 3 scans");
 });

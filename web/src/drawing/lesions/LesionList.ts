@@ -20,7 +20,7 @@ export function createLesionList(choose: (id: string | null) => void) {
           const shown = button(name, () => choose(lesion === id ? null : id), "link");
           shown.setAttribute("aria-pressed", String(lesion === id));
           const row = el("li", { "data-line": name }, shown, el("span", { class: "muted small" }, text.lesions.says(radius_mm, depth_mm)));
-          if (lesion === id) void import("./LesionView").then(({ lesionView }) => row.append(lesionView(each, null, null)));
+          if (lesion === id) void Promise.all([import("./LesionView"), import("./SlicePictures")]).then(([{ lesionView }, { slicePictures }]) => row.append(lesionView(each, null, null), slicePictures(each)));
           return row;
         }),
       );

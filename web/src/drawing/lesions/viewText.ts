@@ -15,6 +15,11 @@ export const lesionView = {
     const where = `${number} ${depth < 0 ? "outside" : "below"} the skin`;
     return { mm: number, band, whole: band === "" ? where : `${where} (${band})` };
   },
+  planes: { axial: "Axial", sagittal: "Sagittal", coronal: "Coronal" } as const,
+  sides: { axial: "front up, patient's left right", sagittal: "head up, back right", coronal: "head up, patient's left right" } as const,
+  slice: (plane: string, name: string) => `${plane} slice through ${name}`,
+  slicesHint: "The fitted skin, 20\u00a0cm across; dashed the chest wall as the model has it; pale where the lesion may lie, nine times in ten.",
+  noSlices: "No slices: this link shows the model alone, and no skin of the patient.",
   straight: "From its centre, straight.",
   moves: "While it is moved, dragging and arrow keys in the slices take it along.",
   move: "Move it",

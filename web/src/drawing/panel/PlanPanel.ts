@@ -16,7 +16,7 @@ import { mirrorPlane } from "../mirror/mirror";
 import { type DrawingSlice, layerKey } from "../state";
 import * as text from "../text";
 import { createAnotherDialog } from "./AnotherDialog";
-import { chosenRow, itemKey, type PlanRow, planRows, type Shown as Planned } from "./items";
+import { chosenRow, itemKey, type PlanRow, planRows, planScans, type Shown as Planned } from "./items";
 import { createLesionForm } from "./LesionForm";
 import { createLineDetails } from "./LineDetails";
 import "./panel.css";
@@ -137,8 +137,9 @@ export function createPlanPanel(drawing: DrawingActions, plan: PlanWords, dismis
     show(form, kind === "new lesion");
     show(sayings, kind === "note");
     if (document.activeElement !== sayings) sayings.value = drawn.note;
-    show(elsewhere, kind === "carried");
-    setText(elsewhere, words.elsewhere(drawn.onScan?.from ?? ""));
+    const scans = planScans(session);
+    setText(elsewhere, [...(kind === "carried" ? [words.elsewhere(drawn.onScan?.from ?? "")] : []), ...(scans.length > 1 && chosen !== null && kind !== "note" ? [words.onScans(scans)] : [])].join(" "));
+    show(elsewhere, elsewhere.textContent !== "");
     showLines(chosen, drawn.hidden);
   }
 

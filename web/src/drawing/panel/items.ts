@@ -1,7 +1,7 @@
 // What is planned, as the panel lists it: one row for a line, a pattern with all its lines, a tumour, a lesion, a note.
-import type { PlanLesion } from "../../api/types";
+import type { Patient, PlanLesion } from "../../api/types";
 import { drawingLabels, readRequest, TUMOUR } from "../../fit/requestedDrawing";
-import { type FitSlice, modelOf } from "../../fit/state";
+import { type FitSlice, type FitState, isUnusable, modelOf } from "../../fit/state";
 import { lineErrorOf, marginOf } from "../../fit/verdict";
 import { sideOf } from "../../landmarks/picks";
 import type { PageSlice } from "../../store/page";
@@ -12,8 +12,22 @@ import { drawing } from "../text";
 import { planPanel as words } from "./text";
 
 export type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "models" | "fit" | "drawing" | "drawn" | "lesion" | "item"> & {
-  readonly stances: { readonly isCarrying: boolean; readonly other: { readonly drawing: string } | null };
+  readonly scan: { readonly info: { readonly id: string } } | null;
+  readonly stances: {
+    readonly isCarrying: boolean;
+    readonly other: { readonly drawing: string; readonly scan: Shown["scan"]; readonly fit: Pick<FitState, "state" | "result"> | null } | null;
+    readonly scans: readonly Pick<Patient["scans"][number], "id" | "stance" | "kind" | "fit">[];
+    readonly asked: readonly unknown[];
+  };
 };
+
+/** The scans on which the plan lies, as they are called: those with a fit that can be used; none while it is asked whether they are one patient's. */
+export function planScans({ scan, fit, stances: { other, scans, asked } }: Pick<Shown, "scan" | "fit" | "stances">): string[] {
+  if (asked.length > 0) return [];
+  const here = new Map([[scan?.info.id, fit], [other?.scan?.info.id, other?.fit ?? null]]);
+  const isFitted = ({ id, fit: kept }: (typeof scans)[number]): boolean => (here.has(id) ? here.get(id)?.state === "done" && !isUnusable({ fit: here.get(id)! }) : kept?.state === "done" && kept.verdict !== "unusable");
+  return scans.filter(isFitted).map(({ kind, stance }) => (kind === "image" ? words.image : stance));
+}
 
 /** One line on the body, for its row of on and off. */
 interface ShownLine {
@@ -71,7 +85,7 @@ export function planRows(state: Shown): readonly PlanRow[] {
     line,
   }));
   const ofPattern = ofKind(shapes, "pattern");
-  const patterns: PlanRow[] = asked.base === "" ? [] : [{ ...row("reference", itemKey.pattern, labels.get(asked.base) ?? asked.base, ofPattern, sidesSaid(ofPattern)), kind: "pattern" }];
+  const patterns: PlanRow[] = asked.base === "" ? [] : [{ ...row("reference", itemKey.pattern, labels.get(asked.base) ?? asked.base, ofPattern, words.onCount(sidesSaid(ofPattern), planScans(state).length)), kind: "pattern" }];
   const deep = drawn.depthMm === null ? words.across(2 * Number(asked.tumour?.radius_mm)) : words.deep(drawn.depthMm);
   const tumours: PlanRow[] = asked.tumour ? [{ ...row("reference", itemKey.tumour, tumourLabel(asked.tumour.side, labels.get(TUMOUR)), ofKind(shapes, "tumour"), deep), kind: "tumour" }] : [];
   const notes: PlanRow[] = drawn.note === "" ? [] : [{ ...row("own", itemKey.note, drawn.note, [], ""), kind: "note" }];

@@ -1,4 +1,5 @@
 // The sentences of the plan's panel, which come with it.
+import { plural } from "../../ui/plural";
 import { formatMmWhole } from "../../ui/units";
 import { amount } from "../text";
 
@@ -11,6 +12,9 @@ export const planPanel = {
   none: "Nothing is planned yet.",
   carrying: "What is planned is being carried here …",
   both: "both",
+  image: "MRI",
+  onCount: (sides: string, count: number) => (sides === "" || count < 2 ? sides : `${sides}, on ${count} scans`),
+  onScans: (names: readonly string[]) => `On ${plural(names.length, "scan", "scans")}: ${names.join(", ")}.`,
   sides: SIDES,
   letters: { L: "L", R: "R" } as const,
   breast: { L: "left breast", R: "right breast" } as const,

@@ -29,6 +29,7 @@ const LINE_HALF = 1; // mm beside the plane that a line is still seen
 const SCALES_CM = [1, 2, 5, 10];
 const SCALE_PX = 90;
 const SAY_MS = 500; // after the last key
+const ZOOM = { most: 12, key: 1.25, pixel: 1.01, notch: 30 }; // times as large as the whole; by a key; by a pixel of two fingers on a pad, of which a wheel's notch counts so many
 const PHONE = "(width < 560px), (width < 900px) and (height < 560px)"; // as ui/layout.css has it
 
 const AXIS: Readonly<Record<Plane, 0 | 1 | 2>> = { sagittal: 0, axial: 1, coronal: 2 }; // of left, up, front: along which it is moved
@@ -42,6 +43,8 @@ export function createSlices(actions: SlicesActions) {
   let read: { readonly bytes: ArrayBuffer; readonly frame: Frame } | null = null;
   let middle: Vector = [0, 0, 0]; // of what is seen: left, up, front; mm
   let held: Vector | null = null; // where the hand has the cross just now
+  let zoom = 1; // of all slices alike
+  let followed = ""; // the cross that the picture has followed
   const phone = matchMedia(PHONE);
   const said = el("p", { class: "visually-hidden", role: "status" });
   let saying: ReturnType<typeof setTimeout> | undefined;
@@ -74,6 +77,16 @@ export function createSlices(actions: SlicesActions) {
     const lesion = isOver ? lesionInHand() : null;
     actions.slices({ cross: { scan: scan.info.id, at: rounded } });
     if (lesion) actions.lesions(state.drawn.lesions.map((each) => (each.id === lesion.id ? { ...each, center: [...rounded] } : each)));
+  }
+
+  /** So many times larger, around a place that stays where it is seen. */
+  function zoomAt(place: Vector, times: number): void {
+    const now = Math.min(Math.max(zoom * times, 1), ZOOM.most);
+    const around = waysOf(place, frameOf(slicedOf(state).of.scan!));
+    middle = middle.map((was, k) => around[k]! + (was - around[k]!) * (zoom / now)) as unknown as Vector;
+    zoom = now;
+    if (zoom === 1) followed = ""; // the whole again
+    draw();
   }
 
   function say(): void {
@@ -129,6 +142,8 @@ export function createSlices(actions: SlicesActions) {
         const { right, up } = view();
         go(cross().map((value, k) => value + step * (KEYS[key]![0] * right[k]! + KEYS[key]![1] * up[k]!)) as unknown as Vector);
       } else if (PAGES[key]) goAlong(ways[AXIS[plane]] + step * PAGES[key]);
+      else if (key === "+" || key === "=") zoomAt(cross(), ZOOM.key);
+      else if (key === "-") zoomAt(cross(), 1 / ZOOM.key);
       else if (key === "Enter") enlarge();
       else if (key === "Escape") leave();
       else return;
@@ -137,17 +152,36 @@ export function createSlices(actions: SlicesActions) {
       event.stopPropagation();
     });
     picture.addEventListener("wheel", (event) => {
-      if (event.ctrlKey || event.deltaY === 0) return;
+      if (event.deltaY === 0) return;
       event.preventDefault();
-      goAlong(waysOf(cross(), frame())[AXIS[plane]] + (event.deltaY < 0 ? 1 : -1));
+      if (event.ctrlKey || event.metaKey) zoomAt(pointed(event), ZOOM.pixel ** Math.min(Math.max(-event.deltaY, -ZOOM.notch), ZOOM.notch));
+      else goAlong(waysOf(cross(), frame())[AXIS[plane]] + (event.deltaY < 0 ? 1 : -1));
     });
-    const pointed = (event: PointerEvent): Vector => {
+    const pointed = (event: Pick<PointerEvent, "clientX" | "clientY">): Vector => {
       const box = picture.getBoundingClientRect();
       const [x, y] = [event.clientX - box.left - box.width / 2, event.clientY - box.top - box.height / 2];
       return placeAt([seen.middle[0] + x * seen.mm, seen.middle[1] - y * seen.mm], view(), cross());
     };
+    const fingers = new Map<number, PointerEvent>();
+    const spread = (): { readonly apart: number; readonly at: Vector } => {
+      const [a, b] = [...fingers.values()] as [PointerEvent, PointerEvent];
+      return { apart: Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY), at: pointed({ clientX: (a.clientX + b.clientX) / 2, clientY: (a.clientY + b.clientY) / 2 }) };
+    };
+    picture.addEventListener("pointermove", (event) => {
+      if (!fingers.has(event.pointerId)) return;
+      const before = fingers.size === 2 ? spread().apart : 0;
+      fingers.set(event.pointerId, event);
+      if (fingers.size === 2 && before > 0) zoomAt(spread().at, spread().apart / before);
+    });
+    for (const type of ["pointerup", "pointercancel"] as const) picture.addEventListener(type, ({ pointerId }) => fingers.delete(pointerId));
     picture.addEventListener("pointerdown", (event) => {
       if (event.button !== 0 || !skin) return;
+      fingers.set(event.pointerId, event);
+      if (!event.isPrimary) {
+        picture.setPointerCapture(event.pointerId);
+        picture.dispatchEvent(new PointerEvent("pointercancel", { pointerId: -1 })); // two fingers zoom: the first one moves nothing
+        return;
+      }
       const isTwice = event.timeStamp - tapped.at < TWICE.ms && Math.hypot(event.clientX - tapped.x, event.clientY - tapped.y) < TWICE.px;
       tapped = isTwice ? { at: 0, x: 0, y: 0 } : { at: event.timeStamp, x: event.clientX, y: event.clientY };
       if (isTwice) {
@@ -162,14 +196,14 @@ export function createSlices(actions: SlicesActions) {
       const start = cross();
       const to = (now: PointerEvent): Vector => (isMoving ? (start.map((value, k) => value + pointed(now)[k]! - from[k]!) as unknown as Vector) : pointed(now));
       go(to(event), false);
-      const move = (now: PointerEvent): void => go(to(now), false);
+      const over = new AbortController();
       const end = (now: PointerEvent): void => {
-        picture.removeEventListener("pointermove", move);
+        over.abort();
         go(now.type === "pointercancel" ? start : to(now));
         say();
       };
-      picture.addEventListener("pointermove", move);
-      for (const type of ["pointerup", "pointercancel"] as const) picture.addEventListener(type, end, { once: true });
+      picture.addEventListener("pointermove", (now) => go(to(now), false), over);
+      for (const type of ["pointerup", "pointercancel"] as const) picture.addEventListener(type, end, over);
     });
 
     let cutAs = ""; // the section is the same while only lines or the cross in it change
@@ -225,9 +259,11 @@ export function createSlices(actions: SlicesActions) {
   function drawAll(): void {
     const { of } = slicedOf(state);
     if (!of.scan || !skin) return;
-    const spans = skin.low.map((low, k) => Math.min(skin!.high[k]! - low, MOST_MM));
+    const spans = skin.low.map((low, k) => Math.min(skin!.high[k]! - low, MOST_MM) / zoom);
     const ways = waysOf(cross(), frameOf(of.scan));
-    if (held === null) middle = middle.map((was, k) => middleOf(was, ways[k]!, spans[k]!, skin!.low[k]!, skin!.high[k]!)) as unknown as Vector;
+    const key = JSON.stringify(ways);
+    if (held === null && key !== followed) middle = middle.map((was, k) => middleOf(was, ways[k]!, spans[k]!, skin!.low[k]!, skin!.high[k]!)) as unknown as Vector;
+    if (held === null) followed = key;
     const [left, up, front] = spans as [number, number, number];
     const boxes = panes.map(({ plane, picture }) => ({ box: picture.getBoundingClientRect(), across: plane === "sagittal" ? front : left, high: plane === "axial" ? front : up })).filter(({ box }) => box.width > 0);
     const mm = AIR * Math.max(...boxes.map(({ box, across, high }) => Math.max(across / box.width, high / box.height))); // one for all
@@ -246,6 +282,8 @@ export function createSlices(actions: SlicesActions) {
       (now) => {
         if (read !== mine) return;
         skin = now;
+        zoom = 1;
+        followed = "";
         middle = now.low.map((low, k) => (low + now.high[k]!) / 2) as unknown as Vector;
         if (crossOf(state, slicedOf(state).of) === null) go(fromWays(middle, frame));
         draw();
