@@ -57,11 +57,14 @@ def test_colours_of_vertices_stay_to_the_last_bit() -> None:
     assert np.array_equal(stored, before[FACES[VISIBLE].ravel()])
 
 
-def test_a_plain_mesh_has_no_colours_and_no_seams_where_pieces_of_its_texture_met() -> None:
+def test_a_plain_mesh_has_the_shades_of_its_shape_and_no_seams_where_pieces_of_its_texture_met() -> None:
     ball = trimesh.creation.icosphere(subdivisions=3)
     split = scan(ball.vertices[ball.faces].reshape(-1, 3), np.arange(3 * len(ball.faces)).reshape(-1, 3))
     found, faces = read(plain_mesh(clean(split)))
-    assert set(found) == {"POSITION", "NORMAL"}
+    assert set(found) == {"POSITION", "NORMAL", "COLOR_0"}
+    grey = found["COLOR_0"][:, 0]
+    assert np.array_equal(found["COLOR_0"][:, :3], np.column_stack([grey, grey, grey]))
+    assert np.ptp(grey) < 0.01, "a ball bends alike everywhere"
     assert len(found["POSITION"]) == len(ball.vertices)
     np.testing.assert_allclose(found["POSITION"][faces], ball.vertices[ball.faces], atol=1e-7)
 

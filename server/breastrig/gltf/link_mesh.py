@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Booleans
 from breastrig.gltf.mesh_glb import mesh_glb
+from breastrig.rendering.folds import shades
 from breastrig.scan.clean import Surface
 from breastrig.scan.scan import Scan
 
@@ -48,13 +49,13 @@ SAME = 1e-5  # m between the middles of what is one triangle; files with single 
 
 
 def plain_mesh(visible: Surface) -> bytes:
-    """A .glb of the visible part of a scan, without colours."""
-    return mesh_glb(visible.vertices, visible.faces)
+    """A .glb of the visible part of a scan, without its colours; shaded by how much it bends."""
+    return mesh_glb(visible.vertices, visible.faces, colours=shades(visible.vertices, visible.faces))
 
 
 def coloured_mesh(scan: Scan, visible: Surface) -> bytes:
     """A .glb of the scan's triangles that are visible, with its texture or colours."""
-    faces = scan.faces[_are_among(scan.vertices[scan.faces].mean(axis=1), visible)]
+    faces = scan.faces[are_among(scan.vertices[scan.faces].mean(axis=1), visible)]
     used, ours = np.unique(faces, return_inverse=True)
     vertices, faces = scan.vertices[used], ours.reshape(-1, 3)
     if scan.uv is not None and scan.texture is not None:
@@ -65,7 +66,7 @@ def coloured_mesh(scan: Scan, visible: Surface) -> bytes:
     return plain_mesh(visible)
 
 
-def _are_among(middles: Array, visible: Surface) -> Booleans:
+def are_among(middles: Array, visible: Surface) -> Booleans:
     """(F,) which of the (F, 3) m middles of triangles are those of visible ones."""
     there = cKDTree(visible.vertices[visible.faces].mean(axis=1))
     distances, _ = there.query(middles, distance_upper_bound=SAME)

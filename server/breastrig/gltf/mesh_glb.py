@@ -14,6 +14,7 @@ from pygltflib import (
     ELEMENT_ARRAY_BUFFER,
     LINEAR,
     LINEAR_MIPMAP_LINEAR,
+    LINES,
     Image,
     Material,
     Mesh,
@@ -46,11 +47,13 @@ def mesh_glb(
     uv: Array | None = None,
     texture: bytes | None = None,
     extras: dict[str, Any] | None = None,
+    rims: Array | None = None,
 ) -> bytes:
     """A .glb of (V, 3) m vertices and (F, 3) triangles.
 
     normals (V, 3) unit, computed when absent; colours (V, 3 or 4) uint8 sRGB; uv (V, 2) with the origin at the
-    lower left and texture, the bytes of a PNG or JPEG, go together and win over colours.
+    lower left and texture, the bytes of a PNG or JPEG, go together and win over colours.  rims (E, 2, 3)
+    m are both ends of lines that are drawn with it.
     """
     document = new_document(extras)
     buffer = BufferWriter(document)
@@ -74,7 +77,11 @@ def mesh_glb(
         indices=buffer.add(faces.ravel().astype(index_type), target=ELEMENT_ARRAY_BUFFER),
         material=append(document.materials, material),
     )
-    mesh = append(document.meshes, Mesh(name="mesh", primitives=[primitive]))
+    primitives = [primitive]
+    if rims is not None and len(rims):
+        ends = buffer.add(as_float32(rims.reshape(-1, 3) - place), target=on_vertices, bounds=True)
+        primitives.append(Primitive(attributes=Attributes(POSITION=ends), mode=LINES))
+    mesh = append(document.meshes, Mesh(name="mesh", primitives=primitives))
     document.scenes[0].nodes = [append(document.nodes, Node(name="mesh", mesh=mesh, translation=moved_to(place)))]
     return to_glb(document, buffer)
 

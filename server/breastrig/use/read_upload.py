@@ -17,9 +17,10 @@ from breastrig.core.stances import AUTO
 from breastrig.fitting.hypotheses import scan_orientation
 from breastrig.fitting.prepare_scan import prepared_scan
 from breastrig.fitting.recipe import load_recipe
-from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.gltf.scan_mesh import scan_mesh
 from breastrig.report.pictures import thumbnail_png
+from breastrig.scan.clean import Surface
 from breastrig.scan.read import read_scan
 from breastrig.scan.stored_scan import write_stored
 from breastrig.scan.units import extent, size_doubt
@@ -64,7 +65,7 @@ def _read(job: UploadJob) -> dict[str, Any]:
     orientation, _, _ = scan_orientation(rig, ready, load_recipe("default"))
     body = ready.target.vertices[np.unique(ready.target.faces)]
     table = ready.target.table
-    mesh = mesh_glb(scan.vertices, scan.faces, colours=scan.colours, uv=scan.uv, texture=scan.texture)
+    mesh, body_triangles = scan_mesh(scan, Surface(ready.target.vertices, ready.target.faces, ()))
     job.mesh.write_bytes(mesh)
     is_whole = ready.target.faces is ready.surface.faces  # no table was cut away
     rays = ready.target.rays if is_whole else None
@@ -78,6 +79,7 @@ def _read(job: UploadJob) -> dict[str, Any]:
         ),
         "vertices": len(scan.vertices),
         "triangles": len(scan.faces),
+        "body_triangles": body_triangles,
         "bounds_m": {"min": scan.vertices.min(axis=0).tolist(), "max": scan.vertices.max(axis=0).tolist()},
         "size_m": np.ptp(body @ orientation.start.rotation, axis=0).tolist(),
         "colours": scan.colour_kind,

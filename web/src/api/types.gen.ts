@@ -183,6 +183,8 @@ export type ExampleScan = {
   size_doubt?: string;
   vertices: number;
   triangles: number;
+  /** so many of the mesh, the first ones, are the body; missing in scans of an older version */
+  body_triangles?: number | null;
   /** metres, the scan's own axes */
   bounds_m: Bounds;
   /** width, height and depth of the body in its own axes, metres */
@@ -1308,6 +1310,8 @@ export type Scan = {
   size_doubt?: string;
   vertices: number;
   triangles: number;
+  /** so many of the mesh, the first ones, are the body; missing in scans of an older version */
+  body_triangles?: number | null;
   /** metres, the scan's own axes */
   bounds_m: Bounds;
   /** width, height and depth of the body in its own axes, metres */

@@ -150,6 +150,9 @@ class Scan(Wire):
     size_doubt: str = Field("", description="why the unit or the export may be wrong; empty for an ordinary size")
     vertices: int
     triangles: int
+    body_triangles: int | None = Field(
+        None, description="so many of the mesh, the first ones, are the body; missing in scans of an older version"
+    )
     bounds_m: Bounds = Field(description="metres, the scan's own axes")
     size_m: Three | None = Field(None, description="width, height and depth of the body in its own axes, metres")
     colours: Literal["none", "vertex", "texture"]

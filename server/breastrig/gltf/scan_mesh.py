@@ -1,0 +1,46 @@
+"""The mesh of a scan as the page shows it, with all that the page would have to find out by itself.
+
+The body's triangles come first, those of tables, walls and loose pieces after them; all face outwards.  A scan without
+colours is shaded by how much it bends (rendering/folds.py).  The rims of the body's holes stand beside it as lines.
+"""
+
+import numpy as np
+
+from breastrig.core.arrays import Integers
+from breastrig.geometry.boundary import boundary_edges
+from breastrig.geometry.normals import face_crosses
+from breastrig.gltf.link_mesh import are_among
+from breastrig.gltf.mesh_glb import mesh_glb
+from breastrig.rendering.folds import shades
+from breastrig.scan.clean import Surface, welded
+from breastrig.scan.scan import Scan
+from breastrig.scan.winding import outwards
+
+
+def scan_mesh(scan: Scan, body: Surface) -> tuple[bytes, int]:
+    """A .glb of a scan, and how many of its triangles, the first ones, are those of the cleaned `body`."""
+    faces = _facing_outwards(scan)
+    is_body = np.ones(len(faces), dtype=np.bool_)
+    if len(faces) > len(body.faces):
+        is_body = are_among(scan.vertices[faces].mean(axis=1), body)
+    faces = np.concatenate([faces[is_body], faces[~is_body]])
+    plain = scan.colours is None and scan.texture is None
+    vertices, own = welded(scan.vertices, faces[: np.count_nonzero(is_body)])  # seams of a texture are no rims
+    glb = mesh_glb(
+        scan.vertices,
+        faces,
+        colours=shades(scan.vertices, faces) if plain else scan.colours,
+        uv=scan.uv,
+        texture=scan.texture,
+        rims=vertices[boundary_edges(own)],
+    )
+    return glb, int(np.count_nonzero(is_body))
+
+
+def _facing_outwards(scan: Scan) -> Integers:
+    vertices, faces = welded(scan.vertices, scan.faces)
+    turned, count = outwards(vertices, faces, face_crosses(vertices, faces))
+    if not count:
+        return scan.faces
+    is_turned = (turned != faces).any(axis=1)
+    return np.where(is_turned[:, None], scan.faces[:, ::-1], scan.faces)
