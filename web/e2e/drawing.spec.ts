@@ -4,6 +4,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { expect, type Page } from "@playwright/test";
 import type { OwnDrawing, PlanOnScan, Vector } from "../src/api/types";
 import { mmFrom } from "../src/ui/units";
+import { cross } from "../src/viewer/frame";
 import { addToPlan, details, distance, example, hook, look, numberField, openDetails, openFiles, planItem, SCAN_FILE, test, trueLandmarks, untilFitted, untilStill } from "./page";
 
 const ON_SKIN_MM = 0.5;
@@ -404,31 +405,38 @@ test("a table is hidden and, when it is shown, the pen draws nothing on it, and 
   const canvas = (await page.locator("main canvas.view").boundingBox())!;
   const row = canvas.y + canvas.height / 2;
   const middle = canvas.x + canvas.width / 2;
-  // The outermost place of the scan in this row is table.
-  const outside = await page.evaluate(
-    ([from, to, y]) => {
-      for (let x = from!; x > to!; x -= 4) if (window.__breastrig!.pickAt(x, y!)) return x - 12;
-      throw new Error("no table in this row");
-    },
-    [canvas.x + canvas.width - 1, middle, row],
-  );
+  // Beside the body, in this row, a place of the table that the service has found.
+  const { table, bounds } = await page.evaluate(() => {
+    const { info } = window.__breastrig!.state().scan!;
+    return { table: info.table!, bounds: info.bounds_m };
+  });
+  const onTable = (across: number): Vector => {
+    const middle = bounds.min.map((low, axis) => 500 * (low + bounds.max[axis]!)) as Vector;
+    const widest = [0, 1, 2].filter((axis) => Math.abs(table.normal[axis]!) < 0.5).sort((a, b) => Math.abs(left[b]!) - Math.abs(left[a]!))[0]!;
+    middle[widest]! += across * 500 * (bounds.max[widest]! - bounds.min[widest]!);
+    const above = dot(middle, table.normal) - 1000 * table.height_m;
+    return middle.map((value, axis) => value - above * table.normal[axis]!) as Vector;
+  };
+  const { up, front } = await page.evaluate(() => window.__breastrig!.state().scan!.frame);
+  const left = cross(up, front);
+  const outside = Math.max((await hook.project(page, onTable(0.9))).x, (await hook.project(page, onTable(-0.9))).x);
   await page.mouse.move(middle, row);
   await page.mouse.down();
   for (let x = middle; x < outside; x += 12) await page.mouse.move(x, row);
   await page.mouse.up();
   const all = await lines(page);
   expect(all.length).toBeGreaterThan(0);
-  const { front } = await page.evaluate(() => window.__breastrig!.state().scan!.frame);
-  const heights = all.flatMap(({ points }) => points.map((point) => dot(point, front)));
-  const table = await page.evaluate(([x, y]) => window.__breastrig!.pickAt(x!, y!)!.point, [outside, row]);
+  const heights = all.flatMap(({ points }) => points.map((point) => dot(point, table.normal)));
   for (const line of all) for (let i = 1; i < line.points.length; i += 1) expect(distance(line.points[i - 1]!, line.points[i]!)).toBeLessThan(6);
-  expect(Math.min(...heights)).toBeGreaterThan(dot(table, front) + 5);
+  expect(Math.min(...heights)).toBeGreaterThan(1000 * table.height_m + 5);
   const before = all.length;
   await page.mouse.click(outside, row);
   expect((await drawn(page)).start).toBeNull();
   expect(await lines(page)).toHaveLength(before);
+  expect(await page.evaluate(([x, y]) => window.__breastrig!.pickAt(x!, y!), [outside, row]), "it is not there for a click").toBeNull();
+  const shown = await hook.picture(page);
   await look(page, "Table and loose pieces");
-  expect(await page.evaluate(([x, y]) => window.__breastrig!.pickAt(x!, y!), [outside, row]), "hidden it is not there for a click").toBeNull();
+  expect((await hook.picture(page)).checksum, "it was seen").not.toBe(shown.checksum);
   expect(await page.evaluate(([x, y]) => window.__breastrig!.pickAt(x!, y!), [middle, row])).not.toBeNull();
   expect(troubles).toEqual([]);
 });

@@ -66,7 +66,7 @@ async function inMenu(page: Page, id: string, name: string): Promise<void> {
 /** A scan of the example patient, as the first page offers it. */
 export const example = (page: Page, name: "standing" | "supine" = "standing"): Promise<void> => inMenu(page, "example-menu", `.*${name}$`);
 /** What of scan and model is shown, or what else can be switched on the stage. */
-export const look = (page: Page, name: "Skin" | "Both" | "Model" | "Beside" | "Swipe" | "Distances" | "Left on right" | "Table and loose pieces" | "Turn both together" | "The scan's own colours"): Promise<void> => inMenu(page, "look-menu", name);
+export const look = (page: Page, name: "Skin" | "Both" | "Model" | "Distances" | "Left on right" | "Table and loose pieces" | "Turn both together" | "The scan's own colours"): Promise<void> => inMenu(page, "look-menu", name);
 /** From which side the body is seen. */
 export const lookFrom = (page: Page, side: "Front" | "Left" | "Right" | "Back" | "Top"): Promise<void> => inMenu(page, "view-menu", side);
 export const more = (page: Page, name: string): Promise<void> => inMenu(page, "page-menu", name);

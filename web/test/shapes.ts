@@ -1,5 +1,5 @@
-// Scans made of plain shapes: a ball on a table, plates with air between them.
-import { BufferGeometry, Float32BufferAttribute, PlaneGeometry, SphereGeometry } from "three";
+// Scans made of plain shapes: half a ball, plates with air between them.
+import { BufferGeometry, Float32BufferAttribute, SphereGeometry } from "three";
 import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
 import { MeshBVH } from "three-mesh-bvh";
 
@@ -26,11 +26,3 @@ export function made(...parts: BufferGeometry[]): BufferGeometry {
 }
 
 export const half = (): BufferGeometry => cut(new SphereGeometry(0.1, 96, 64).rotateX(Math.PI / 2), (_x, _y, z) => z > 0);
-
-/** The upper half of a ball (100 mm) that lies on a table of 0.6 m, scanned from above: the table ends at the body. */
-export const onTable = (): BufferGeometry =>
-  made(
-    half(),
-    cut(new PlaneGeometry(0.6, 0.6, 120, 120), (x, y) => Math.hypot(x, y) > 0.097),
-    place(new SphereGeometry(0.008, 12, 8), 0.2, 0.2, 0.1),
-  );

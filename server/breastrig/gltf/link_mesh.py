@@ -50,7 +50,7 @@ SAME = 1e-5  # m between the middles of what is one triangle; files with single 
 
 def plain_mesh(visible: Surface) -> bytes:
     """A .glb of the visible part of a scan, without its colours; shaded by how much it bends."""
-    return mesh_glb(visible.vertices, visible.faces, colours=shades(visible.vertices, visible.faces))
+    return mesh_glb(visible.vertices, visible.faces, shades=shades(visible.vertices, visible.faces))
 
 
 def coloured_mesh(scan: Scan, visible: Surface) -> bytes:

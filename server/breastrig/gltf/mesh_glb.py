@@ -48,12 +48,14 @@ def mesh_glb(
     texture: bytes | None = None,
     extras: dict[str, Any] | None = None,
     rims: Array | None = None,
+    shades: NDArray[np.uint8] | None = None,
 ) -> bytes:
     """A .glb of (V, 3) m vertices and (F, 3) triangles.
 
     normals (V, 3) unit, computed when absent; colours (V, 3 or 4) uint8 sRGB; uv (V, 2) with the origin at the
     lower left and texture, the bytes of a PNG or JPEG, go together and win over colours.  rims (E, 2, 3)
-    m are both ends of lines that are drawn with it.
+    m are both ends of lines that are drawn with it.  shades (V, 3) uint8 sRGB are for a mesh without any colours: greys
+    that say nothing but its shape, which its extras tell apart by `shaded`.
     """
     document = new_document(extras)
     buffer = BufferWriter(document)
@@ -68,8 +70,8 @@ def mesh_glb(
     if uv is not None and texture is not None:
         attributes["TEXCOORD_0"] = buffer.add(as_float32(uv * [1.0, -1.0] + [0.0, 1.0]), target=on_vertices)
         material = _matte(WHITE, _texture(document, buffer, texture))
-    elif colours is not None:
-        attributes["COLOR_0"] = buffer.add(_linear(colours), target=on_vertices, normalized=True)
+    elif colours is not None or shades is not None:
+        attributes["COLOR_0"] = buffer.add(_linear(shades if colours is None else colours), target=on_vertices, normalized=True)
         material = _matte(WHITE)
     index_type = np.uint16 if len(vertices) < np.iinfo(np.uint16).max else np.uint32
     primitive = Primitive(
@@ -77,11 +79,12 @@ def mesh_glb(
         indices=buffer.add(faces.ravel().astype(index_type), target=ELEMENT_ARRAY_BUFFER),
         material=append(document.materials, material),
     )
+    marks = {"shaded": True} if shades is not None else {}
     primitives = [primitive]
     if rims is not None and len(rims):
         ends = buffer.add(as_float32(rims.reshape(-1, 3) - place), target=on_vertices, bounds=True)
         primitives.append(Primitive(attributes=Attributes(POSITION=ends), mode=LINES))
-    mesh = append(document.meshes, Mesh(name="mesh", primitives=primitives))
+    mesh = append(document.meshes, Mesh(name="mesh", primitives=primitives, extras=marks))
     document.scenes[0].nodes = [append(document.nodes, Node(name="mesh", mesh=mesh, translation=moved_to(place)))]
     return to_glb(document, buffer)
 

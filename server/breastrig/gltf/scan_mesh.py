@@ -29,9 +29,10 @@ def scan_mesh(scan: Scan, body: Surface) -> tuple[bytes, int]:
     glb = mesh_glb(
         scan.vertices,
         faces,
-        colours=shades(scan.vertices, faces) if plain else scan.colours,
+        colours=scan.colours,
         uv=scan.uv,
         texture=scan.texture,
+        shades=shades(scan.vertices, faces) if plain else None,
         rims=vertices[boundary_edges(own)],
     )
     return glb, int(np.count_nonzero(is_body))

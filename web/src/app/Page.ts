@@ -17,6 +17,7 @@ import { createHome } from "../patients/Home";
 import { createPlanNotice } from "../plan/PlanNotice";
 import { createLoadingCard } from "../scan/LoadingCard";
 import { createScanPanel } from "../scan/ScanPanel";
+import { hasLoose } from "../scan/state";
 import { drop as dropWords } from "../scan/text";
 import { createDrawingCarry } from "../stances/DrawingCarry";
 import { createOtherPane } from "../stances/OtherPane";
@@ -282,7 +283,7 @@ const shownInViewBar = (state: Session): ViewBarShown => {
     looks: {
       ...shown.looks,
       ...(hasMirror(state) ? { mirror: state.showMirror } : {}),
-      ...(isBoth && state.stances.other?.scan?.hasLoose ? { loose: state.showLoose } : {}),
+      ...(isBoth && hasLoose(state.stances.other?.scan) ? { loose: state.showLoose } : {}),
       ...(isBoth ? { linked: state.stances.isLinked } : {}),
       ...(hasInside(state) ? { slices: areSlicesOpen(state) } : {}),
     },

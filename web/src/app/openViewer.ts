@@ -20,10 +20,8 @@ import { listenToFingers } from "../landmarks/fingers";
 import { LandmarkPins } from "../landmarks/LandmarkPins";
 import { ModelPicture } from "../landmarks/ModelPicture";
 import { ProposalPins } from "../landmarks/proposals/ProposalPins";
-import { type CutByService, cutByService, NOTHING_CUT } from "../scan/body";
 import { listenToLasso } from "../scan/cropping/CropTool";
 import { ScanMesh } from "../scan/ScanMesh";
-import { withLoose } from "../scan/state";
 import { errors as scanErrors } from "../scan/text";
 import { MeasureLines } from "../stances/measures/MeasureLines";
 import { openOtherView } from "../stances/OtherView";
@@ -66,12 +64,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     if (error !== null) store.set((state) => withProblem(state, place, words));
     else updateAll(store.get());
   };
-  const foundLoose = (file: ArrayBuffer): void =>
-    store.set((state) => {
-      const { other } = state.stances;
-      return { ...withLoose(state, file), stances: other ? { ...state.stances, other: { ...other, ...withLoose(other, file) } } : state.stances };
-    });
-  const scan = new ScanMesh(viewer, ready("scan", scanErrors.mesh), foundLoose);
+  const scan = new ScanMesh(viewer, ready("scan", scanErrors.mesh));
   const torso = new TorsoModel(viewer, ready("model", fitErrors.model));
   const fitted = new FittedSurface(viewer, ready("distances", fitErrors.surface));
   const pins = new LandmarkPins(viewer, scan);
@@ -182,11 +175,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     updateAll(store.get());
   });
 
-  const cut = (): CutByService => {
-    const info = store.get().scan?.info;
-    return info ? cutByService(info) : NOTHING_CUT;
-  };
-  actions.drawing.setSkin(skinFrom(() => scan.parts, cut));
+  actions.drawing.setSkin(skinFrom(() => scan.mesh?.geometry ?? null));
   listenToLasso(stage.canvas, viewer, scan, cross, store, actions.scan); // before the pen, which says last what turns the body
   listenToPen(stage.canvas, viewer, scan, own, corners, store, actions.drawing);
   listenToPenKeys(stage.canvas, viewer, scan, cross, store, actions.drawing);
@@ -214,7 +203,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     actions.view.graphics("ok");
     viewer.invalidate();
   });
-  const other = openOtherView(store, viewer, stages.other, prefersStill, foundLoose, (error) => store.set((state) => withProblem(state, "stances", messageOf(error))));
+  const other = openOtherView(store, viewer, stages.other, prefersStill, (error) => store.set((state) => withProblem(state, "stances", messageOf(error))));
   actions.files.setPicture(async () => (await import("./exportPicture")).exportPicture(panesOf(viewer, other.viewer(), store.get()), store.get()));
   offerTestHook(() => ({ ...store.get(), models: {} }), viewer, scan, fitted, other);
 }

@@ -1,8 +1,7 @@
 // A fit on the page: what was asked for, its iterations as they came, its result, and how the model is shown.
 import type { DrawingFile, FitLinks, Iterated, Model, NodePose, Result, StanceChoice, Started } from "../api/types";
 import type { Picks } from "../landmarks/picks";
-import { cropsOf } from "../scan/crop";
-import type { ScanSlice } from "../scan/state";
+import { hasLoose, type ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import type { Triangles } from "../viewer/ply";
 import type { ViewSlice } from "../viewer/state";
@@ -135,7 +134,7 @@ export const viewBarShown = ({ scan, loading, fit, overlay, view, showDistances,
   looks: {
     ...(fit?.distances != null ? { distances: showDistances } : {}),
     ...(scan?.info.colours === "none" && scan.mesh !== null && overlay !== "model" ? { relief: showRelief } : {}),
-    ...((scan?.hasLoose ?? false) || cropsOf(scan).length > 0 ? { loose: showLoose } : {}),
+    ...(hasLoose(scan) ? { loose: showLoose } : {}),
     ...(scan && scan.info.colours !== "none" && scan.mesh !== null ? { colours: showColours } : {}),
   },
 });

@@ -63,6 +63,15 @@ export function croppedFaces(positions: ArrayLike<number>, index: ArrayLike<numb
   return hidden;
 }
 
+/** Corners of those triangles that are among `faces`, or are not. */
+export const triangles = (index: Uint32Array, faces: Uint8Array, isWanted: boolean): Uint32Array => index.filter((_, i) => (faces[(i / 3) | 0] === 1) === isWanted);
+
+/** Corners of the triangles that are not cut away; all of them where nothing else would be left. */
+export function leftOver(positions: ArrayLike<number>, index: Uint32Array, crops: Crops): Uint32Array {
+  const left = crops.length === 0 ? index : triangles(index, croppedFaces(positions, index, crops), false);
+  return left.length === 0 ? index : left;
+}
+
 /** More than half of these places, millimetres, lie in one of the lassos: as the service says of a line (service/ink.py). */
 export function isCut(points: readonly Vector[], crops: Crops): boolean {
   if (crops.length === 0) return false;

@@ -1,7 +1,7 @@
 // The scan on the page, and how it came there.
 import type { Frame, LandmarkFile, Question, Scan, UnitChoice, VolumeAnswers } from "../api/types";
 import type { History } from "../store/history";
-import type { Crops } from "./crop";
+import { type Crops, cropsOf } from "./crop";
 
 export interface ScanState {
   readonly info: Scan;
@@ -15,7 +15,6 @@ export interface ScanState {
   readonly example: LandmarkFile | null;
   readonly crops?: History<Crops>; // what is cut away by hand
   readonly cuts?: string | null; // which cuts the service keeps, as fits say with which they were made; null: not known yet
-  readonly hasLoose?: boolean; // a table or loose pieces are in it, which the view has found
 }
 
 export interface ScanSlice {
@@ -44,8 +43,8 @@ const plain = (words: string): string => words.normalize("NFKD").replace(/[^\x20
 export const fileName = ({ info }: Pick<ScanState, "info">, what: string, stance: string = info.stance.proposed): string =>
   [plain(info.patient_code) || "no-code", plain(stance), info.created_at.slice(0, "2026-11-25".length), what].join("_");
 
-/** The view has found a table or loose pieces in this file's scan. */
-export const withLoose = ({ scan }: Pick<ScanSlice, "scan">, file: ArrayBuffer): Pick<ScanSlice, "scan"> => ({ scan: scan?.mesh === file ? { ...scan, hasLoose: true } : scan });
+/** A table or loose pieces are in it, or something was cut away by hand. */
+export const hasLoose = (scan: Pick<ScanState, "info" | "crops"> | null | undefined): boolean => scan != null && ((scan.info.body_triangles ?? scan.info.triangles) < scan.info.triangles || cropsOf(scan).length > 0);
 
 /** The lasso is the scan step's. */
 export const withoutLasso = <State extends Pick<ScanSlice, "isCropping" | "scan"> & { readonly step: string }>(state: State): State =>

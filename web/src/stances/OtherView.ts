@@ -28,7 +28,7 @@ type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice & Dra
 const SEEN = ["meta", "models", "theme", "step", "overlay", "view", "scan", "showColours", "showLoose", "showRelief", "active", "followed", "showDistances", "lesion", "stances"] as const;
 type Seen = Pick<State, (typeof SEEN)[number]>;
 
-export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, prefersStill: () => boolean, foundLoose: (file: ArrayBuffer) => void, failed: (error: unknown) => void): OtherPane {
+export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, prefersStill: () => boolean, failed: (error: unknown) => void): OtherPane {
   let viewer: Viewer | null = null;
   let scan: ScanMesh | null = null;
   let parts: Part<Seen & Workspace>[] = [];
@@ -59,7 +59,7 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
       update(store.get());
       follow(main, made);
     };
-    scan = new ScanMesh(made, ready, foundLoose);
+    scan = new ScanMesh(made, ready);
     const torso = new TorsoModel(made, ready);
     const fitted = new FittedSurface(made, ready);
     const [body, pins] = [scan, new LandmarkPins(made, scan)];

@@ -9,8 +9,6 @@ export interface Surface {
   readonly mesh: Mesh | null;
   /** Unit vector out of the surface nearest to a point (scan's frame, metres). */
   normalAt(point: Vector3): Vector3 | null;
-  /** Which triangle of the whole scan one of the mesh is; without it they are the same. */
-  faceOf?(face: number): number;
 }
 
 export interface Hit {
@@ -31,8 +29,7 @@ export function pickAt(viewer: Viewer, scan: Surface, clientX: number, clientY: 
   const hit = raycaster.intersectObject(scan.mesh, false)[0];
   if (!hit) return null;
   const point = viewer.body.worldToLocal(hit.point.clone());
-  const face = hit.faceIndex ?? -1;
-  return { point: point.toArray().map(mmFromMetres) as Vector, face: scan.faceOf?.(face) ?? face };
+  return { point: point.toArray().map(mmFromMetres) as Vector, face: hit.faceIndex ?? -1 };
 }
 
 /** A place on the fitted surface: the corners of its triangle and their shares. */

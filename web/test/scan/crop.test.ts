@@ -1,17 +1,17 @@
 // Parts of a scan that are cut away by a lasso: which triangles, that they can be neither picked nor drawn on, undone, redone and
 // kept with the scan, which itself stays whole.
-import { type BufferGeometry, Matrix4, PerspectiveCamera, Ray, Vector3 } from "three";
-import type { MeshBVH } from "three-mesh-bvh";
+import { BufferAttribute, BufferGeometry, Matrix4, PerspectiveCamera, Ray, Vector3 } from "three";
+import { MeshBVH } from "three-mesh-bvh";
 import { afterEach, expect, test, vi } from "vitest";
-import { skinFrom, skinOn } from "../../src/drawing/lines/skin";
+import { skinFrom, skinOf } from "../../src/drawing/lines/skin";
 import { viewBarShown } from "../../src/fit/state";
-import { bodyOf, type BodyQuestion, NOTHING_CUT, partOf } from "../../src/scan/body";
-import { type Crop, croppedFaces, cropsFrom, cropsOf, cutsOf, MOST, NO_CROPS, shareWithin } from "../../src/scan/crop";
+import { type Crop, croppedFaces, cropsFrom, cropsOf, cutsOf, leftOver, MOST, NO_CROPS, shareWithin, triangles } from "../../src/scan/crop";
 import type { Cut } from "../../src/api/types";
 import { ApiError } from "../../src/api/client";
 import { outdated } from "../../src/fit/outdated";
 import example from "../../../tests/scan/hand_cuts.json";
 import { cropKey } from "../../src/scan/cropKeys";
+import { hasLoose } from "../../src/scan/state";
 import { half, made } from "../shapes";
 import { withScan } from "../fakes";
 
@@ -27,18 +27,20 @@ function rightOf(x: number): Crop {
   return { toPicture: toPicture.toArray(), lasso: [[edge, -1], [1, -1], [1, 1], [edge, 1]] };
 }
 
-const question = (whole: BufferGeometry, crops: readonly Crop[]): BodyQuestion => ({
-  positions: whole.attributes.position!.array as Float32Array,
-  index: Uint32Array.from(whole.index!.array),
-  isSplit: false,
-  cut: NOTHING_CUT,
-  crops,
-  wantsRelief: false,
-});
+const positionsOf = (whole: BufferGeometry): Float32Array => whole.attributes.position!.array as Float32Array;
+const indexOf = (whole: BufferGeometry): Uint32Array => Uint32Array.from(whole.index!.array);
+
+/** What is left of it, as it is seen and drawn on. */
+function left(whole: BufferGeometry, crops: readonly Crop[]): BufferGeometry {
+  const made = new BufferGeometry().setAttribute("position", whole.attributes.position!);
+  made.setIndex(new BufferAttribute(leftOver(positionsOf(whole), indexOf(whole), crops), 1));
+  made.boundsTree = new MeshBVH(made, { indirect: true });
+  return made;
+}
 
 test("exactly the triangles whose middle lies in the lasso are hidden, however deep; none behind the eye", () => {
   const whole = made(half());
-  const { positions, index } = question(whole, NO_CROPS);
+  const [positions, index] = [positionsOf(whole), indexOf(whole)];
   const crop = rightOf(0.03);
   const hidden = croppedFaces(positions, index, [crop]);
   let count = 0;
@@ -56,34 +58,43 @@ test("exactly the triangles whose middle lies in the lasso are hidden, however d
 test("what is hidden can be neither picked nor drawn on, and the scan itself stays whole", () => {
   const whole = made(half());
   const before = whole.index!.array.slice();
-  const { drawable, part } = bodyOf(question(whole, [rightOf(0.03)]));
-  const body = partOf(whole, part!);
+  const body = left(whole, [rightOf(0.03)]);
   const down = (x: number): boolean => (body.boundsTree as MeshBVH).raycastFirst(new Ray(new Vector3(x, 0, 1), new Vector3(0, 0, -1))) !== null;
   expect([down(-0.05), down(0), down(0.06)]).toEqual([true, true, false]);
-  const skin = skinOn({ whole, drawable, body });
-  const faceAt = (x: number): number => (whole.boundsTree as MeshBVH).raycastFirst(new Ray(new Vector3(x, 0, 1), new Vector3(0, 0, -1)))!.faceIndex!;
-  const mayDraw = (x: number): boolean => skin.mayDraw({ face: faceAt(x), point: [1000 * x, 0, 90] }, [0, 0, 1000]);
-  expect([mayDraw(-0.05), mayDraw(0.06)]).toEqual([true, false]);
-  expect(skin.nearest([80, 0, 60]).point[0], "lines stay on what is left").toBeLessThan(35);
+  expect(skinOf(body).nearest([80, 0, 60]).point[0], "lines stay on what is left").toBeLessThan(35);
   expect(whole.index!.array).toEqual(before);
 });
 
 test("a lasso around everything hides nothing", () => {
   const whole = made(half());
-  expect(bodyOf(question(whole, [rightOf(-0.5)])).part).toBeNull();
+  expect(leftOver(positionsOf(whole), indexOf(whole), [rightOf(-0.5)])).toEqual(indexOf(whole));
 });
 
-test("the pen goes by what is hidden now, not by what was", () => {
+test("the pen goes by what is hidden now, not by what was, and waits until it is known", () => {
   const whole = made(half());
-  const parts = (crops: readonly Crop[]) => {
-    const { drawable, part } = bodyOf(question(whole, crops));
-    return { whole, drawable, body: part && partOf(whole, part) };
-  };
-  let now = parts(NO_CROPS);
+  let now: BufferGeometry | null = null;
   const skin = skinFrom(() => now);
+  expect(skin()).toBeNull();
+  now = left(whole, NO_CROPS);
   expect(skin()!.nearest([80, 0, 60]).point[0]).toBeGreaterThan(70);
-  now = parts([rightOf(0.03)]);
+  now = left(whole, [rightOf(0.03)]);
   expect(skin()!.nearest([80, 0, 60]).point[0]).toBeLessThan(35);
+});
+
+test("the corners of chosen triangles", () => {
+  const index = Uint32Array.from([0, 1, 2, 2, 1, 3, 3, 1, 4]);
+  expect([...triangles(index, Uint8Array.from([1, 0, 1]), true)]).toEqual([0, 1, 2, 3, 1, 4]);
+  expect([...triangles(index, Uint8Array.from([1, 0, 1]), false)]).toEqual([2, 1, 3]);
+});
+
+test("loose pieces are hidden until somebody asks for them, and can be where the service has found any", async () => {
+  const { store, actions } = await withScan();
+  expect(store.get().showLoose).toBe(false);
+  const scan = store.get().scan!;
+  const of = (more: object): boolean => hasLoose({ ...scan, info: { ...scan.info, triangles: 9, ...more } });
+  expect([of({}), of({ body_triangles: 9 }), of({ body_triangles: 8 })]).toEqual([false, false, true]);
+  actions.scan.showLoose(true);
+  expect(store.get().showLoose).toBe(true);
 });
 
 test("cuts are undone and redone step by step, brought back one by one, and the service keeps what is seen", async () => {

@@ -1,12 +1,10 @@
 import { BufferAttribute, BufferGeometry, DoubleSide, Matrix4, Mesh, MeshBasicMaterial, Raycaster, Vector3 } from "three";
 import { acceleratedRaycast, MeshBVH } from "three-mesh-bvh";
 import { expect, test } from "vitest";
-import { borderEdges } from "../../src/scan/borders";
 import { extent } from "../../src/viewer/extent";
 import { segments } from "../../src/viewer/lines/FatLines";
 import { surfacePosition } from "../../src/viewer/lines/surfacePoints";
 import { viewFromScan } from "../../src/viewer/Viewer";
-import { seeded } from "../seeded";
 
 // Two triangles that make the unit square in the plane z = 2.
 const corners = [0, 0, 2, 1, 0, 2, 1, 1, 2, 0, 1, 2];
@@ -48,26 +46,6 @@ test("a surface point follows its triangle wherever that goes, and knows which w
 test("a surface point on a triangle that is not there is an error and not a wrong place", () => {
   const at = (_: number, target: Vector3) => target;
   expect(() => surfacePosition({ face: 2, barycentric: [1, 0, 0] }, square, at, new Vector3(), new Vector3())).toThrow("no triangle 2");
-});
-
-test("the border of a square is its four sides, also when a texture splits its vertices", () => {
-  expect(borderEdges(corners, square, false).length).toBe(4 * 6);
-  const split = [...corners.slice(0, 9), ...corners.slice(0, 3), ...corners.slice(6, 12)];
-  expect(borderEdges(split, [0, 1, 2, 3, 4, 5], true).length).toBe(4 * 6);
-});
-
-test("the rims of a torn, tangled surface are the edges that one triangle alone has", () => {
-  const random = seeded(3);
-  const corners = Array.from({ length: 3 * 400 }, () => Math.floor(60 * random())); // edges of one to a dozen triangles
-  const index = corners.filter((_, i) => new Set(corners.slice(i - (i % 3), i - (i % 3) + 3)).size === 3);
-  const positions = Float32Array.from({ length: 180 }, random);
-  const key = (a: number, b: number): string => [Math.min(a, b), Math.max(a, b)].join();
-  const edges = index.map((a, i) => [a, index[i % 3 === 2 ? i - 2 : i + 1]!] as const);
-  const uses = new Map<string, number>();
-  for (const [a, b] of edges) uses.set(key(a, b), (uses.get(key(a, b)) ?? 0) + 1);
-  const alone = edges.filter(([a, b]) => uses.get(key(a, b)) === 1);
-  expect(alone.length).toBeGreaterThan(20);
-  expect([...borderEdges(positions, index, false)]).toEqual(alone.flat().flatMap((vertex) => [...positions.subarray(3 * vertex, 3 * vertex + 3)]));
 });
 
 test("a frame turns head to +Y, front to +Z and the patient's left to +X", () => {

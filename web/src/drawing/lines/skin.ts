@@ -3,9 +3,6 @@
 import { type BufferGeometry, DoubleSide, Ray, Vector3 } from "three";
 import type { MeshBVH } from "three-mesh-bvh";
 import type { Vector } from "../../api/types";
-import { type BodyQuestion, bodyOf, type CutByService, NOTHING_CUT, partOf, type ScanParts } from "../../scan/body";
-import { NO_CROPS } from "../../scan/crop";
-import type { Drawable } from "../../scan/drawable";
 import { metresFromMm, mmFromMetres } from "../../ui/units";
 
 export interface OnSkin {
@@ -18,36 +15,16 @@ export interface Skin {
   nearest(place: Vector): OnSkin;
   /** Along the line through `place` with this direction, the meeting nearest to it whose outside looks that way. */
   needle(place: Vector, direction: Vector): OnSkin | null;
-  /** Whether a hand may draw there: on the patient, on the side of a triangle that looks out and to the eye; all in mm. */
+  /** Whether a hand may draw there: on the side of a triangle that looks out and to the eye; all in mm. */
   mayDraw(hit: { readonly face: number; readonly point: Vector }, eye: Vector): boolean;
 }
-
-type FoundParts = ScanParts & { readonly drawable: Drawable };
 
 const toMetres = (at: Vector): Vector3 => new Vector3(metresFromMm(at[0]), metresFromMm(at[1]), metresFromMm(at[2]));
 const toMm = (at: Vector3): Vector => [mmFromMetres(at.x), mmFromMetres(at.y), mmFromMetres(at.z)];
 const REACH = 0.25; // metres that a needle goes to each side; half a torso
 
-const questionOf = (whole: BufferGeometry, cut: CutByService): BodyQuestion => ({
-  positions: whole.attributes.position!.array as Float32Array,
-  index: Uint32Array.from(whole.index!.array),
-  isSplit: whole.hasAttribute("uv"),
-  cut,
-  crops: NO_CROPS,
-  wantsRelief: false,
-});
-
-/** The patient in a scan, found here and now. */
-export function partsOf(whole: BufferGeometry, cut: CutByService): FoundParts {
-  const { drawable, part } = bodyOf(questionOf(whole, cut));
-  return { whole, drawable, body: part && partOf(whole, part) };
-}
-
-/** `whole` has an index and its BVH as `boundsTree`. */
-export const skinOf = (whole: BufferGeometry, cut: CutByService = NOTHING_CUT): Skin => skinOn(partsOf(whole, cut));
-
-export function skinOn({ whole, drawable, body }: FoundParts): Skin {
-  const geometry = body ?? whole;
+/** Of a surface that has an index and its BVH as `boundsTree`. */
+export function skinOf(geometry: BufferGeometry): Skin {
   const bvh = geometry.boundsTree as MeshBVH;
   const index = geometry.index!;
   const position = geometry.attributes.position!;
@@ -80,24 +57,17 @@ export function skinOn({ whole, drawable, body }: FoundParts): Skin {
       }
       return best;
     },
-    mayDraw({ face, point }, eye) {
-      if (body !== null && !drawable.isSkin[face]) return false;
-      [a, b, c].forEach((corner, k) => corner.fromBufferAttribute(position, whole.index!.getX(3 * face + k)));
-      const outwards = new Vector3().crossVectors(b.sub(a), c.sub(a)).multiplyScalar(drawable.outwards[face] ?? 1);
-      return outwards.dot(toMetres(eye).sub(toMetres(point))) > 0;
-    },
+    mayDraw: ({ face, point }, eye) => normalOf(face).dot(toMetres(eye).sub(toMetres(point))) > 0,
   };
 }
 
-/** The skin of whatever scan is on the screen; made once for each. */
-export function skinFrom(parts: () => ScanParts | null, cut: () => CutByService = () => NOTHING_CUT): () => Skin | null {
-  let made: { of: BufferGeometry; drawable: Drawable | null; skin: Skin } | null = null;
+/** The skin of whatever scan is on the screen, once it can be picked on; made once for each. */
+export function skinFrom(geometry: () => BufferGeometry | null): () => Skin | null {
+  let made: { readonly of: unknown; readonly skin: Skin } | null = null;
   return () => {
-    const now = parts();
-    if (!now) return null;
-    const { whole, drawable, body } = now;
-    // Who draws before the worker has answered does not wait for it.
-    if (made?.of !== whole || made.drawable !== drawable) made = { of: whole, drawable, skin: drawable ? skinOn({ whole, drawable, body }) : skinOf(whole, cut()) };
+    const now = geometry();
+    if (!now?.boundsTree) return null;
+    if (made?.of !== now.boundsTree) made = { of: now.boundsTree, skin: skinOf(now) };
     return made.skin;
   };
 }

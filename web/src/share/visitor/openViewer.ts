@@ -5,7 +5,6 @@ import { HoverValue } from "../../fit/distances/HoverValue";
 import { hasModelShown } from "../../fit/state";
 import { TorsoModel } from "../../fit/TorsoModel";
 import { ScanMesh } from "../../scan/ScanMesh";
-import { withLoose } from "../../scan/state";
 import type { Store } from "../../store/store";
 import { ScaleBar } from "../../viewer/ScaleBar";
 import { SideLetters } from "../../viewer/SideLetters";
@@ -20,7 +19,7 @@ export function openSharedViewer(store: Store<VisitorState>, stage: Stage, faile
     if (error !== null) failed();
     else update(store.get());
   };
-  const scan = new ScanMesh(viewer, ready, (file) => store.set((state) => withLoose(state, file)));
+  const scan = new ScanMesh(viewer, ready);
   const torso = new TorsoModel(viewer, ready); // stays empty: the rig is not part of a link
   const fitted = new FittedSurface(viewer, ready);
   const parts: Part<VisitorState>[] = [
