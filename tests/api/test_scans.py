@@ -38,6 +38,7 @@ def test_an_upload_says_what_was_read(client: FlaskClient, torso: bytes) -> None
     assert large["unit"] == "m"
     assert large["size_doubt"].startswith("Read in metres the body is 2.")
     assert (scan["vertices"], scan["triangles"]) == (1625, 3072)
+    assert scan["body_triangles"] == 3072
     assert np.allclose(scan["bounds_m"]["min"][1], 0.0, atol=1e-6)
     assert np.allclose(scan["bounds_m"]["max"][1], 0.5, atol=1e-6)
     assert scan["colours"] == "none"

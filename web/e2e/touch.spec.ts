@@ -85,7 +85,7 @@ test("fingers turn, place, aim and zoom; both ways of holding a tablet have room
     await until(page, () => window.__breastrig?.state().fit?.distances);
     for (const viewport of [{ width: 1024, height: 768 }, { width: 820, height: 1180 }, { width: 1280, height: 720 }]) {
       await page.setViewportSize(viewport);
-      for (const overlay of ["Both", "Beside", "Swipe"] as const) {
+      for (const overlay of ["Both", "Model"] as const) {
         await look(page, overlay);
         expect(await mess(page), `${viewport.width} x ${viewport.height}, ${overlay}`).toEqual([]);
       }

@@ -55,7 +55,7 @@ def plain_mesh(visible: Surface) -> bytes:
 
 def coloured_mesh(scan: Scan, visible: Surface) -> bytes:
     """A .glb of the scan's triangles that are visible, with its texture or colours."""
-    faces = scan.faces[are_among(scan.vertices[scan.faces].mean(axis=1), visible)]
+    faces = scan.faces[_are_among(scan.vertices[scan.faces].mean(axis=1), visible)]
     used, ours = np.unique(faces, return_inverse=True)
     vertices, faces = scan.vertices[used], ours.reshape(-1, 3)
     if scan.uv is not None and scan.texture is not None:
@@ -66,7 +66,7 @@ def coloured_mesh(scan: Scan, visible: Surface) -> bytes:
     return plain_mesh(visible)
 
 
-def are_among(middles: Array, visible: Surface) -> Booleans:
+def _are_among(middles: Array, visible: Surface) -> Booleans:
     """(F,) which of the (F, 3) m middles of triangles are those of visible ones."""
     there = cKDTree(visible.vertices[visible.faces].mean(axis=1))
     distances, _ = there.query(middles, distance_upper_bound=SAME)

@@ -6,10 +6,9 @@ colours is shaded by how much it bends (rendering/folds.py).  The rims of the bo
 
 import numpy as np
 
-from breastrig.core.arrays import Integers
+from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.geometry.boundary import boundary_edges
 from breastrig.geometry.normals import face_crosses
-from breastrig.gltf.link_mesh import are_among
 from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.rendering.folds import shades
 from breastrig.scan.clean import Surface, welded
@@ -22,7 +21,7 @@ def scan_mesh(scan: Scan, body: Surface) -> tuple[bytes, int]:
     faces = _facing_outwards(scan)
     is_body = np.ones(len(faces), dtype=np.bool_)
     if len(faces) > len(body.faces):
-        is_body = are_among(scan.vertices[faces].mean(axis=1), body)
+        is_body = _are_of(body, scan.vertices, faces)
     faces = np.concatenate([faces[is_body], faces[~is_body]])
     plain = scan.colours is None and scan.texture is None
     vertices, own = welded(scan.vertices, faces[: np.count_nonzero(is_body)])  # seams of a texture are no rims
@@ -45,3 +44,13 @@ def _facing_outwards(scan: Scan) -> Integers:
         return scan.faces
     is_turned = (turned != faces).any(axis=1)
     return np.where(is_turned[:, None], scan.faces[:, ::-1], scan.faces)
+
+
+def _are_of(body: Surface, vertices: Array, faces: Integers) -> Booleans:
+    """(F,) which triangles have all corners on the body's."""
+    places, corners = welded(
+        np.concatenate([vertices, body.vertices]), np.concatenate([faces, body.faces + len(vertices)])
+    )
+    on_body = np.zeros(len(places), dtype=np.bool_)
+    on_body[corners[len(faces) :]] = True
+    return np.asarray(on_body[corners[: len(faces)]].all(axis=1))
