@@ -1,4 +1,4 @@
-"""The mesh that the page shows: the body's triangles first, all outwards, its rims beside it, shaded where it is grey."""
+"""The mesh that the page shows: the body first, all facing outwards, its rims beside it, shaded where it is grey."""
 
 import numpy as np
 import pytest

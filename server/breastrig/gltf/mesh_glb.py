@@ -70,10 +70,8 @@ def mesh_glb(
     if uv is not None and texture is not None:
         attributes["TEXCOORD_0"] = buffer.add(as_float32(uv * [1.0, -1.0] + [0.0, 1.0]), target=on_vertices)
         material = _matte(WHITE, _texture(document, buffer, texture))
-    elif colours is not None or shades is not None:
-        attributes["COLOR_0"] = buffer.add(
-            _linear(shades if colours is None else colours), target=on_vertices, normalized=True
-        )
+    elif (tints := shades if colours is None else colours) is not None:
+        attributes["COLOR_0"] = buffer.add(_linear(tints), target=on_vertices, normalized=True)
         material = _matte(WHITE)
     index_type = np.uint16 if len(vertices) < np.iinfo(np.uint16).max else np.uint32
     primitive = Primitive(
