@@ -46,14 +46,19 @@ def _body_labels() -> np.ndarray:
 
 
 def front_labels(rig: Rig, lesion: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray, float]:
-    """Labels of the template's front from the folds' belly to the collar bones: 1 for the body, 2 for a ball inside.
-
-    And (3,) mm, LPS, of the first voxel, and the voxels' size.  `lesion` is (3,) m in the template's frame.
-    """
+    """`labels_behind` of the template's front from the folds' belly to the collar bones."""
     regions = ("breast_L", "breast_R", "areola_L", "areola_R", "chest", "belly")
     shown = np.unique(np.concatenate([rig.regions[name] for name in regions]))
     front = shown[rig.normals_at(rig.template)[shown, 2] > 0.2]
-    skin = in_lps(rig.template[front])
+    return labels_behind(rig.template[front], lesion, radius)
+
+
+def labels_behind(front: np.ndarray, lesion: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray, float]:
+    """Labels of what lies behind a skin's front: 1 for the body, 2 for a ball inside.
+
+    And (3,) mm, LPS, of the first voxel, and the voxels' size.  `front` (N, 3) and `lesion` (3,) m: left, up, front.
+    """
+    skin = in_lps(front)
     size, low = 2.0, np.floor(skin.min(axis=0)) - 6.0
     shape = np.ceil((skin.max(axis=0) - low) / size).astype(int)
     left, back, up = (low[k] + size * np.arange(shape[k]) for k in range(3))

@@ -98,13 +98,13 @@ def test_feet_never_make_a_scan_in_metres_doubtful(across: float) -> None:
     [
         (0.73, "m", ""),
         (1.7, "mm", ""),
-        (2.408, "m", "the body is 2.4 m across, more than an ordinary torso; check unit and export. In feet (0.734 m)"),
+        (2.408, "m", "2.4 m across, more than scans usually show; check unit and export. In feet (0.734 m)"),
         (
             2.2,
             "mm",
-            "Read in millimetres the body is 2.2 m across, more than an ordinary torso; check unit and export.",
+            "Read in millimetres the body is 2.2 m across, more than scans usually show; check unit and export.",
         ),
-        (0.4, "m", "less than an ordinary torso, or a part of one; check unit and export."),
+        (0.4, "m", "less than scans usually show; check unit and export."),
     ],
 )
 def test_a_size_that_is_not_ordinary_is_said(metres: float, unit: str, said: str) -> None:
@@ -118,4 +118,4 @@ def test_a_unit_that_is_known_is_not_doubted() -> None:
     """That of a label map, which may show one breast."""
     assert "In centimetres (1 m) it would be ordinary." in size_doubt(0.1, "mm")
     known = size_doubt(0.1, "mm", is_known=True)
-    assert known.endswith("less than an ordinary torso, or a part of one; check unit and export.")
+    assert known.endswith("less than scans usually show; check unit and export.")

@@ -33,7 +33,7 @@ test("the example patient is one click away, and the keyboard goes the whole way
   await untilFitted(page);
   const both = await hook.picture(page);
   await page.keyboard.press("o");
-  await expect(page.locator("[popovertarget=look-menu]")).toHaveText("Model");
+  await expect(page.locator("[popovertarget=look-menu]")).toHaveText("Both");
   expect((await hook.picture(page)).checksum).not.toBe(both.checksum);
   await page.keyboard.press("?");
   await expect(page.getByRole("dialog")).toBeVisible();

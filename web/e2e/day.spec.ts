@@ -223,7 +223,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
   });
 
   await test.step("the page works on the other one at a click, and back", async () => {
-    await page.getByRole("button", { name: "Work here" }).click();
+    await page.locator(".other-view").click();
     await expect.poll(async () => (await state(page)).fit!.id).toBe(standing);
     expect((await state(page)).drawn.lines.present).toHaveLength(1);
     await expect(thumb(page, "standing")).toHaveAttribute("aria-pressed", "true");
@@ -264,7 +264,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
   expect((await hook.picture(page)).isLost).toBe(false);
 
   const link = await test.step("a colleague sees the supine result through a link, with a passcode, and nothing else", async () => {
-    await page.locator(".other-stage").getByRole("button", { name: "Work here" }).click();
+    await page.locator(".other-view").click();
     await expect.poll(async () => (await state(page)).fit!.id).toBe(supine);
     await openShare(page);
     const dialog = page.getByRole("dialog", { name: "Share this result" });
@@ -292,7 +292,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
 
   await test.step("who asks to delete one stance is told what of the plan goes with it, on the other stance too", async () => {
     await page.keyboard.press("3"); // the printed pages stand before the body
-    await page.locator(".other-stage").getByRole("button", { name: "Work here" }).click();
+    await page.locator(".other-view").click();
     await expect.poll(async () => (await state(page)).fit!.id).toBe(standing);
     await more(page, "Delete this scan …");
     const question = page.getByRole("dialog", { name: "Delete this scan?" });

@@ -1,24 +1,13 @@
 // The first minute: files of one patient dropped together become one patient, each scan is fitted by itself and seen to
 // settle, and each word of the sentence corrects itself.
-import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { expect, type Page } from "@playwright/test";
 import { seriousFindings } from "./audit";
-import { hook, SCAN_FILE, test, thumb, until, untilFitted } from "./page";
+import { drop, hook, SCAN_FILE, test, thumb, until, untilFitted } from "./page";
 
 test.use({ fitsAtOnce: true, contextOptions: { reducedMotion: "no-preference" } }); // as most people have it
 
 const SUPINE = SCAN_FILE.replace("standing", "supine");
-
-/** Lets files go over the page, as a hand does that holds them. */
-async function drop(page: Page, files: readonly { readonly name: string; readonly path: string }[]): Promise<void> {
-  const held = files.map(({ name, path }) => ({ name, bytes: readFileSync(path).toString("base64") }));
-  await page.evaluate((all) => {
-    const data = new DataTransfer();
-    for (const { name, bytes } of all) data.items.add(new File([Uint8Array.from(atob(bytes), (letter) => letter.charCodeAt(0))], name));
-    for (const kind of ["dragenter", "drop"]) document.querySelector(".stages")!.dispatchEvent(new DragEvent(kind, { dataTransfer: data, bubbles: true, cancelable: true }));
-  }, held);
-}
 
 const state = (page: Page) => page.evaluate(() => window.__breastrig!.state());
 
@@ -41,6 +30,10 @@ test("two scans and their landmarks are dropped together: one patient, each fitt
   await test.step("nothing changes place: tapped away and back", async () => {
     const places = async () => Promise.all(["standing", "supine"].map(async (each) => (await thumb(page, each as "standing").boundingBox())!.y));
     const before = await places();
+    await thumb(page, "standing").click();
+    expect((await state(page)).scan!.info.stance.proposed, "in work now").toBe("standing");
+    await expect(page.locator(".other-stage")).toBeVisible();
+    expect(await places()).toEqual(before);
     await thumb(page, "standing").click();
     await expect(thumb(page, "standing")).toHaveAttribute("aria-pressed", "false");
     await expect(page.locator(".other-stage")).toBeHidden();
@@ -68,13 +61,13 @@ test("a scan that comes is fitted by itself and seen to settle; each word of the
   expect(settled.length, "steps that were seen").toBeGreaterThan(4);
   expect(settled.at(-1)!.at - settled[0]!.at, "milliseconds").toBeGreaterThan(500);
   const sentence = page.locator(".sentence");
-  await expect(sentence).toHaveText(/^Standing\s?,\s?a woman\s?,\s?\d\d\scm tall\s?,\s?facing you$/, { useInnerText: true });
+  await expect(sentence).toHaveText(/^Standing\s?,\s?a woman\?\s?,\s?\d\d\scm tall\s?,\s?facing you$/, { useInnerText: true });
   const first = (await hook.fit(page))!.id;
 
   await test.step("lying, not standing: the fit that knows it is made at once", async () => {
     await sentence.getByRole("button", { name: "Standing" }).click();
     await page.locator("#stance-word").getByRole("button", { name: "Supine" }).click();
-    await expect(sentence).toHaveText(/^Supine\s?,\s?a woman\s?,\s?\d\d\scm long\s?,\s?face up$/, { useInnerText: true });
+    await expect(sentence).toHaveText(/^Supine\s?,\s?a woman\?\s?,\s?\d\d\scm long\s?,\s?face up$/, { useInnerText: true });
     await expect.poll(async () => (await hook.fit(page))!.id).not.toBe(first);
     await untilFitted(page);
     expect((await state(page)).fit!.result!.stance).toBe("supine");
@@ -89,8 +82,15 @@ test("a scan that comes is fitted by itself and seen to settle; each word of the
     const { scan, fit } = await state(page);
     expect(scan!.info.size_doubt).not.toBe("");
     expect(fit).toBeNull();
-    await expect(page.locator(".scan-asked")).toContainText(scan!.info.size_doubt!);
-    await expect(page.locator("#next")).toHaveText("The size is right");
+    const doubt = page.locator(".doubt-card");
+    await expect(doubt).toContainText(scan!.info.size_doubt!);
+    await expect(doubt.getByRole("heading", { name: "Is the size right?" })).toBeFocused();
+    await expect(page.locator("#next")).toBeHidden();
+    expect(await seriousFindings(page)).toEqual([]);
+    await doubt.getByRole("button", { name: /^Metres: \d\d\scm$/ }).click();
+    await expect.poll(async () => (await state(page)).scan?.info.unit).toBe("m");
+    await untilFitted(page);
+    await expect(doubt).toBeHidden();
   });
 
   await test.step("the picture is turned, and says by whom", async () => {

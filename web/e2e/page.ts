@@ -56,6 +56,16 @@ export const hook = {
     }),
 };
 
+/** Lets files go over the page, as a hand does that holds them. */
+export async function drop(page: Page, files: readonly { readonly name: string; readonly path: string }[]): Promise<void> {
+  const held = files.map(({ name, path }) => ({ name, bytes: readFileSync(path).toString("base64") }));
+  await page.evaluate((all) => {
+    const data = new DataTransfer();
+    for (const { name, bytes } of all) data.items.add(new File([Uint8Array.from(atob(bytes), (letter) => letter.charCodeAt(0))], name));
+    for (const kind of ["dragenter", "drop"]) document.querySelector(".stages")!.dispatchEvent(new DragEvent(kind, { dataTransfer: data, bubbles: true, cancelable: true }));
+  }, held);
+}
+
 /** Opens one of the menus on the stage's bar or in the top bar, presses what is called so, and closes it. */
 async function inMenu(page: Page, id: string, name: string): Promise<void> {
   await page.locator(`[popovertarget=${id}]`).click();

@@ -27,7 +27,7 @@ test("distances are coloured, read under the pointer, and are the service's", as
   await test.step("first stands what the fit is good for; distances to the skin are folded away, with that of the model alone", async () => {
     const alone = result.model_alone!.surface_distance_mm.mean!;
     expect(result.surface_distance_mm.mean!).toBeLessThan(0.5 * alone);
-    await expect(page.locator(".numbers .verdict")).toHaveText(`Ready to drawLines are one finger wide ±\u00a0${Math.round(result.line_error_mm!)}\u00a0mm. The grey band holds the true line nine times in ten.`);
+    await expect(page.locator(".numbers .verdict")).toHaveText(`Ready to drawLines on the breasts are one finger wide ±\u00a0${Math.round(result.line_error_mm!)}\u00a0mm. The grey band holds the true line nine times in ten.`);
     await expect(page.locator(".stage .sureness")).toContainText(`one finger wide±\u00a0${Math.round(result.line_error_mm!)}\u00a0mm`);
     await expect(page.locator(".numbers .block").first()).toBeHidden();
     await page.locator(".numbers .solver summary").click();

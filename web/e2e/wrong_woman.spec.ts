@@ -35,7 +35,7 @@ test("what is another patient's is asked about, and nothing of it is taken befor
     const file = info.outputPath("another.json");
     writeFileSync(file, JSON.stringify({ schema: "breastrig/drawing@1", unit: landmarks.unit ?? "mm", patient: "P-9", scan_sha256: "ab".repeat(32), shapes }));
     await page.locator("#drawing-file").setInputFiles(file);
-    const dialog = page.locator("#another-dialog");
+    const dialog = page.locator(".doubt-card");
     await expect(dialog).toContainText("patient P-9");
     await expect(dialog).toContainText(mine.patient_code);
     expect(await names()).toEqual([]);
@@ -108,7 +108,7 @@ test("another woman's scan as the other stance is asked about, without a pick; t
   const { path, env } = helper("other_woman.py");
   execFileSync(findPython(), [path, folder], { env, stdio: "inherit" });
   const anothers = join(folder, "patient_3", "supine", "scan.ply");
-  const dialog = page.locator("#same-patient-dialog");
+  const dialog = page.locator(".doubt-card");
   const patientOf = async (scan: string): Promise<string> => ((await (await page.request.get(`${base}/api/scans/${scan}`)).json()) as Scan).patient;
   const openScan = () => page.evaluate(() => window.__breastrig!.state().scan!.info.id);
 
@@ -137,11 +137,11 @@ test("another woman's scan as the other stance is asked about, without a pick; t
     await withSecond(page, base, anothers);
     await expect(dialog).toBeVisible({ timeout: 60_000 });
     expect(await carried(page)).toEqual([]);
-    await expect(page.locator(".numbers .verdict")).toContainText("do not look like scans of one patient");
+    await expect(page.locator("#side-body"), "the question has the panel's place").toBeHidden();
     await dialog.getByRole("button", { name: /^Yes/ }).click();
     await expect(dialog).toBeHidden();
     await expect.poll(() => carried(page)).toEqual(["incision"]);
-    await expect(page.locator(".numbers .verdict")).not.toContainText("one patient");
+    await expect(page.locator("#side-body")).toBeVisible();
     await page.reload();
     await hook.ready(page);
     await expect.poll(() => carried(page), { timeout: 60_000 }).toEqual(["incision"]);
@@ -153,7 +153,7 @@ test("another woman's scan as the other stance is asked about, without a pick; t
     await expect.poll(() => carried(page), { timeout: 60_000 }).toEqual(["incision"]);
     await untilCompared(page);
     await expect(dialog).toBeHidden();
-    await expect(page.locator(".numbers .verdict")).not.toContainText("one patient");
+    await expect(page.locator("#side-body")).toBeVisible();
   });
   rmSync(folder, { recursive: true, force: true });
   expect(troubles).toEqual([]);

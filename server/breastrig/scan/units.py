@@ -67,7 +67,7 @@ def decide_unit(across: float, asked: str, named: str | None = None, by_default:
 
 
 def size_doubt(metres: float, unit: str, is_known: bool = False) -> str:
-    """A sentence for a scan of this size (m) in this unit that is no ordinary torso; empty where it is one.
+    """A sentence for a scan whose size (m) in this unit no ordinary torso has; empty where one has it.
 
     Where the unit `is_known`, as that of label maps, no other unit is suggested.
     """
@@ -78,7 +78,7 @@ def size_doubt(metres: float, unit: str, is_known: bool = False) -> str:
     others = [other for other in METRES_PER_UNIT if other != unit and _within(across, other, ORDINARY)]
     others = [] if is_known else others
     instead = f" In {' or '.join(_name(across, other) for other in others)} it would be ordinary." if others else ""
-    compared = "more than an ordinary torso" if metres > high else "less than an ordinary torso, or a part of one"
+    compared = "more than scans usually show" if metres > high else "less than scans usually show"
     return f"Read in {UNIT_NAMES[unit]} the body is {metres:.2g} m across, {compared}; check unit and export.{instead}"
 
 

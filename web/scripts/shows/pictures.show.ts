@@ -24,7 +24,7 @@ async function fit(page: Page): Promise<void> {
 async function lookAtLesion(page: Page): Promise<void> {
   const { nipple_L: nipple, midclavicle_L: collarbone, xiphoid } = trueLandmarks();
   const center = nipple!.map((value, i) => 0.6 * value + 0.2 * collarbone![i]! + 0.2 * xiphoid![i]!);
-  await page.getByRole("button", { name: "Work here" }).click();
+  await page.locator(".other-view").click();
   await page.keyboard.press("3");
   await addToPlan(page, /^Lesion in an image/);
   const lesions = page.locator(".item-details");

@@ -186,6 +186,7 @@ export const client = {
   moved: (links: FitLinks, landmarks: Record<string, Vector>) => askJson<MovedModel>(links.moved, "POST", { landmarks }),
   /** Which landmarks are worth checking by a person, and how much surer that makes the lines. */
   checks: (link: string) => askJson<Checks>(link),
+  checksOf: (fit: string) => askJson<Checks>(`/api/fits/${id(fit)}/checks`),
   /** One page of the printed report as a picture, and how many there are. */
   reportPage: async (report: string, page: number): Promise<{ readonly picture: Blob; readonly count: number }> => {
     const answer = await ask(`${report.replace("report.pdf", "report.png")}${report.includes("?") ? "&" : "?"}page=${page}`);

@@ -3,7 +3,6 @@ import { checks as checkText } from "../checks/text";
 import { fit as fitText, result as resultText } from "../fit/text";
 import { pickCount } from "../landmarks/state";
 import { landmarks as landmarkText, proposals as proposalText } from "../landmarks/text";
-import { scan as scanText } from "../scan/text";
 import { measuredFits } from "../stances/state";
 import { only } from "../store/store";
 import { button } from "../ui/controls";
@@ -20,7 +19,6 @@ function wording(next: NextStep, state: NextShown): string {
     return next.isArmed ? text.next.armed(label) : text.next.start(label);
   }
   if (next.kind === "check") return `${checkText.begin(next.count, next.on ?? "")}\u2002${checkText.lasts(next.count)}`;
-  if (next.kind === "confirm scan") return scanText.confirm;
   if (next.kind === "confirm") return proposalText.confirmSeen(next.names.length);
   if (next.kind === "fit" && next.again) return fitText.again(next.landmarks);
   if (next.kind === "fit" && next.landmarks > 0) return fitText.with(next.landmarks);
@@ -39,7 +37,6 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
   let next: NextStep = { kind: "none" };
   const press = (): void => {
     const pressed = next; // what it does may change what comes next at once
-    if (pressed.kind === "confirm scan") actions.bring.sizeIsRight();
     if (pressed.kind === "place") actions.landmarks.want(pressed.isArmed ? null : pressed.landmark);
     if (pressed.kind === "confirm") actions.landmarks.confirm(pressed.names);
     if (pressed.kind === "check") void (pressed.on === null ? Promise.resolve() : actions.stances.swap()).then(() => actions.checks.begin());
@@ -65,7 +62,7 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
   const element = el("div", { class: "next" }, go, report, other);
   return {
     element,
-    select: only("meta", "step", "loading", "scan", "confirmed", "picks", "certain", "proposals", "skipped", "active", "fit", "isStarting", "stance", "preset", "refine", "drawing", "drawn", "ink", "stances", "checks"),
+    select: only("asked", "meta", "step", "loading", "scan", "confirmed", "picks", "certain", "proposals", "skipped", "active", "fit", "isStarting", "stance", "preset", "refine", "drawing", "drawn", "ink", "stances", "checks"),
     update(state: NextShown): void {
       next = nextStep(state);
       show(element, next.kind !== "none");

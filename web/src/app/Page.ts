@@ -1,6 +1,7 @@
 // Puts the panels in their places: top bar, strip, stage with its bar, side panel.
 import { ApiError } from "../api/client";
 import { noService } from "../api/text";
+import { type Doubtful, openDoubt } from "../checks/doubts";
 import { asksOf } from "../checks/state";
 import { createTools } from "../drawing/Tools";
 import { areSlicesOpen } from "../drawing/slices/state";
@@ -22,7 +23,7 @@ import { drop as dropWords } from "../scan/text";
 import { createDrawingCarry } from "../stances/DrawingCarry";
 import { createOtherPane } from "../stances/OtherPane";
 import { createStrip } from "../stances/Strip";
-import { doubtOf, hasInside, isComparing } from "../stances/state";
+import { hasInside, isComparing } from "../stances/state";
 import type { Place } from "../store/page";
 import { only, type Store } from "../store/store";
 import { problem } from "../ui/controls";
@@ -94,7 +95,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const veil = el("div", { class: "drop-veil", hidden: true }, el("p", {}, dropWords));
   acceptDrops(veil, actions);
 
-  const scan = createScanPanel({ ...actions.scan, takeSegments: actions.bring.takeSegments }, actions.bring.sizeIsRight, () => dismiss("scan"), isUntouched);
+  const scan = createScanPanel({ ...actions.scan, takeSegments: actions.bring.takeSegments }, () => dismiss("scan"), isUntouched);
   const fit = createFitPanel(actions.fit, () => dismiss("fit"));
   const carry = createDrawingCarry(actions.stances);
   const ink = { scan: el("div", {}), drawing: el("div", {}) }; // lines found on the skin, see ink/open.ts
@@ -115,7 +116,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const landmarks = withScan(async () => (await import("../landmarks/LandmarkPanel")).createLandmarkPanel(actions.landmarks, actions.proposals, () => dismiss("landmarks")));
   const plan = withScan(async () => (await import("../drawing/panel/PlanPanel")).createPlanPanel(actions.drawing, actions.plan, () => dismiss("drawing"), ink.drawing, carry.element));
   const handOver = later(
-    only("meta", "step", "loading", "scan", "confirmed", "picks", "certain", "proposals", "skipped", "active", "fit", "isStarting", "stance", "preset", "refine", "drawing", "drawn", "ink", "stances", "checks", "overlay"),
+    only("asked", "meta", "step", "loading", "scan", "confirmed", "picks", "certain", "proposals", "skipped", "active", "fit", "isStarting", "stance", "preset", "refine", "drawing", "drawn", "ink", "stances", "checks", "overlay"),
     ({ step, scan }: HandOverShown) => step === "handover" && scan !== null,
     async () => (await import("./handover/HandOver")).createHandOver(actions),
   );
@@ -130,14 +131,19 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
     actions.landmarks.wantNext();
   };
   const numbers = later(
-    (state: Session) => ({ meta: state.meta, fit: state.fit, old: outdated(state), lines: linesOn(state), doubt: doubtOf(state), asks: asksOf(state) }),
+    (state: Session) => ({ meta: state.meta, fit: state.fit, old: outdated(state), lines: linesOn(state), asks: asksOf(state) }),
     ({ fit }) => fit !== null,
-    async () => (await import("../fit/distances/NumbersPanel")).createNumbersPanel<Session>({ outdated, doubt: doubtOf, asks: asksOf, again: () => void actions.fit.start(), anotherFile: (file) => void actions.bring.files([file]), setPoints }),
+    async () => (await import("../fit/distances/NumbersPanel")).createNumbersPanel<Session>({ outdated, asks: asksOf, again: () => void actions.fit.start(), anotherFile: (file) => void actions.bring.files([file]), setPoints }),
   );
   const check = later(
     only("meta", "checks"),
     ({ checks }: Pick<Session, "meta" | "checks">) => checks.tour !== null,
     async () => (await import("../checks/CheckCard")).createCheckCard(actions.checks),
+  );
+  const doubt = later(
+    only("asked", "scan", "confirmed", "drawn", "stances", "problems", "stance", "fit"),
+    (state: Doubtful & Pick<Session, "problems" | "stance">) => openDoubt(state) !== null,
+    async () => (await import("../checks/DoubtCard")).createDoubtCard({ ...actions, size: { isRight: actions.bring.sizeIsRight, is: (units) => void actions.bring.again({ units }), anotherFile: (file) => void actions.bring.files([file]) } }),
   );
   const sentence = withScan(async () => (await import("./frame/Sentence")).createSentence(actions));
   const timeline = createTimeline(actions.player);
@@ -149,18 +155,13 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       handover: handOver.element,
     },
     next.element,
-    check.element,
+    [check.element, doubt.element],
   );
   const help = later(only("isHelpOpen"), ({ isHelpOpen }: Pick<Session, "isHelpOpen">) => isHelpOpen, async () => (await import("./HelpDialog")).createHelpDialog(actions));
   const share = later(
     only("problems", "share"),
     (state: Pick<Session, "problems" | "share">) => state.share.isOpen,
     async () => (await import("../share/ShareDialog")).createShareDialog(actions.share, () => dismiss("share")),
-  );
-  const question = later(
-    only("asked"),
-    ({ asked }: Pick<Session, "asked">) => asked !== null,
-    async () => (await import("../scan/volumes/QuestionDialog")).createQuestionDialog(actions.scan),
   );
   const leave = createLeaveDialog(actions.leaving);
   const deleting = later(
@@ -171,17 +172,12 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const deleted = createDeletionNotice(actions.deletion);
   const changed = createPlanNotice(actions.plan);
   const unsaved = createUnsavedBar(() => actions.unsaved.soon());
-  const strip = createStrip(actions.stances);
+  const strip = createStrip(actions.stances, (state: Session, fit) => (state.checks.of[fit]?.worth_it ? state.checks.of[fit].checks.length : 0));
   const top = createTopBar(actions);
   const adding = later(
     only("examples", "problems", "scan", "stance", "fit", "stances"),
     ({ stances }: Pick<Session, "examples" | "problems" | "scan" | "stance" | "fit" | "stances">) => stances.isAdding,
     async () => (await import("../stances/StancesDialog")).createStancesDialog(actions.stances, () => dismiss("stances")),
-  );
-  const samePatient = later(
-    only("problems", "scan", "stance", "fit", "stances"),
-    ({ stances }: Pick<Session, "problems" | "scan" | "stance" | "fit" | "stances">) => stances.asked.length > 0,
-    async () => (await import("../stances/SamePatientDialog")).createSamePatientDialog(actions.stances),
   );
   const measures = later(
     only("meta", "problems", "scan", "fit", "stances"),
@@ -201,14 +197,17 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const stages = el("main", { class: "stages" }, host, other.element, slices.element, viewBar.element, paper.element, home.element, loading.element, page.element, graphics, deleted.element, changed.element, undone);
 
   return {
-    elements: [top.element, strip.element, stages, side.element, veil, help.element, share.element, adding.element, measures.element, samePatient.element, question.element, leave.element, deleting.element, unsaved.element, live],
+    elements: [top.element, strip.element, stages, side.element, veil, help.element, share.element, adding.element, measures.element, leave.element, deleting.element, unsaved.element, live],
     ink,
     stages: { main: { host, canvas, overlay }, other: other.stage, picture: guide.canvas, light: guide.light },
     follow(store): void {
       // Classes first: where a panel stands and whether it is seen decides what it can scroll to or focus.
-      store.select(only("theme", "scan", "active", "step", "stances"), (state) => {
+      store.select(only("theme", "asked", "scan", "confirmed", "fit", "active", "step", "drawn", "stances", "checks"), (state) => {
         document.documentElement.dataset.theme = state.theme;
+        const isAsked = openDoubt(state) !== null;
         document.body.classList.toggle("is-empty", state.scan === null);
+        document.body.classList.toggle("is-checking", isAsked || state.checks.tour !== null);
+        document.body.classList.toggle("is-asked", isAsked);
         document.body.classList.toggle("is-comparing", isComparing(state));
         document.body.classList.toggle("is-second", state.stances.isSecond);
         host.classList.toggle("is-placing", state.active !== null);
@@ -242,15 +241,14 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(loading);
       on(numbers);
       on(check);
+      on(doubt);
       on(timeline);
       on(help);
       on(share);
       on(adding);
       on(measures);
-      on(samePatient);
       on(other);
       on(slices);
-      on(question);
       on(leave);
       on(deleting);
       on(deleted);

@@ -20,7 +20,7 @@ const endsWith = (file: File, endings: readonly string[]): boolean => endings.so
 const isImage = (file: File): boolean => /\.(nii|nii\.gz|dcm)$/i.test(file.name);
 
 interface Others {
-  readonly scan: Pick<ScanActions, "upload" | "takeExample" | "add" | "confirm" | "readAgain" | "takeSegments">;
+  readonly scan: Pick<ScanActions, "upload" | "takeExample" | "add" | "confirm" | "confirmModel" | "readAgain" | "takeSegments">;
   readonly stances: Pick<StancesActions, "addBeside" | "takeExampleBeside">;
   readonly fit: Pick<FitActions, "start">;
   readonly landmarks: Pick<LandmarkActions, "importFile">;
@@ -89,7 +89,9 @@ export function bringActions(store: Store<Session>, client: Pick<Client, "landma
 
     /** The file of the scan on the page, read otherwise. */
     async again(how: Parameters<ScanActions["readAgain"]>[0]): Promise<void> {
-      if (await others.scan.readAgain(how)) begin();
+      if (!(await others.scan.readAgain(how))) return;
+      if (how.model !== undefined) others.scan.confirmModel();
+      begin();
     },
 
     takeSegments: async (chosen: Parameters<ScanActions["takeSegments"]>[0]): Promise<boolean> => {

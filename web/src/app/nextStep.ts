@@ -1,5 +1,6 @@
 // The one primary button: what the person would do next, from the state alone.
-import { stepsOf } from "../checks/state";
+import { openDoubt } from "../checks/doubts";
+import { areChecksKnown, stepsOf } from "../checks/state";
 import { outdated } from "../fit/outdated";
 import { isFitting } from "../fit/state";
 import { levelOf } from "../fit/verdict";
@@ -8,19 +9,17 @@ import { ENOUGH, nextMissing } from "../landmarks/picks";
 import { isSeen, openProposals } from "../landmarks/proposals/proposals";
 import { pickCount } from "../landmarks/state";
 import { cropsOf } from "../scan/crop";
-import { isSizeAsked } from "../scan/state";
 import { scannedOther, stanceNames, stanceOf } from "../stances/state";
 import type { Session } from "./session";
 
 /** What of the state decides. */
 export type NextShown = Pick<
   Session,
-  "meta" | "step" | "loading" | "scan" | "confirmed" | "picks" | "certain" | "proposals" | "skipped" | "active" | "fit" | "isStarting" | "stance" | "preset" | "refine" | "drawing" | "drawn" | "ink" | "stances" | "checks"
+  "asked" | "meta" | "step" | "loading" | "scan" | "confirmed" | "picks" | "certain" | "proposals" | "skipped" | "active" | "fit" | "isStarting" | "stance" | "preset" | "refine" | "drawing" | "drawn" | "ink" | "stances" | "checks"
 >;
 
 export type NextStep =
   | { kind: "none" }
-  | { kind: "confirm scan" }
   | { kind: "place"; landmark: string; isArmed: boolean }
   | { kind: "confirm"; names: readonly string[] }
   | { kind: "fit"; again: boolean; landmarks: number; isProposed?: boolean } // isProposed: others are proposed and open
@@ -63,8 +62,7 @@ function afterFit(state: NextShown): NextStep {
 }
 
 export function nextStep(state: NextShown): NextStep {
-  if (!state.scan || state.loading || isFitting(state) || state.checks.tour) return { kind: "none" };
-  if (isSizeAsked(state)) return { kind: "confirm scan" };
+  if (!state.scan || state.loading || isFitting(state) || state.checks.tour || openDoubt(state)) return { kind: "none" };
   const landmarks = pickCount(state);
   if (state.step === "points") {
     const open = openProposals(state.proposals, state.picks.present).filter(({ name }) => !state.skipped.has(name));
@@ -76,6 +74,7 @@ export function nextStep(state: NextShown): NextStep {
     if (landmark !== null) return { kind: "place", landmark, isArmed: state.active !== null };
   }
   const mayAsk = state.fit?.state === "done" && outdated(state) !== "settings" && state.step !== "handover";
+  if (mayAsk && outdated(state) === null && !areChecksKnown(state)) return { kind: "none" }; // a moment: the button does not change under a finger
   const count = mayAsk ? stepsOf(state).length : 0;
   if (count > 0) return { kind: "check", count, on: null };
   if (state.fit?.state === "done" && outdated(state) === null) return afterFit(state);

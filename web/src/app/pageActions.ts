@@ -11,7 +11,7 @@ const after = <Item>(items: readonly Item[], item: Item): Item => items[(items.i
 export function pageActions(store: Store<Session>, onLandmarks: () => void) {
   return {
     goTo(step: Step): void {
-      store.set((state) => ({ step, active: step === "points" ? state.active : null, drawn: step === "plan" ? state.drawn : handsOff(state.drawn), ...(step === "plan" && state.step !== "plan" && state.overlay === "both" ? { overlay: "scan" } : {}) })); // lines are drawn on the skin
+      store.set((state) => ({ step, active: step === "points" ? state.active : null, drawn: step === "plan" ? state.drawn : handsOff(state.drawn) }));
       if (step === "points") onLandmarks();
     },
     nextOverlay: (): void => store.set((state) => (state.fit ? { overlay: after(OVERLAYS, state.overlay) } : {})),

@@ -86,9 +86,10 @@ export const sentence = {
   direction: "Which way the body faces: turn the picture by 90°",
   turns: { around: "Turn about its long axis", sideways: "Roll in the plane of the picture", forwards: "Tip forwards, over the feet" },
   models: { torso: "a woman", male: "a man" } as Readonly<Record<string, string>>,
+  guess: (who: string) => `${who}?`,
+  guessed: "nobody has said so",
   model: "Whose model is fitted",
   modelFile: "To fit another model, load its file again: this page does not keep it.",
-  ask: "Is the patient standing or lying?",
 };
 
 export const bringing = {

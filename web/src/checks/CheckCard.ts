@@ -75,7 +75,6 @@ export function createCheckCard(actions: CheckActions): Panel<Shown> {
     update({ meta, checks: { tour } }: Shown): void {
       const wasShown = !element.hidden;
       show(element, tour !== null);
-      document.body.classList.toggle("is-checking", tour !== null);
       if (!tour) {
         if (wasShown) document.getElementById("next")?.focus();
         return;

@@ -49,6 +49,7 @@ export function checkActions<Whole extends State>(store: Store<Whole>, client: P
     } catch (error) {
       if (!(error instanceof ApiError)) throw error; // without an answer nothing is offered; the next change asks again
       asked.delete(id);
+      set(({ checks }) => ({ checks: { ...checks, of: { ...checks.of, [id]: checks.of[id] ?? null } } }));
     }
   }
 

@@ -23,7 +23,7 @@ export interface Tour {
 }
 
 export interface ChecksState {
-  readonly of: Readonly<Record<string, Checks>>; // by fit, as the plan is now
+  readonly of: Readonly<Record<string, Checks | null>>; // by fit, as the plan is now; null: the service did not say
   readonly tour: Tour | null;
   readonly outcome: { readonly fit: string; readonly from: number | null; readonly to: number | null } | null; // line error before and after the tour that led to this fit
 }
@@ -37,6 +37,9 @@ export const initialChecks: ChecksState = { of: {}, tour: null, outcome: null };
 type Shown = ChecksSlice & Pick<FitSlice, "fit"> & Asked;
 
 const checksOf = ({ checks, fit }: Pick<Shown, "checks"> & { readonly fit: { readonly id: string } | null }): Checks | null => checks.of[fit?.id ?? ""] ?? null;
+
+/** The service was asked what is worth checking on this fit, and has answered or failed. */
+export const areChecksKnown = ({ checks, fit }: Pick<Shown, "checks" | "fit">): boolean => fit?.state !== "done" || isUnusable({ fit }) || checks.of[fit.id] !== undefined;
 
 /** In the order in which they are asked: what contradicts the rest, how the patient stands or lies, and the points that narrow the lines. */
 export function stepsOf(state: Shown): TourStep[] {
@@ -52,7 +55,7 @@ export function asksOf(state: Shown): Asks {
   const { checks: { outcome }, fit } = state;
   const steps = stepsOf(state);
   const points = steps.filter(({ kind }) => kind === "point").length;
-  return { count: steps.length, points, expected: points > 0 ? (checksOf(state)?.expected_line_error_mm ?? null) : null, outcome: outcome && outcome.fit === fit?.id ? outcomeWords(outcome) : "" };
+  return { isKnown: areChecksKnown(state), count: steps.length, points, expected: points > 0 ? (checksOf(state)?.expected_line_error_mm ?? null) : null, outcome: outcome && outcome.fit === fit?.id ? outcomeWords(outcome) : "" };
 }
 
 /** Whether the tour has narrowed the lines, by as much as a person can see. */

@@ -139,7 +139,6 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
       store.set((state) => ({
         step: tool === "none" ? state.step : "plan",
         active: null,
-        overlay: tool !== "none" && state.overlay === "model" ? "scan" : state.overlay,
         drawn: { ...state.drawn, tool, start: null, open: null, tape: null, chosen, corner: null },
         announcement: words.hints[tool],
       }));

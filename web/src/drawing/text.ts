@@ -143,12 +143,6 @@ export const drawing = {
   elsewhere: (name: string, mm: number) => `“${name}” lies ${Math.round(mm)} mm off this scan: it was drawn on another one, or in another unit.`,
   imported: (count: number, mm: number, out: readonly string[]) =>
     [`${plural(count, "line", "lines")} read`, ...(mm > 0 ? [`moved onto the skin by up to ${Math.round(mm)} mm`] : []), ...(out.length > 0 ? [`left out, more than 10 mm off this scan: ${out.join(", ")}`] : [])].join("; ") + ".",
-  another: {
-    title: "Another patient's drawing?",
-    says: (theirs: string | null, ours: string) => `This file was made for ${theirs === null ? "another scan" : `patient ${theirs}`}. The patient on the page is ${ours}. Nothing has been imported.`,
-    leave: "Do not import",
-    take: (ours: string) => `Import: it is of ${ours}`,
-  },
   pattern: {
     stillNeeded: (labels: readonly string[]) => `Nothing is entered yet: say ${labels.join(", ")}.`,
     depth: "Depth below the skin",

@@ -4,13 +4,14 @@ import { ANY_FILE, button, fileButton } from "../ui/controls";
 import { el, fill, icon, setText, show } from "../ui/dom";
 import { fingersMark, fingersOf, wideOf } from "./fingers";
 import type { Outdated } from "./outdated";
-import { levelOf, marginOf, type linesOn } from "./verdict";
+import { FAR_LINES, levelOf, marginOf, type linesOn } from "./verdict";
 import * as text from "./text";
 
 const words = text.verdict;
 
 /** What a person is asked on this fit, and what checking brings. */
 export interface Asks {
+  readonly isKnown: boolean;
   readonly count: number;
   readonly points: number; // of those, that narrow the lines
   readonly expected: number | null; // mm, line error after all of them
@@ -22,7 +23,6 @@ export interface VerdictShown {
   readonly failed: string | null; // why there is no result
   readonly lines: ReturnType<typeof linesOn>;
   readonly old: Outdated;
-  readonly doubt: string; // a question that is open, or empty
   readonly asks: Asks;
 }
 
@@ -39,25 +39,24 @@ export function createVerdictBox(ways: WaysOut | null) {
   const verdict = el("div", { class: "verdict", role: "status", hidden: true });
   return {
     elements: [old, verdict],
-    update({ result, failed, lines, old: why, doubt, asks }: VerdictShown): void {
+    update({ result, failed, lines, old: why, asks }: VerdictShown): void {
       show(old, why !== null);
       setText(oldWords, why ? text.numbers.outdated[why] : "");
-      show(verdict, result !== null || failed !== null);
+      show(verdict, (result !== null && asks.isKnown) || failed !== null); // what is asked comes a moment after the result: one verdict, not two
       const level = failed === null ? levelOf(result) : "unusable";
-      const reasons = failed === null ? (result?.verdict?.reasons ?? []) : [failed];
+      const reasons = failed === null ? (result?.verdict?.reasons ?? []).filter((reason) => lines === null || !reason.startsWith(FAR_LINES)) : [failed];
       const mm = lines?.mm ?? null;
       verdict.classList.toggle("is-wrong", level === "unusable");
-      fill(verdict, [level, reasons, mm, asks, doubt], () => {
+      fill(verdict, [level, reasons, mm, lines?.of, asks], () => {
         if (level === "unusable") {
           const out = ways ? [fileButton(words.anotherFile, ANY_FILE, "outlined", (file) => ways.anotherFile(file)), button(words.setPoints, () => ways.setPoints(), "outlined")] : [];
           return [el("p", { class: "verdict-level" }, icon("alert"), words.cannot), ...reasons.map((reason) => el("p", {}, reason)), ...out];
         }
-        const said = el("p", {}, words.lines(wideOf(mm)), mm === null ? null : el("span", { class: "muted small" }, ` ${marginOf(mm)}`), `. ${asks.points > 0 && asks.expected !== null ? words.brings(asks.points, wideOf(asks.expected)) : mm === null ? words.unknown : words.band}`);
+        const said = el("p", {}, words.lines(lines?.of ?? words.anyLines, wideOf(mm)), mm === null ? null : el("span", { class: "muted small" }, ` ${marginOf(mm)}`), `. ${asks.points > 0 && asks.expected !== null ? words.brings(asks.points, wideOf(asks.expected)) : mm === null ? words.unknown : words.band}`);
         return [
-          el("p", { class: "verdict-level" }, fingersMark(fingersOf(mm)), asks.count > 0 ? words.check(asks.count) : doubt !== "" ? words.doubt : words.ready),
+          el("p", { class: "verdict-level" }, fingersMark(fingersOf(mm)), asks.count > 0 ? words.check(asks.count) : level !== "check" ? words.ready : reasons.length === 0 ? words.draw(wideOf(mm)) : words.look),
           said,
           ...(asks.outcome === "" ? [] : [el("p", { class: "verdict-outcome" }, asks.outcome)]),
-          ...(doubt === "" ? [] : [el("p", { class: "look-here" }, doubt)]),
           ...reasons.map((reason) => el("p", { class: "muted" }, reason)),
         ];
       });

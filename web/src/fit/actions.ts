@@ -64,7 +64,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
   function follow(fit: FitState): void {
     leave();
     // A fit again is looked at as the one before it was.
-    const look = store.get().fit ? {} : { overlay: "both" as const, showDistances: false };
+    const look = store.get().fit ? {} : { showDistances: false };
     store.set({ ...look, fit, step: "body", active: null, isStarting: false, announcement: text.fit.announceStarted });
     const onConnection = (isConnected: boolean): void => change({ isConnected });
     stopFollowing = followFit(fit.links.events, { handlers, onConnection, whyOver: () => whyOver(fit.id) });

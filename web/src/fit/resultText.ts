@@ -18,12 +18,14 @@ export const fingers = { wide: ["not known how wide", "one finger wide", "two fi
 
 export const verdict = {
   ready: "Ready to draw",
-  doubt: "One question first",
   check: (count: number) => (count === 1 ? "One point first" : `${["No", "One", "Two", "Three"][count] ?? count} points first`),
   cannot: "Cannot be used",
   anotherFile: "Choose another file",
   setPoints: "It is one: set three points",
-  lines: (wide: string) => `Lines are ${wide}`,
+  look: "Look at this first",
+  draw: (wide: string) => `Draw with lines ${wide}`,
+  anyLines: "lines",
+  lines: (lines: string, wide: string) => `${lines.charAt(0).toUpperCase()}${lines.slice(1)} are ${wide}`,
   band: "The grey band holds the true line nine times in ten.",
   unknown: "Plan with that in mind.",
   brings: (count: number, wide: string) => `Checking ${count === 1 ? "one point" : `${count} points`} brings about ${wide.replace(/ wide$/, "")}.`,

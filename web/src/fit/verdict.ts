@@ -9,11 +9,11 @@ export const KNOWN_MM = 60; // a larger radius is that of a breast or more: noth
 /** "± 6 mm", of a radius that holds nine of ten places. */
 export const marginOf = (mm: number): string => (mm > KNOWN_MM ? words.unknown : `±\u00a0${formatMmWhole(mm)}\u00a0mm`);
 
-type Drawn = readonly Pick<DrawingFile["shapes"][number], "line_error_mm">[];
+type Drawn = readonly (Pick<DrawingFile["shapes"][number], "line_error_mm"> & { readonly kind?: string })[];
 
-/** mm: the service's line error (90 %) of the line of which least is known; null where none is known. */
+/** mm: the service's line error (90 %) of the line of which least is known, a lesion inside the body being none; null where none is known. */
 export function lineErrorOf(shapes: Drawn): number | null {
-  const known = shapes.flatMap(({ line_error_mm: mm }) => mm ?? []);
+  const known = shapes.flatMap(({ line_error_mm: mm, kind }) => (kind === "lesion" ? [] : (mm ?? [])));
   return known.length === 0 ? null : Math.max(...known);
 }
 
@@ -21,6 +21,8 @@ export interface WithLines {
   readonly fit: { readonly result: Pick<Result, "line_error_mm"> | null; readonly drawing: DrawingFile | null } | null;
   readonly drawn: { readonly onScan: { readonly plan: { readonly shapes: Drawn } } | null };
 }
+
+export const FAR_LINES = "Lines may be far off"; // how the service begins to say what the width of the lines says here
 
 /** How far off lines may be, across them: those that are drawn on this scan, else any on the breasts; null: not known. */
 export function linesOn({ fit, drawn }: WithLines): { readonly mm: number; readonly of: string } | null {

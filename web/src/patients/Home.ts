@@ -10,7 +10,7 @@ import type { Panel } from "../ui/Panel";
 import { formatMegabytes } from "../ui/units";
 import type { PatientActions } from "./actions";
 import { patientCard } from "./PatientCard";
-import type { Order, PatientsSlice } from "./state";
+import { type Order, type PatientsSlice, sureness } from "./state";
 import * as text from "./text";
 
 const words = text.home;
@@ -48,7 +48,7 @@ export function createHome(patients: PatientActions, bring: Bringing, addressOf:
     element,
     select: only("patients", "scan", "meta", "examples", "problems"),
     update({ patients: state, scan, meta, examples: known, problems }: Shown): void {
-      const { rows, next, search: sought, order: by, isKnown, isBusy, going } = state;
+      const { rows, next, search: sought, order: by, isKnown, isBusy, points, going } = state;
       show(element, scan === null);
       setText(limit, words.limit(meta ? formatMegabytes(meta.limits.upload_bytes) : null));
       examples.element.classList.toggle("is-out", known.length === 0);
@@ -64,15 +64,15 @@ export function createHome(patients: PatientActions, bring: Bringing, addressOf:
       for (const each of [search, order.element]) each.classList.toggle("is-out", !isKnown || (rows.length === 0 && sought === ""));
       order.set(orders, by);
       noticed.classList.toggle("is-out", !isKnown && problems.service === undefined);
-      const now = [rows, going, meta];
+      const now = [rows, points, going, meta];
       if (now.some((each, i) => each !== written[i])) {
         // A card that shows the same stays itself: what is being typed or asked in it is not lost to a list that comes again.
         const before = made;
         made = new Map(
           rows.map((each): [string, HTMLElement] => {
             const isGoing = going.includes(each.id);
-            const shown = JSON.stringify([each, isGoing, meta === null]);
-            return [shown, before.get(shown) ?? patientCard(each, isGoing, patients, addressOf(each), meta?.patterns ?? [])];
+            const shown = JSON.stringify([each, points[sureness(each).fit ?? ""], isGoing, meta === null]);
+            return [shown, before.get(shown) ?? patientCard(each, isGoing, patients, points, addressOf(each), meta?.patterns ?? [])];
           }),
         );
         const wanted = [...made.values()];

@@ -5,7 +5,7 @@ import { button } from "../ui/controls";
 import { el, show } from "../ui/dom";
 import { createMenu, menuItem } from "../ui/menu";
 import type { PatientActions } from "./actions";
-import { daysUntil, deletedAt, latestScans, plannedLine, sureness } from "./state";
+import { daysUntil, deletedAt, latestScans, type PatientsState, plannedLine, sureness } from "./state";
 import * as text from "./text";
 
 const words = text.home;
@@ -20,7 +20,7 @@ const when = (at: Date, now: Date): string => {
   return days === 0 || days === 1 ? words.near[days]!(time.format(at)) : moment.format(at);
 };
 
-export function patientCard(patient: Patient, isGoing: boolean, patients: PatientActions, address: string, patterns: readonly { readonly name: string; readonly label: string }[]): HTMLElement {
+export function patientCard(patient: Patient, isGoing: boolean, patients: PatientActions, points: PatientsState["points"], address: string, patterns: readonly { readonly name: string; readonly label: string }[]): HTMLElement {
   const spoken = patient.code === "" ? words.noCode : patient.code;
   if (isGoing) return el("li", { class: "is-going", "data-patient": patient.id }, el("span", {}, words.going(spoken)), button(words.undo, () => patients.undo(patient.id), "outlined"));
   const code = el("input", { type: "text", class: "patient-code", value: patient.code, maxlength: 60, placeholder: words.code, "aria-label": words.code, title: words.code, autocomplete: "off", hidden: true, onchange: () => void patients.rename(patient.id, code.value), onblur: () => named(false) });
@@ -37,7 +37,7 @@ export function patientCard(patient: Patient, isGoing: boolean, patients: Patien
   const pictures = latestScans(patient).map(({ thumbnail, kind, stance }) =>
     el("span", { class: "picture-of" }, el("img", { src: thumbnail, alt: "", width: 62, height: 76, loading: "lazy", onerror: ({ target }) => ((target as HTMLElement).style.visibility = "hidden") }), el("span", {}, kind === "image" ? words.image : stance)),
   );
-  const { mm, says, isKnown } = sureness(patient);
+  const { mm, says, isKnown } = sureness(patient, points);
   const until = deletedAt(patient);
   return el(
     "li",

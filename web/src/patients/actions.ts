@@ -5,15 +5,16 @@ import type { PageSlice } from "../store/page";
 import type { Outbox } from "../store/outbox";
 import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
-import type { Order, PatientsSlice, PatientsState } from "./state";
+import { type Order, type PatientsSlice, type PatientsState, sureness } from "./state";
 import * as text from "./text";
 
 const UNDO_MS = 10_000;
+const MOST = 12; // cards, two screens of them, whose points to check are counted: each is a question of its own
 const PAUSE_MS = 250; // while somebody types
 
 type State = PageSlice & PatientsSlice;
 
-export function patientActions(store: Store<State>, client: Pick<Client, "patients" | "renamePatient" | "deletePatient">, outbox: Outbox) {
+export function patientActions(store: Store<State>, client: Pick<Client, "patients" | "renamePatient" | "deletePatient" | "checksOf">, outbox: Outbox) {
   const going = new Map<string, ReturnType<typeof setTimeout>>();
   let typing: ReturnType<typeof setTimeout> | undefined;
   let asked = 0; // the list asked for last wins
@@ -29,10 +30,21 @@ export function patientActions(store: Store<State>, client: Pick<Client, "patien
       const page = await client.patients(address, store.get().patients.search, store.get().patients.order);
       if (mine !== asked) return;
       put({ rows: address === null ? page.patients : [...store.get().patients.rows, ...page.patients], next: page.next, isBusy: false, isKnown: true });
+      void count(mine);
     } catch (error) {
       if (mine !== asked) return;
       put({ isBusy: false });
       if (!(error instanceof ApiError && error.status === 0)) fail(error); // that the service does not answer stands there already
+    }
+  }
+
+  /** How many points the fits that are to be checked have, one after the other, while this list is shown. */
+  async function count(mine: number): Promise<void> {
+    const fits = store.get().patients.rows.flatMap((row) => sureness(row).fit ?? []).slice(0, MOST);
+    for (const fit of fits.filter((each) => !(each in store.get().patients.points))) {
+      const found = await client.checksOf(fit).catch(() => null); // without an answer no number is said
+      if (mine !== asked) return;
+      if (found) put({ points: { ...store.get().patients.points, [fit]: found.worth_it ? found.checks.length : 0 } });
     }
   }
 

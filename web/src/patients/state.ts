@@ -11,6 +11,7 @@ export interface PatientsState {
   readonly order: Order;
   readonly isBusy: boolean;
   readonly isKnown: boolean; // the list was read once
+  readonly points: Readonly<Record<string, number>>; // by fit: how many are worth checking, where that was asked
   readonly going: readonly string[]; // that will be deleted unless the person takes it back
 }
 
@@ -18,7 +19,7 @@ export interface PatientsSlice {
   readonly patients: PatientsState;
 }
 
-export const initialPatients: PatientsState = { rows: [], next: null, search: "", order: "newest", isBusy: false, isKnown: false, going: [] };
+export const initialPatients: PatientsState = { rows: [], next: null, search: "", order: "newest", isBusy: false, isKnown: false, points: {}, going: [] };
 
 /** The time when the patient's first scan is deleted by age; null: never. */
 export function deletedAt({ scans }: Pick<Patient, "scans">): string | null {
@@ -46,12 +47,13 @@ export function plannedLine({ planned }: Pick<Patient, "planned">, patterns: rea
   return said.length === 0 ? text.home.nothing : said.join(", ");
 }
 
-/** The least sure of the patient's scans: its line error and what is to be done about it. */
-export function sureness({ scans }: Pick<Patient, "scans">): { readonly mm: number | null; readonly isKnown: boolean; readonly says: string } {
+/** The least sure of the patient's scans: its line error and what is to be done about it; `fit`: that may have points to check. */
+export function sureness({ scans }: Pick<Patient, "scans">, points: PatientsState["points"] = {}): { readonly mm: number | null; readonly isKnown: boolean; readonly says: string; readonly fit: string | null } {
   const fits = scans.flatMap(({ fit, stance, kind }) => (fit?.state === "done" ? [{ ...fit, on: kind === "image" ? text.home.image : stance }] : []));
   const running = scans.some(({ fit }) => fit?.state === "queued" || fit?.state === "running");
-  if (fits.length === 0) return { mm: null, isKnown: false, says: running ? text.home.fitting : text.home.notFitted };
+  if (fits.length === 0) return { mm: null, isKnown: false, fit: null, says: running ? text.home.fitting : text.home.notFitted };
   const [worst] = [...fits].sort((a, b) => (b.line_error_mm ?? Infinity) - (a.line_error_mm ?? Infinity));
   const bad = fits.find(({ verdict }) => verdict === "unusable") ?? fits.find(({ verdict }) => verdict === "check");
-  return { mm: (bad ?? worst)!.line_error_mm, isKnown: bad?.verdict !== "unusable", says: bad ? text.home.verdicts[bad.verdict as "check" | "unusable"](bad.on) : text.home.ready };
+  const says = bad === undefined ? text.home.ready : bad.verdict === "unusable" ? text.home.unusable(bad.on) : text.home.check(points[bad.id], bad.on);
+  return { mm: (bad ?? worst)!.line_error_mm, isKnown: bad?.verdict !== "unusable", says, fit: bad?.verdict === "check" ? bad.id : null };
 }

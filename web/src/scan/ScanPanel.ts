@@ -1,22 +1,22 @@
 // Details of the scan: what the service read and why; what is cut away.  What is asked about it stands apart.
 import type { PageSlice } from "../store/page";
-import { button, problem, row } from "../ui/controls";
-import { el, fill, setText, show } from "../ui/dom";
+import { problem, row } from "../ui/controls";
+import { el, fill } from "../ui/dom";
 import { later } from "../ui/later";
 import type { Panel } from "../ui/Panel";
 import { formatCm, formatCount } from "../ui/units";
 import { sizeIn } from "../viewer/frame";
 import type { ScanActions } from "./actions";
 import { createCropRow } from "./cropping/CropRow";
-import { isSizeAsked, type ScanSlice } from "./state";
+import type { ScanSlice } from "./state";
 import * as text from "./text";
 
 const inSentence = (words: string): string => words.charAt(0).toLowerCase() + words.slice(1);
 
-type Shown = Pick<ScanSlice & PageSlice, "scan" | "confirmed" | "isCropping" | "problems"> & { readonly isUntouched: boolean };
+type Shown = Pick<ScanSlice & PageSlice, "scan" | "isCropping" | "problems"> & { readonly isUntouched: boolean };
 
 /** `isUntouched`: nothing was made of the scan yet that reading its file again would lose. */
-export function createScanPanel<More extends object>(actions: ScanActions, sizeIsRight: () => void, dismiss: () => void, isUntouched: (state: More) => boolean): Panel<Shown, PageSlice & ScanSlice & More> & { readonly asked: HTMLElement } {
+export function createScanPanel<More extends object>(actions: ScanActions, dismiss: () => void, isUntouched: (state: More) => boolean): Panel<Shown, PageSlice & ScanSlice & More> & { readonly asked: HTMLElement } {
   const facts = el("dl", { class: "facts" });
   const reasons = el("div", { class: "reasons" });
   const segments = later(
@@ -28,15 +28,13 @@ export function createScanPanel<More extends object>(actions: ScanActions, sizeI
     },
   );
   const crop = createCropRow(actions);
-  const says = el("p", {});
-  const doubt = el("div", { class: "look-here question", role: "status", hidden: true }, says, el("div", { class: "buttons" }, button(text.scan.confirm, sizeIsRight, "outlined")));
   const wrong = problem(dismiss);
   const element = el("div", { class: "panel" }, facts, el("details", { class: "why" }, el("summary", {}, text.scan.why), reasons), crop.element);
-  const asked = el("div", { class: "panel scan-asked" }, wrong.element, doubt, segments.element);
+  const asked = el("div", { class: "panel scan-asked" }, wrong.element, segments.element);
   return {
     element,
     asked,
-    select: (state) => ({ scan: state.scan, confirmed: state.confirmed, isCropping: state.isCropping, problems: state.problems, isUntouched: isUntouched(state) }),
+    select: (state) => ({ scan: state.scan, isCropping: state.isCropping, problems: state.problems, isUntouched: isUntouched(state) }),
     update(state: Shown): void {
       wrong.set(state.problems.scan);
       if (!state.scan) return;
@@ -57,8 +55,6 @@ export function createScanPanel<More extends object>(actions: ScanActions, sizeI
       });
       segments.update(state);
       crop.update(state);
-      setText(says, info.size_doubt ?? "");
-      show(doubt, isSizeAsked(state));
     },
   };
 }

@@ -87,7 +87,7 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
         cuts: waiting ? null : digest,
       },
       step: "body",
-      overlay: "both",
+      overlay: "scan",
       ...fromFront(state),
       problems: {},
     }));
@@ -269,6 +269,9 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
 
     /** Its size is right, whatever speaks against it. */
     confirm: (): void => store.set((state) => ({ confirmed: state.scan?.info.id ?? null })),
+
+    /** It is of whom its model is. */
+    confirmModel: (): void => store.set((state) => ({ modelSaid: state.scan?.info.id ?? null })),
 
     /** Another scan of this patient, which does not come onto the page; null when a person has called it off. */
     async add(file: File, patient: string): Promise<Scan | null> {

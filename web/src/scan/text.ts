@@ -36,14 +36,6 @@ export const units = {
   ft: "Feet",
 };
 
-export const question = {
-  title: "Which side is the patient's left?",
-  how: "The patient faces you in each picture, lesions are ringed. Choose the picture that shows this patient. If you do not know, cancel and look at the original images.",
-  left: "patient's left",
-  right: "patient's right",
-  cancel: "Cancel, upload nothing",
-};
-
 export const segments = {
   title: "Segments of this label map",
   taken: { lesion: "Lesion", tissue: "Tissue", unused: "Not used" },
@@ -74,7 +66,6 @@ export const scan = {
   stances: { auto: "Decide from the scan", standing: "Standing", supine: "Supine", prone: "Prone, as in an MRI" },
   facingFrom: { landmarks: "Upright by its landmarks.", fit: "Upright by the fitted model's spine.", person: "Turned by you." },
   why: "How this was found out",
-  confirm: "The size is right",
 };
 
 export const errors = {

@@ -8,6 +8,7 @@ import { only } from "../store/store";
 import { button } from "../ui/controls";
 import { el, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
+import { onClick } from "../viewer/clicks";
 import type { ViewSlice } from "../viewer/state";
 import { errors } from "../viewer/text";
 import type { Stage } from "../viewer/Viewer";
@@ -22,13 +23,14 @@ type Shown = Pick<ScanSlice & LandmarksSlice & FitSlice & DrawingSlice & Stances
 
 export function createOtherPane(stances: StancesActions): Panel<Shown> & { caption: HTMLElement; stage: Stage } {
   const canvas = el("canvas", { class: "other-view", tabindex: 0, role: "application" });
+  onClick(canvas, () => void stances.work());
+  canvas.addEventListener("keydown", ({ key }) => key === "Enter" && void stances.work());
   const overlay = el("div", { class: "overlay is-narrow", "aria-hidden": "true" });
   const name = el("strong", {});
-  const work = button(words.workHere, () => void stances.swap(), "outlined");
   const following = el("span", { class: "muted small", hidden: true }, words.following);
   const made = createPredictedNote();
   const sureness = { mine: createSureness(), its: createSureness() };
-  const head = el("div", { class: "pane-caption" }, name, sureness.its.element, made.badge, work, following, el("span", { class: "spring" }), made.busy);
+  const head = el("div", { class: "pane-caption" }, name, sureness.its.element, made.badge, following, el("span", { class: "spring" }), made.busy);
   const element = el("section", { class: "other-stage", hidden: true }, canvas, overlay, head, made.note);
   const lost = el("div", { class: "no-graphics", role: "alert", hidden: true }, el("p", {}, errors.graphicsLost), button(errors.loadAgain, () => location.reload(), "outlined"));
   element.append(lost);
@@ -50,12 +52,11 @@ export function createOtherPane(stances: StancesActions): Panel<Shown> & { capti
       if (!isShown) return;
       setText(name, words.here(isPredicted(state.stances.other!) ? stanceOf(state.stances.other!) : other));
       show(following, state.stances.isCarrying);
-      show(work, !isPredicted(state.stances.other!));
       sureness.its.update(state.stances.other!);
       made.update(state.stances);
       if (element.getAttribute("aria-label") !== words.here(other)) {
         element.setAttribute("aria-label", words.here(other));
-        canvas.setAttribute("aria-label", words.canvas(other));
+        canvas.setAttribute("aria-label", isPredicted(state.stances.other!) ? words.canvas(other) : `${words.canvas(other)} ${words.work}`);
       }
     },
   };

@@ -1,4 +1,5 @@
 // To the left: all scans of the patient.  One tap shows one, a second one beside it, another tap puts it away.
+import { fingersMark, fingersOf, saidWide } from "../fit/fingers";
 import { el, fill } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { StancesActions } from "./actions";
@@ -12,30 +13,31 @@ const time = new Intl.DateTimeFormat("en-GB", { hour: "2-digit", minute: "2-digi
 /** Today, or the day as a person says it. */
 export const dayName = (at: Date, now: Date): string => (at.toDateString() === now.toDateString() ? words.today : day.format(at) + (at.getFullYear() === now.getFullYear() ? "" : ` ${at.getFullYear()}`));
 
-export function createStrip(stances: StancesActions): Panel<{ readonly thumbs: string; readonly isBusy: boolean }, StripShown & { readonly isStarting: boolean }> {
+/** `pointsOf`: how many are worth checking on a fit, as far as that was asked. */
+export function createStrip<More extends StripShown & { readonly isStarting: boolean }>(stances: StancesActions, pointsOf: (state: More, fit: string) => number): Panel<{ readonly thumbs: string; readonly isBusy: boolean }, More> {
   const days = el("div", { class: "strip-days" });
   const add = el("button", { type: "button", class: "strip-add", id: "add-scan", title: words.addHint, onclick: () => stances.dialog(true) }, words.add);
   const element = el("nav", { class: "strip", "aria-label": words.label }, days);
 
-  function thumb(of: Thumb, isBusy: boolean): HTMLElement {
+  function thumb(of: Thumb & { readonly points: number }, isBusy: boolean): HTMLElement {
     const name = of.isImage ? words.image : words.name(of.stance);
-    const about = [...(of.isPredicted ? [] : [time.format(new Date(of.at))]), ...(of.pane === null ? [] : [words.pane(of.pane)])];
+    const about = [...(of.isPredicted ? [] : [time.format(new Date(of.at))]), ...(of.pane === null ? [] : [words.pane(of.pane)]), ...(of.mm === undefined ? [] : [words.lines(saidWide(of.mm))]), ...(of.points > 0 ? [words.points(of.points)] : [])];
     return el(
       "button",
       { type: "button", class: `thumb${of.isPredicted ? " is-predicted" : ""}`, "data-scan": of.id, "data-stance": of.isImage ? "image" : of.stance, "aria-pressed": String(of.pane !== null), "data-pane": of.pane, title: [name, ...about].join(", "), disabled: isBusy, onclick: () => void stances.tap(of.id, matchMedia("(width < 560px)").matches) },
       el("img", { src: of.picture, alt: "", width: 71, height: 68, onerror: ({ target }) => ((target as HTMLElement).style.visibility = "hidden") }),
-      el("span", { class: "thumb-name" }, of.isPredicted ? words.predicted : name, el("span", { class: "visually-hidden" }, ["", ...about].join(", "))),
+      el("span", { class: "thumb-name" }, el("span", {}, of.isPredicted ? words.predicted : name), of.mm === undefined ? null : fingersMark(fingersOf(of.mm)), el("span", { class: "visually-hidden" }, ["", ...about].join(", "))),
       of.pane === null ? null : el("span", { class: "thumb-pane", "aria-hidden": "true" }, String(of.pane)),
     );
   }
 
   return {
     element,
-    select: (state) => ({ thumbs: JSON.stringify(thumbsOf(state)), isBusy: state.isStarting }),
+    select: (state) => ({ thumbs: JSON.stringify(thumbsOf(state).map((each) => ({ ...each, points: each.fit === null ? 0 : pointsOf(state, each.fit) }))), isBusy: state.isStarting }),
     update({ thumbs, isBusy }): void {
       const held = document.activeElement?.closest<HTMLElement>(".thumb")?.dataset.scan;
       fill(days, [thumbs, isBusy], () => {
-        const all = daysOf(JSON.parse(thumbs) as Thumb[]);
+        const all = daysOf(JSON.parse(thumbs) as (Thumb & { points: number })[]);
         return all.length === 0 ? [add] : all.map(([at, of], i) => el("section", { class: "strip-day" }, el("h2", {}, dayName(new Date(at), new Date())), ...of.map((each) => thumb(each, isBusy)), i === 0 ? add : null));
       });
       if (held) days.querySelector<HTMLElement>(`[data-scan="${CSS.escape(held)}"]`)?.focus();

@@ -50,11 +50,14 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     });
   }
 
-  /** The waiting stance's fit comes to its end, although nobody listens to its events. */
+  /** The fit of a scan that waits, or is not on the page, comes to its end, although nobody listens to its events. */
   function lookAfter(): void {
     clearTimeout(watch);
-    const { other } = store.get().stances;
+    const { other, scans } = store.get().stances;
     const { scan, fit } = other ?? {};
+    const onPage = [store.get().scan?.info.id, scan?.info.id];
+    const isFurther = scans.some((each) => !onPage.includes(each.id) && (each.fit?.state === "queued" || each.fit?.state === "running"));
+    if (isFurther && !(fit && isUnfinished(fit))) watch = setTimeout(() => void readHers().then(lookAfter), WATCH_MS);
     if (!scan || !fit || !isUnfinished(fit)) return;
     watch = setTimeout(() => {
       void client
@@ -159,7 +162,10 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       const { picks, certain } = await others.landmarks.read(added);
       const fit = isFitted ? (await client.startFit({ scan: id, stance: "auto", preset, refine, landmarks: picks, certain: [...certain] })).id : null;
       await readHers();
-      if (stances.other) return;
+      if (stances.other) {
+        lookAfter();
+        return;
+      }
       put({ other: await loadWorkspace(client, others.landmarks, others.plan, id, fit, null), isSecond: false, isComparing: true });
       lookAfter();
     } catch (error) {
@@ -231,6 +237,7 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       const [, name] = stanceNames(state);
       store.set({
         ...other,
+        drawn: { ...other.drawn, tool: state.drawn.tool }, // what is in the hand stays there
         stances: { ...state.stances, other: workspaceOf(state), isSecond: !state.stances.isSecond },
         active: null,
         isStarting: false,
@@ -244,7 +251,12 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       lookAfter();
     },
 
-    /** A scan of the strip: one that is not seen is shown beside the one in work, one of two that are seen is put away; `hasRoomForOne`: for no second pane. */
+    /** The waiting one is tapped; where slices are open the tap puts their cross. */
+    async work(): Promise<void> {
+      if (!areSlicesOpen(store.get())) await this.swap();
+    },
+
+    /** A scan of the strip: one that is not seen is shown beside the one in work, one that waits is worked on, the one in work is put away beside another; `hasRoomForOne`: for no second pane. */
     async tap(id: string, hasRoomForOne = false): Promise<void> {
       const wasAlone = id === store.get().scan?.info.id && !isComparing(store.get());
       await this.tapScan(id, hasRoomForOne);
@@ -264,7 +276,8 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       if (isIts && isAlone && !isPredicted(other)) {
         await this.swap();
         this.compare(false);
-      } else if (isIts) this.compare(!stances.isComparing);
+      } else if (isIts && stances.isComparing && !isPredicted(other)) await this.swap();
+      else if (isIts) this.compare(!stances.isComparing);
       if (id === scan?.info.id && isComparing(store.get())) {
         if (!isPredicted(other!)) await this.swap();
         this.compare(false);

@@ -19,7 +19,7 @@ interface Others {
 
 /** What decides how the plan lies on a scan. */
 const keyOf = (to: Workspace, from: Workspace | null, { scan, stances }: Pick<State, "scan" | "stances">): readonly unknown[] => [
-  furtherOf({ scan, stances }).some(isFitted),
+  furtherOf({ scan, stances }).filter(isFitted).map(({ fit }) => fit!.id).join(),
   stances.answers,
   to.fit?.id,
   from?.fit?.state === "done" ? from.fit.id : null,

@@ -62,10 +62,6 @@ export const initialStances: StancesState = {
   measures: { isOpen: false, isBusy: false, of: "", file: null, pointed: null },
 };
 
-/** What speaks against it that the scan in work and another one are the patient's; empty where nothing does, or somebody has said that they are. */
-export const doubtOf = ({ scan, stances }: Pick<Stances, "scan" | "stances">): string =>
-  stances.asked.find((each) => [each.scan, each.other].some((id) => id === scan?.info.id))?.says ?? "";
-
 /** What the page has of its scan, as it may wait: a replay is at its end. */
 export function workspaceOf({ scan, picks, certain, drawn, proposals, skipped, saving, stance, drawing, fit }: Workspace): Workspace {
   const resting = fit && { ...fit, shown: fit.iterations.length - 1, playing: false };

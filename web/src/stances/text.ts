@@ -1,4 +1,6 @@
 // Two stances of one patient: the second scan, the two panes, the drawing in both, the table of measures.
+import { plural } from "../ui/plural";
+
 const capital = (word: string): string => word.charAt(0).toUpperCase() + word.slice(1);
 
 export const strip = {
@@ -7,6 +9,8 @@ export const strip = {
   name: capital,
   image: "MRI",
   predicted: "Predicted",
+  lines: (wide: string) => `lines ${wide}`,
+  points: (count: number) => `${plural(count, "point", "points")} to check`,
   pane: (pane: number) => `in pane ${pane}`,
   add: "+ Scan",
   addHint: "Another scan of this patient: standing, supine, prone, or the label map of an MRI",
@@ -15,7 +19,7 @@ export const strip = {
 export const stances = {
   here: (name: string) => capital(name),
   called: (stance: string, isPredicted: boolean) => (isPredicted ? `${stance}, predicted` : stance),
-  workHere: "Work here",
+  work: "A tap or Enter: work on it.",
   following: "following …",
   canvas: (name: string) => `3D view of the ${name} scan. Drag to turn it, scroll to zoom.`,
 

@@ -1,8 +1,10 @@
 // The patient's scans as the strip shows them: by day, the newest first; in each day in the same order, whatever is done.
-import type { FitSlice } from "../fit/state";
+import { type FitSlice, isUnusable } from "../fit/state";
+import { linesOn } from "../fit/verdict";
+import type { DrawingSlice } from "../drawing/state";
 import type { LandmarksSlice } from "../landmarks/state";
 import type { ScanSlice } from "../scan/state";
-import { isComparing, isPredicted, type PatientScan, stanceOf, type StancesSlice } from "./state";
+import { isComparing, isPredicted, type PatientScan, stanceOf, type StancesSlice, type Workspace } from "./state";
 
 const ORDER = ["standing", "supine", "prone"] as const;
 
@@ -14,9 +16,17 @@ export interface Thumb {
   readonly at: string; // ISO 8601
   readonly picture: string;
   readonly pane: 1 | 2 | null; // in which it is seen, counted from the left
+  readonly mm?: number | null; // line error; null: not known; left out: there is no fit that can be used
+  readonly fit: string | null;
 }
 
-export type StripShown = Pick<ScanSlice & LandmarksSlice & FitSlice & StancesSlice, "scan" | "active" | "stance" | "fit" | "stances">;
+export type StripShown = Pick<ScanSlice & LandmarksSlice & FitSlice & DrawingSlice & StancesSlice, "scan" | "active" | "stance" | "fit" | "drawn" | "stances">;
+
+/** On the page as its pane says it, else as the patient's list has it. */
+const errorOf = (of: Pick<Workspace, "fit" | "drawn"> | null, fit: PatientScan["fit"]): Thumb["mm"] => {
+  if (of) return of.fit?.state === "done" && !isUnusable(of) ? (linesOn(of)?.mm ?? null) : undefined;
+  return fit?.state === "done" && fit.verdict !== "unusable" ? fit.line_error_mm : undefined;
+};
 
 export function thumbsOf(state: StripShown): Thumb[] {
   const { scan, stances } = state;
@@ -25,7 +35,7 @@ export function thumbsOf(state: StripShown): Thumb[] {
   const mine = scan?.info.id;
   const its = other && !isPredicted(other) ? other.scan?.info.id : undefined;
   const paneOf = (isMain: boolean): Thumb["pane"] => (both ? (isMain === stances.isSecond ? 2 : 1) : isMain ? 1 : null);
-  const asThumb = ({ id, stance, created_at, thumbnail, kind }: PatientScan): Thumb => ({
+  const asThumb = ({ id, stance, created_at, thumbnail, kind, fit }: PatientScan): Thumb => ({
     id,
     stance: id === mine ? stanceOf(state) : other && id === its ? stanceOf(other) : stance,
     isImage: kind === "image",
@@ -33,16 +43,18 @@ export function thumbsOf(state: StripShown): Thumb[] {
     at: created_at,
     picture: thumbnail,
     pane: id === mine ? paneOf(true) : id === its ? paneOf(false) : null,
+    mm: errorOf(id === mine ? state : id === its ? other : null, fit),
+    fit: (id === mine ? state.fit : id === its ? other!.fit : fit)?.id ?? null,
   });
   const from = stances.scans.find(({ id }) => id === mine);
-  const made: Thumb[] = other && from && isPredicted(other) ? [{ ...asThumb(from), id: "predicted", stance: stanceOf(other), isPredicted: true, pane: paneOf(false) }] : [];
+  const made: Thumb[] = other && from && isPredicted(other) ? [{ ...asThumb(from), id: "predicted", stance: stanceOf(other), isPredicted: true, pane: paneOf(false), mm: errorOf(other, null), fit: null }] : [];
   const placeOf = ({ stance, isImage }: Thumb): number => (isImage ? ORDER.length : ORDER.indexOf(stance));
   return [...stances.scans.map(asThumb), ...made].sort((a, b) => placeOf(a) - placeOf(b) || a.at.localeCompare(b.at));
 }
 
 /** The newest day first; a day as the reader's clock has it. */
-export function daysOf(thumbs: readonly Thumb[]): (readonly [day: string, thumbs: readonly Thumb[]])[] {
-  const days = new Map<string, Thumb[]>();
+export function daysOf<Each extends Thumb>(thumbs: readonly Each[]): (readonly [day: string, thumbs: readonly Each[]])[] {
+  const days = new Map<string, Each[]>();
   for (const thumb of thumbs) {
     const day = new Date(thumb.at).toDateString();
     days.set(day, [...(days.get(day) ?? []), thumb]);

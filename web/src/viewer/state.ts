@@ -14,7 +14,7 @@ export interface ViewSlice {
   readonly otherGraphics: "ok" | "lost"; // of the second pane
 }
 
-export const initialView: ViewSlice = { overlay: "both", view: { name: "front", asked: 0 }, graphics: "ok", otherGraphics: "ok" };
+export const initialView: ViewSlice = { overlay: "scan", view: { name: "front", asked: 0 }, graphics: "ok", otherGraphics: "ok" };
 
 /** The body seen from the front again, as after a turn. */
 export const fromFront = ({ view }: Pick<ViewSlice, "view">): Pick<ViewSlice, "view"> => ({ view: { name: "front", asked: view.asked + 1 } });

@@ -1,5 +1,6 @@
 import { expect, test } from "vitest";
 import type { LandmarkDefinition } from "../../src/api/types";
+import { openDoubt } from "../../src/checks/doubts";
 import { nextStep } from "../../src/app/nextStep";
 import { initialSession, type Session } from "../../src/app/session";
 import { startDrawn } from "../../src/drawing/state";
@@ -10,8 +11,8 @@ import { record, startHistory } from "../../src/store/history";
 
 const landmarks = ["notch", "nipple_L", "nipple_R", "umbilicus"].map((name) => ({ name }) as LandmarkDefinition);
 const some: Picks = { notch: [0, 0, 0], nipple_L: [1, 0, 0], nipple_R: [-1, 0, 0] };
-const withScan = { ...initialSession, meta: { landmarks }, scan: { file: null, info: { id: "s0" }, frame: { up: [0, 1, 0], front: [0, 0, 1] } } } as unknown as Session;
-const fitted = (picks: Picks | null, state = "done") => ({ state, picks, certain: [] }) as unknown as Session["fit"];
+const withScan = { ...initialSession, checks: { ...initialSession.checks, of: { f0: null } }, meta: { landmarks }, scan: { file: null, info: { id: "s0" }, frame: { up: [0, 1, 0], front: [0, 0, 1] } } } as unknown as Session;
+const fitted = (picks: Picks | null, state = "done") => ({ id: "f0", state, picks, certain: [] }) as unknown as Session["fit"];
 
 test("without a scan, and while a fit runs, no step is the next", () => {
   expect(nextStep(initialSession).kind).toBe("none");
@@ -25,9 +26,9 @@ test("a fresh scan asks for the first landmark", () => {
 
 test("a size that may be wrong is asked about first, once for each scan", () => {
   const own = { ...withScan, scan: { file: {}, info: { id: "s1", size_doubt: "The body would be 53 m tall." } } } as unknown as Session;
-  expect(nextStep(own)).toEqual({ kind: "confirm scan" });
+  expect([openDoubt(own), nextStep(own)]).toEqual(["size", { kind: "none" }]);
   expect(nextStep({ ...own, confirmed: "s1" }).kind).toBe("fit");
-  expect(nextStep({ ...own, confirmed: "another" }).kind).toBe("confirm scan");
+  expect(openDoubt({ ...own, confirmed: "another" })).toBe("size");
 });
 
 test("while placing, the wanted landmark is the step", () => {
@@ -55,6 +56,11 @@ test("what a fit asks about comes before its result, until it is answered", () =
   expect(nextStep({ ...state, step: "plan" }).kind, "while it pays").toBe("check");
   expect(nextStep({ ...state, step: "handover" }).kind).not.toBe("check");
   expect(nextStep({ ...state, certain: { notch: [0, 0, 0] } }), "kept, and not yet fitted so").toEqual({ kind: "fit", again: true, landmarks: 3 });
+});
+
+test("until the service has said what is worth checking, nothing is the next step", () => {
+  const state: Session = { ...withScan, step: "body", picks: startHistory(some), fit: fitted(some) };
+  expect(nextStep({ ...state, checks: initialSession.checks })).toEqual({ kind: "none" });
 });
 
 test("a failed fit offers another try", () => {

@@ -162,7 +162,7 @@ test("the stance that waits is saved as well, and is said to be", async () => {
   away(new ApiError("The service does not answer.", 0));
   work(made);
   await vi.advanceTimersByTimeAsync(500);
-  made.store.set((state) => ({ scan: { ...state.scan!, info: scanInfo("s2") }, stances: { ...state.stances, other: { ...state, scan: state.scan } } })); // as after "Work here"
+  made.store.set((state) => ({ scan: { ...state.scan!, info: scanInfo("s2") }, stances: { ...state.stances, other: { ...state, scan: state.scan } } })); // as when the other pane is tapped
   away(null);
   await vi.advanceTimersByTimeAsync(31_000);
   expect(await has()).toMatchObject(ALL);

@@ -38,3 +38,19 @@ test("what a person chooses while placing holds, then and afterwards", async () 
   actions.landmarks.want(null);
   expect(store.get().overlay).toBe("both");
 });
+
+test("the model is seen on the scan while it settles; at rest the scan is seen alone, unless the person chose otherwise", async () => {
+  const { store } = await withScan();
+  const fit = (playing: boolean): void => store.set({ fit: { id: "f", state: "running", iterations: [], playing } as never });
+  fit(true);
+  expect(store.get().overlay).toBe("both");
+  fit(false);
+  expect(store.get()).toMatchObject({ overlay: "scan", overlayBefore: null });
+  store.set({ overlay: "model" });
+  fit(true);
+  expect(store.get().overlay).toBe("model");
+  store.set({ overlay: "scan" });
+  expect(store.get().overlay).toBe("scan");
+  fit(false);
+  expect(store.get().overlay).toBe("scan");
+});

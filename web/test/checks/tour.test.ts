@@ -32,7 +32,7 @@ async function fitted(found: Checks | null = worth) {
 
 test("the answers become landmarks in one step that can be undone, certain, and the fit that knows them is made", async () => {
   const { store, actions, done, moved } = await fitted();
-  expect(asksOf(store.get())).toEqual({ count: 2, points: 2, expected: 8, outcome: "" });
+  expect(asksOf(store.get())).toEqual({ isKnown: true, count: 2, points: 2, expected: 8, outcome: "" });
   actions.checks.begin();
   expect(store.get().checks.tour).toMatchObject({ at: 0, before: 24 });
   expect(store.get().announcement).toMatch(/^Point 1 of 2: nipple_L\. Is the dot there\? Lines are three fingers wide, ±\s24\smm; then about two fingers wide/);

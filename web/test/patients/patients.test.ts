@@ -3,7 +3,7 @@ import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { page } from "../fakes";
 import type { Patient } from "../../src/api/types";
 import { addressOfPatient, fromHash } from "../../src/app/address";
-import { daysUntil, deletedAt } from "../../src/patients/state";
+import { daysUntil, deletedAt, sureness } from "../../src/patients/state";
 
 const scan = (id: string, part: Partial<Patient["scans"][number]> = {}): Patient["scans"][number] => ({ id, stance: "standing", created_at: "2026-01-01T00:00:00Z", delete_at: null, kind: "surface", thumbnail: "", fit: null, ...part });
 const patient = (id: string, part: Partial<Patient> = {}): Patient => ({ id, code: id, created_at: "2026-01-01T00:00:00Z", plan_version: 0, planned: { patterns: [], lines: 0, lesions: 0 }, scans: [scan(`${id}1`)], links: { self: "", plan: "" }, ...part });
@@ -75,4 +75,19 @@ test("a patient's address opens both of her scans with the fits that are done", 
   const both = patient("a", { scans: [scan("s1", { fit: { id: "f1", state: "done", created_at: "", verdict: "good", line_error_mm: 8 } }), scan("s2", { fit: { id: "f2", state: "failed", created_at: "", verdict: null, line_error_mm: null } })] });
   expect(fromHash(addressOfPatient(both))).toMatchObject({ scan: "s1", fit: "f1", step: "body", other: { scan: "s2", fit: null }, isSecond: false });
   expect(fromHash(addressOfPatient(patient("b")))).toMatchObject({ scan: "b1", fit: null, other: null });
+});
+
+test("how many points are worth checking is asked of the fits that are to be checked, and said on the card", async () => {
+  const fit = (id: string, verdict: "good" | "check", mm: number) => ({ id, state: "done" as const, created_at: "", verdict, line_error_mm: mm });
+  const rows = [patient("a", { scans: [scan("a1", { fit: fit("sure", "good", 8) }), scan("a2", { stance: "supine", fit: fit("wide", "check", 24) })] }), patient("b", { scans: [scan("b1", { fit: fit("lost", "check", 15) })] })];
+  const checksOf = vi.fn(async (id: string) => {
+    if (id === "lost") throw new Error("no answer");
+    return { worth_it: true, checks: [{}, {}] } as never;
+  });
+  const { store, actions } = page({ patients: async () => ({ patients: rows, next: null }), checksOf });
+  await actions.patients.read();
+  await vi.advanceTimersByTimeAsync(0);
+  expect(checksOf.mock.calls).toEqual([["wide"], ["lost"]]);
+  const { points } = store.get().patients;
+  expect(rows.map((row) => sureness(row, points).says)).toEqual(["2 points to check on supine", "standing to be looked at"]);
 });

@@ -223,7 +223,7 @@ test("from the address the stance that waits comes back with its lines, its note
   expect(drawn.lines.present.map(({ id }) => id)).toEqual(["a"]);
   expect(drawn).toMatchObject({ note: "smaller", depthMm: 25 });
   expect(drawing).toBe("tumour:side=L,clock=3,distance_mm=30,radius_mm=10");
-  expect(store.get().overlay).toBe("both");
+  expect(store.get().overlay).toBe("scan");
 });
 
 test("side by side from the address shows the skin of both, as when it is chosen", async () => {
@@ -303,7 +303,7 @@ test("a fit that is deleted elsewhere while its scan waits is said once, and not
   expect(fit).toHaveBeenCalledTimes(1);
 });
 
-test("a tap on the strip shows a scan, a second one another beside it, another tap puts one away", async () => {
+test("a tap on the strip shows a scan, a second one another beside it; one that waits is worked on, the one in work is put away", async () => {
   const scans = (["prone", "supine", "standing"] as const).map((stance) => ({ id: stance, stance, created_at: "2026-11-25T09:00:00Z", thumbnail: "", fit: null }));
   const { store, actions } = page({ patient: async (id: string) => ({ id, code: "K7M-4QX", scans }) as unknown as Patient });
   const shown = () => Object.fromEntries(thumbsOf(store.get()).map(({ id, pane }) => [id, pane]));
@@ -320,13 +320,18 @@ test("a tap on the strip shows a scan, a second one another beside it, another t
   expect(shown()).toEqual({ standing: 1, supine: 2, prone: null });
   await tap("prone");
   expect(shown(), "the one that is not in work gives way").toEqual({ standing: 1, supine: null, prone: 2 });
+  await tap("prone");
+  expect(store.get().scan!.info.id, "in work, where it stands").toBe("prone");
+  expect(shown()).toEqual({ standing: 1, supine: null, prone: 2 });
+  await actions.stances.work();
+  expect(store.get().scan!.info.id, "a tap on its pane does the same").toBe("standing");
   await tap("standing");
   expect(shown(), "put away, the other one is in work").toEqual({ standing: null, supine: null, prone: 1 });
   expect(store.get().scan!.info.id).toBe("prone");
 });
 
 test("days of the strip: the newest first, in each the same order", () => {
-  const thumb = (id: string, at: string) => ({ id, at, stance: "standing" as const, isImage: false, isPredicted: false, picture: "", pane: null });
+  const thumb = (id: string, at: string) => ({ id, at, stance: "standing" as const, isImage: false, isPredicted: false, picture: "", pane: null, fit: null });
   const days = daysOf([thumb("a", "2026-03-12T09:00:00Z"), thumb("b", "2026-11-27T09:00:00Z"), thumb("c", "2026-03-12T10:00:00Z")]);
   expect(days.map(([, thumbs]) => thumbs.map(({ id }) => id))).toEqual([["b"], ["a", "c"]]);
 });

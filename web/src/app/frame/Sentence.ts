@@ -3,7 +3,6 @@ import type { StanceChoice, UnitChoice } from "../../api/types";
 import { isStanceAsked } from "../../fit/verdict";
 import { stanceOf } from "../../stances/state";
 import { only } from "../../store/store";
-import { button } from "../../ui/controls";
 import { el, fill, show } from "../../ui/dom";
 import { createMenu, menuItem } from "../../ui/menu";
 import type { Panel } from "../../ui/Panel";
@@ -14,7 +13,7 @@ import type { Actions } from "../actions";
 import type { Session } from "../session";
 import { sentence as words } from "../text";
 
-type Shown = Pick<Session, "meta" | "scan" | "stance" | "fit" | "isStarting">;
+type Shown = Pick<Session, "meta" | "scan" | "modelSaid" | "stance" | "fit" | "isStarting">;
 
 const UNITS = ["mm", "cm", "dm", "m", "in", "ft"] as const satisfies readonly UnitChoice[];
 const TURNS: readonly Turn[] = ["around", "sideways", "forwards"];
@@ -27,13 +26,12 @@ export function createSentence(actions: Actions): Panel<Shown> {
   const size = createMenu("size-word", "", words.unit, "word");
   const facing = createMenu("facing-word", "", words.direction, "word", ...TURNS.map((turn) => menuItem(words.turns[turn], "", () => actions.scan.turn(turn))));
   for (const each of [stance, model, size]) each.card.addEventListener("click", () => each.close());
-  const asked = el("div", { class: "look-here question", role: "status", hidden: true }, el("p", {}, words.ask), el("div", { class: "buttons" }, ...(["standing", "supine"] as const).map((each) => button(words.stances[each], () => choose(each), "outlined"))));
   const comma = (of: { readonly element: HTMLElement }): HTMLElement => el("span", { class: "phrase" }, of.element, ",");
   const ofModel = comma(model);
-  const element = el("div", { class: "panel" }, el("p", { class: "sentence", role: "group", "aria-label": words.label }, comma(stance), ofModel, comma(size), el("span", { class: "phrase" }, facing.element)), asked);
+  const element = el("div", { class: "panel" }, el("p", { class: "sentence", role: "group", "aria-label": words.label }, comma(stance), ofModel, comma(size), el("span", { class: "phrase" }, facing.element)));
   return {
     element,
-    select: only("meta", "scan", "stance", "fit", "isStarting"),
+    select: only("meta", "scan", "modelSaid", "stance", "fit", "isStarting"),
     update(state: Shown): void {
       const { meta, scan } = state;
       if (!scan) return;
@@ -42,19 +40,20 @@ export function createSentence(actions: Actions): Panel<Shown> {
       const isAsked = isStanceAsked(state.fit?.result) && state.stance === "auto";
       stance.set(words.stances[now]);
       stance.open.classList.toggle("is-asked", isAsked);
-      show(asked, isAsked);
       const models = meta?.models ?? [];
       show(ofModel, models.length > 1);
-      model.set(words.models[info.model] ?? info.model);
-      fill(model.card, [models, info.model, file === null], () =>
-        file === null
-          ? [el("p", { class: "muted small" }, words.modelFile)]
-          : models.map((name) => {
-              const item = menuItem(modelNames[name] ?? name, "", () => void actions.bring.again({ model: name }));
-              item.setAttribute("aria-pressed", String(name === info.model));
-              return item;
-            }),
-      );
+      const isGuess = info.model === models[0] && state.modelSaid !== info.id; // which the service takes where nobody says
+      const named = words.models[info.model] ?? info.model;
+      model.set(isGuess ? words.guess(named) : named);
+      fill(model.card, [models, info.model, isGuess, file === null], () => {
+        const offered = file === null ? [info.model] : models;
+        const items = offered.map((name) => {
+          const item = menuItem(modelNames[name] ?? name, isGuess && name === info.model ? words.guessed : "", () => (name === info.model ? actions.scan.confirmModel() : void actions.bring.again({ model: name })));
+          item.setAttribute("aria-pressed", String(name === info.model && !isGuess));
+          return item;
+        });
+        return file === null ? [...items, el("p", { class: "muted small" }, words.modelFile)] : items;
+      });
       const isImage = (info.segments ?? []).length > 0;
       const lies = now !== "standing";
       const tall = info.size_m ? sizeIn(frame, info.frame, info.size_m)[1] : null;

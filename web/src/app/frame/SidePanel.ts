@@ -6,10 +6,10 @@ import { notice } from "../../ui/text";
 import type { Session } from "../session";
 import * as text from "../text";
 
-/** `bodies`: what each tab has inside; `next`: the button below them all; `check`: the tour, in their place while it lasts.  They follow the state by themselves. */
-export function createSidePanel(bodies: Record<Step, HTMLElement>, next: HTMLElement, check: HTMLElement): Panel<Pick<Session, "step"> & { readonly scan: string }, Session> {
+/** `bodies`: what each tab has inside; `next`: the button below them all; `checks`: the tour and what is asked first, in their place while they last.  They follow the state by themselves. */
+export function createSidePanel(bodies: Record<Step, HTMLElement>, next: HTMLElement, checks: readonly HTMLElement[]): Panel<Pick<Session, "step"> & { readonly scan: string }, Session> {
   const sections = (Object.keys(bodies) as Step[]).map((step) => ({ step, element: el("section", { class: "side-body", id: `side-${step}`, "aria-label": text.page.steps[step], hidden: true }, bodies[step]) }));
-  const scroll = el("div", { class: "side-scroll" }, el("div", { class: "check-holder" }, check), ...sections.map(({ element }) => element));
+  const scroll = el("div", { class: "side-scroll" }, el("div", { class: "check-holder" }, ...checks), ...sections.map(({ element }) => element));
   scroll.addEventListener("toggle", ({ target }) => target instanceof HTMLDetailsElement && target.open && target.scrollIntoView({ block: "nearest" }), { capture: true }); // it does not bubble
   const element = el("aside", { class: "side", "aria-label": text.page.side }, scroll, el("div", { class: "side-foot" }, next, el("p", { class: "notice" }, notice)));
   let opened = "";

@@ -40,7 +40,7 @@ export function createHandOver(actions: Actions): Panel<HandOverShown> {
 
   return {
     element,
-    select: only("meta", "step", "loading", "scan", "confirmed", "picks", "certain", "proposals", "skipped", "active", "fit", "isStarting", "stance", "preset", "refine", "drawing", "drawn", "ink", "stances", "checks", "overlay"),
+    select: only("asked", "meta", "step", "loading", "scan", "confirmed", "picks", "certain", "proposals", "skipped", "active", "fit", "isStarting", "stance", "preset", "refine", "drawing", "drawn", "ink", "stances", "checks", "overlay"),
     update(state: HandOverShown): void {
       const { fit, drawn } = state;
       const isDone = fit?.state === "done";

@@ -15,7 +15,6 @@ import { lesionView } from "../lesions/LesionView";
 import { mirrorPlane } from "../mirror/mirror";
 import { type DrawingSlice, layerKey } from "../state";
 import * as text from "../text";
-import { createAnotherDialog } from "./AnotherDialog";
 import { chosenRow, itemKey, type PlanRow, planRows, planScans, type Shown as Planned } from "./items";
 import { createLesionForm } from "./LesionForm";
 import { createLineDetails } from "./LineDetails";
@@ -36,7 +35,6 @@ export function createPlanPanel(drawing: DrawingActions, plan: PlanWords, dismis
   let state: PlanPanelShown | null = null;
   const wrong = problem(dismiss);
   const again = button(text.drawing.again, () => void drawing.saveNow(), "link");
-  const another = createAnotherDialog(drawing);
   const needs = createToolNeeds(drawing);
   const add = createAdd();
   const list = el("ul", { class: "plan-items", "aria-label": words.title });
@@ -59,7 +57,7 @@ export function createPlanPanel(drawing: DrawingActions, plan: PlanWords, dismis
   const onBody = el("div", {});
   const details = el("section", { class: "panel item-details" }, head, numbers.values.element, numbers.tumour.element, line.element, lesion, form, sayings, elsewhere, onBody);
   let chosen: PlanRow | null = null;
-  const element = el("div", { class: "panel drawing" }, first, wrong.element, again, another.element, el("div", { class: "plan-head" }, el("h2", {}, words.title), el("span", { class: "spring" }), add.element), needs.element, list, none, refused, details, legend, last);
+  const element = el("div", { class: "panel drawing" }, first, wrong.element, again, el("div", { class: "plan-head" }, el("h2", {}, words.title), el("span", { class: "spring" }), add.element), needs.element, list, none, refused, details, legend, last);
 
   return {
     element,
@@ -72,7 +70,6 @@ export function createPlanPanel(drawing: DrawingActions, plan: PlanWords, dismis
     const { drawn } = session;
     wrong.set(session.problems.drawing);
     show(again, drawn.saving === "unsaved" && session.problems.drawing !== undefined);
-    another.update(session);
     needs.update(session);
     add.update(session);
     const rows = planRows(session);

@@ -120,11 +120,10 @@ type Shown = Pick<PageSlice & FitSlice, "meta" | "fit"> & Omit<VerdictShown, "re
 /** Where a fit can grow old and questions are asked: whether it has, what they are, and what a person can do. */
 interface Ageing<More> extends WaysOut {
   readonly outdated: (state: PageSlice & FitSlice & More) => Outdated;
-  readonly doubt: (state: PageSlice & FitSlice & More) => string; // a question that is open, or empty
   readonly asks: (state: PageSlice & FitSlice & More) => Asks;
 }
 
-const NOTHING_ASKED: Asks = { count: 0, points: 0, expected: null, outcome: "" };
+const NOTHING_ASKED: Asks = { isKnown: true, count: 0, points: 0, expected: null, outcome: "" };
 
 /** What the fit is good for first; then, while it runs, how near it is; each landmark and all distances are folded away. */
 export function createNumbersPanel<More extends Pick<WithLines, "drawn"> = Pick<WithLines, "drawn">>(ageing: Ageing<More> | null = null): Panel<Shown, PageSlice & FitSlice & More> {
@@ -138,7 +137,7 @@ export function createNumbersPanel<More extends Pick<WithLines, "drawn"> = Pick<
   const element = el("section", { class: "numbers", "aria-label": words.title }, ...verdict.elements, hero, now, each, folded);
   return {
     element,
-    select: (state) => ({ meta: state.meta, fit: state.fit, old: ageing?.outdated(state) ?? null, lines: linesOn(state), doubt: ageing?.doubt(state) ?? "", asks: ageing?.asks(state) ?? NOTHING_ASKED }),
+    select: (state) => ({ meta: state.meta, fit: state.fit, old: ageing?.outdated(state) ?? null, lines: linesOn(state), asks: ageing?.asks(state) ?? NOTHING_ASKED }),
     update(state: Shown): void {
       const { fit } = state;
       const shown = shownIteration(fit);
