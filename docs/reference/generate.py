@@ -260,8 +260,20 @@ def difference_rows() -> Iterable[tuple[str, ...]]:
                 yield row["measure"], f"{row['half_band']}{unit}", f"{row['held_percent']} %"
 
 
+ANSWERS = {  # of the page's words (resultText.ts): when each is said
+    "check": "(also two and three) landmarks are there whose check narrows the lines, or a question is open",
+    "ready": "good or uncalibrated, and nothing is asked",
+    "draw": "check, nothing is asked, and no reason speaks against drawing: the width of the lines follows",
+    "look": "check, nothing is asked, and the reasons below it are to be looked at",
+    "cannot": "unusable, or the fit has failed; the reason is below it",
+}
+
+
 def quality_blocks(rig: Rig) -> Mapping[str, str]:
-    """`levels`: the words for each, and `limits`: of the line error."""
+    """`levels`: the words for each, `answers`: what the page says first, and `limits`: of the line error."""
+    verdict = re.search(r"const verdict = \{(.*?)\n\};", PAGE_WORDS.read_text("utf-8"), re.DOTALL)[1]
+    texts = dict(re.findall(r"^  (\w+): (?:\(.*?\) => )?(.+),$", verdict, re.MULTILINE))
+    answers = ((re.findall(r'["`]([^"`$]+)', texts[name])[0].strip(), when) for name, when in ANSWERS.items())
     page = dict(re.findall(r'(\w+): "([^"]+)"', re.search(r"verdicts: \{(.*?)\}", PAGE_WORDS.read_text("utf-8"))[1]))
     rows = ((f"`{level}`", page[level], SAID[level], VERDICTS[level]) for level in get_args(Level))
     limits = verdict_limits(rig).lines
@@ -271,6 +283,7 @@ def quality_blocks(rig: Rig) -> Mapping[str, str]:
         ("unusable beyond", limits.unknown),
     )
     return {
+        "answers": table(("on the page", "when"), answers),
         "levels": table(("level", "on the page", "on the command line", "in the report"), rows),
         "limits": table(("line error (90 %)", "mm"), ((words, f"{1e3 * limit:g}") for words, limit in named)),
     }
