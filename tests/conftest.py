@@ -10,14 +10,18 @@ Files are not synced to the disk: processes are killed here and machines are not
 import gc
 import os
 import signal
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import scipy.linalg  # noqa: F401  loads SciPy's own BLAS, so that the limit below meets it too
+from helpers import remembered
 from hypothesis import HealthCheck, settings
 from threadpoolctl import threadpool_limits
 
+from breastrig.execution.worker import preload
 from breastrig.rig.model import Rig
 
 gc.set_threshold(50_000, 20, 20)
@@ -45,11 +49,46 @@ def pytest_collection_finish() -> None:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def remembered_uploads(tmp_path_factory: pytest.TempPathFactory) -> None:
-    """Tells this process and those that it starts where helpers.remembered_uploads has its files."""
+def remembered_answers(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """This process, and tasks of services that it starts, compute once in a run what helpers.remembered lists."""
+    if request.config.getoption("benchmark_only"):
+        yield
+        return
     folder = tmp_path_factory.getbasetemp()
     shared = folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder
-    os.environ["BREASTRIG_REMEMBERED_UPLOADS"] = str(shared / "remembered_uploads")
+    os.environ[remembered.FOLDER] = str(shared / "remembered")
+    remembered.install()
+    preload(["helpers.remembering"])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(pytest.MonkeyPatch, "setattr", _setattr)
+        patch.setattr(pytest.MonkeyPatch, "undo", _undo)
+        yield
+
+
+_plain_setattr, _plain_undo = pytest.MonkeyPatch.setattr, pytest.MonkeyPatch.undo
+
+
+def _setattr(patch: pytest.MonkeyPatch, target: Any, *more: Any, **named: Any) -> None:
+    """As ever; while the program is another one, nothing is remembered."""
+    place = (
+        target if isinstance(target, str) else getattr(target, "__module__", None) or getattr(target, "__name__", "")
+    )
+    if remembered.computes(place):
+        remembered.changed.add(patch)
+    _plain_setattr(patch, target, *more, **named)
+
+
+def _undo(patch: pytest.MonkeyPatch) -> None:
+    _plain_undo(patch)
+    remembered.changed.discard(patch)
+
+
+@pytest.fixture
+def computed_anew() -> Iterator[None]:
+    """Nothing is remembered in this test: it compares what is computed twice, or counts."""
+    remembered.changed.add(computed_anew)
+    yield
+    remembered.changed.discard(computed_anew)
 
 
 @pytest.fixture

@@ -10,13 +10,11 @@ import pytest
 import trimesh
 from helpers.blank_pictures import blank_pictures
 from helpers.example_fits import write_example_fits
-from helpers.remembered_measures import measured_once
 from helpers.results import without_hashes, write_patient
 
 import breastrig
 from breastrig.cli.main import main
 from breastrig.files.result import HASHED
-from breastrig.use.reports import report
 
 
 @pytest.fixture(scope="module")
@@ -135,7 +133,6 @@ def test_folders_of_earlier_versions_are_read_and_it_is_said(
     fits: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     blank_pictures(monkeypatch)
-    monkeypatch.setattr(report, "measures", measured_once)
     fit = without_hashes(shutil.copytree(fits / "standing", tmp_path / "fit"))
     for command in (each for each in commands(fit, fits, tmp_path) if each[0] in ("compare", "export", "volume")):
         assert main(command) == 0, command

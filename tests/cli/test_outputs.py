@@ -11,14 +11,12 @@ import pytest
 from helpers.blank_pictures import blank_pictures
 from helpers.cohort import write_patient
 from helpers.example_fits import write_example_fits
-from helpers.remembered_measures import measured_once
 
 from breastrig.cli import fit_command, landmarks_command
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.files.result import FIT_FILES
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.use.reports import report
 from breastrig_studies.output import publish
 
 pytestmark = pytest.mark.long
@@ -169,7 +167,6 @@ def test_reports_exports_and_comparisons_replace_their_own_files_only(
     fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     blank_pictures(monkeypatch)
-    monkeypatch.setattr(report, "measures", measured_once)
     fit, drawing = str(fits / "standing"), str(fits / "standing" / "drawing.json")
     commands = {
         "measures.csv": ("report.json", ["report", fit]),

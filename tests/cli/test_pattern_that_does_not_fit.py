@@ -7,13 +7,11 @@ import pypdf
 import pytest
 from helpers import fake_batch
 from helpers.blank_pictures import blank_pictures
-from helpers.remembered_measures import measured_once
 
 import breastrig
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.report.pages.names import plainly
-from breastrig.use.reports import report as report_module
 
 EXAMPLE = asset_folder("example") / "standing"
 GIVEN = [str(EXAMPLE / "scan.ply"), "--landmarks", str(EXAMPLE / "landmarks.json")]
@@ -56,7 +54,6 @@ def test_alone_it_leaves_an_empty_drawing_that_the_report_and_a_program_explain(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     blank_pictures(monkeypatch)
-    monkeypatch.setattr(report_module, "measures", measured_once)
     out, report = tmp_path / "out", tmp_path / "report"
     (missing,) = fitted(out, "--drawing", TOO_LONG)["drawing_missing"]
     assert shape_names(out) == []

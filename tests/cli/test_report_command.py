@@ -14,7 +14,6 @@ import pytest
 import trimesh
 from helpers.blank_pictures import blank_pictures, coarse_pictures
 from helpers.example_fits import STANCES, write_example_fits
-from helpers.remembered_measures import measured_once
 from helpers.results import NOTHING, without_hashes, write_patient
 
 from breastrig.cli.main import main
@@ -25,7 +24,6 @@ from breastrig.core.identity import LETTERS
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.geometry.self_intersections import crossing_faces
 from breastrig.report.table import Value, with_margin
-from breastrig.use.reports import report as report_module
 
 pytestmark = pytest.mark.long
 
@@ -48,7 +46,6 @@ def quick_pictures() -> Iterator[None]:
 def quick_reports(monkeypatch: pytest.MonkeyPatch) -> None:
     """No picture is drawn, and no fit is measured again."""
     blank_pictures(monkeypatch)
-    monkeypatch.setattr(report_module, "measures", measured_once)
 
 
 @pytest.fixture(scope="module")

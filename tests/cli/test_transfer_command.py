@@ -10,7 +10,6 @@ import pypdf
 import pytest
 from helpers.blank_pictures import blank_pictures
 from helpers.example_fits import write_example_fits
-from helpers.remembered_measures import measured_once
 from helpers.results import without_hashes
 from PIL import Image
 
@@ -20,7 +19,6 @@ from breastrig.drawings.drawing_file import parsed_drawing
 from breastrig.drawings.superimposition import gaps
 from breastrig.geometry.normals import vertex_normals
 from breastrig.use.folder.fit_folder import FitFolder, read_fit_folder
-from breastrig.use.reports import report
 
 pytestmark = pytest.mark.long
 
@@ -220,7 +218,6 @@ def test_report_and_export_show_the_plan_instead_of_the_fits_own_drawing(
     fits: Path, plan: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     blank_pictures(monkeypatch)
-    monkeypatch.setattr(report, "measures", measured_once)
     standing, supine = str(fits / "standing"), str(fits / "supine")
     assert main(["report", supine, "--with", standing, "--plan", str(plan), "-o", str(tmp_path / "report")]) == 0
     [pdf] = (tmp_path / "report").glob("*_report.pdf")

@@ -42,7 +42,7 @@ def needed(name: str, skin: FittedSkin) -> dict[str, float | str]:
 
 
 def tries(parameter: PatternParameter, given: dict[str, float | str]) -> list[float]:
-    """The middle and both limits of what a person may type."""
+    """The middle, and on the left both limits, of what a person may type."""
     if parameter.min is None or parameter.max is None:
         return [float(given[parameter.name])]
     return [0.5 * (parameter.min + parameter.max), parameter.min, parameter.max]
@@ -58,7 +58,7 @@ def test_every_number_of_every_pattern_is_measured_and_said(
     for asked in tries(parameter, given):
         if measured == 2:
             break
-        parameters = given | {parameter.name: asked}
+        parameters = given | {parameter.name: asked} | ({"side": "L"} if measured and not given else {})
         try:
             found = as_drawn(pattern_of(name, parameters), skin)
         except BadDrawing:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
-from helpers.remembered_uploads import FOLDER
+from helpers.remembered import FOLDER
 
 STANCES = ("standing", "supine")
 

@@ -1,4 +1,4 @@
-"""The report without its pictures, its measures taken once in a run; tasks of services, imported there by name.
+"""The report without its pictures; tasks of services, imported there by name.
 
 For tests of how a report is asked for, kept and shown; what it shows is a question of other tests.
 """
@@ -8,10 +8,8 @@ from typing import Any
 import numpy as np
 
 from breastrig.rendering.picture import Picture, Scene
-from breastrig.use.reports import report
 from breastrig.use.reports.report import ReportJob, report_pdf_of
 from breastrig.use.reports.share_snapshot import SnapshotJob, write_snapshot
-from helpers.remembered_measures import measured_once
 
 
 def white(_scene: Scene, _view: Any, size: tuple[int, int] = (640, 640), *_: Any, **__: Any) -> Picture:
@@ -34,4 +32,3 @@ def write_plain_snapshot(job: SnapshotJob) -> None:
 def _make_plain() -> None:
     """The process is the task's own, so nothing is put back."""
     Scene.render = white  # type: ignore[method-assign]
-    report.measures = measured_once  # type: ignore[attr-defined]

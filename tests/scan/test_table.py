@@ -15,7 +15,7 @@ from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
 from breastrig.scan.table import found_table
 from breastrig_studies.virtual.bodies import read_bodies
-from breastrig_studies.virtual.scan import scan_body
+from breastrig_studies.virtual.scan import Circumstances, scan_skin
 
 pytestmark = pytest.mark.long
 
@@ -33,11 +33,11 @@ def turned(rng: np.random.Generator) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def lying() -> tuple[Surface, ClosestPointSearch]:
-    """The simulated scan of a lying virtual patient on her table, turned at random, and her true skin."""
+    """The coarse simulated scan of a lying virtual patient on her table, turned at random, and her true skin."""
     bodies, rng = read_bodies(), np.random.default_rng(3)
     body = next(body for body in bodies.patients[3].bodies if body.stance == "supine")
     assert body.table is not None
-    scan = scan_body(bodies, body, rng)
+    scan = scan_skin(body, bodies.faces, bodies.scanned, rng, Circumstances(voxel=0.008, every=4))
     turn = turned(rng)
     return scanned(scan.vertices @ turn.T, scan.faces), ClosestPointSearch(body.vertices @ turn.T, bodies.faces)
 

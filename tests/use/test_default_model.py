@@ -36,6 +36,7 @@ def test_the_model_of_a_job_is_there_already() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("computed_anew")
 def test_the_first_fit_computes_nothing_that_the_second_one_finds(tmp_path: Path) -> None:
     coarse_example(tmp_path / "example")
     model = shutil.copytree(default_rig_path().parent, tmp_path / "model") / default_rig_path().name  # one of its own

@@ -16,7 +16,7 @@ from scipy.interpolate import RBFInterpolator
 
 from breastrig.core.arrays import Array
 from breastrig.drawings.line_error import carried_errors
-from breastrig.drawings.skin_maps.interior_map import InteriorMap
+from breastrig.drawings.skin_maps.interior_map import moved_inside
 from breastrig.fitting.recipe import Recipe
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
@@ -38,7 +38,7 @@ def lesions_study(cases: tuple[Case, ...], rig: Rig, recipe: Recipe) -> dict[str
     centers = [1e-3 * np.array([each["center"][case.name] for each in found]) for case in shown]
     rows = []
     for a, b in permutations(range(len(shown)), 2):
-        there = InteriorMap(rig, fits[a], fits[b]).moved(centers[a])
+        there = moved_inside(rig, fits[a], fits[b], centers[a])
         ways = {"volume": there} | _by_landmarks(scenes[a], scenes[b], centers[a])
         gaps = {way: np.linalg.norm(moved - centers[b], axis=1) for way, moved in ways.items()}
         row: dict[str, Any] = {"from": shown[a].name, "to": shown[b].name, "lesions": len(found)}

@@ -1,6 +1,7 @@
 """A label map says where left, head and front are: its fit never turns the body round, however little it shows."""
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import nibabel
@@ -21,6 +22,7 @@ from breastrig.rig.skinning import pose
 from breastrig.scan.orient import LABEL_MAP_FRAME
 from breastrig.scan.piece import BallInside
 from breastrig.scan.read import read_scan
+from breastrig.scan.scan import Scan
 from breastrig.scan.stored_scan import STORED, write_stored
 from breastrig.use.fit import fit_steps
 from breastrig.use.landmarks import propose_on_scan
@@ -36,6 +38,12 @@ def places() -> dict[str, np.ndarray]:
     """mm, LPS, of the template's landmarks."""
     at = RIG.landmark_points().positions(RIG.template, RIG.faces)
     return dict(zip(RIG.landmark_names, in_lps(at), strict=True))
+
+
+@cache
+def scan_of_front() -> Scan:
+    """That of the front as it is."""
+    return read_scan(map_of_front(np.eye(3)))
 
 
 def map_of_front(turn: np.ndarray, codes: str = "LPS", around_mm: tuple[float, float] = (60.0, 60.0)) -> bytes:
@@ -73,7 +81,7 @@ def in_m(turn: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def test_landmarks_do_not_turn_the_body_against_its_axes() -> None:
-    ready = prepared_scan(read_scan(map_of_front(np.eye(3))), "auto")
+    ready = prepared_scan(scan_of_front(), "auto")
     round_about = np.diag([-1.0, 1.0, -1.0])  # head and feet, left and right exchanged
     picks = in_m(round_about)
     for axes, is_turned in ((None, True), (LABEL_MAP_FRAME.known, False)):
@@ -82,7 +90,7 @@ def test_landmarks_do_not_turn_the_body_against_its_axes() -> None:
 
 
 def test_two_breasts_and_a_breastbone_tell_exchanged_sides_where_axes_are_known() -> None:
-    scan, outliers = prepared_scan(read_scan(map_of_front(np.eye(3))), "auto"), load_recipe("default").outliers
+    scan, outliers = prepared_scan(scan_of_front(), "auto"), load_recipe("default").outliers
     names = {"nipple_L": "nipple_R", "nipple_R": "nipple_L", "xiphoid": "xiphoid"}
     true = {name: in_m(np.eye(3))[name] for name in names}
     exchanged = {names[name]: place for name, place in true.items()}
@@ -98,7 +106,7 @@ def test_a_body_that_lies_the_other_way_round_contradicts_its_file() -> None:
 
 
 def test_what_is_stored_of_a_label_map_still_knows_its_axes_and_lesions(tmp_path: Path) -> None:
-    scan = read_scan(map_of_front(np.eye(3)))
+    scan = scan_of_front()
     write_stored(scan, tmp_path / "kept")
     stored = read_scan(tmp_path / "kept", STORED)
     assert prepared_scan(stored, "auto").frame is LABEL_MAP_FRAME
@@ -108,7 +116,7 @@ def test_what_is_stored_of_a_label_map_still_knows_its_axes_and_lesions(tmp_path
 
 
 def test_a_mesh_in_the_same_place_has_no_known_axes() -> None:
-    scan = read_scan(map_of_front(np.eye(3)))
+    scan = scan_of_front()
     mesh = replace(scan, from_label_map=False, lesions=())
     assert prepared_scan(mesh, "auto").frame.known is None
 

@@ -31,9 +31,21 @@ FILES = ("scan.ply", "truth.ply", "landmarks.json", "case.json")
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Standing as all are scanned, lying coarsely and from half of the places."""
     made = tmp_path_factory.mktemp("virtual")
-    make_cohort(made, lambda _: None, [PATIENT])
+
+    def half_coarse(bodies: Bodies, body: VirtualBody, random: np.random.Generator) -> SimulatedScan:
+        half = Circumstances() if body.stance == "standing" else Circumstances(voxel=0.008, every=2)
+        return scan_skin(body, bodies.faces, bodies.scanned, random, half)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(make, "scan_body", half_coarse)
+        make_cohort(made, lambda _: None, [PATIENT])
     return made
+
+
+def coarse(bodies: Bodies, body: VirtualBody, random: np.random.Generator) -> SimulatedScan:
+    return scan_skin(body, bodies.faces, bodies.scanned, random, Circumstances(voxel=0.015, every=8))
 
 
 @pytest.fixture(scope="module", params=["standing", "supine"])
@@ -97,18 +109,10 @@ def test_the_case_says_where_the_body_is(case: Case) -> None:
     assert np.linalg.det(turn) > 0.0  # never mirrored
 
 
-@pytest.fixture
-def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Coarse scans from few places: the same steps in a fifth of the time."""
-
-    def coarse(bodies: Bodies, body: VirtualBody, random: np.random.Generator) -> SimulatedScan:
-        return scan_skin(body, bodies.faces, bodies.scanned, random, Circumstances(voxel=0.015, every=8))
-
+def test_the_same_bytes_again_over_a_patient_of_other_bodies_and_then_she_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(make, "scan_body", coarse)
-
-
-@pytest.mark.usefixtures("quick")
-def test_the_same_bytes_again_over_a_patient_of_other_bodies_and_then_she_stays(tmp_path: Path) -> None:
     first, again = tmp_path / "first", tmp_path / "again"
     said: list[str] = []
     make_cohort(first, said.append, [PATIENT])

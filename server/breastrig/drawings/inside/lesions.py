@@ -25,7 +25,7 @@ from breastrig.drawings.inks import LESION
 from breastrig.drawings.line_error import carried_errors, radii_at
 from breastrig.drawings.plan_schema import PlanItem, PlanLesion, PlanTumour, asked_of
 from breastrig.drawings.project_drawing import on_scan
-from breastrig.drawings.skin_maps.interior_map import InteriorMap
+from breastrig.drawings.skin_maps.interior_map import moved_inside
 from breastrig.drawings.skin_maps.settings import skin_map_settings
 from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.geometry.closest_point import ClosestPointSearch, closest_barycentric
@@ -112,7 +112,7 @@ class LesionsOnScan:
         if not lesions:
             return []
         there = np.array([_center(item) for item in lesions])
-        centers = InteriorMap(self._rig, other, self._scan).moved(there)
+        centers = moved_inside(self._rig, other, self._scan, there)
         nearest = FittedSkin(self._rig, other.vertices, other.known).nearest(there)
         is_known: Booleans = np.any(near_breasts(self._rig)[self._rig.faces[nearest.faces]], axis=1)
         found = carried_errors(self._rig, other, self._scan, there, centers, on_skin=False)

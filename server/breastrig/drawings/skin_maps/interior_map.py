@@ -8,39 +8,24 @@ is seen.
 Evidence: docs/decisions/0015.
 """
 
-from functools import cached_property
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.drawings.skin_maps.skin_map import FittedScan, SkinMap, within_reach
 from breastrig.rig.model import Rig
 
-if TYPE_CHECKING:
-    from scipy.interpolate import RBFInterpolator
 
+def moved_inside(rig: Rig, a: FittedScan, b: FittedScan, points: Array) -> Array:
+    """(M, 3) m: where (M, 3) m points inside the body of scan A are in that of scan B, each in its scan's frame.
 
-class InteriorMap:
-    """The way of tissue from scan A to scan B, both FittedScans of one patient; points in m, in their scans' frames."""
+    Raises BadDrawing when a model does not lie on its scan.
+    """
+    from scipy.interpolate import RBFInterpolator  # slow to load, and most fits need no spline
 
-    def __init__(self, rig: Rig, a: FittedScan, b: FittedScan) -> None:
-        """Raises BadDrawing when a model does not lie on its scan."""
-        self._rig, self._a, self._b = rig, a, b
-
-    @cached_property
-    def _spline(self) -> "RBFInterpolator":
-        from scipy.interpolate import RBFInterpolator  # slow to load, and most fits need no spline
-
-        rig, a, b = self._rig, self._a, self._b
-        first, second = (b, a) if a.stance == "supine" and b.stance != "supine" else (a, b)
-        followed = within_reach(rig, first.vertices, first.vertices)
-        skin = SkinMap(rig, first, second, ways=False).moved(first.vertices)
-        there = np.where(followed[:, None], skin, second.vertices)
-        here, there = (first.vertices, there) if first is a else (there, first.vertices)
-        _, apart = np.unique(np.round(here, 5), axis=0, return_index=True)  # two equal places make it singular
-        return RBFInterpolator(here[apart], there[apart], kernel="linear", degree=1)
-
-    def moved(self, points: Array) -> Array:
-        """(M, 3) m: where (M, 3) m points inside A's body are in B's."""
-        return np.asarray(self._spline(points))
+    first, second = (b, a) if a.stance == "supine" and b.stance != "supine" else (a, b)
+    followed = within_reach(rig, first.vertices, first.vertices)
+    skin = SkinMap(rig, first, second, ways=False).moved(first.vertices)
+    there = np.where(followed[:, None], skin, second.vertices)
+    here, there = (first.vertices, there) if first is a else (there, first.vertices)
+    _, apart = np.unique(np.round(here, 5), axis=0, return_index=True)  # two equal places make it singular
+    return np.asarray(RBFInterpolator(here[apart], there[apart], kernel="linear", degree=1)(points))
