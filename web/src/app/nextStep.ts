@@ -9,7 +9,7 @@ import { ENOUGH, nextMissing } from "../landmarks/picks";
 import { isSeen, openProposals } from "../landmarks/proposals/proposals";
 import { pickCount } from "../landmarks/state";
 import { cropsOf } from "../scan/crop";
-import { scannedOther, stanceNames, stanceOf } from "../stances/state";
+import { scannedOther, stanceNames, stanceOf, unscanned } from "../stances/state";
 import type { Session } from "./session";
 
 /** What of the state decides. */
@@ -55,7 +55,8 @@ function afterFit(state: NextShown): NextStep {
   if (state.step === "handover") return { kind: "report" };
   if (state.step !== "plan") return { kind: "plan" };
   if (!isPlanned(state) && !(stances.other && isPlanned(stances.other))) return { kind: "draw", isArmed: drawn.tool !== "none" };
-  if (stances.other === null) return { kind: "add", stance: stanceOf(state) === "standing" ? "supine" : "standing" };
+  const wanted = stanceOf(state) === "standing" ? "supine" : "standing";
+  if (stances.other === null) return unscanned(state).includes(wanted) ? { kind: "add", stance: wanted } : { kind: "print" };
   if (stances.other.fit?.state !== "done") return { kind: "change over", to: stanceNames(state)[1] };
   const there = stepsOf({ ...state, ...stances.other }).length;
   return there > 0 ? { kind: "check", count: there, on: stanceNames(state)[1] } : { kind: "print" };

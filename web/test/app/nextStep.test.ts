@@ -95,6 +95,8 @@ test("after a good fit a surgeon draws, brings the other stance, changes over to
   expect(nextStep({ ...drawn, step: "body" })).toEqual({ kind: "plan" });
   expect(nextStep(finished({ step: "plan", drawn: { ...startDrawn(), tool: "pen" } }))).toEqual({ kind: "draw", isArmed: true });
   expect(nextStep(drawn)).toEqual({ kind: "add", stance: "supine" });
+  const there = [{ id: "there", stance: "supine" }] as unknown as typeof drawn.stances.scans;
+  expect(nextStep({ ...drawn, stances: { ...drawn.stances, scans: there } }), "a lying scan stands in the strip already").toEqual({ kind: "print" });
   const other = { ...workspaceOf(drawn), stance: "supine", drawn: startDrawn(), fit: null } as const;
   expect(nextStep({ ...drawn, stances: { ...drawn.stances, other } })).toEqual({ kind: "change over", to: "supine" });
   const both = { ...other, fit: { ...drawn.fit!, result: { ...drawn.fit!.result!, stance: "supine" } } } as typeof other & { fit: NonNullable<Session["fit"]> };

@@ -65,7 +65,7 @@ test("one row for a pattern with all its lines, saying on which sides it is; lin
   expect(chosenRow(rows, { ...state, item: "" }), "put aside").toBeNull();
 });
 
-test("a pattern says on how many scans it lies, and which: those with a fit that can be used", () => {
+test("a pattern says on which scans it lies: those with a fit that can be used", () => {
   const kept = (id: string, stance: string, kind: string, state: string, verdict: string | null) => ({ id, stance, kind, fit: { state, verdict } });
   const scans = [kept("a", "standing", "surface", "failed", null), kept("b", "supine", "surface", "done", "check"), kept("c", "prone", "image", "done", "good"), kept("d", "standing", "surface", "done", "unusable"), { ...kept("e", "supine", "surface", "done", "good"), fit: null }];
   const fit = { state: "done", drawing: null, result: { verdict: { level: "good", reasons: [] }, model: { sha256: "" } } };
@@ -76,5 +76,5 @@ test("a pattern says on how many scans it lies, and which: those with a fit that
   const shapes = ["wise_L", "wise_R"].map((name) => ({ name, kind: "pattern", item: "p", carried: false, points: [], closed: false, color: "#101010" }));
   const drawn = { ...startDrawn([], { note: "", depthMm: null, lesions: [] }), onScan: laidOnScan("supine", [], { unit: "mm", shapes, lesions: [] } as unknown as PlanOnScan) };
   const [row] = planRows({ ...of(), meta: null, models: {}, drawing: "reduction", lesion: null, item: null, drawn });
-  expect(row!.says).toBe("both, on 3 scans");
+  expect(row!.says).toBe("both, on standing, supine and MRI");
 });

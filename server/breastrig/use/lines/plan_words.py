@@ -56,7 +56,7 @@ def _name(item: PlanItem, fit: FitFolder) -> str:
     if isinstance(item, PlanLine):
         return item.label or spoken(item.name)
     if isinstance(item, PlanLesion):
-        return f"Lesion, {item.name}"
+        return item.name if item.name.lower().startswith("lesion") else f"Lesion, {item.name}"
     if isinstance(item, PlanNote):
         return "Note"
     if isinstance(item, PlanTumour):

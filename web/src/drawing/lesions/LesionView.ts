@@ -18,7 +18,7 @@ export function lesionView(lesion: LaidLesion, line: string | null, move: { read
     "div",
     { class: "lesion-view" },
     depthView(lesion),
-    el("dl", {}, ...facts.map(([name, value]) => el("div", { class: "row" }, el("dt", {}, name), el("dd", {}, ...withMargins(value))))),
+    el("dl", {}, ...facts.map(([name, value]) => el("div", { class: "row" }, el("dt", {}, name), el("dd", {}, ...(name === words.place ? [value] : withMargins(value)))))),
     ...(lesion.seen ? [] : [el("p", { class: "look-here" }, words.unseen)]),
     take,
     el("p", { class: "muted small" }, move ? `${words.straight} ${words.moves}` : words.straight),

@@ -15,7 +15,7 @@ import { lesionView } from "../lesions/LesionView";
 import { mirrorPlane } from "../mirror/mirror";
 import { type DrawingSlice, layerKey } from "../state";
 import * as text from "../text";
-import { chosenRow, itemKey, type PlanRow, planRows, planScans, type Shown as Planned } from "./items";
+import { chosenRow, itemKey, type PlanRow, planRows, type Shown as Planned } from "./items";
 import { createLesionForm } from "./LesionForm";
 import { createLineDetails } from "./LineDetails";
 import "./panel.css";
@@ -134,9 +134,8 @@ export function createPlanPanel(drawing: DrawingActions, plan: PlanWords, dismis
     show(form, kind === "new lesion");
     show(sayings, kind === "note");
     if (document.activeElement !== sayings) sayings.value = drawn.note;
-    const scans = planScans(session);
-    setText(elsewhere, [...(kind === "carried" ? [words.elsewhere(drawn.onScan?.from ?? "")] : []), ...(scans.length > 1 && chosen !== null && kind !== "note" ? [words.onScans(scans)] : [])].join(" "));
-    show(elsewhere, elsewhere.textContent !== "");
+    show(elsewhere, kind === "carried");
+    setText(elsewhere, words.elsewhere(drawn.onScan?.from ?? ""));
     showLines(chosen, drawn.hidden);
   }
 

@@ -85,7 +85,7 @@ export function planRows(state: Shown): readonly PlanRow[] {
     line,
   }));
   const ofPattern = ofKind(shapes, "pattern");
-  const patterns: PlanRow[] = asked.base === "" ? [] : [{ ...row("reference", itemKey.pattern, labels.get(asked.base) ?? asked.base, ofPattern, words.onCount(sidesSaid(ofPattern), planScans(state).length)), kind: "pattern" }];
+  const patterns: PlanRow[] = asked.base === "" ? [] : [{ ...row("reference", itemKey.pattern, labels.get(asked.base) ?? asked.base, ofPattern, words.onScans(sidesSaid(ofPattern), planScans(state))), kind: "pattern" }];
   const deep = drawn.depthMm === null ? words.across(2 * Number(asked.tumour?.radius_mm)) : words.deep(drawn.depthMm);
   const tumours: PlanRow[] = asked.tumour ? [{ ...row("reference", itemKey.tumour, tumourLabel(asked.tumour.side, labels.get(TUMOUR)), ofKind(shapes, "tumour"), deep), kind: "tumour" }] : [];
   const notes: PlanRow[] = drawn.note === "" ? [] : [{ ...row("own", itemKey.note, drawn.note, [], ""), kind: "note" }];

@@ -1,5 +1,4 @@
 // The sentences of the plan's panel, which come with it.
-import { plural } from "../../ui/plural";
 import { formatMmWhole } from "../../ui/units";
 import { amount } from "../text";
 
@@ -13,8 +12,7 @@ export const planPanel = {
   carrying: "What is planned is being carried here …",
   both: "both",
   image: "MRI",
-  onCount: (sides: string, count: number) => (sides === "" || count < 2 ? sides : `${sides}, on ${count} scans`),
-  onScans: (names: readonly string[]) => `On ${plural(names.length, "scan", "scans")}: ${names.join(", ")}.`,
+  onScans: (sides: string, names: readonly string[]) => (sides === "" || names.length < 2 ? sides : `${sides}, on ${names.slice(0, -1).join(", ")} and ${names.at(-1)}`),
   sides: SIDES,
   letters: { L: "L", R: "R" } as const,
   breast: { L: "left breast", R: "right breast" } as const,
