@@ -90,6 +90,7 @@ LISTED = {  # why they are not run here, or the test that runs them
         "breastrig evaluate cohort/ -o evidence/",
         "breastrig evaluate COHORT --quick",
         "breastrig evaluate COHORT",
+        "breastrig evaluate --virtual",
         "breastrig evaluate --warped N",
         "breastrig evaluate COHORT --warped N --prone",
         "breastrig evaluate COHORT --warped 32 --prone --half validation",
@@ -136,7 +137,6 @@ LISTED = {  # why they are not run here, or the test that runs them
     "the name of a command in a sentence": [
         "breastrig fit",
         "breastrig report",
-        "breastrig predict",
         "breastrig volume",
     ],
     "tests/cli/test_main.py": [

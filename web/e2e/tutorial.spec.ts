@@ -1,0 +1,30 @@
+// The surgeon's tutorial can be followed as it is written, with the examples that ship, and says what the page shows.
+import { expect } from "@playwright/test";
+import type { Patient } from "../src/api/types";
+import { test } from "./page";
+import { startService } from "./service";
+import { followTutorial, SHIPPED, STEPS } from "./tutorialSteps";
+
+test.use({ fitsAtOnce: true });
+
+test("the surgeon's tutorial, step by step", async ({ page }, info) => {
+  test.slow(); // three fits of the scans as they ship
+  const service = await startService(SHIPPED);
+  let isLate = true; // the image's fit is still under way when the page first hears of it, as on a busy machine
+  await page.route(/\/api\/patients\/[^/?]+$/, async (route) => {
+    const response = await route.fetch();
+    const patient = (await response.json()) as Patient;
+    const fit = patient.scans.find(({ stance }) => stance === "prone")?.fit;
+    const json = isLate && fit ? { ...patient, scans: patient.scans.map((scan) => (scan.fit === fit ? { ...scan, fit: { ...fit, state: "running" } } : scan)) } : patient;
+    if (fit) isLate = false;
+    await route.fulfill({ response, json });
+  });
+  const taken: string[] = [];
+  await followTutorial(page, service.base, async (step) => {
+    taken.push(step);
+    if (step === "body") await expect.poll(() => page.evaluate(() => window.__breastrig!.state().stances.scans.map(({ fit }) => fit?.state))).toEqual(["done", "done", "done"]);
+    await page.screenshot({ path: info.outputPath(`${step}.png`) });
+  });
+  expect(taken).toEqual(STEPS);
+  await service.stop();
+});
