@@ -20,7 +20,7 @@ export async function followTutorial(page: Page, base: string, seen: (step: (typ
     const { fit, stances } = window.__breastrig!.state();
     return fit?.state === "done" && !fit.playing && stances.other?.fit?.state === "done";
   });
-  await expect(page.locator(".sentence")).toHaveText(/^Standing\s?,\s?a woman\s?,\s?53\scm tall\s?,\s?facing you$/, { useInnerText: true });
+  await expect(page.locator(".sentence")).toHaveText(/^Standing\s?,\s?a woman\?\s?,\s?53\scm tall\s?,\s?facing you$/, { useInnerText: true });
   const found = page.getByRole("region", { name: "Lines found on the skin" });
   await expect(found.getByRole("button", { name: "Accept 8 lines" })).toBeVisible();
   await seen("body");
@@ -45,7 +45,7 @@ export async function followTutorial(page: Page, base: string, seen: (step: (typ
   await name.press("Enter");
   await found.getByRole("button", { name: "Accept 6 lines" }).click();
   await expect(found).toContainText("All lines found on the skin are decided.");
-  await expect(page.locator(".verdict-level")).toHaveText("Ready to draw");
+  await expect(page.locator(".verdict-level")).toHaveText("Draw with lines two fingers wide");
   await seen("lines");
 
   await expect(next).toHaveText("Draw the plan");
