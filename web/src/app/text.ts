@@ -48,6 +48,7 @@ export const handover = {
   page: (number: number, count: number) => `Page ${number} of ${count}`,
   making: "The pages are being made: some seconds.",
   ready: "ready",
+  doubtful: (wide: string) => `lines are ${wide}; its doubts and notes say why`,
   open: (count: number) => `${plural(count, "point", "points")} not checked`,
   predicted: "predicted, not scanned",
   notFitted: "the model is not fitted",

@@ -15,6 +15,11 @@ test("a stance that is ready says so, and leads nowhere", () => {
   expect(said(session({}))).toEqual([["Standing: ready", null, false]]);
 });
 
+test("a fit that the report calls to be checked is not ready here, though no point is worth a check", () => {
+  const state = session({ fit: fit({ verdict: { level: "check", reasons: ["Lines may be far off."] }, line_error_mm: 14 }) });
+  expect(uncheckedOf(state)).toMatchObject([{ says: expect.stringMatching(/^Standing: lines are .*doubts and notes/), way: null, isReady: false }]);
+});
+
 test("open questions, what cannot be drawn, and a lesion over which no skin is seen each have a way there", () => {
   const onScan = { plan: { lesions: [{ name: "MRI 1", seen: false }, { name: "MRI 2", seen: true }], missing: [{ item: "p", reason: "No room on the left: limbs of 80 mm reach the fold. Choose shorter limbs." }] } };
   const state = session({ fit: fit({ landmarks_unusual: [{ names: ["notch"], reason: "notch is unusual." }] }), drawn: { ...startDrawn(), onScan } });

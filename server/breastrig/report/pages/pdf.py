@@ -56,10 +56,10 @@ KINDS = {  # of rows, in this order
     "ratio": "Symmetry (1 = equal)",
 }
 VERDICTS = {
-    "good": "A good fit",
+    "good": "Ready to draw",
     "uncalibrated": "Not calibrated for this rig: how far off lines may be is not known",
-    "check": "A fit to check (see doubts and notes)",
-    "unusable": "A fit that is not usable (see doubts and notes)",
+    "check": "To be checked (see doubts and notes)",
+    "unusable": "Cannot be used (see doubts and notes)",
 }
 WARNINGS = {
     "uncalibrated": "NOT CALIBRATED FOR THIS RIG: see doubts and notes",

@@ -1,6 +1,8 @@
 // What of the plan nobody has looked at yet, said before it is printed: each with the way there.
 import { asksOf } from "../../checks/state";
+import { wideOf } from "../../fit/fingers";
 import { isUnusable } from "../../fit/state";
+import { levelOf, linesOn } from "../../fit/verdict";
 import { isPredicted, otherState, stanceNames, stanceOf } from "../../stances/state";
 import { foundInk, type NextShown } from "../nextStep";
 import { handover as words } from "../text";
@@ -25,10 +27,11 @@ export function uncheckedOf(state: Shown): readonly Unchecked[] {
     if (of.fit?.state !== "done") return [says(words.notFitted, "points")];
     if (isUnusable(of)) return [says(words.unusable, "points")];
     const { count } = asksOf(of);
+    const isDoubtful = levelOf(of.fit.result) === "check";
     const lesions = of.drawn.onScan?.plan.lesions.filter(({ seen }) => !seen) ?? [];
     const missing = of.drawn.onScan?.plan.missing ?? [];
     return [
-      says(count > 0 ? words.open(count) : words.ready, count > 0 ? "check" : null, count === 0),
+      says(count > 0 ? words.open(count) : isDoubtful ? words.doubtful(wideOf(linesOn(of)?.mm ?? null)) : words.ready, count > 0 ? "check" : null, count === 0 && !isDoubtful),
       ...missing.map(({ reason }) => says(/^.*?\.(?= |$)/.exec(reason)?.[0] ?? reason, "plan")),
       ...lesions.map((lesion) => says(words.unseen(lesion.name), "plan")),
     ];
