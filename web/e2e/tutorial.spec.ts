@@ -23,6 +23,11 @@ test("the surgeon's tutorial, step by step", async ({ page }, info) => {
   await followTutorial(page, service.base, async (step) => {
     taken.push(step);
     if (step === "body") await expect.poll(() => page.evaluate(() => window.__breastrig!.state().stances.scans.map(({ fit }) => fit?.state))).toEqual(["done", "done", "done"]);
+    if (step === "lines") {
+      // The panes have changed hands twice by now: the other body is still in the middle of its pane.
+      const target = await page.evaluate(() => window.__breastrig!.other()!.pose.target);
+      expect(Math.hypot(...target), "metres").toBeLessThan(0.15);
+    }
     await page.screenshot({ path: info.outputPath(`${step}.png`) });
   });
   expect(taken).toEqual(STEPS);

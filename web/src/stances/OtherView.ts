@@ -40,6 +40,7 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
     const state = store.get();
     const { other, isLinked } = state.stances;
     if (isFollowing || !isLinked || !other || !isComparing(state)) return;
+    if (main.keepsPose || viewer?.keepsPose) return; // panes have changed hands, and a body is still to come: it stays as it was seen
     const isMain = leader === main;
     const [mine, its] = [torsoOf(state), torsoOf(other)];
     // By landmarks only when both have them: the middle of one body and the breastbone of the other are not one place.
