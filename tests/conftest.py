@@ -59,8 +59,6 @@ def remembered_answers(request: pytest.FixtureRequest, tmp_path_factory: pytest.
     os.environ[remembered.FOLDER] = str(shared / "remembered")
     remembered.install()
     preload(["helpers.remembering"])
-    tests = str(REPOSITORY / "tests")  # the fork server looks for modules where its surroundings say
-    os.environ["PYTHONPATH"] = os.pathsep.join([tests, *filter(None, [os.environ.get("PYTHONPATH")])])
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(pytest.MonkeyPatch, "setattr", _setattr)
         patch.setattr(pytest.MonkeyPatch, "undo", _undo)

@@ -23,7 +23,7 @@ from breastrig_studies.virtual.case_files import moved
 from breastrig_studies.virtual.make import make_cohort
 from helpers.label_maps import labels_behind, nifti
 
-WOMAN = "patient_6"  # one point is worth checking on either scan
+WOMAN = "patient_7"
 RADIUS = 7.0  # mm
 
 

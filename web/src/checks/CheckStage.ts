@@ -29,7 +29,7 @@ const ABOVE = 0.004; // metres off the skin, from where the eye must be free to 
 const UPRIGHT = 0.85; // sine of the steepest look: straight down has no upright
 type Way = "below" | "side";
 
-export function openCheckStage(store: Store<ChecksSlice & Pick<LandmarksSlice, "picks"> & Pick<PageSlice, "announcement">>, viewer: Viewer, scan: Surface & { readonly bvh: unknown }, torso: RestingModel, canvas: HTMLCanvasElement, actions: CheckActions): void {
+export function openCheckStage(store: Store<ChecksSlice & Pick<LandmarksSlice, "picks"> & Pick<PageSlice, "announcement">>, viewer: Viewer, scan: Surface & { readonly bvh: unknown; readonly isSettled: boolean }, torso: RestingModel, canvas: HTMLCanvasElement, actions: CheckActions): void {
   const halo = new Halo(viewer, "disc of the check", 8.6);
   const label = el("span", { class: "check-label" }, text.checks.disc);
   const dot = el("div", { class: "check-dot is-asked", hidden: true });
@@ -80,7 +80,11 @@ export function openCheckStage(store: Store<ChecksSlice & Pick<LandmarksSlice, "
     if (check) lookAt(place() ?? check.place, check.normal, check.radius_mm);
   }
 
+  let isLate = false; // the scan that is asked about is not on the stage yet, as when the panes have just changed over
+
   function update(): void {
+    isLate = store.get().checks.tour !== null && !scan.isSettled;
+    if (isLate) return viewer.invalidate();
     const check = point();
     if (check !== seen) {
       seen = check;
@@ -107,6 +111,7 @@ export function openCheckStage(store: Store<ChecksSlice & Pick<LandmarksSlice, "
   }
 
   viewer.beforeFrame.add(() => {
+    if (isLate && scan.isSettled) update();
     const at = place();
     if (!at || !seen) return;
     const where = metres(at);
