@@ -1,6 +1,7 @@
 """The report over HTTP, PDF and numbers: real fits of the example patient, what is kept with a fit, what is refused."""
 
 import io
+import re
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -141,7 +142,11 @@ def test_the_measures_are_those_of_the_command(real: Real, monkeypatch: pytest.M
     assert (answer.status_code, answer.mimetype) == (200, "application/json")
     assert answer.headers["Cache-Control"] == "no-store"
     blank_pictures(monkeypatch)
-    assert answer.data == report_files(ReportJob(folder))["report.json"]
+    files = report_files(ReportJob(folder))
+    assert answer.data == files["report.json"]
+    with client.get(place.replace(".json", ".csv")) as table:
+        assert table.data == files["measures.csv"]
+        assert re.search(r"_standing_.*_measures[.]csv$", table.headers["Content-Disposition"])
     assert client.get(place, headers={"If-None-Match": answer.headers["ETag"]}).status_code == 304
     document = MeasuresFile.model_validate(answer.json)
     assert [stance.name for stance in document.stances] == ["standing"]
@@ -220,7 +225,7 @@ def test_the_pages_of_the_report_are_pictures_too(real: Real) -> None:
     assert client.get(f"{place}.png?page=0").status_code == 422
 
 
-@pytest.mark.parametrize("name", ["report.pdf", "report.png", "measures.json"])
+@pytest.mark.parametrize("name", ["report.pdf", "report.png", "measures.json", "measures.csv"])
 def test_what_is_refused(real: Real, name: str) -> None:
     _, client, _, fits = real
     place = f"/api/fits/{fits['standing']}/{name}"
@@ -237,7 +242,7 @@ def test_what_is_refused(real: Real, name: str) -> None:
 
 def test_a_fit_that_is_not_done_has_no_report(client: FlaskClient, scan_id: str) -> None:
     fit = client.post("/api/fits", json={"scan": scan_id, "preset": "paper"}).json["id"]
-    for name in ("report.pdf", "report.png", "measures.json", "volume.vtu"):
+    for name in ("report.pdf", "report.png", "measures.json", "measures.csv", "volume.vtu"):
         assert client.get(f"/api/fits/{fit}/{name}").status_code == 409
     client.post(f"/api/fits/{fit}/cancel")
 

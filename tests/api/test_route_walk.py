@@ -54,7 +54,7 @@ class Patient:
     def address(self, rule: str) -> str:
         ids = {"scan_id": self.scan, "fit_id": self.fit, "share_id": self.share["id"], "patient_id": self.patient}
         name = "lumpectomy" if "/drawings/" in rule else "standing"
-        ids |= {"version": "1", "iteration": "0", "name": name, "sha256": self.model}
+        ids |= {"version": "1", "iteration": "0", "name": name, "kind": "pp", "sha256": self.model}
         return re.sub(r"<(?:\w+:)?(\w+)>", lambda found: ids[found[1]], rule)
 
 
@@ -126,6 +126,7 @@ def body(call: Call, patient: Patient) -> dict[str, Any]:
         ("POST", "/api/scans/<scan_id>/landmarks/file"): {
             "data": {"file": (io.BytesIO(b"nipple_L,70,350,120"), "picks.csv")}
         },
+        ("POST", "/api/scans/<scan_id>/landmarks/file/<kind>"): {"json": landmarks},
         ("PUT", "/api/scans/<scan_id>/cuts"): {"json": {"cuts": []}},
         ("PUT", "/api/scans/<scan_id>/drawing"): {"json": {"shapes": []}},
         ("PUT", "/api/scans/<scan_id>/patient"): {"json": {"patient": patient.patient}},

@@ -200,6 +200,20 @@ def test_a_file_of_landmarks_is_read_as_the_command_line_reads_it(
     assert client.get(place).json == kept
 
 
+def test_landmarks_are_written_in_the_kinds_that_are_read(client: FlaskClient, scan_id: str) -> None:
+    place = f"/api/scans/{scan_id}/landmarks"
+    kept = client.get(place).json
+    given = {"landmarks": {"nipple_L": [70.0, 350.0, 120.5]}, "unit": "mm", "certain": ["nipple_L"]}
+    for kind in ("json", "csv", "pp", "mrk.json"):
+        written = client.post(f"{place}/file/{kind}", json=given)
+        assert written.headers["Cache-Control"] == "no-store"
+        again = client.post(f"{place}/file", data={"file": (io.BytesIO(written.data), f"picks.{kind}")}).json
+        assert again["landmarks"]["nipple_L"] == pytest.approx([70.0, 350.0, 120.5])
+        assert again["certain"] == (["nipple_L"] if kind == "json" else [])
+    problem(client.post(f"{place}/file/doc", json=given), 422)
+    assert client.get(place).json == kept
+
+
 def test_what_a_person_is_certain_of_is_kept_with_the_landmarks(client: FlaskClient, scan_id: str) -> None:
     place = f"/api/scans/{scan_id}/landmarks"
     picked = {"nipple_L": [70.0, 350.0, 120.5], "nipple_R": [-70.0, 350.0, 120.5]}

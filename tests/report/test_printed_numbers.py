@@ -56,6 +56,29 @@ def test_they_agree_in_files_to_the_last_digit(rng: np.random.Generator) -> None
         assert round(b["left"] - a["left"], 2) == change["left"]  # type: ignore[operator]
 
 
+def test_they_agree_as_they_are_said(rng: np.random.Generator) -> None:
+    before, after = ([row(rng, f"measure {k}") for k in range(60)] for _ in range(2))
+    said = [one["said"] for one in flat_rows([("standing", before), ("supine", after)])]
+    count = len(before)
+    for first, second, change in zip(said[:count], said[count : 2 * count], said[2 * count :], strict=True):
+        for cells in (first, second, change):
+            moved = printed(cells["left"]) - printed(cells["right"])
+            assert moved == pytest.approx(printed(cells["difference"]), abs=1e-9)
+        assert printed(second["left"]) - printed(first["left"]) == pytest.approx(printed(change["left"]), abs=1e-9)
+
+
+def test_a_number_is_said_as_finely_as_its_band_allows_and_signed_where_a_direction_is_meant() -> None:
+    sides = Row("a", "a", "straight", "mm", Value(201.34), Value(198.1), None, (), "")
+    volume = Row("v", "v", "volume", "ml", Value(268.7, 240.1, 297.3), None, None, (), "", not_seen=("right",))
+    ratio = Row("r", "r", "ratio", "1", None, None, Value(0.956), (), "")
+    grade = Row("p", "p", "grade", "grade", Value(2.0), Value(4.0), None, (), "")
+    said = [one["said"] for one in flat_rows([("standing", [sides, volume, ratio, grade])])]
+    assert said[0] == {"left": "201.3", "right": "198.1", "difference": "+3.2"}
+    assert said[1] == {"left": "270 ±30"}
+    assert said[2] == {"value": "0.96"}
+    assert said[3] == {"left": "II", "right": "glandular"}
+
+
 def half_scan(stance: Stance) -> Stance:
     """The same body of which the scan shows the left side and a little beyond."""
     centres = stance.scan_vertices[stance.scan_faces].mean(axis=1)

@@ -33,6 +33,7 @@ BINARY = "application/octet-stream"
 PDF = "application/pdf"
 VTU = "application/vnd.vtk.vtu"
 PNG = "image/png"
+CSV = "text/csv"
 ZIP = "application/zip"
 
 PUBLIC_FILES = 64  # the page has about thirty files, the model three

@@ -12,7 +12,7 @@ from breastrig.core.arrays import Array
 from breastrig.core.documents import csv_table
 
 Lines = dict[str, list[list[float]]]
-Cell = str | float | Lines | None
+Cell = str | float | Lines | dict[str, str] | None
 COLUMNS = (
     "stance", "measure", "kind", "unit",
     "left", "left_low", "left_high", "right", "right_low", "right_high",
@@ -135,15 +135,27 @@ def as_printed(row: Row, step: float) -> Row:
 def flat_rows(stances: Sequence[tuple[str, Sequence[Row]]]) -> list[dict[str, Cell]]:
     """The rows of one or two (name, rows); of two also their changes, the second less the first.
 
-    `paths` are lines in the scan's frame, mm; a change has none.
+    `paths` are lines in the scan's frame, mm; a change has none.  `said` has the numbers as they are printed, by cell.
     """
     written = [(name, [rounded_once(row) for row in rows]) for name, rows in stances]
     known = [(name, row) for name, rows in written for row in rows]
     steps = {key: printed_step([row for _, row in known if row.key == key]) for key in {row.key for _, row in known}}
+    said = [_said(as_printed(row, steps[row.key]), steps[row.key], is_change=False) for _, row in known]
     if len(stances) == 2:
         (first, before), (second, after) = written
         known += [(f"{second} - {first}", row) for row in changes(before, after)]
-    return [_flat(name, row, steps[row.key]) for name, row in known]
+        printed = changes(*([as_printed(row, steps[row.key]) for row in rows] for _, rows in written))
+        said += [_said(row, steps[row.key], is_change=True) for row in printed]
+    return [_flat(name, row, steps[row.key]) | {"said": each} for (name, row), each in zip(known, said, strict=True)]
+
+
+def _said(row: Row, step: float, *, is_change: bool) -> dict[str, str]:
+    cells = {name: getattr(row, name) for name in ("left", "right", "value", "difference")}
+    return {
+        name: with_margin(value, row.unit, step, is_change or name == "difference")
+        for name, value in cells.items()
+        if value is not None
+    }
 
 
 def less(x: Value | None, y: Value | None, correlation: float = 0.0) -> Value | None:

@@ -157,6 +157,8 @@ export const client = {
     body.append("file", file);
     return (await (await ask(`${scan.links.landmarks}/file`, { method: "POST", body })).json()) as LandmarkFile;
   },
+  writeLandmarks: async (scan: Scan, kind: string, file: LandmarkFile): Promise<Blob> =>
+    (await ask(`${scan.links.landmarks}/file/${kind}`, { method: "POST", body: JSON.stringify(file), headers: tagging(null) })).blob(),
   landmarks: async (scan: Pick<Scan, "id" | "links">): Promise<StoredLandmarks> => tagged(await ask(scan.links.landmarks)),
   /** 412 when those that are kept are not the ones of this tag any more; without one they are replaced whatever they are.  Arrives although the page is being closed. */
   saveLandmarks: async (scan: Pick<Scan, "id" | "links">, file: LandmarkFile, seen: string | null): Promise<StoredLandmarks> => {

@@ -628,6 +628,8 @@ export type Measure = {
   vague?: string;
   /** in which steps its numbers are shown, so that differences agree */
   printed_step?: number;
+  /** the numbers as printed, with their bands: by left, right, value, difference */
+  said?: Record<string, string>;
   /** what it was measured between, each with its source: picked, seen by colour, or the model's */
   landmarks: string;
   method: string;

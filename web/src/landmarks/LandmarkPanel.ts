@@ -5,9 +5,9 @@ import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
 import { button, fileButton, iconButton, problem } from "../ui/controls";
 import { el, fill, icon, setText, show } from "../ui/dom";
+import { createMenu, menuItem } from "../ui/menu";
 import type { Panel } from "../ui/Panel";
 import type { LandmarkActions } from "./actions";
-import { landmarkExport } from "./files/LandmarkExport";
 import { isCertain } from "./certain";
 import { LANDMARK_ENDINGS, partnerOf, plainLabel, sideOf } from "./picks";
 import { onlyAgreed } from "./proposals/agreed";
@@ -30,7 +30,12 @@ export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSe
   file.querySelector("input")!.id = "landmark-file";
   file.querySelector("span")!.className = "visually-hidden";
   file.title = text.landmarks.importHint;
-  const save = landmarkExport(() => state);
+  const save = createMenu("landmark-export", "", text.landmarks.exportHint, "icon-only", ...Object.entries(text.landmarks.exported).map(([kind, hint]) =>
+    menuItem(`landmarks.${kind}`, hint, () => {
+      save.close();
+      void actions.exportFile(kind);
+    })));
+  save.open.prepend(icon("download"));
   const exchangeAll = iconButton("exchange", text.landmarks.exchangeAll, () => actions.exchange(paired(state)));
   const ofAll = createQuestionBox("div", actions, () => file.focus());
   const proposals = makeProposals(actions, search);
@@ -38,8 +43,7 @@ export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSe
     "div",
     { class: "panel" },
     wrong.element,
-    el("div", { class: "toolbar" }, exchangeAll, el("span", { class: "spring" }), again, file, save.button),
-    save.menu,
+    el("div", { class: "toolbar" }, exchangeAll, el("span", { class: "spring" }), again, file, save.element),
     proposals.element,
     ofAll.element,
     rows,
@@ -66,7 +70,7 @@ export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSe
       ofAll.update(questions.find(({ exchange }) => exchange === "all") ?? null, list);
       proposals.update(session, [...open.values()]);
       const isEmpty = Object.keys(session.picks.present).length === 0;
-      save.button.disabled = isEmpty;
+      save.open.disabled = isEmpty;
       exchangeAll.disabled = paired(session).length === 0;
       wrong.set(session.problems.landmarks);
       show(again, session.saving === "unsaved" && session.problems.landmarks !== undefined);

@@ -1,15 +1,16 @@
 // Placing landmarks: each change is one step of the undo history and is saved with the scan soon after.
 import type { Client } from "../api/client";
 import type { Scan, Vector } from "../api/types";
-import type { ScanSlice } from "../scan/state";
+import { fileName, type ScanSlice } from "../scan/state";
 import { record, redo, undo } from "../store/history";
 import type { PageSlice } from "../store/page";
 import type { Outbox } from "../store/outbox";
 import { messageOf, withoutMessage, withProblem } from "../store/problems";
 import { only, type Store } from "../store/store";
+import { saveBlob } from "../ui/dom";
 import type { ViewSlice } from "../viewer/state";
 import { type Certain, certainAt, certainNames } from "./certain";
-import { createPicksKeeper, type Known } from "./keeper";
+import { createPicksKeeper, fileOf, type Known } from "./keeper";
 import { exchanged, nextMissing, type Picks, picksOf, withoutPick, withPick } from "./picks";
 import { isFelt, onlyAgreed } from "./proposals/agreed";
 import { openProposals } from "./proposals/proposals";
@@ -350,6 +351,18 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
         change(all, { ...straightened(store.get(), all), certain, active: null, announcement });
       } catch (error) {
         store.set((state) => withProblem(state, "landmarks", messageOf(error)));
+      }
+    },
+
+    /** `kind`: the ending of one of the files that the service writes. */
+    async exportFile(kind: string): Promise<void> {
+      const state = store.get();
+      if (!state.scan) return;
+      try {
+        const file = { ...fileOf(keptOf(placed())), confidence: onlyAgreed(state) };
+        saveBlob(fileName(state.scan, `landmarks.${kind}`), await client.writeLandmarks(state.scan.info, kind, file));
+      } catch (error) {
+        store.set((now) => withProblem(now, "landmarks", messageOf(error)));
       }
     },
 

@@ -17,7 +17,7 @@ export interface Known extends KeptPicks {
 
 type Named = Pick<Scan, "id" | "links">;
 
-const fileOf = ({ picks, certain }: KeptPicks): LandmarkFile => ({ schema: "breastrig/landmarks@1", unit: "mm", landmarks: { ...picks }, certain: [...certain] });
+export const fileOf = ({ picks, certain }: KeptPicks): LandmarkFile => ({ schema: "breastrig/landmarks@1", unit: "mm", landmarks: { ...picks }, certain: [...certain] });
 
 export function createPicksKeeper(client: Pick<Client, "landmarks" | "saveLandmarks">, elsewhere: Elsewhere) {
   const known = new Map<string, Known>(); // by scan: as the page knows them

@@ -9,7 +9,7 @@ import { laidOnScan } from "../../src/drawing/state";
 import type { FitState } from "../../src/fit/state";
 import { linkedPose, torsoFromFrame, torsoFromLandmarks } from "../../src/stances/cameras";
 import { carriedNote } from "../../src/stances/carry";
-import { formatCell, formatMargin, measuredDoubts, measuresCsv, measuresTable } from "../../src/stances/measures/measuresTable";
+import { measuredDoubts, measuresTable, saidOf } from "../../src/stances/measures/measuresTable";
 import { stanceNames, workspaceOf } from "../../src/stances/state";
 import { daysOf, thumbsOf } from "../../src/stances/thumbs";
 
@@ -79,11 +79,11 @@ const row = (stance: string, part: Partial<Measure>): Measure => ({
 });
 
 const MEASURES = [
-  row("standing", { left: 201.26, right: 198.04, difference: 3.22, landmarks: "notch (picked)" }),
-  row("standing", { measure: "symmetry", kind: "ratio", unit: "1", value: 0.956 }),
+  row("standing", { said: { left: "201.3" }, left: 201.26, right: 198.04, difference: 3.22, landmarks: "notch (picked)" }),
+  row("standing", { measure: "symmetry", kind: "ratio", unit: "1", value: 0.956, said: { value: "0.96" } }),
   row("standing", { kind: "straight", left: 180, right: 181, difference: -1 }),
-  row("supine", { left: 188.5, right: 189.5, difference: -1, landmarks: "notch (model's)" }),
-  row("supine - standing", { left: -12.76, right: -8.54, difference: -4.22 }),
+  row("supine", { said: { left: "188.5" }, left: 188.5, right: 189.5, difference: -1, landmarks: "notch (model's)" }),
+  row("supine - standing", { said: { left: "-12.8 ±3" }, left: -12.76, right: -8.54, difference: -4.22 }),
 ];
 
 test("the table has one line for each measure, the stances beside each other, and gaps where there is none", () => {
@@ -91,61 +91,21 @@ test("the table has one line for each measure, the stances beside each other, an
   const { groups, lines } = measuresTable({ measures: MEASURES, stances });
   expect(groups).toEqual(["standing", "supine", "supine - standing"]);
   expect(lines.map(({ measure }) => measure)).toEqual(["notch to nipple", "symmetry", "notch to nipple"]);
-  expect(lines[0]!.groups.map(({ left }) => Number(left.value!.toFixed(6)))).toEqual([201.3, 188.5, -12.8]);
-  expect(lines[1]!.groups.map(({ whole }) => whole.value)).toEqual([0.96, null, null]);
+  expect(lines[0]!.cells.map((cell) => saidOf(cell, "left"))).toEqual(["201.3", "188.5", "\u221212.8\u00a0±3"]);
+  expect(lines[1]!.cells.map((cell) => saidOf(cell, "value"))).toEqual(["0.96", "–", "–"]);
   expect(lines[0]!.landmarks).toEqual([{ stance: "standing", words: "notch (picked)" }, { stance: "supine", words: "notch (model's)" }]);
 });
 
-test("left, right, differences and changes agree as they are shown", () => {
-  const both = (stance: string, left: number, right: number, step: number) =>
-    row(stance, { left, left_low: left - 20, left_high: left + 20, right, right_low: right - 20, right_high: right + 20, difference: left - right, printed_step: step });
-  const stances = [{ name: "standing" }, { name: "supine" }] as never;
-  const rows = [both("standing", 164.4, 175.4, 10), both("supine", 146, 169, 10), both("supine - standing", -18.4, -6.4, 10)];
-  const [line] = measuresTable({ measures: rows, stances }).lines;
-  const shown = line!.groups.map(({ left, right, difference }) => [left, right, difference].map((cell, i) => formatCell(cell, "mm", i === 2, line!.step)));
-  expect(shown).toEqual([["160", "180", "\u221220"], ["150", "170", "\u221220"], ["\u221210", "\u221210", "0"]]);
-});
-
-test("what the scan does not show is named, and its reason is that of the row", () => {
+test("of what the scan does not show the reason is that of the row", () => {
   const unseen = row("standing", { left: 290, method: "by the model; the scan shows 0 % of the right breast", not_seen: "right" });
   const [line] = measuresTable({ measures: [unseen], stances: [{ name: "standing" }] as never }).lines;
-  expect(line!.groups[0]).toMatchObject({ right: { value: null }, difference: { value: null }, notSeen: ["right"] });
   expect(line!.method).toContain("0 % of the right breast");
-});
-
-test("a difference has its own band, and what its band says nothing of is named", () => {
-  const ends = { left: 200, left_low: 190, left_high: 210, right: 198, right_low: 188, right_high: 208 };
-  const shared = row("standing", { ...ends, difference: 2, difference_low: -1, difference_high: 5 });
-  const [line] = measuresTable({ measures: [shared, row("supine", { not_known: "left; difference", vague: "right" })], stances: [{ name: "standing" }, { name: "supine" }] as never }).lines;
-  expect(formatMargin(line!.groups[0]!.difference, "mm")).toBe("\u00a0±3");
-  expect(line!.groups[1]).toMatchObject({ notKnown: ["left", "difference"], vague: ["right"], difference: { value: null } });
 });
 
 test("measures of a fit that is not good say so before any number, each with its stance", () => {
   const of = (name: string, level: "good" | "check" | "unusable") => ({ name, verdict: { level, reasons: level === "good" ? [] : [`Because of ${name}.`] } });
   const doubts = measuredDoubts({ stances: [of("standing", "unusable"), of("supine", "good"), of("supine B", "check"), { name: "old" }] as never });
   expect(doubts).toEqual([expect.stringMatching(/^Standing: .+\. Because of standing\.$/), expect.stringMatching(/^Supine B: .+\. Because of supine B\.$/)]);
-});
-
-test("cells have the digits that a measure is worth, and a sign where a direction is meant", () => {
-  const cell = (value: number | null) => ({ value, low: null, high: null });
-  expect(formatCell(cell(201.26), "mm", false)).toBe("201.3");
-  expect(formatCell(cell(3.22), "mm", true)).toBe("+3.2");
-  expect(formatCell(cell(-12.76), "mm", true)).toBe("\u221212.8");
-  expect(formatCell(cell(-0.04), "mm", true)).toBe("0.0");
-  expect([0, 1, 2, 3, 4].map((grade) => formatCell(cell(grade), "grade", false))).toEqual(["none", "I", "II", "III", "glandular"]);
-  expect(formatCell(cell(412.4), "ml", false)).toBe("412");
-  expect(formatCell(cell(null), "1", false)).toBe("–");
-});
-
-test("the file has the command line's columns and quotes what needs it", () => {
-  const stances = [{ name: "standing", verdict: { level: "check" } }, { name: "supine", verdict: { level: "good" } }] as never;
-  const rows = [row("standing", { left: 1.5, method: 'a "b", c' }), row("supine", {}), row("supine - standing", {})];
-  const [head, first, ...others] = measuresCsv({ measures: rows, stances }).trim().split("\r\n");
-  expect(head).toBe("stance,measure,kind,unit,left,left_low,left_high,right,right_low,right_high,difference,difference_low,difference_high,value,value_low,value_high,not_seen,not_known,vague,landmarks,method,verdict");
-  expect(first).toBe('standing,notch to nipple,along the skin,mm,1.5,,,,,,,,,,,,,,,,"a ""b"", c",check');
-  expect(others.map((line) => line.split(",").at(-1)), "a change is as good as the worse of both").toEqual(["good", "check"]);
-  expect(measuresCsv({ measures: [row("standing", {})], stances: [{ name: "standing" }] as never }).trim(), "a fit of an earlier version").toMatch(/,$/);
 });
 
 const shape = (part: Partial<PlannedShape>): PlannedShape => ({ name: "Line 1", closed: false, color: INK, points: [[0, 0, 0]], bridged: [false], item: "a", kind: "line", carried: true, ...part });

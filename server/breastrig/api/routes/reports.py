@@ -1,14 +1,17 @@
 """The report of a fit, as pages of PDF and as numbers; made when it is first asked for."""
 
+import json
+
 from apiflask import APIBlueprint
 from flask import Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from breastrig.api.answers import JSON, PDF, PERSONAL, PNG, VTU, bytes_answer, file_of, in_memory
+from breastrig.api.answers import CSV, JSON, PDF, PERSONAL, PNG, VTU, bytes_answer, file_of, in_memory
 from breastrig.api.app_context import app_context
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.wire import files as wire_files
 from breastrig.core.errors import BadSettings, Conflict
+from breastrig.report.table import csv_bytes
 from breastrig.storage.documents.fits import get_fit
 
 reports = APIBlueprint("reports", __name__, url_prefix="/api/fits", tag=FITS_TAG)
@@ -78,6 +81,23 @@ def show_measures(fit_id: str, query_data: ReportQuery) -> Response:
     """
     _check_done(fit_id, query_data.with_)
     return bytes_answer(app_context().service.reports.measures(fit_id, query_data.with_), JSON, PERSONAL)
+
+
+@reports.get("/<fit_id>/measures.csv")
+@reports.input(ReportQuery, location="query")
+@reports.doc(operation_id="getMeasuresTable", responses={200: file_of(CSV, "The same as a table"), 409: "Not done"})
+def show_measures_table(fit_id: str, query_data: ReportQuery) -> Response:
+    """The report's numbers as a table, CSV
+
+    The columns of `breastrig report`'s measures.csv, every digit; each row has the verdict of its fit.
+    """
+    _check_done(fit_id, query_data.with_)
+    found = json.loads(app_context().service.reports.measures(fit_id, query_data.with_))
+    verdicts = {one["name"]: (one.get("verdict") or {}).get("level", "") for one in found["stances"]}
+    made, ids = app_context().service.reports, [one for one in (fit_id, query_data.with_) if one is not None]
+    scans = [get_fit(app_context().service.storage, one).scan for one in ids]
+    content = in_memory(csv_bytes(found["measures"], verdicts))
+    return app_context().patients_file(scans, content, CSV, made.file_name("measures.csv", *ids))
 
 
 @reports.get("/<fit_id>/volume.vtu")

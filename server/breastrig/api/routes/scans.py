@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from pathlib import PurePosixPath
 from typing import Any
 
+import numpy as np
 from apiflask import APIBlueprint
 from flask import Response
 
-from breastrig.api.answers import GLB, PNG, browser_forgets, file_of
+from breastrig.api.answers import BINARY, GLB, PERSONAL, PNG, browser_forgets, bytes_answer, file_of
 from breastrig.api.app_context import app_context
 from breastrig.api.errors import refuse
 from breastrig.api.place_checks import check_landmarks, picks_of_file
@@ -18,7 +19,7 @@ from breastrig.core.picks import Picks
 from breastrig.core.proposed import why_not_proposed
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.scan.file_type import ENDINGS, UNKNOWN
-from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES
+from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES, landmark_file
 from breastrig.scan.volumes.answers import checked_answers, segments_of_json
 from breastrig.storage.documents.patients import StoredPatient, patients_of_scans
 from breastrig.storage.documents.scans import (
@@ -194,6 +195,25 @@ def read_landmark_file(scan_id: str, files_data: wire.LandmarkUpload) -> wire.La
     row = get_scan(context.service.storage, scan_id)
     found = picks_of_file(files_data.file.stream.read(LIMIT_BYTES + 1), row, context.model_of(row.facts))
     return wire.LandmarkFile(landmarks=found.points_mm, certain=list(found.certain), confidence=found.confidence)
+
+
+@scans.post("/<scan_id>/landmarks/file/<kind>")
+@scans.input(wire.GivenLandmarkFile)
+@scans.doc(
+    operation_id="writeLandmarkFile",
+    responses={200: file_of(BINARY, "The file"), 422: "No kind of file"},
+)
+def write_landmark_file(scan_id: str, kind: str, json_data: wire.GivenLandmarkFile) -> Response:
+    """These landmarks as a file: json (mm), or csv, pp or mrk.json in the scan's unit
+
+    Nothing is kept.
+    """
+    row = get_scan(app_context().service.storage, scan_id)
+    own = 1e-3 if kind == "json" else METRES_PER_UNIT[row.facts["unit"]]
+    factor = METRES_PER_UNIT[json_data.unit] / own
+    places = {name: np.array([float(f"{factor * x:.8g}") for x in at]) for name, at in json_data.landmarks.items()}
+    unit = "mm" if kind == "json" else None
+    return bytes_answer(landmark_file(places, kind, unit, json_data.certain, json_data.confidence), BINARY, PERSONAL)
 
 
 @scans.get("/<scan_id>/cuts")

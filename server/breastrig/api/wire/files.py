@@ -69,6 +69,9 @@ class Measure(Document):
     not_known: str = Field("", description="of these and difference: those whose band says nothing")
     vague: str = Field("", description="likewise: those less sure than a tenth of themselves")
     printed_step: float = Field(1.0, description="in which steps its numbers are shown, so that differences agree")
+    said: dict[str, str] = Field(
+        default={}, description="the numbers as printed, with their bands: by left, right, value, difference"
+    )
     landmarks: str = Field(
         description="what it was measured between, each with its source: picked, seen by colour, or the model's"
     )

@@ -1,16 +1,17 @@
 // The table of measures: left, right and difference, of one stance or of both and the change between them.
 import "./measures.css";
+import { ask } from "../../api/client";
 import type { FitSlice } from "../../fit/state";
-import { fileName, type ScanSlice } from "../../scan/state";
+import type { ScanSlice } from "../../scan/state";
 import type { PageSlice } from "../../store/page";
 import { only } from "../../store/store";
 import { button, iconButton, problem } from "../../ui/controls";
-import { margin } from "../../ui/margins";
-import { el, fill, icon, saveFile, setText, show } from "../../ui/dom";
+import { withMargins } from "../../ui/margins";
+import { el, fill, icon, setText, show } from "../../ui/dom";
 import type { Panel } from "../../ui/Panel";
 import { close as closeText } from "../../ui/text";
 import type { StancesActions } from "../actions";
-import { type Cell, formatCell, formatMargin, measuredDoubts, type MeasureLine, measuresCsv, measuresTable, type MeasuresTable } from "./measuresTable";
+import { isNamed, measuredDoubts, type MeasureLine, measuresTable, type MeasuresTable, saidOf } from "./measuresTable";
 import { measuredFits, type StancesSlice } from "../state";
 import * as text from "./text";
 
@@ -23,8 +24,6 @@ type Shown = Pick<PageSlice & ScanSlice & FitSlice & StancesSlice, "meta" | "pro
 
 export function createMeasuresDialog(stances: StancesActions, dismiss: () => void): Panel<Shown> {
   const close = (): void => void stances.measures(false);
-  let file: StancesSlice["stances"]["measures"]["file"] = null;
-  let of: ScanSlice["scan"] = null;
   const says = el("p", { class: "muted" }, words.one);
   const doubts = el("div", { role: "status" });
   const holder = el("div", { class: "measures-scroll", tabindex: 0, role: "region", "aria-labelledby": "measures-title" });
@@ -32,7 +31,7 @@ export function createMeasuresDialog(stances: StancesActions, dismiss: () => voi
   const signs = el("p", { class: "muted small" });
   const copied = el("span", { class: "muted small", role: "status" });
   const copy = button(words.copy, () => void copyTable(), "outlined");
-  const csv = button(words.csv, () => file && of && saveFile(fileName(of, "measures.csv", file.stances.map(({ stance }) => stance).join(" ")), measuresCsv(file), "text/csv"), "outlined", "download");
+  const csv = el("a", { class: "button outlined", download: "measures.csv" }, icon("download"), el("span", {}, words.csv));
   const report = el("a", { class: "button outlined", id: "report-both", download: "report.pdf" }, icon("download"), el("span", {}, words.report));
   const wrong = problem(dismiss);
   const element = el(
@@ -49,9 +48,8 @@ export function createMeasuresDialog(stances: StancesActions, dismiss: () => voi
   );
 
   async function copyTable(): Promise<void> {
-    if (!file) return;
     try {
-      await navigator.clipboard.writeText(measuresCsv(file).replaceAll("\r\n", "\n"));
+      await navigator.clipboard.writeText(await (await ask(csv.href)).text());
       setText(copied, words.copied);
     } catch {
       setText(copied, words.copyFailed);
@@ -69,8 +67,7 @@ export function createMeasuresDialog(stances: StancesActions, dismiss: () => voi
       }
       if (!measures.isOpen && element.open) element.close();
       if (!measures.isOpen) return;
-      file = measures.file;
-      of = state.scan;
+      const { file } = measures;
       show(busy, measures.isBusy);
       wrong.set(state.problems.stances);
       const table = file && measuresTable(file);
@@ -82,9 +79,13 @@ export function createMeasuresDialog(stances: StancesActions, dismiss: () => voi
       show(holder, table !== null);
       fill(holder, [measures.of, table !== null], () => (table ? [tableOf(table, new Map(state.meta?.landmarks.map(({ name, label }) => [name, label])), (key) => stances.pointAt(key))] : []));
       setText(signs, file ? `${file.signs.charAt(0).toUpperCase()}${file.signs.slice(1)}. ${words.hint}` : "");
-      for (const each of [copy, csv]) each.disabled = file === null;
+      copy.disabled = file === null;
       const fits = measuredFits(state);
-      if (fits) report.href = fits[0].links.report + (fits[1] ? `?with=${encodeURIComponent(fits[1].id)}` : "");
+      if (!fits) return;
+      const [{ links }, other] = fits;
+      const both = other ? `?with=${encodeURIComponent(other.id)}` : "";
+      report.href = links.report + both;
+      csv.href = links.measures.replace(/json$/, "csv") + both;
     },
   };
 }
@@ -123,20 +124,17 @@ function row(line: MeasureLine, groups: number, labels: ReadonlyMap<string, stri
     icon("on"),
     label,
   );
-  const cells = line.groups.flatMap((group, g) => {
-    const isChange = groups > 1 && g === groups - 1;
-    const write = (cell: Cell, isSigned: boolean, column: string, attributes: { class: string; colspan?: number }): HTMLElement => {
-      if (group.notSeen.includes(column)) return el("td", { ...attributes, title: words.notSeenHint }, words.notSeen);
-      if (group.notKnown.includes(column)) return el("td", { ...attributes, title: words.notKnownHint }, words.notKnown);
-      const said = formatCell(cell, line.unit, isSigned, line.step);
-      const of = formatMargin(cell, line.unit);
-      if (group.vague.includes(column)) return el("td", { ...attributes, class: `${attributes.class} vague`, title: words.vagueHint(said + of) }, words.vague, el("span", { class: "visually-hidden" }, `: ${said}${of}`));
-      const ends = [cell.low, cell.high].map((value) => formatCell({ ...cell, value }, line.unit, isSigned));
-      return el("td", { ...attributes, ...(cell.low === null ? {} : { title: words.band(ends[0]!, ends[1]!) }) }, said, margin(of));
+  const cells = line.cells.flatMap((group) => {
+    const write = (column: (typeof COLUMNS)[number] | "value", attributes: { class: string; colspan?: number }): HTMLElement => {
+      if (isNamed(group?.not_seen, column)) return el("td", { ...attributes, title: words.notSeenHint }, words.notSeen);
+      if (isNamed(group?.not_known, column)) return el("td", { ...attributes, title: words.notKnownHint }, words.notKnown);
+      const said = saidOf(group, column);
+      if (isNamed(group?.vague, column)) return el("td", { ...attributes, class: `${attributes.class} vague`, title: words.vagueHint(said) }, words.vague, el("span", { class: "visually-hidden" }, `: ${said}`));
+      return el("td", attributes, ...withMargins(said));
     };
-    const isGone = group.notSeen.includes("value") || group.notKnown.includes("value");
-    if (group.whole.value !== null || isGone) return [write(group.whole, isChange, "value", { class: "group whole", colspan: COLUMNS.length })]; // one value for both sides
-    return COLUMNS.map((column, i) => write(group[column], isChange || column === "difference", column, { class: i === 0 ? "group" : "" }));
+    const isWhole = group !== null && (group.value !== null || isNamed(group.not_seen, "value") || isNamed(group.not_known, "value"));
+    if (isWhole) return [write("value", { class: "group whole", colspan: COLUMNS.length })]; // one value for both sides
+    return COLUMNS.map((column, i) => write(column, { class: i === 0 ? "group" : "" }));
   });
   const [at, away] = [(): void => pointAt(line.key), (): void => pointAt(null)];
   return [el("tr", { "data-measure": line.measure, "data-kind": line.kind, onpointerenter: at, onpointerleave: away, onfocusin: at, onfocusout: away }, el("th", { scope: "row" }, open), ...cells), more];

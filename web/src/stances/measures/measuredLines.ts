@@ -1,6 +1,6 @@
 // The lines of the measure that is pointed at, as they run on one of the scans.
 import type { Measure, MeasuresFile, Vector } from "../../api/types";
-import { formatCell, formatMargin, measureKey } from "./measuresTable";
+import { measureKey, saidOf } from "./measuresTable";
 
 export interface MeasuredLine {
   readonly side: "left" | "right" | "value";
@@ -20,9 +20,7 @@ export function measuredLines(file: Pick<MeasuresFile, "measures"> | null, stanc
   return (["left", "right", "value"] as const).flatMap((side) => {
     const points = paths[side];
     if (!points || points.length < 2) return [];
-    const value = row[side];
-    const cell = { value, low: row[`${side}_low`], high: row[`${side}_high`] };
-    const says = value === null || row.unit === "1" ? "" : formatCell(cell, row.unit, false, row.printed_step) + formatMargin(cell, row.unit) + UNITS[row.unit];
+    const says = row[side] === null || row.unit === "1" ? "" : saidOf(row, side) + UNITS[row.unit];
     return [{ side, points, isStraight: points.length === 2, label: middleOf(points), says }];
   });
 }

@@ -23,5 +23,4 @@ export const table = {
   notKnown: "not known",
   notKnownHint: "What it may be off by is as large as the number itself; landmarks placed by hand make it surer.",
   notSeenHint: "The scan shows less than half of this breast.",
-  band: (low: string, high: string) => `${low} to ${high}`,
 };

@@ -7,7 +7,7 @@ import { withScan } from "../../fakes";
 
 afterEach(() => void vi.unstubAllGlobals());
 
-const row = (part: Partial<Measure>): Measure => ({ stance: "standing", measure: "notch_nipple", label: "Notch to nipple", kind: "along the skin", unit: "mm", left: 201.26, right: 198, value: null, difference: 3.26, landmarks: "", method: "", left_low: null, left_high: null, right_low: null, right_high: null, value_low: null, value_high: null, paths: null, ...part });
+const row = (part: Partial<Measure>): Measure => ({ stance: "standing", measure: "notch_nipple", label: "Notch to nipple", kind: "along the skin", unit: "mm", said: { left: "201.3", right: "198.0" }, left: 201.26, right: 198, value: null, difference: 3.26, landmarks: "", method: "", left_low: null, left_high: null, right_low: null, right_high: null, value_low: null, value_high: null, paths: null, ...part });
 const tape = row({ paths: { left: [[0, 0, 0], [1, 0, 0], [2, 1, 0]], right: [[0, 0, 0], [-1, 0, 0], [-2, 1, 0]], value: null } });
 const file = (...measures: Measure[]): Pick<MeasuresFile, "measures" | "stances"> => ({ measures, stances: [] });
 
