@@ -220,7 +220,7 @@ def test_every_route_with_every_credential(
             assert status in expected(credential, call), (credential, call, status)
 
 
-REFUSED = ("report.pdf", "report.png", "measures.json", "volume.vtu", "/ink")  # a fake fit, no colours
+REFUSED = ("report.pdf", "report.png", "measures.csv", "measures.json", "volume.vtu", "/ink")  # a fake fit, no colours
 
 
 def expected(credential: str, call: Call) -> set[int]:
