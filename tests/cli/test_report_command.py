@@ -63,7 +63,7 @@ def document(folder: Path, name: str) -> dict:
 def test_csv_and_json_hold_the_same_rows(report: Path) -> None:
     rows = document(report, "report.json")["measures"]
     table = list(csv.DictReader((report / "measures.csv").read_text().splitlines()))
-    for_people = ("paths", "label", "printed_step")
+    for_people = ("paths", "label", "printed_step", "said")
     flat = [{k: "" if v is None else str(v) for k, v in row.items() if k not in for_people} for row in rows]
     levels = {each["name"]: each["verdict"]["level"] for each in document(report, "report.json")["stances"]}
     assert [row.pop("verdict") for row in table] == [levels.get(row["stance"], "good") for row in rows]
