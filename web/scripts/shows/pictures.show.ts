@@ -4,7 +4,7 @@ import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { type Page, test } from "@playwright/test";
-import { openDetails, planItem, untilStill } from "../../e2e/page";
+import { look, openDetails, planItem, untilStill } from "../../e2e/page";
 import { findPython, startService } from "../../e2e/service";
 import { followTutorial, SHIPPED } from "../../e2e/tutorialSteps";
 
@@ -43,6 +43,7 @@ test("pictures", async ({ browser }) => {
   write("page", shown);
 
   await page.locator("#tab-plan").click();
+  await page.getByRole("button", { name: /^Close the slices/ }).click();
   await planItem(page, "Wise").click();
   await page.setViewportSize(TABLET);
   await page.emulateMedia({ colorScheme: "dark", reducedMotion: "reduce" });
@@ -53,6 +54,7 @@ test("pictures", async ({ browser }) => {
 
 /** One frame for each iterate of the fit. */
 async function settling(page: Page, frame: (ms: number) => Promise<{ file: string; ms: number }>): Promise<{ file: string; ms: number }[]> {
+  await look(page, "Both");
   await openDetails(page);
   const slider = page.locator("#iteration");
   const last = Number(await slider.getAttribute("max"));
@@ -62,6 +64,7 @@ async function settling(page: Page, frame: (ms: number) => Promise<{ file: strin
     seen.push(await frame(STEP_MS));
   }
   await page.locator("#details > summary").click();
+  await look(page, "Skin");
   await page.locator(".side-scroll").evaluate((side) => side.scrollTo(0, 0));
   return seen;
 }
