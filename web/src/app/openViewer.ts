@@ -38,7 +38,7 @@ import { pickAt } from "../viewer/picking";
 import { ScaleBar } from "../viewer/ScaleBar";
 import { SideLetters } from "../viewer/SideLetters";
 import { offerTestHook } from "../viewer/testHook";
-import { type Part, Viewer } from "../viewer/Viewer";
+import { followGraphics, type Part, updateEach, Viewer } from "../viewer/Viewer";
 import type { Actions } from "./actions";
 import type { Pane } from "./exportPicture";
 import type { Stages } from "./Page";
@@ -97,15 +97,8 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     { update: ({ active, drawn }) => active === null && (drawn.tool === "none" || drawn.tool === "points") && cross.hide() },
     new ModelPicture(viewer, torso, stages.picture, stages.light),
   ];
-  /** A part that fails must not keep the others from drawing, nor the state from changing: its error is reported later. */
   const updateAll = (state: Seen): void => {
-    for (const part of parts) {
-      try {
-        part.update(state);
-      } catch (error) {
-        queueMicrotask(() => reportError(error));
-      }
-    }
+    updateEach(parts, state);
     viewer.invalidate();
   };
 
@@ -194,15 +187,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     const hit = store.get().active === null ? null : pickAt(viewer, scan, event.clientX, event.clientY);
     if (hit) actions.landmarks.place(hit.point);
   });
-  stage.canvas.addEventListener("contextmenu", (event) => event.preventDefault());
-  stage.canvas.addEventListener("webglcontextlost", (event) => {
-    event.preventDefault(); // asks the browser to bring it back
-    actions.view.graphics("lost");
-  });
-  stage.canvas.addEventListener("webglcontextrestored", () => {
-    actions.view.graphics("ok");
-    viewer.invalidate();
-  });
+  followGraphics(stage.canvas, viewer, actions.view.graphics);
   const other = openOtherView(store, viewer, stages.other, prefersStill, (error) => store.set((state) => withProblem(state, "stances", messageOf(error))));
   actions.files.setPicture(async () => (await import("./exportPicture")).exportPicture(panesOf(viewer, other.viewer(), store.get()), store.get()));
   offerTestHook(() => ({ ...store.get(), models: {} }), viewer, scan, fitted, other);

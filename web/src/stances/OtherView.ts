@@ -17,7 +17,7 @@ import { ScaleBar } from "../viewer/ScaleBar";
 import { SideLetters } from "../viewer/SideLetters";
 import type { ViewSlice } from "../viewer/state";
 import type { OtherPane } from "../viewer/testHook";
-import { type Part, type Stage, Viewer } from "../viewer/Viewer";
+import { followGraphics, type Part, type Stage, updateEach, Viewer } from "../viewer/Viewer";
 import { linkedPose, torsoOf } from "./cameras";
 import { MeasureLines } from "./measures/MeasureLines";
 import { isComparing, otherState, type StancesSlice, type Workspace } from "./state";
@@ -85,15 +85,7 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
     ];
     main.turned.add(() => follow(main, made));
     made.turned.add(() => (made.isHeld ? follow(made, main) : follow(main, made))); // not held: its pane has another size now
-    stage.canvas.addEventListener("webglcontextlost", (event) => {
-      event.preventDefault(); // asks the browser to bring it back
-      store.set({ otherGraphics: "lost" });
-    });
-    stage.canvas.addEventListener("webglcontextrestored", () => {
-      store.set({ otherGraphics: "ok" });
-      made.invalidate();
-    });
-    stage.canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+    followGraphics(stage.canvas, made, (otherGraphics) => store.set({ otherGraphics }));
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => made.repaint());
     return made;
   }
@@ -110,13 +102,7 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
       theme = state.theme;
       viewer.repaint();
     }
-    for (const part of parts) {
-      try {
-        part.update(other);
-      } catch (error) {
-        queueMicrotask(() => reportError(error));
-      }
-    }
+    updateEach(parts, other);
     if (state.view.asked !== viewAsked && !state.stances.isLinked) viewer.lookFrom(state.view.name);
     viewAsked = state.view.asked;
     viewer.invalidate();

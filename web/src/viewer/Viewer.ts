@@ -25,6 +25,30 @@ export interface Part<State> {
   update(state: State): void;
 }
 
+/** A part that fails must not keep the others from drawing, nor the state from changing: its error is reported later. */
+export function updateEach<State>(parts: readonly Part<State>[], state: State): void {
+  for (const part of parts) {
+    try {
+      part.update(state);
+    } catch (error) {
+      queueMicrotask(() => reportError(error));
+    }
+  }
+}
+
+/** Says when the browser takes the graphics away, which is asked to bring them back. */
+export function followGraphics(canvas: HTMLCanvasElement, viewer: Viewer, say: (now: "ok" | "lost") => void): void {
+  canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+  canvas.addEventListener("webglcontextlost", (event) => {
+    event.preventDefault();
+    say("lost");
+  });
+  canvas.addEventListener("webglcontextrestored", () => {
+    say("ok");
+    viewer.invalidate();
+  });
+}
+
 const FIELD_OF_VIEW = 26; // degrees; long enough a lens that a torso is not distorted
 const MARGIN = 1.24; // above and below
 const CLOSE = 0.15; // metres above and below a place that is looked at closely: more than a rough guess is off

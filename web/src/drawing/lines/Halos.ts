@@ -5,12 +5,11 @@ import type { DrawingFile } from "../../api/types";
 import type { FittedSurface } from "../../fit/distances/FittedSurface";
 import { isAtRest, isUnusable, type Shown } from "../../fit/state";
 import type { ScanMesh } from "../../scan/ScanMesh";
-import { el, setText } from "../../ui/dom";
 import { formatMmWhole, isUnit, metresFromMm, mmFrom } from "../../ui/units";
 import type { Banded } from "../../viewer/lines/haloPatch";
 import { Halo } from "../../viewer/lines/Halo";
-import { onceAFrame } from "../../viewer/onceAFrame";
 import { pickAt } from "../../viewer/picking";
+import { PointerNote } from "../../viewer/PointerNote";
 import type { ViewSlice } from "../../viewer/state";
 import type { Part, Viewer } from "../../viewer/Viewer";
 import { type DrawingSlice, type Layer, layerKey, shownPatterns } from "../state";
@@ -22,7 +21,6 @@ type State = Shown & Pick<ViewSlice & DrawingSlice, "overlay" | "drawn">;
 type Skin = Pick<ScanMesh | FittedSurface, "mesh" | "bvh" | "normalAt">;
 type Line = Pick<DrawingFile["shapes"][number], "name" | "points" | "closed" | "color" | "error_mm" | "line_error_mm"> & { readonly kind?: string };
 
-const AWAY = 16; // pixels from the pointer
 const NARROWS_MS = { after: 300, for: 600 }; // when the eye is back from where it looked closely
 
 export class Halos implements Part<State> {
@@ -32,11 +30,7 @@ export class Halos implements Part<State> {
   private lines: readonly Banded[] = [];
   private share = 1; // of their width, as it is expected
   private times = 1; // their width, on the way to it
-  private readonly value = el("strong", {});
-  private readonly note = el("span", {}, text.bands.of);
-  private readonly element = el("div", { class: "band-value", hidden: true }, this.value, this.note);
-  private pointer: PointerEvent | null = null;
-  private readonly later = onceAFrame(() => this.place());
+  private readonly note: PointerNote;
 
   constructor(
     private readonly viewer: Viewer,
@@ -45,10 +39,12 @@ export class Halos implements Part<State> {
     canvas: HTMLCanvasElement,
   ) {
     this.halo = new Halo(viewer, "halo of lines", 9);
-    viewer.overlay.append(this.element);
-    canvas.addEventListener("pointermove", (event) => this.ask(event.buttons === 0 || event.pointerType === "touch" ? event : null));
-    canvas.addEventListener("pointerdown", (event) => this.ask(event.pointerType === "touch" ? event : null));
-    canvas.addEventListener("pointerleave", () => this.ask(null));
+    this.note = new PointerNote(viewer, canvas, "band-value", false, (x, y) => {
+      const hit = this.skin && this.halo.mesh.visible ? pickAt(viewer, this.skin, x, y) : null;
+      const at = hit && new Vector3(...hit.point.map(metresFromMm));
+      const radius = at && this.halo.radiusAt(at, this.skin!.normalAt(at) ?? new Vector3());
+      return radius == null ? null : [text.bands.error(formatMmWhole(mmFrom(radius, "m"))), text.bands.of];
+    });
   }
 
   /** `share` of their width is what is expected of points that are being checked. */
@@ -74,7 +70,7 @@ export class Halos implements Part<State> {
     };
     this.lines = skin.bvh ? [...of(patterns, "reference"), ...of(carried, "carried")] : [];
     this.write();
-    this.ask(this.pointer);
+    this.note.update();
   }
 
   /** They are seen to narrow from so many times their width to their own. */
@@ -92,25 +88,6 @@ export class Halos implements Part<State> {
   private write(): void {
     const by = this.share * this.times;
     this.halo.set(by === 1 ? this.lines : this.lines.map((line) => ({ ...line, radii: line.radii.map((radius) => by * radius) })), this.skin?.mesh?.geometry ?? null);
-  }
-
-  private ask(pointer: PointerEvent | null): void {
-    this.pointer = pointer;
-    if (pointer || !this.element.hidden) this.later();
-  }
-
-  private place(): void {
-    const { pointer, viewer, skin } = this;
-    const hit = pointer && skin && this.halo.mesh.visible ? pickAt(viewer, skin, pointer.clientX, pointer.clientY) : null;
-    const at = hit && new Vector3(...hit.point.map(metresFromMm));
-    const radius = at && this.halo.radiusAt(at, skin!.normalAt(at) ?? new Vector3());
-    this.element.hidden = radius == null;
-    if (radius == null || !pointer) return;
-    setText(this.value, text.bands.error(formatMmWhole(mmFrom(radius, "m"))));
-    const box = viewer.host.getBoundingClientRect();
-    const x = Math.min(pointer.clientX - box.left + AWAY, box.width - this.element.offsetWidth - 8);
-    const y = Math.min(pointer.clientY - box.top + AWAY, box.height - this.element.offsetHeight - 8);
-    this.element.style.transform = `translate(${x.toFixed(0)}px, ${y.toFixed(0)}px)`;
   }
 }
 

@@ -1,11 +1,10 @@
 // The tape measure on the body: dashed along the skin, each leg's length at its middle, and all of it at the end.
-import { Vector3 } from "three";
 import type { Vector } from "../../api/types";
 import type { PageSlice } from "../../store/page";
 import { el } from "../../ui/dom";
-import { metresFromMm } from "../../ui/units";
 import { FatLines } from "../../viewer/lines/FatLines";
-import { isHidden, type Surface } from "../../viewer/picking";
+import type { Surface } from "../../viewer/picking";
+import { Pins } from "../../viewer/Pins";
 import type { ViewSlice } from "../../viewer/state";
 import type { Part, Viewer } from "../../viewer/Viewer";
 import { polyline } from "../lines/lines";
@@ -14,13 +13,14 @@ import type { Tape } from "./tape";
 import { tape as words } from "../text";
 
 interface Label {
-  readonly element: HTMLElement;
-  readonly at: Vector3; // scan's frame, metres
+  readonly at: Vector;
+  readonly says: string;
+  readonly look: string;
 }
 
 export class TapeLines implements Part<Pick<PageSlice & ViewSlice & DrawingSlice, "step" | "overlay" | "drawn">> {
   private readonly lines = new FatLines();
-  private labels: Label[] = [];
+  private readonly labels: Pins<Label>;
   private shown: Tape | null = null;
 
   constructor(
@@ -28,10 +28,8 @@ export class TapeLines implements Part<Pick<PageSlice & ViewSlice & DrawingSlice
     private readonly scan: Surface,
   ) {
     viewer.body.add(this.lines.group);
-    viewer.beforeFrame.add(() => {
-      this.lines.approach(viewer.depthUnits);
-      this.place();
-    });
+    viewer.beforeFrame.add(() => this.lines.approach(viewer.depthUnits));
+    this.labels = new Pins(viewer, scan);
   }
 
   update({ step, overlay, drawn }: Pick<PageSlice & ViewSlice & DrawingSlice, "step" | "overlay" | "drawn">): void {
@@ -42,23 +40,8 @@ export class TapeLines implements Part<Pick<PageSlice & ViewSlice & DrawingSlice
     this.shown = tape;
     const legs = tape?.legs ?? [];
     this.lines.set(legs.map(({ points }) => polyline({ points, closed: false, bridged: points.map(() => true) }))); // dashed as a whole: it is no line of the plan
-    for (const { element } of this.labels) element.remove();
-    this.labels = legs.map((leg) => this.label(leg.points[Math.floor(leg.points.length / 2)]!, words.length(leg.mm, leg.hasHole), "tape-label"));
-    if (tape && legs.length > 1) this.labels.push(this.label(tape.places.at(-1)!, words.total(tape), "tape-label is-total"));
-    this.viewer.invalidate();
-  }
-
-  private label(at: Vector, says: string, look: string): Label {
-    const element = el("div", { class: look }, el("span", {}, says));
-    this.viewer.overlay.append(element);
-    return { element, at: new Vector3(...at.map(metresFromMm)) };
-  }
-
-  private place(): void {
-    for (const { element, at } of this.labels) {
-      const { x, y } = this.viewer.toScreen(at);
-      element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
-      element.classList.toggle("is-hidden", isHidden(this.viewer, this.scan, at, this.scan.normalAt(at)));
-    }
+    const labels: Label[] = legs.map((leg) => ({ at: leg.points[Math.floor(leg.points.length / 2)]!, says: words.length(leg.mm, leg.hasHole), look: "" }));
+    if (tape && legs.length > 1) labels.push({ at: tape.places.at(-1)!, says: words.total(tape), look: " is-total" });
+    this.labels.set(labels.map((label) => [label, label.at]), ({ says, look }) => el("div", { class: `tape-label${look}` }, el("span", {}, says)));
   }
 }

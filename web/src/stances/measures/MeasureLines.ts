@@ -1,10 +1,9 @@
 // On the body: where the measure runs that is pointed at in the table.  Along the skin a tape lies on it; callipers' lines lead
 // through the body and are drawn over it.
-import { Vector3 } from "three";
 import { polyline } from "../../drawing/lines/lines";
 import { el } from "../../ui/dom";
-import { metresFromMm } from "../../ui/units";
 import { FatLines } from "../../viewer/lines/FatLines";
+import { Pins } from "../../viewer/Pins";
 import type { Part, Viewer } from "../../viewer/Viewer";
 import { measuredLines, type MeasuredLine } from "./measuredLines";
 import type { StancesSlice } from "../state";
@@ -14,7 +13,7 @@ const COLOURS: Record<MeasuredLine["side"], string | undefined> = { left: "#1f5c
 export class MeasureLines implements Part<StancesSlice> {
   private readonly onSkin = new FatLines();
   private readonly through = new FatLines(true);
-  private labels: { readonly element: HTMLElement; readonly at: Vector3 }[] = [];
+  private readonly labels: Pins<MeasuredLine>;
   private shown: readonly unknown[] = [];
 
   /** `isOther`: of the stance that waits. */
@@ -23,10 +22,8 @@ export class MeasureLines implements Part<StancesSlice> {
     private readonly isOther: boolean,
   ) {
     viewer.body.add(this.onSkin.group, this.through.group);
-    viewer.beforeFrame.add(() => {
-      this.onSkin.approach(viewer.depthUnits);
-      this.place();
-    });
+    viewer.beforeFrame.add(() => this.onSkin.approach(viewer.depthUnits));
+    this.labels = new Pins(viewer, null);
   }
 
   update({ stances: { measures, isSecond } }: StancesSlice): void {
@@ -45,19 +42,6 @@ export class MeasureLines implements Part<StancesSlice> {
     const drawn = (isStraight: boolean) => lines.filter((line) => line.isStraight === isStraight).map(({ points, side }) => polyline({ points, closed: false, bridged: null, color: COLOURS[side] }));
     this.onSkin.set(drawn(false));
     this.through.set(drawn(true));
-    for (const { element } of this.labels) element.remove();
-    this.labels = lines.filter(({ says }) => says !== "").map(({ label, says }) => {
-      const element = el("div", { class: "tape-label" }, el("span", {}, says));
-      this.viewer.overlay.append(element);
-      return { element, at: new Vector3(...label.map(metresFromMm)) };
-    });
-    this.viewer.invalidate();
-  }
-
-  private place(): void {
-    for (const { element, at } of this.labels) {
-      const { x, y } = this.viewer.toScreen(at);
-      element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
-    }
+    this.labels.set(lines.filter(({ says }) => says !== "").map((line) => [line, line.label]), ({ says }) => el("div", { class: "tape-label" }, el("span", {}, says)));
   }
 }
