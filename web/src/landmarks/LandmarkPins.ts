@@ -11,7 +11,7 @@ import type { LandmarksSlice } from "./state";
 
 type Shown = Pick<PageSlice & ViewSlice & ScanSlice & LandmarksSlice, "meta" | "overlay" | "scan" | "picks" | "certain" | "proposals" | "active"> & Pick<Asked, "fit">;
 
-/** Its number stands in the list of landmarks, from one. */
+/** With the number that the landmark has in the list. */
 export function numberedMark({ meta }: Pick<PageSlice, "meta">, name: string): HTMLElement {
   const number = 1 + (meta?.landmarks.findIndex((entry) => entry.name === name) ?? -1);
   return el("span", { class: `mark side-${sideOf(name)}` }, el("span", {}, String(number)));
