@@ -5,7 +5,8 @@ import type { Page } from "@playwright/test";
 import type { AxeResults, RunOptions } from "axe-core";
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-export const TARGET_PX = 24; // WCAG 2.2, 2.5.8
+const TARGET_PX = 24; // WCAG 2.2, 2.5.8
+const FINGER_PX = 44; // where fingers press
 
 /** What axe-core itself calls moderate or minor at most: the ones that take long, which are not asked for nothing. */
 const MILD = ["region", "hidden-content", "heading-order", "page-has-heading-one", "skip-link", "aria-allowed-role", "presentation-role-conflict"];
@@ -25,9 +26,10 @@ export async function seriousFindings(page: Page, options: RunOptions = {}): Pro
     .flatMap(({ id, nodes }) => nodes.map((node) => `${id}: ${node.html.slice(0, 160)} ${node.failureSummary?.split("\n")[1]?.trim() ?? ""}`));
 }
 
-/** Everything that can be pressed and is smaller than a fingertip's 24 pixels; a label counts with its control. */
+/** Everything that can be pressed and is smaller than 24 pixels, or 44 where fingers press; a label counts with its control. */
 export function smallTargets(page: Page): Promise<string[]> {
-  return page.evaluate((least) => {
+  return page.evaluate(([mouse, finger]) => {
+    const least = matchMedia("(pointer: coarse)").matches ? finger : mouse;
     const root = document.querySelector("dialog[open]") ?? document.body;
     const all = [...root.querySelectorAll<HTMLElement>("button, a[href], input, select, textarea, summary, [tabindex='0'], [role=button]")];
     return all.flatMap((each) => {
@@ -38,7 +40,7 @@ export function smallTargets(page: Page): Promise<string[]> {
       // Half a pixel is the browser's rounding of a layout in fractions.
       return width + 0.5 >= least && height + 0.5 >= least ? [] : [`${target.outerHTML.slice(0, 120)}: ${width.toFixed(1)} x ${height.toFixed(1)}`];
     });
-  }, TARGET_PX);
+  }, [TARGET_PX, FINGER_PX] as const);
 }
 
 /** At this size nobody has to scroll for the one thing that comes next, nor for a way to look and to replay. */

@@ -83,7 +83,7 @@ test("fingers turn, place, aim and zoom; both ways of holding a tablet have room
     await tap(page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }));
     await untilFitted(page);
     await until(page, () => window.__breastrig?.state().fit?.distances);
-    for (const viewport of [{ width: 1024, height: 768 }, { width: 820, height: 1180 }, { width: 1280, height: 720 }]) {
+    for (const viewport of [{ width: 1024, height: 768 }, { width: 768, height: 1024 }, { width: 390, height: 844 }, { width: 1280, height: 720 }]) {
       await page.setViewportSize(viewport);
       for (const overlay of ["Both", "Model"] as const) {
         await look(page, overlay);
@@ -98,6 +98,14 @@ test("fingers turn, place, aim and zoom; both ways of holding a tablet have room
       const stage = (await page.locator(".stage").first().boundingBox())!;
       expect(stage.width, `${viewport.width}`).toBe(viewport.width);
       expect(stage.height, `${viewport.height}`).toBeGreaterThan(300);
+    }
+  });
+  await test.step("the patients, one of them with a card", async () => {
+    for (const viewport of [{ width: 390, height: 844 }, { width: 1024, height: 768 }]) {
+      await page.setViewportSize(viewport);
+      if (await page.locator(".patients").isHidden()) await tap(page.locator("button.logo"));
+      await expect(page.locator(".patients li").first()).toBeVisible();
+      expect(await mess(page), `${viewport.width}`).toEqual([]);
     }
   });
   expect(troubles).toEqual([]);

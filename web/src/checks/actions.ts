@@ -30,6 +30,7 @@ export function checkActions<Whole extends State>(store: Store<Whole>, client: P
   const set = (change: (state: State) => Partial<State>): void => store.set((state) => change(state) as Partial<Whole>);
   const put = (part: Partial<ChecksState>, announcement?: string): void => set(({ checks }) => ({ checks: { ...checks, ...part }, ...(announcement === undefined ? {} : { announcement }) }));
   const asked = new Map<string, unknown>(); // fit -> the plan on it that was asked about last
+  const asking = new Map<string, Promise<void>>(); // fit -> until the answer is here
 
   /** After each fit and each change of the plan, of both scans that are on the page. */
   store.select(only("fit", "drawn", "stances"), () => {
@@ -38,7 +39,7 @@ export function checkActions<Whole extends State>(store: Store<Whole>, client: P
       const { fit, drawn } = each ?? {};
       if (!each || fit?.state !== "done" || isPredicted(each) || (asked.has(fit.id) && asked.get(fit.id) === drawn!.onScan)) continue;
       asked.set(fit.id, drawn!.onScan);
-      queueMicrotask(() => void ask(fit.id, fit.links.checks));
+      queueMicrotask(() => void asking.set(fit.id, ask(fit.id, fit.links.checks)));
     }
   });
 
@@ -50,6 +51,8 @@ export function checkActions<Whole extends State>(store: Store<Whole>, client: P
       if (!(error instanceof ApiError)) throw error; // without an answer nothing is offered; the next change asks again
       asked.delete(id);
       set(({ checks }) => ({ checks: { ...checks, of: { ...checks.of, [id]: checks.of[id] ?? null } } }));
+    } finally {
+      asking.delete(id);
     }
   }
 
@@ -68,6 +71,8 @@ export function checkActions<Whole extends State>(store: Store<Whole>, client: P
 
   function begin(): void {
     const state = store.get();
+    const waiting = asking.get(state.fit?.id ?? "");
+    if (waiting) return void waiting.then(begin); // the plan has just changed: the points are those of the lines that are seen
     const steps = stepsOf(state);
     if (steps.length === 0 || !state.fit) return;
     const tour: Tour = { fit: state.fit.id, steps, at: 0, answers: {}, moved: null, before: linesOn(state)?.mm ?? null, leadsToFit: false, wasComparing: state.stances.isComparing };
