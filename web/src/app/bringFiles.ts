@@ -48,6 +48,7 @@ export function bringActions(store: Store<Session>, client: Pick<Client, "landma
     if (!first) return;
     if (!(await others.scan.upload(first))) return;
     const patient = store.get().scan!.info;
+    if (landmarks.length === 0) begin(); // the model settles while the others come
     const added: Scan[] = [patient];
     for (const file of further) {
       try {
