@@ -17,7 +17,7 @@ test("a stance that is ready says so, and leads nowhere", () => {
 
 test("a fit that the report calls to be checked is not ready here, though no point is worth a check", () => {
   const state = session({ fit: fit({ verdict: { level: "check", reasons: ["Lines may be far off."] }, line_error_mm: 14 }) });
-  expect(uncheckedOf(state)).toMatchObject([{ says: expect.stringMatching(/^Standing: lines are .*doubts and notes/), way: null, isReady: false }]);
+  expect(uncheckedOf(state)).toMatchObject([{ says: expect.stringMatching(/^Standing: lines are .*doubts and notes/) as string, way: null, isReady: false }]);
 });
 
 test("open questions, what cannot be drawn, and a lesion over which no skin is seen each have a way there", () => {
