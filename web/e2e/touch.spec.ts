@@ -1,6 +1,7 @@
 // A tablet: one finger turns, a tap places, a finger held still aims above its tip, two fingers zoom; nothing lies over
 // anything else, lying or upright.
 import { expect, type Page } from "@playwright/test";
+import type { PatientPage } from "../src/api/types";
 import { overlaps, smallTargets } from "./audit";
 import { distance, example, type FingerEvent, hook, look, tap, tapAt, test, touch, trueLandmarks, until, untilFitted, untilStill } from "./page";
 
@@ -101,6 +102,11 @@ test("fingers turn, place, aim and zoom; both ways of holding a tablet have room
     }
   });
   await test.step("the patients, one of them with a card", async () => {
+    await page.route(/\/api\/patients\?/, async (route) => { // each with as many pictures as a card shows
+      const answer = await route.fetch();
+      const body = (await answer.json()) as PatientPage;
+      await route.fulfill({ response: answer, json: { ...body, patients: body.patients.map((one) => ({ ...one, scans: Array.from({ length: 4 }, () => one.scans[0]) })) } });
+    });
     for (const viewport of [{ width: 390, height: 844 }, { width: 1024, height: 768 }]) {
       await page.setViewportSize(viewport);
       if (await page.locator(".patients").isHidden()) await tap(page.locator("button.logo"));

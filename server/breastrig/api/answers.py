@@ -44,11 +44,15 @@ ONE_PACKET = 1000  # bytes; an answer with fewer is sent in one packet anyway
 def file_of(media_type: str, description: str) -> Any:
     """A file as an answer of the API's description; APIFlask's own types know no such thing.
 
-    Generators of clients keep the body of a media type that they know: every one knows plain bytes and JSON.
+    Generators of clients keep the body of a media type that they know: every one knows plain bytes, text and JSON.
     """
-    is_json = media_type.endswith("+json")
-    schema = {"type": "object"} if is_json else {"type": "string", "format": "binary"}
-    known = (media_type,) if is_json else dict.fromkeys((media_type, BINARY))
+    if media_type.endswith("+json"):
+        schema = {"type": "object"}
+    elif media_type.startswith("text/"):
+        schema = {"type": "string"}
+    else:
+        schema = {"type": "string", "format": "binary"}
+    known = dict.fromkeys((media_type, BINARY)) if "format" in schema else (media_type,)
     return {"content": {one: {"schema": schema} for one in known}, "description": description}
 
 
