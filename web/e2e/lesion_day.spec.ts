@@ -64,10 +64,11 @@ test("which side is left is asked with pictures; called off, nothing is uploaded
 
 /** Where a thing lies in the box of another: 0 at its left and upper edge, 1 at the right and lower one. */
 async function within(page: Page, pane: string, thing: string, box: string): Promise<[number, number]> {
-  const drawn = [thing, box].map((name) => page.locator(`.slice.is-${pane} ${name}`).first());
-  for (const each of drawn) await expect(each).toBeVisible(); // a slice that is being drawn has no box yet
-  const [a, b] = await Promise.all(drawn.map(async (each) => (await each.boundingBox())!));
-  return [(a!.x + a!.width / 2 - b!.x) / b!.width, (a!.y + a!.height / 2 - b!.y) / b!.height];
+  const found = await page.waitForFunction(([inner, outer]) => { // both of one moment: a slice may be drawn again between two questions
+    const [a, b] = [inner, outer].map((name) => document.querySelector(name!)?.getBoundingClientRect());
+    return a && b && b.width > 0 ? ([(a.x + a.width / 2 - b.x) / b.width, (a.y + a.height / 2 - b.y) / b.height] as [number, number]) : null;
+  }, [`.slice.is-${pane} ${thing}`, `.slice.is-${pane} ${box}`]);
+  return (await found.jsonValue())!;
 }
 
 test("an MRI stands in three slices and as a body with one cross: sides, places and keys are true", async ({ page, base, troubles }) => {
