@@ -10,6 +10,7 @@ import pytest
 from helpers.results import result_file
 
 from breastrig.core.identity import UNNAMED
+from breastrig.report.bands import margin_text, margins_text
 from breastrig.report.document import Reported, report_document
 from breastrig.report.measures import measures
 from breastrig.report.pages.pdf import report_content
@@ -127,3 +128,8 @@ def test_what_was_picked_there_is_measured_and_a_change_says_what_is_missing(asy
     change = {each.key: each for each in changes(measures(asymmetric), tuple(rows.values()))}
     assert change["volume", "volume"].not_seen == ("right",)
     assert change["volume", "volume"].left is not None
+
+
+def test_half_a_millimetre_is_rounded_up_as_the_page_does() -> None:
+    assert [margin_text(mm) for mm in (22.5, 23.5, 22.49)] == ["± 23 mm", "± 24 mm", "± 22 mm"]
+    assert margins_text([2.5, 4.5, 61.0]) == "± 3 to 5 mm, 1 not known"

@@ -9,6 +9,7 @@ open.  What points that are no landmarks are off by, and share, was measured (ca
 Tried on whole scans of warped bodies (evaluate --warped: studies/measures.py), exact picks, picks 5 mm off and none.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -30,14 +31,19 @@ OF_LENGTH = 1.0  # of the radii; 0.72 held 65 to 85 % of lengths between picks 5
 OF_RATIO = 0.72  # held 92 % and more, but for picks 5 mm off (77 to 100 %)
 
 
+def whole_mm(radius: float) -> int:
+    """A radius in whole mm; halves go up, as on the page: paper and screen say the same."""
+    return math.floor(radius + 0.5)
+
+
 def margin_text(mm: float | None) -> str:
     """± 6 mm, for a 90 % radius in mm."""
-    return "not known" if mm is None or mm > KNOWN_MM else f"± {mm:.0f} mm"
+    return "not known" if mm is None or mm > KNOWN_MM else f"± {whole_mm(mm)} mm"
 
 
 def margins_text(radii: Sequence[float | None]) -> str:
     """± 2 to 4 mm, for several; unknown ones are counted."""
-    known = sorted(round(mm) for mm in radii if mm is not None and mm <= KNOWN_MM)
+    known = sorted(whole_mm(mm) for mm in radii if mm is not None and mm <= KNOWN_MM)
     if not known:
         return "not known"
     most = "" if known[0] == known[-1] else f" to {known[-1]}"
