@@ -11,7 +11,7 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.line_bands import EDGE_PIXELS, HATCH_PIXELS, LineBands
 from breastrig.report.pictures import INK, SCAN_GREY, _dashes, _lines, line_colour, scan_pictures, views_of
 from breastrig.report.stance import Stance
-from breastrig.use.reports.report import _banded
+from breastrig.use.reports.report import _banded, _without_own_errors
 
 
 def luminance(colour: tuple[float, float, float]) -> float:
@@ -115,10 +115,18 @@ def test_where_the_scan_shows_no_skin_a_line_is_dashed_and_all_of_it_on_a_body_t
 
 
 def test_what_a_hand_has_drawn_on_this_scan_has_no_band_and_what_was_carried_here_has() -> None:
-    kinds = {"pen": ("line", False), "there": ("line", True), "wise_L": ("pattern", False), "n": ("note", False)}
+    """Also where both are called alike, as the first lines of two scans are."""
+    kinds = (("own", None, None), ("Line 1", "line", False), ("Line 1", "line", True), ("wise_L", "pattern", False))
+    kinds += (("n", "note", False),)
+    points, error = np.zeros((2, 3)), np.full(2, 0.01)
     lines = tuple(
-        Polyline(name, False, "#101010", np.zeros((2, 3)), np.zeros(2, dtype=np.bool_)) for name in (*kinds, "own")
+        Polyline(name, False, "#101010", points, np.zeros(2, dtype=np.bool_), error=error) for name, _, _ in kinds
     )
-    shapes = [{"name": name, "kind": kind, "carried": carried} for name, (kind, carried) in kinds.items()]
-    assert [line.name for line in _banded(lines, ({"shapes": shapes}, True))] == ["there", "wise_L", "own"]
+    shapes = [
+        {"name": name, "kind": kind, "carried": is_carried, "points": points.tolist()}
+        for name, kind, is_carried in kinds[1:]
+    ]
+    assert _banded(lines, ({"shapes": shapes}, True)) == (lines[0], lines[2], lines[3])
     assert _banded(lines, None) == lines
+    without = _without_own_errors(lines, ({"shapes": shapes}, True))
+    assert [line.error is None for line in without] == [False, True, False, True, True]

@@ -3,7 +3,7 @@
 import io
 import os
 import zipfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from pathlib import Path
@@ -95,18 +95,27 @@ def planned_lines(folder: Path, unit: str, plan: PlanLines | None) -> tuple[Poly
     return (*(line for line in drawn_lines(folder, unit) if line.name not in named), *planned)
 
 
+def _with_shapes(lines: tuple[Polyline, ...], plan: PlanLines | None) -> list[tuple[Polyline, Mapping[str, Any]]]:
+    """The lines of `planned_lines`, each with its shape of the plan; the fit's own have none.  Names may be alike."""
+    shapes = [] if plan is None else [shape for shape in plan[0]["shapes"] if shape["points"]]
+    own: list[Mapping[str, Any]] = [{}] * (len(lines) - len(shapes))
+    return list(zip(lines, [*own, *shapes], strict=True))
+
+
 def _without_own_errors(lines: tuple[Polyline, ...], plan: PlanLines | None) -> tuple[Polyline, ...]:
     """The lines, without errors for those planned on this very scan: only transferred ones have an error there."""
-    shapes = () if plan is None else plan[0]["shapes"]
-    here = {shape["name"] for shape in shapes if not shape.get("carried", True)}
-    return tuple(replace(line, error=None) if line.name in here else line for line in lines)
+    return tuple(
+        line if shape.get("carried", True) else replace(line, error=None) for line, shape in _with_shapes(lines, plan)
+    )
 
 
 def _banded(lines: tuple[Polyline, ...], plan: PlanLines | None) -> tuple[Polyline, ...]:
     """The lines that have a band: what a hand has drawn on this very scan is where it was drawn."""
-    shapes = () if plan is None else plan[0]["shapes"]
-    by_hand = {each["name"] for each in shapes if each.get("kind") in ("line", "note") and not each.get("carried")}
-    return tuple(line for line in lines if line.name not in by_hand)
+    return tuple(
+        line
+        for line, shape in _with_shapes(lines, plan)
+        if shape.get("carried", True) or shape.get("kind") not in ("line", "note")
+    )
 
 
 def _in_words(job: ReportJob, plan: PlanLines | None, fit: FitFolder) -> tuple[PlannedItem, ...]:
