@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.srgb import to_srgb
+from breastrig.scan.kept_image import KeptImage
 
 SEVERAL = "The scan has several textures and is shown without them."
 COLOURLESS = "This scan has no colour, so no ink can be seen on it; scan again with colour."
@@ -86,6 +87,7 @@ class Pieces:
     is_label_map: bool = False
     lesions: tuple[BallInside, ...] = ()
     segments: tuple[TakenSegment, ...] = ()
+    image: KeptImage | None = None  # of which the skin was made
 
 
 def colour_bytes(values: Array, largest: float | None = None) -> NDArray[uint8]:

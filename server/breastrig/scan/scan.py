@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Integers, frozen
+from breastrig.scan.kept_image import KeptImage
 from breastrig.scan.piece import BallInside, TakenSegment
 
 
@@ -32,6 +33,7 @@ class Scan:
     picture: bytes | None = None  # behind it: the file's own JPEG or PNG, its pixels and nothing else
 
     from_label_map: bool = False  # whose axes are the patient's (LPS)
+    image: KeptImage | None = None  # of which the skin was made; its axes are the patient's (LPS) too
     lesions: tuple[BallInside, ...] = ()  # that a label map shows, m
     segments: tuple[TakenSegment, ...] = ()  # of a label map, and what each was taken for
 
