@@ -12,12 +12,15 @@ from typing import Any
 import pytest
 from apiflask import APIFlask
 from flask.testing import FlaskClient
+from helpers.image_uploads import IMAGE
 from helpers.shares import expire
 from helpers.waiting import ended
 
 from breastrig.api.config import Config
 from breastrig.api.routes.shares import share_credential
+from breastrig.scan.kept_image import write_image
 from breastrig.service.service import Service
+from breastrig.storage.files import VOLUME
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
 CREDENTIALS = (
@@ -68,6 +71,7 @@ def patient(client: FlaskClient, service: Service, torso: bytes) -> Iterator[Cal
         uploaded = client.post("/api/scans", data={"file": (io.BytesIO(torso), "torso.ply")}).json
         scan, woman = uploaded["id"], uploaded["patient"]
         scans.append(scan)
+        write_image(IMAGE, service.storage.files.scan(scan) / VOLUME)
         fit = client.post("/api/fits", json={"scan": scan, "drawing": "lumpectomy"}).json["id"]
         assert ended(service, fit).state == "done"
         return Patient(woman, scan, fit, client.post(f"/api/fits/{fit}/shares", json={}).json, model)

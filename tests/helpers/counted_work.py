@@ -113,7 +113,7 @@ def upload(folder: Path) -> None:
     from breastrig.use.read_upload import UploadJob, read_upload
 
     count_from_here()
-    names = {each: folder / each for each in ("kept", "mesh", "thumbnail")}
+    names = {each: folder / each for each in ("kept", "mesh", "thumbnail", "volume")}
     read_upload(UploadJob(scan=EXAMPLE / "scan.ply", units="auto", triangles=10**6, **names))
 
 

@@ -15,7 +15,7 @@ from breastrig.execution.worker import preload
 from breastrig.use.read_upload import UploadJob
 from helpers.remembered import key_of_job, once
 
-WRITTEN = ("kept", "mesh", "thumbnail")
+WRITTEN = ("kept", "mesh", "thumbnail", "volume")
 
 
 def remember_uploads() -> None:
@@ -51,4 +51,4 @@ def _read(job: UploadJob) -> tuple[dict[str, Any], dict[str, bytes]]:
     from breastrig.use.read_upload import read_upload
 
     facts = read_upload(job)
-    return facts, {name: getattr(job, name).read_bytes() for name in WRITTEN}
+    return facts, {name: place.read_bytes() for name in WRITTEN if (place := getattr(job, name)).exists()}

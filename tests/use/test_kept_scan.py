@@ -84,7 +84,8 @@ def test_upload_proposals_and_fits_give_the_same_bytes(tmp_path: Path) -> None:
         folder = tmp_path / name
         folder.mkdir()
         stored = folder / "scan.stored"
-        asked = UploadJob(source, "auto", stored, folder / "mesh.glb", folder / "small.png", 10**6)
+        written = [folder / each for each in ("mesh.glb", "small.png", "volume.npz")]
+        asked = UploadJob(source, "auto", stored, *written, 10**6)
         facts = call(read_upload, asked)
         proposed = call(propose_on_file, ProposeJob(stored, "stored", facts["unit"], None, facts["orientation"]))
         points = {mark: each["point"] for mark, each in proposed.items()}

@@ -81,7 +81,7 @@ def upload(scan: Path, folder: Path, model: Path | None = None) -> dict:
     return json.loads(
         json.dumps(
             read_upload(
-                UploadJob(scan, "auto", folder / "kept", folder / "mesh.glb", folder / "small.png", 10**6, model)
+                UploadJob(scan, "auto", *(folder / name for name in ("kept", "mesh", "small", "volume")), 10**6, model)
             )
         )
     )

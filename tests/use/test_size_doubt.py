@@ -30,7 +30,7 @@ def test_a_wall_makes_no_size_doubtful_but_the_unit_that_was_read_from_it(
     faces = np.vstack([np.add(first, corners) for corners in ([0, 1, steps], [1, steps + 1, steps])])
     file = tmp_path / "scan.ply"
     file.write_bytes(ply_text(np.vstack([scan.vertices, wall]), np.vstack([scan.faces, len(scan.vertices) + faces])))
-    places = {name: tmp_path / name for name in ("mesh", "thumbnail", "kept")}
+    places = {name: tmp_path / name for name in ("mesh", "thumbnail", "kept", "volume")}
     facts = read_upload(UploadJob(scan=file, units="auto", triangles=10**6, model=None, **places))
     assert facts["unit"] == unit
     assert said in facts["size_doubt"]

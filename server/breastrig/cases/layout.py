@@ -4,8 +4,8 @@
     CASE/plan.json               what is planned; plans/000007.json: earlier versions
     CASE/.lock                   held by whoever writes
     CASE/.new                    its first scan is on the way from another case
-    CASE/scans/S/                scan.json, scan.stored, mesh.glb, thumbnail.png, landmarks.json, cuts.json, ink.json,
-                                 proposals.json, answers.json, expires.json
+    CASE/scans/S/                scan.json, scan.stored, mesh.glb, thumbnail.png, volume.npz (of an image),
+                                 landmarks.json, cuts.json, ink.json, proposals.json, answers.json, expires.json
     CASE/scans/S/fits/F/         fit.json, fit.log.jsonl (line N is event N), .claim, .attempts, cancel, and what
                                  `breastrig fit` writes
     .../fits/F/links/L/          link.json, shown-N/
@@ -26,6 +26,7 @@ CASES, RUBBISH, INCOMING = "cases", "rubbish", "incoming"
 MARK = "installation"  # says that a folder is a data folder of BreastRig
 CASE, PLAN, PLANS, NEW = "case.json", "plan.json", "plans", ".new"
 SCANS, SCAN, STORED, MESH, THUMBNAIL = "scans", "scan.json", "scan.stored", "mesh.glb", "thumbnail.png"
+VOLUME = "volume.npz"
 LANDMARKS, CUTS, INK, PROPOSALS = "landmarks.json", "cuts.json", "ink.json", "proposals.json"
 ANSWERS, EXPIRES = "answers.json", "expires.json"
 FITS, FIT, LOG, CLAIM, ATTEMPTS, CANCEL = "fits", "fit.json", "fit.log.jsonl", ".claim", ".attempts", "cancel"

@@ -68,7 +68,7 @@ def planned_in_short(items: Sequence[PlanItem]) -> dict[str, Any]:
 
 def _scan_row(case: CaseFolder, scan: ScanEntry) -> Row:
     facts = scan.document.facts
-    kind = "image" if facts.get("segments") else "surface"
+    kind = "image" if facts.get("segments") or facts.get("image") else "surface"
     stance = facts.get("stance", {}).get("proposed", "")
     announced = _announced(case, scan.id)
     return scan.id, case.id, scan.document.created_at, stance, kind, scan.document.sha256, announced

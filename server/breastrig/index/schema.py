@@ -30,7 +30,7 @@ CREATE TABLE scans (
     patient TEXT NOT NULL,
     created_at TEXT NOT NULL,
     stance TEXT NOT NULL,         -- as proposed
-    kind TEXT NOT NULL,           -- surface, or image for a label map
+    kind TEXT NOT NULL,           -- surface, or image, also for a label map
     sha256 TEXT NOT NULL,
     announced_at TEXT             -- its deletion by age
 ) WITHOUT ROWID;

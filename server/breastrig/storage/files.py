@@ -26,6 +26,7 @@ def upload_name(file_type: str) -> str:
 
 MESH = "mesh.glb"  # the scan for display
 THUMBNAIL = "thumbnail.png"  # a small picture of it
+VOLUME = "volume.npz"  # the image that the scan's skin was made of, where it was made of one
 MODELS = "models"  # the place of the models that fits were made with, which are nobody's data
 ROOT = ""  # the place of the mark, which says whose all these files are
 MARK = "installation"  # its name; what it holds is the installation's id

@@ -21,6 +21,7 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.scan_mesh import scan_mesh
 from breastrig.report.pictures import thumbnail_png
 from breastrig.scan.clean import Surface
+from breastrig.scan.kept_image import KeptImage, write_image
 from breastrig.scan.read import read_scan
 from breastrig.scan.stored_scan import write_stored
 from breastrig.scan.units import extent, size_doubt
@@ -36,6 +37,7 @@ class UploadJob:
     kept: Path  # where the scan itself is written, as a STORED file
     mesh: Path  # where the mesh for display is written
     thumbnail: Path  # where a small picture is written
+    volume: Path  # where the image is written, of a scan that was made of one
     triangles: int  # at most
     model: Path | None = None  # that the service fits with; None: the torso of the package
     answers: VolumeAnswers = NOTHING_SAID  # of a label map
@@ -71,6 +73,8 @@ def _read(job: UploadJob) -> dict[str, Any]:
     rays = ready.target.rays if is_whole else None
     job.thumbnail.write_bytes(thumbnail_png(ready.surface, orientation.body_frame(), rays))
     write_stored(scan, job.kept)
+    if scan.image is not None:
+        write_image(scan.image, job.volume)
     return {
         "unit": scan.unit,
         "unit_reason": scan.unit_reason,
@@ -98,4 +102,10 @@ def _read(job: UploadJob) -> dict[str, Any]:
         "frame": orientation.body_frame(),
         "stance": {"proposed": orientation.stance, "reason": orientation.stance_reason},
         "orientation": orientation.facts(),
+        "image": None if scan.image is None else _image_facts(scan.image),
     }
+
+
+def _image_facts(image: KeptImage) -> dict[str, Any]:
+    """Its size and place: `to_scan` leads from indices of a voxel's middle to mm of the scan's frame."""
+    return {"shape": list(image.values.shape), "to_scan": image.affine.tolist(), "bytes": image.values.nbytes}

@@ -204,6 +204,8 @@ export type ExampleScan = {
   notes: string[];
   /** of a label map */
   segments?: Segment[];
+  /** that the scan was made of; null for a surface or label map */
+  image?: ScanImage | null;
   frame: Frame;
   stance: Stance;
   /** ISO 8601, UTC */
@@ -1333,6 +1335,8 @@ export type Scan = {
   notes: string[];
   /** of a label map */
   segments?: Segment[];
+  /** that the scan was made of; null for a surface or label map */
+  image?: ScanImage | null;
   frame: Frame;
   stance: Stance;
   /** ISO 8601, UTC */
@@ -1347,6 +1351,15 @@ export type ScanFiles = {
   endings: string[];
 };
 
+/** The image that a scan was made of, as it is kept: one byte a voxel. */
+export type ScanImage = {
+  /** voxels along each index */
+  shape: [number, number, number];
+  /** 4 x 4, row by row: from indices of a voxel's middle to mm of the scan's axes */
+  to_scan: [[number, number, number, number], [number, number, number, number], [number, number, number, number], [number, number, number, number]];
+  bytes: number;
+};
+
 export type ScanLinks = {
   self: string;
   mesh: string;
@@ -1358,6 +1371,8 @@ export type ScanLinks = {
   fits: string;
   patient: string;
   plan: string;
+  /** of a scan that was made of an image */
+  volume?: string | null;
 };
 
 /** One of the scans that items name. */

@@ -8,7 +8,7 @@ import numpy as np
 from apiflask import APIBlueprint
 from flask import Response
 
-from breastrig.api.answers import BINARY, GLB, PERSONAL, PNG, browser_forgets, bytes_answer, file_of
+from breastrig.api.answers import BINARY, GLB, PERSONAL, PNG, browser_forgets, bytes_answer, file_of, in_memory
 from breastrig.api.app_context import app_context
 from breastrig.api.errors import refuse
 from breastrig.api.place_checks import check_landmarks, picks_of_file
@@ -19,6 +19,7 @@ from breastrig.core.picks import Picks
 from breastrig.core.proposed import why_not_proposed
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.scan.file_type import ENDINGS, UNKNOWN
+from breastrig.scan.kept_image import read_image
 from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES, landmark_file
 from breastrig.scan.volumes.answers import checked_answers, segments_of_json
 from breastrig.storage.documents.patients import StoredPatient, patients_of_scans
@@ -34,7 +35,7 @@ from breastrig.storage.documents.scans import (
     put_landmarks,
     scans_page,
 )
-from breastrig.storage.files import MESH, THUMBNAIL, scan_place
+from breastrig.storage.files import MESH, THUMBNAIL, VOLUME, OpenedFile, scan_place
 
 TAG = {"name": "scans", "description": "Upload a scan, pick landmarks on it, delete it with everything made of it."}
 
@@ -132,13 +133,34 @@ def show_thumbnail(scan_id: str) -> Response:
     return _file(scan_id, THUMBNAIL, PNG, "This scan has no small picture.")
 
 
+@scans.get("/<scan_id>/volume")
+@scans.doc(operation_id="getScanVolume", responses={200: file_of(BINARY, "One byte a voxel, first index fastest")})
+def show_volume(scan_id: str) -> Response:
+    """The image that the scan was made of, as it is kept
+
+    Raw grey values of one byte, the first index fastest; `image` of the scan has their shape and place.  404 for scans
+    that were made of none.
+    """
+    file = _found(scan_id, VOLUME, "This scan has no image: it is a surface, or was made of a label map.")
+    assert file.path is not None
+    try:
+        voxels = read_image(file.path).values.tobytes(order="F")
+    except FileNotFoundError as error:
+        raise NotFound(NO_SCAN) from error
+    return app_context().patients_file([scan_id], in_memory(voxels), BINARY)
+
+
 def _file(scan_id: str, name: str, media_type: str, missing: str) -> Response:
+    return app_context().patients_file([scan_id], _found(scan_id, name, missing), media_type)
+
+
+def _found(scan_id: str, name: str, missing: str) -> OpenedFile:
     storage = app_context().service.storage
     get_scan(storage, scan_id)
     file = storage.files.find(scan_place(scan_id), name)
     if file is None:
         raise NotFound(missing)
-    return app_context().patients_file([scan_id], file, media_type)
+    return file
 
 
 @scans.get("/<scan_id>/landmarks")
@@ -357,6 +379,7 @@ def _answer(row: StoredScan, owner: StoredPatient) -> wire.Scan:
         fits=f"{place}/fits",
         patient=f"/api/patients/{patient}",
         plan=f"/api/patients/{patient}/plan",
+        volume=f"{place}/volume" if row.facts.get("image") else None,
     )
     shown = {name: fact for name, fact in row.facts.items() if name != "orientation"}  # that is for our own workers
     facts = shown | cut_facts(row) | {"patient_code": owner.code, "sha256": row.sha256}

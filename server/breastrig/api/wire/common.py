@@ -131,6 +131,17 @@ class ScanLinks(Wire):
     fits: str
     patient: str
     plan: str
+    volume: str | None = Field(None, description="of a scan that was made of an image")
+
+
+class ScanImage(Wire):
+    """The image that a scan was made of, as it is kept: one byte a voxel."""
+
+    shape: Annotated[list[int], Field(min_length=3, max_length=3)] = Field(description="voxels along each index")
+    to_scan: Annotated[list[Annotated[list[float], Field(min_length=4, max_length=4)]], Field(min_length=4)] = Field(
+        max_length=4, description="4 x 4, row by row: from indices of a voxel's middle to mm of the scan's axes"
+    )
+    bytes: int
 
 
 class CutPlane(Wire):
@@ -169,6 +180,7 @@ class Scan(Wire):
     )
     notes: list[str] = Field(description="what reading found, one sentence each")
     segments: list[Segment] = Field(default=[], description="of a label map")
+    image: ScanImage | None = Field(None, description="that the scan was made of; null for a surface or label map")
     frame: Frame
     stance: Stance
     created_at: str = Field(description="ISO 8601, UTC")

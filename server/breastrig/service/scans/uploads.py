@@ -26,7 +26,7 @@ from breastrig.service.kept_models import KeptModels
 from breastrig.storage.documents import scans as scan_rows
 from breastrig.storage.documents.patients import get_patient, put_items_of_scan
 from breastrig.storage.documents.scans import StoredScan
-from breastrig.storage.files import MESH, THUMBNAIL, scan_place, upload_name
+from breastrig.storage.files import MESH, THUMBNAIL, VOLUME, scan_place, upload_name
 from breastrig.storage.folders import new_id
 from breastrig.storage.storage import Storage, utc_now
 from breastrig.use.read_upload import UploadJob, read_upload
@@ -95,7 +95,8 @@ class Uploads:
             upload, kept = folder / upload_name(file_type), folder / upload_name(STORED)
             sha256 = _keep(source, upload)
             model_file, triangles = self._choice.of(chosen), self._limits.triangles
-            job = UploadJob(upload, units, kept, folder / MESH, folder / THUMBNAIL, triangles, model_file, answers)
+            shown = folder / MESH, folder / THUMBNAIL, folder / VOLUME
+            job = UploadJob(upload, units, kept, *shown, triangles, model_file, answers)
             facts = self._read(scan_id, job)
             upload.unlink()
             lesions: list[dict[str, Any]] = facts.pop("lesions", [])

@@ -50,8 +50,9 @@ def read_into_case(
     own = model_choice(None)
     chosen = {FACT: model} if model in own.others else {}
     with case.incoming() as made:
-        kept, mesh, small = (made / name for name in (layout.STORED, layout.MESH, layout.THUMBNAIL))
-        facts = read_upload(UploadJob(file, units, kept, mesh, small, TRIANGLES, own.of(chosen), answers))
+        names = layout.STORED, layout.MESH, layout.THUMBNAIL, layout.VOLUME
+        kept, mesh, small, volume = (made / name for name in names)
+        facts = read_upload(UploadJob(file, units, kept, mesh, small, volume, TRIANGLES, own.of(chosen), answers))
         lesions: list[dict[str, Any]] = facts.pop("lesions", [])
         facts.pop("labels", None)  # the file's own words are nowhere kept
         scan_id = case.add_scan(
