@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.damage import bounded, damage, damaged
+from helpers.grid_files import meta_fields, meta_image, nrrd, nrrd_fields
+from helpers.label_maps import body_labels
 from helpers.refusals import refused_or_sound, sound_landmarks_or_refused
 from helpers.scan_files import as_bytes, picture, textured_obj, tube, zipped
 from helpers.toy_rig import toy_rig
@@ -180,3 +182,24 @@ def test_a_meshlab_file_of_anything(points: list[dict[str, str]], declared: bool
     doctype = '<!DOCTYPE PickedPoints [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;&a;">]>' if declared else ""
     inner = "".join("<point " + " ".join(f'{key}="{value}"' for key, value in one.items()) + "/>" for one in points)
     sound_landmarks_or_refused(f"{doctype}<PickedPoints>{inner}</PickedPoints>".encode("utf-8", "replace"))
+
+
+VALUES = st.one_of(
+    NUMBERS,
+    st.lists(NUMBERS, max_size=5).map(" ".join),
+    st.sampled_from(
+        ["(1,0,0) (0,1,0) (0,0,1)", "none none none", "(,,)", "RAI", "True", "LOCAL", "gzip", "raw", "float"]
+    ),
+    st.text(max_size=8),
+)
+
+
+@bounded(100)
+@given(st.sampled_from(["nrrd", "mha"]), st.data())
+def test_a_grid_with_odd_fields(kind: str, source: st.DataObject) -> None:
+    labels = body_labels()[::8, ::8, ::4]
+    fields = nrrd_fields(labels) if kind == "nrrd" else meta_fields(labels)
+    for name in source.draw(st.lists(st.sampled_from(sorted(fields)), min_size=1, max_size=3)):
+        fields[name] = source.draw(VALUES)
+    words = {"Segment0_ID": "a", "Segment0_Layer": source.draw(VALUES), "Segment0_Tags": source.draw(VALUES)}
+    refused_or_sound(nrrd(labels, fields, words) if kind == "nrrd" else meta_image(labels, fields), kind, "auto")

@@ -15,11 +15,14 @@ FILE_TYPES = {  # a kind of content -> its files' endings; the only list of them
     "usd": (".usdz", ".usd", ".usda", ".usdc"),
     "off": (".off",),
     "3mf": (".3mf",),
-    "nifti": (".nii", ".nii.gz", ".gz"),  # label maps, as the next
+    "nifti": (".nii", ".nii.gz", ".gz"),  # volumes, as the next
+    "nrrd": (".nrrd",),
+    "mha": (".mha", ".mhd"),
     "dicom": (".dcm",),
     "pcd": (".pcd",),  # points, as the next
     "xyz": (".xyz", ".asc", ".pts", ".txt", ".csv", ".xyzn", ".xyzrgb"),
 }
+VOLUMES = ("nifti", "nrrd", "mha", "dicom")
 ENDINGS = tuple(ending for endings in FILE_TYPES.values() for ending in endings)
 UNKNOWN = "unknown"  # the type of a file whose name says nothing
 USD_LAYERS = (".usd", ".usda", ".usdc")
@@ -69,6 +72,10 @@ def file_type_of(data: bytes, named: str | None = None) -> str:
         return "zip"
     if _is_nifti(start):
         return "nifti"
+    if start.startswith(b"NRRD"):
+        return "nrrd"
+    if _is_meta_image(start):
+        return "mha"
     if _is_dicom(start):
         return "dicom"
     if (other := other_volume(start)) is not None:
@@ -93,13 +100,13 @@ def file_type_of(data: bytes, named: str | None = None) -> str:
         raise BadScan(f"This file is named .{named} but holds no {named.upper()} data; {EXPORT}.")
     raise BadScan(
         "This file is no 3D scan that can be read; give PLY, OBJ, STL, GLB, glTF, USDZ, OFF, 3MF, PCD, a table of "
-        "points, a label map (NIfTI, DICOM SEG), or a zip of one of them."
+        "points, a label map (NIfTI, NRRD, MetaImage, DICOM SEG), or a zip of one of them."
     )
 
 
 def volume_kind(start: bytes) -> str:
     """The kind of volume in these first bytes: "label map", "structures" (contours), "dicom", "other" or "" (none)."""
-    if _is_nifti(start):
+    if _is_nifti(start) or start.startswith(b"NRRD") or _is_meta_image(start):
         return "label map"
     if _is_dicom(start):
         segmentation = any(each.encode() in start for each in SEGMENTATIONS)
@@ -109,6 +116,10 @@ def volume_kind(start: bytes) -> str:
 
 def _is_nifti(start: bytes) -> bool:
     return start[NIFTI_1_MARK_AT : NIFTI_1_MARK_AT + 4] == b"n+1\0" or start[4:8] == b"n+2\0"
+
+
+def _is_meta_image(start: bytes) -> bool:
+    return META_IMAGE_START.match(start) is not None and (b"ElementType" in start or b"DimSize" in start)
 
 
 def _is_dicom(start: bytes) -> bool:
@@ -125,10 +136,6 @@ def _is_dicom(start: bytes) -> bool:
 
 def other_volume(start: bytes) -> str | None:
     """The error sentence for unsupported kinds of volumes; None for any other file."""
-    if start.startswith(b"NRRD"):
-        return f"This is an NRRD file, as 3D Slicer writes it; {EXPORT_MAP}."
-    if META_IMAGE_START.match(start) and (b"ElementType" in start or b"DimSize" in start):
-        return f"This is a MetaImage file (.mha, .mhd); {EXPORT_MAP}."
     if start[NIFTI_1_MARK_AT : NIFTI_1_MARK_AT + 4] == b"ni1\0" or start[4:8] == b"ni2\0":
         return "This is half of a NIfTI file (.hdr or .img); export both as one file, .nii or .nii.gz."
     if start[:4] in ANALYZE and len(start) == 348:

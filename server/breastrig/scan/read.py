@@ -20,7 +20,7 @@ from breastrig.core.errors import BadInput, BadScan, BadSettings, TooLarge, unkn
 from breastrig.core.single_precision import EXACT_WITHIN
 from breastrig.core.units import METRES_PER_UNIT, UNIT_CHOICES
 from breastrig.scan.clean import MIN_TRIANGLES
-from breastrig.scan.file_type import file_type_of, plain_text
+from breastrig.scan.file_type import VOLUMES, file_type_of, plain_text
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, NO_PLACES, TOO_MANY_TRIANGLES, TRIANGLES
 from breastrig.scan.pictures.companions import Companions, beside
 from breastrig.scan.pictures.joined_textures import UNPAINTED, joined_textures
@@ -52,8 +52,8 @@ def read_scan(
     for_display: bool = True,
     answers: VolumeAnswers = NOTHING_SAID,
 ) -> Scan:
-    """Reads PLY, OBJ, STL, GLB, glTF, USD, OFF, 3MF, PCD, a table of points, a label map (NIfTI, DICOM SEG), or a zip
-    of one of them with what it names.
+    """Reads PLY, OBJ, STL, GLB, glTF, USD, OFF, 3MF, PCD, a table of points, a label map (NIfTI,
+    NRRD, MetaImage, DICOM SEG), or a zip of one of them with what it names.
 
     `file_type` is the name's ending, only used to word errors, or STORED for a file that `write_stored` wrote;
     `units` is auto or m, dm, cm, mm, in, ft; `texture=False` saves the time of decoding the pictures,
@@ -85,7 +85,7 @@ def read_scan(
             raise BadScan("This zip holds another zip; pack the mesh itself.")
     elif isinstance(source, Path) and found in ("obj", "ply", "gltf", "glb"):
         files = beside(source, _bytes)
-    is_volume = found in ("nifti", "dicom")
+    is_volume = found in VOLUMES
     if answers and not is_volume:
         raise BadSettings("This scan is no label map; frame and segments are for those alone.")
     kept = (units, answers) if is_volume else (files, texture)

@@ -106,8 +106,8 @@ def read_scan(
     frame: str | None = None,
     segments: Mapping[int, str] | None = None,
 ) -> Scan:
-    """Reads PLY, OBJ, STL, GLB, OFF, 3MF, PCD, XYZ, USDZ, a label map (NIfTI, DICOM SEG), or a zip of one of them with
-    its pictures; or the bytes of such a file.
+    """Reads PLY, OBJ, STL, GLB, OFF, 3MF, PCD, XYZ, USDZ, a label map (NIfTI, NRRD, MHA, DICOM SEG), or a zip of one of
+    them with its pictures; or the bytes of such a file.
 
     `units` is the file's: m, dm, cm, mm, in, ft, or auto to decide from the size (`Scan.unit_reason` says how).
     A picture comes with it (`Scan.in_metres` has it, with its uv): fits and proposed landmarks look for areolae and

@@ -56,11 +56,11 @@ END, END_64 = b"PK\x05\x06", b"PK\x06\x07"
 END_BYTES, END_64_BYTES, COMMENT_BYTES = 22, 20, 65_535
 LIST_LENGTH_AT = 12  # bytes into the end record
 UNREADABLE = (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError, RuntimeError, ValueError)
-VOLUMES = ("nii", "gz", "dcm")
+VOLUMES = ("nii", "gz", "nrrd", "mha", "mhd", "dcm")
 DAMAGED = "This zip file is cut off, damaged or encrypted; pack it again."
 NO_MESH = (
-    "This zip holds no mesh and no label map; pack exactly one OBJ, PLY, STL or GLB with its pictures, or one NIfTI "
-    "file or DICOM segmentation."
+    "This zip holds no mesh and no label map; pack exactly one OBJ, PLY, STL or GLB with its pictures, or one label "
+    "map (NIfTI, NRRD, MetaImage, DICOM SEG)."
 )
 SEVERAL_SCANS = "This zip holds {count} scans that have nothing to do with one another; pack one of them alone."
 SAME_SCAN = "The zip holds this scan {count} times; the {kind} with the most on it was read."

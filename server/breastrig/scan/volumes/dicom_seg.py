@@ -6,7 +6,7 @@ Each segment has frames of its own, so segments may overlap, and each is read fr
 import io
 import zlib
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -26,6 +26,7 @@ from breastrig.scan.limits import (
     MEBIBYTE,
 )
 from breastrig.scan.volumes.answers import TakenAs
+from breastrig.scan.volumes.codes import coded_as, label_of
 from breastrig.scan.volumes.slices import between, gaps_said, runs
 from breastrig.scan.volumes.volume import IMAGE, Gap, Reading, Segment, Volume, check_affine, check_shape
 
@@ -41,50 +42,11 @@ OTHER_CLASSES = {
 NO_PLACE = "This DICOM segmentation does not say where its frames lie; export it again."
 DAMAGED = "This DICOM file is damaged or cut off and cannot be read; export it again."
 COMPRESSED = "The pixels of this DICOM file are compressed in a way that is not read; export it uncompressed."
-NAME = 60  # characters of a segment's words that are shown
 ALIKE = 1e-3  # of direction cosines, and of pixel sizes in their own size
 FARTHEST_OFF = 0.3  # of the distance between slices that one may lie off its place; writers round, and patients breathe
 SAME_SLICE = 0.3  # of the distance between slices, below which frames lie on one
 NO_STEP = 0.1  # of the largest distance between neighbours: less is no distance between slices
 NEARLY = 0.1  # of the named distance between slices: how far a multiple of it may be off
-
-# Codes of concepts by their names: SNOMED CT, and the same in files of before 2018 (SRT).
-ABNORMAL = {"Morphologically abnormal structure": ("49755003", "M-01000")}  # a category
-ANATOMY = {"Body structure": ("123037004", "T-D000A"), "Anatomical structure": ("91723000", "T-D0005")}  # categories
-WHERE = {  # types that say no more than where: a lesion may be described so as well as the body
-    "Breast": ("76752008", "T-04000"),
-    "Entire breast": ("181131000", "T-04009"),
-    "Right breast": ("73056007", "T-04020"),
-    "Left breast": ("80248007", "T-04030"),
-    "Both breasts": ("63762007", "T-04080"),
-    "Tissue": ("85756007", "T-D0050"),
-    "Body structure": ("123037004", "T-D000A"),
-    "Anatomical structure": ("91723000", "T-D0005"),
-}
-LESION = {  # types
-    "Mass": ("4147007", "M-03000"),
-    "Nodule": ("27925004", "M-03010"),
-    "Lesion": ("52988006", "M-01100"),
-    "Neoplasm": ("108369006", "M-8FFFF"),
-    "Malignant neoplasm, primary": ("86049000", "M-80003"),
-    "Neoplasm, secondary": ("14799000", "M-80006"),
-    "Carcinoma": ("68453008", "M-80103"),
-    "Infiltrating duct carcinoma": ("82711006", "M-85003"),
-    "Ductal carcinoma in situ": ("86616005", "M-85002"),
-    "Infiltrating ductal carcinoma of breast": ("408643008", "D0-F0369"),
-    "Invasive lobular carcinoma": ("89740008",),
-    "Lobular carcinoma in situ of breast": ("109888004",),
-    "Fibroadenoma": ("65877006", "M-90100"),
-    "Fibroadenoma of breast": ("254845004", "D7-F0815"),
-    "Phyllodes tumor": ("71232009",),
-    "Papilloma": ("711329002",),
-    "Cyst": ("367643001", "M-3340A"),
-    "Cyst of breast": ("399294002",),
-    "Abscess": ("44132006",),
-    "Hematoma": ("35566002",),
-    "Breast lump": ("89164003",),
-    "Gross tumor volume": ("228791009",),
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -401,26 +363,9 @@ def _described(segment: Any) -> tuple[str, TakenAs | None]:
     """The file's words for it, and what its codes say."""
     if segment is None:
         return "", None
-    kinds = [*_codes(segment, "SegmentedPropertyTypeCodeSequence")]
-    categories = [*_codes(segment, "SegmentedPropertyCategoryCodeSequence")]
-    words = [str(segment.get("SegmentLabel", "") or ""), *(meaning for _, meaning in kinds)]
-    label = shown(" ".join(dict.fromkeys(word for word in words if word)))
-    types, groups = {code for code, _ in kinds}, {code for code, _ in categories}
-    if groups & _known(ABNORMAL) or types & _known(LESION):
-        return label, "lesion"
-    return label, "tissue" if groups & _known(ANATOMY) and types - _known(WHERE) else None
-
-
-def _known(concepts: Mapping[str, tuple[str, ...]]) -> set[str]:
-    return {code for codes in concepts.values() for code in codes}
-
-
-def _codes(segment: Any, name: str) -> Iterator[tuple[str, str]]:
-    """Value and meaning of each."""
-    for each in segment.get(name, None) or []:
-        yield str(each.get("CodeValue", "")), str(each.get("CodeMeaning", ""))
-
-
-def shown(text: str) -> str:
-    """The text's printable characters, at most NAME of them."""
-    return " ".join("".join(each if each.isprintable() else " " for each in text).split())[:NAME].strip()
+    kinds, categories = (
+        [(str(each.get("CodeValue", "")), str(each.get("CodeMeaning", ""))) for each in segment.get(name, None) or []]
+        for name in ("SegmentedPropertyTypeCodeSequence", "SegmentedPropertyCategoryCodeSequence")
+    )
+    words = (str(segment.get("SegmentLabel", "") or ""), *(meaning for _, meaning in kinds))
+    return label_of(words), coded_as({code for code, _ in categories}, {code for code, _ in kinds})

@@ -1,4 +1,4 @@
-"""The skin and the lesions of a label map: NIfTI, or DICOM segmentation (SEG); with the extra `mri`.
+"""The skin and the lesions of a label map: NIfTI, NRRD, MetaImage, or DICOM segmentation (SEG); needs extra `mri`.
 
 A label map says for each voxel what is there, 0 for nothing.  The body is all that the air in front of it does not
 reach, so labels may leave parts of it out (lungs, fat); where the field of view ends the skin ends, open.  Places are
@@ -7,15 +7,20 @@ in the DICOM patient frame (LPS: to the patient's left, back, head), in mm, as m
 
 import importlib.util
 import warnings
+from collections.abc import Callable
 
 from breastrig.core.errors import BadScan, BadSettings
 from breastrig.scan.piece import BallInside, Piece, Pieces, TakenSegment
 from breastrig.scan.volumes.answers import VolumeAnswers
 from breastrig.scan.volumes.body import Bodies, check_shows_body, filled, skin
 from breastrig.scan.volumes.dicom_seg import read_segmentation
+from breastrig.scan.volumes.grid import Grid, volume_of
+from breastrig.scan.volumes.meta_image import read_meta_image
 from breastrig.scan.volumes.nifti import read_nifti
+from breastrig.scan.volumes.nrrd import read_nrrd
 from breastrig.scan.volumes.question import needs_answer
 from breastrig.scan.volumes.segments import check_chosen, taken_segments
+from breastrig.scan.volumes.volume import IMAGE, Volume
 
 FRAME = "Places are in the DICOM patient frame (LPS), mm; the skin was made from the label map."
 BOTH = 200.0  # mm from right to left; nipples alone are 150 to 210 apart in the four given patients
@@ -27,19 +32,26 @@ SAID_EACH = 12  # segments, each with a sentence of its own
 NEEDS = 'Label maps need "breastrig[mri]"; install it, or export the skin as PLY, STL or OBJ.'
 
 
+GRIDS: dict[str, Callable[[bytes, str | None], Grid]] = {
+    "nifti": read_nifti,
+    "nrrd": read_nrrd,
+    "mha": read_meta_image,
+}
+
+
 def label_map_pieces(data: bytes, kind: str, answers: VolumeAnswers) -> Pieces:
-    """The skin with `lesions` and `segments`; `kind` is nifti or dicom.
+    """The skin with `lesions` and `segments`; `kind` is one of GRIDS, or dicom.
 
     Raises BadScan or TooLarge with a sentence, NeedsAnswer where a person has to say something, BadSettings for
     answers that do not fit this file.
     """
-    if importlib.util.find_spec("nibabel" if kind == "nifti" else "pydicom") is None:
+    if importlib.util.find_spec("pydicom" if kind == "dicom" else "nibabel") is None:
         raise BadScan(NEEDS)
     if kind == "dicom" and answers.frame is not None:
         raise BadSettings("A DICOM segmentation says itself where it lies; leave frame out.")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # about headers that are not quite as their standard wants them
-        volume = read_nifti(data, answers.frame) if kind == "nifti" else read_segmentation(data)
+        volume = _labels(GRIDS[kind](data, answers.frame)) if kind in GRIDS else read_segmentation(data)
         check_chosen(volume, answers.segments)
         there = filled(volume, frozenset(number for number, what in answers.segments.items() if what == "unused"))
         check_shows_body(there, volume.readings[0].affine)
@@ -56,6 +68,13 @@ def label_map_pieces(data: bytes, kind: str, answers: VolumeAnswers) -> Pieces:
     notes = (FRAME, *narrow, *volume.notes, *_said(taken.segments))
     piece = Piece(vertices, faces)
     return Pieces((piece,), notes=notes, unit="mm", is_label_map=True, lesions=lesions, segments=taken.segments)
+
+
+def _labels(grid: Grid) -> Volume:
+    volume = volume_of(grid)
+    if volume is None:
+        raise BadScan(IMAGE)
+    return volume
 
 
 def _said(segments: tuple[TakenSegment, ...]) -> list[str]:
