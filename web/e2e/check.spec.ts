@@ -2,6 +2,7 @@
 // halo, and the page says so.
 import { expect, type Page } from "@playwright/test";
 import type { Checks, Fit, Vector } from "../src/api/types";
+import * as text from "../src/checks/text";
 import { overlaps, seriousFindings, smallTargets } from "./audit";
 import { addToPlan, distance, hook, test, until, untilFitted, untilStill } from "./page";
 import { inTheme } from "./states";
@@ -30,6 +31,12 @@ test("points that are worth it are checked by keys alone, and the halo narrows",
   await test.step("the verdict and the main button say how many", async () => {
     await expect(page.locator(".verdict-level")).toHaveText(count === 1 ? "One point first" : /points first$/);
     await expect(page.locator("#next")).toHaveText(new RegExp(`^Check ${count} points?\\s${10 * count}\\ss$`));
+    const onLines = await page.locator("#next span").evaluate((words, longest) => {
+      const [said, shown] = [words.textContent, Object.assign(words, { textContent: longest }).getClientRects().length];
+      words.textContent = said;
+      return shown;
+    }, `${text.checks.begin(3, "standing 2")}\u2002${text.checks.lasts(3)}`);
+    expect(onLines, "the longest that it says stands on one line").toBe(1);
     await expect(page.locator(".stage .sureness")).toContainText(new RegExp(`^(one|two|three) fingers? wide±\\s${Math.round(widest)}\\smm`));
   });
 
@@ -49,9 +56,13 @@ test("points that are worth it are checked by keys alone, and the halo narrows",
     expect.soft(await smallTargets(page)).toEqual([]);
     expect.soft(await overlaps(page)).toEqual([]);
     expect.soft(await seriousFindings(page)).toEqual([]);
+    const insetLight = () => page.locator(".check-inset canvas").evaluate((canvas) => [...(canvas as HTMLCanvasElement).getContext("2d")!.getImageData(0, 0, 216, 216).data].reduce((sum, each) => sum + each, 0) / (4 * 216 * 216));
+    const inLight = await insetLight();
     await inTheme(page, "dark");
     expect.soft(await seriousFindings(page, { runOnly: ["color-contrast"] }), "contrast in the dark").toEqual([]);
+    await expect.poll(insetLight, "the model's picture is in the theme's colours too").toBeLessThan(inLight - 10);
     await inTheme(page, "light");
+    await expect.poll(insetLight, "and as bright as before").toBeCloseTo(inLight, 0);
   });
 
   await test.step("one tap shows the same point from below, another one from the side, and again square to the skin", async () => {

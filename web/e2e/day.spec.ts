@@ -131,7 +131,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
 
   await test.step("carried: the lines on the supine scan are those of the API", async () => {
     await page.keyboard.press("3");
-    await expect(page.getByText(/Carried lines are (one|two|three) fingers? wide/)).toBeVisible();
+    await expect(page.getByText(/Transferred lines are (one|two|three) fingers? wide/)).toBeVisible();
     const shown = await samePlaces(page, base, standing, supine);
     expect(shown.map(({ item, name }) => [item, name])).toEqual(expect.arrayContaining([[expect.any(String), "Line 1"], [expect.any(String), "tumour_L"], [expect.any(String), "wise_L"]]));
     expect((await state(page)).drawing, "nothing is made anew on the second body").toBe("");
@@ -295,7 +295,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     await more(page, "Delete this scan …");
     const question = page.getByRole("dialog", { name: "Delete this scan?" });
     await expect(question).toContainText("Reduction (Wise pattern), Tumour, the note, its fits");
-    await expect(question).toContainText("The other stance stays, without what was drawn on this one and carried there.");
+    await expect(question).toContainText("The patient's other scans stay, without what was drawn on this one.");
     await page.keyboard.press("Escape");
     await expect(question).toBeHidden();
   });

@@ -58,7 +58,7 @@ const STATES: readonly { name: string; reach: (page: Page) => Promise<void> }[] 
       await expect(page.getByRole("dialog")).toHaveCount(0);
       await fitted(page);
       await page.keyboard.press("3");
-      await expect(page.getByText(/Carried lines are (one|two|three) fingers? wide/)).toBeVisible();
+      await expect(page.getByText(/Transferred lines are (one|two|three) fingers? wide/)).toBeVisible();
       await thumb(page, "standing").click();
       await expect.poll(() => page.evaluate(() => window.__breastrig!.other() !== null)).toBe(true);
       await untilStill(page);

@@ -32,7 +32,7 @@ test("the stance that is missing is predicted, the pattern is carried there, and
     await expect(pane.getByText(/Predicted from the standing scan: .* Drawn lines are (one|two|three) fingers? wide\./)).toBeVisible();
     await pane.locator("canvas").click();
     expect((await page.evaluate(() => window.__breastrig!.state().fit!.id)), "nothing can be worked on there").toBe(id);
-    await expect(page.getByText(/^Shown on the supine body, predicted and not scanned/)).toBeVisible();
+    await expect(page.getByText(/^The plan is shown on the supine body and follows every change/)).toBeVisible();
     const { from, stance, errors } = await other(page);
     expect([from, stance]).toEqual([id, "supine"]);
     expect(errors.length).toBeGreaterThan(0);

@@ -27,6 +27,7 @@ function wording(next: NextStep, state: NextShown): string {
   if (next.kind === "ink") return text.next.ink(next.count, next.on);
   if (next.kind === "plan") return text.next.plan;
   if (next.kind === "print") return text.next.print;
+  if (next.kind === "wait") return text.next.wait;
   if (next.kind === "draw") return next.isArmed ? text.next.drawing : text.next.draw;
   if (next.kind === "add") return text.next.add(next.stance);
   if (next.kind === "change over") return text.next.changeOver(next.to);
@@ -74,6 +75,7 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
       const fits = isFirst || isSecond ? measuredFits(state) : null;
       if (fits) report.href = fits[0].links.report + (fits[1] ? `?with=${encodeURIComponent(fits[1].id)}` : "");
       setText(words, wording(next, state));
+      go.setAttribute("aria-disabled", String(next.kind === "wait"));
       const isArmed = (next.kind === "place" || next.kind === "draw") && next.isArmed;
       go.classList.toggle("is-armed", isArmed);
       go.setAttribute("aria-pressed", String(isArmed));

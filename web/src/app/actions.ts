@@ -59,7 +59,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
     handles: handleActions(store, client, drawing.choosePattern),
     plan,
     stances,
-    checks: checkActions(store, client, { landmarks, fit, follower }),
+    checks: checkActions(store, client, { landmarks, fit, follower, saved: async () => (await drawing.flush(), plan.settled()) }),
     patients,
     share: shareActions(store, client),
     proposals,

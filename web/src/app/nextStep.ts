@@ -1,6 +1,6 @@
 // The one primary button: what the person would do next, from the state alone.
 import { openDoubt } from "../checks/doubts";
-import { areChecksKnown, stepsOf } from "../checks/state";
+import { areChecksAwaited, areChecksKnown, stepsOf } from "../checks/state";
 import { outdated } from "../fit/outdated";
 import { isFitting } from "../fit/state";
 import { levelOf } from "../fit/verdict";
@@ -30,6 +30,7 @@ export type NextStep =
   | { kind: "draw"; isArmed: boolean }
   | { kind: "add"; stance: "standing" | "supine" }
   | { kind: "change over"; to: string }
+  | { kind: "wait" } // for what is worth checking on the plan that has just changed
   | { kind: "print" } // on to the printed pages
   | { kind: "report" };
 
@@ -56,10 +57,11 @@ function afterFit(state: NextShown): NextStep {
   if (state.step !== "plan") return { kind: "plan" };
   if (!isPlanned(state) && !(stances.other && isPlanned(stances.other))) return { kind: "draw", isArmed: drawn.tool !== "none" };
   const wanted = stanceOf(state) === "standing" ? "supine" : "standing";
-  if (stances.other === null) return unscanned(state).includes(wanted) ? { kind: "add", stance: wanted } : { kind: "print" };
+  const print: NextStep = [state, scannedOther(stances)].some((each) => each && areChecksAwaited({ checks: state.checks, fit: each.fit })) ? { kind: "wait" } : { kind: "print" };
+  if (stances.other === null) return unscanned(state).includes(wanted) ? { kind: "add", stance: wanted } : print;
   if (stances.other.fit?.state !== "done") return { kind: "change over", to: stanceNames(state)[1] };
   const there = stepsOf({ ...state, ...stances.other }).length;
-  return there > 0 ? { kind: "check", count: there, on: stanceNames(state)[1] } : { kind: "print" };
+  return there > 0 ? { kind: "check", count: there, on: stanceNames(state)[1] } : print;
 }
 
 export function nextStep(state: NextShown): NextStep {

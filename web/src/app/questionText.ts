@@ -32,7 +32,7 @@ export const deletion = {
   },
   noWay: "There is no copy. You can take it back for ten seconds.",
   note: "the note",
-  other: (isDrawn: boolean) => (isDrawn ? "The other stance stays, without what was drawn on this one and carried there." : "The other stance stays."),
+  other: (isDrawn: boolean) => (isDrawn ? "The patient's other scans stay, without what was drawn on this one." : "The patient's other scans stay."),
   confirm: "Delete",
   keep: "Keep it",
   soon: (title: string) => `${title} will be deleted in ten seconds.`,

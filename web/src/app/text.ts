@@ -70,6 +70,7 @@ export const next = {
   add: (stance: string) => `Add the ${stance} scan`,
   changeOver: (to: string) => `Go on with the ${to} scan`,
   print: "Print the plan",
+  wait: "Looking for points to check …",
 };
 
 /** "Standing, 53 cm tall, facing you": each word is a button that corrects itself. */

@@ -112,6 +112,7 @@ export function openCheckStage(store: Store<ChecksSlice & Pick<LandmarksSlice, "
 
   viewer.beforeFrame.add(() => {
     if (isLate && scan.isSettled) update();
+    if (inset.isOld) inset.show(seen);
     const at = place();
     if (!at || !seen) return;
     const where = metres(at);

@@ -5,6 +5,7 @@ import { el } from "../ui/dom";
 import { addLights } from "../viewer/lights";
 import { surfacePosition } from "../viewer/lines/surfacePoints";
 import { Snapshot } from "../viewer/Snapshot";
+import type { Palette } from "../viewer/palette";
 import type { Viewer } from "../viewer/Viewer";
 import type { Check } from "./state";
 import * as text from "./text";
@@ -20,11 +21,17 @@ export class ModelInset {
   private readonly clay = new MeshStandardMaterial({ roughness: 0.8, metalness: 0 });
   private readonly camera = new PerspectiveCamera(LENS, 1, 0.05, 10);
   private readonly dot: HTMLElement;
+  private painted: Palette | null = null;
 
   constructor(private readonly viewer: Viewer, private readonly torso: RestingModel) {
     this.snapshot = new Snapshot(viewer.renderer, SIZE);
     this.dot = el("span", { class: "check-dot" });
     this.element = el("figure", { class: "check-inset", hidden: true }, el("div", { class: "check-picture" }, this.canvas, this.dot), el("figcaption", { class: "small" }, text.checks.inset));
+  }
+
+  /** The theme is another one than when it was painted. */
+  get isOld(): boolean {
+    return !this.element.hidden && this.painted !== this.viewer.palette;
   }
 
   show(check: Check | null): void {
@@ -33,13 +40,15 @@ export class ModelInset {
     if (!check || !mesh) return;
     const scene = new Scene();
     scene.add(new Mesh(mesh.geometry, this.clay)); // without the skin and with all shapes at zero: at rest
-    this.clay.color.copy(this.viewer.palette.clay);
+    this.painted = this.viewer.palette;
+    this.clay.color.copy(this.painted.clay);
     const [at, normal] = [new Vector3(), new Vector3()];
     surfacePosition(check.point, mesh.geometry.index!.array, (vertex, target) => target.copy(this.torso.restVertex(vertex)), at, normal);
     this.camera.position.copy(at).addScaledVector(normal, AWAY);
     this.camera.lookAt(at);
     this.camera.updateMatrixWorld();
+    this.camera.clear(); // of the lamps of the point before
     addLights(scene, this.camera);
-    this.snapshot.draw(scene, this.camera, this.viewer.palette.canvas, this.canvas);
+    this.snapshot.draw(scene, this.camera, this.painted.canvas, this.canvas);
   }
 }

@@ -1,13 +1,14 @@
 // The tour: begun, answered point by point, left; its answers become landmarks in one step, and the fit that knows them is made at once.
 import type { Client } from "../api/client";
 import { ApiError } from "../api/client";
-import type { Stance, Vector } from "../api/types";
+import type { Checks, Stance, Vector } from "../api/types";
 import { saidWide } from "../fit/fingers";
 import type { Follower } from "../fit/playback/follower";
 import type { FitActions } from "../fit/actions";
 import { linesOn } from "../fit/verdict";
 import type { LandmarkActions } from "../landmarks/actions";
-import { type StancesSlice, isPredicted, type Workspace } from "../stances/state";
+import { CALM_MS, keyOf } from "../stances/followPlan";
+import { scannedOther, type StancesSlice, type Workspace } from "../stances/state";
 import type { PageSlice } from "../store/page";
 import { only, type Store } from "../store/store";
 import { type ChecksSlice, type ChecksState, outcomeWords, stepNow, stepsOf, type Tour } from "./state";
@@ -24,36 +25,50 @@ interface Others {
   readonly landmarks: Pick<LandmarkActions, "check" | "keep" | "takeOut" | "exchange">;
   readonly fit: Pick<FitActions, "chooseStance">;
   readonly follower: Follower;
+  /** The service has all that is planned. */
+  readonly saved: () => Promise<unknown>;
 }
 
-export function checkActions<Whole extends State>(store: Store<Whole>, client: Pick<Client, "checks">, { landmarks, fit, follower }: Others) {
+export function checkActions<Whole extends State>(store: Store<Whole>, client: Pick<Client, "checks">, { landmarks, fit, follower, saved }: Others) {
   const set = (change: (state: State) => Partial<State>): void => store.set((state) => change(state) as Partial<Whole>);
   const put = (part: Partial<ChecksState>, announcement?: string): void => set(({ checks }) => ({ checks: { ...checks, ...part }, ...(announcement === undefined ? {} : { announcement }) }));
-  const asked = new Map<string, unknown>(); // fit -> the plan on it that was asked about last
-  const asking = new Map<string, Promise<void>>(); // fit -> until the answer is here
+  const asked = new Map<string, readonly unknown[]>(); // fit -> the plan on it that was asked about last
+  const asking = new Map<string, Promise<void>>(); // fit -> until the answer about that plan is here
 
   /** After each fit and each change of the plan, of both scans that are on the page. */
-  store.select(only("fit", "drawn", "stances"), () => {
+  store.select(only("scan", "fit", "drawn", "drawing", "stances"), () => {
     const state: State = store.get();
-    for (const each of [state, state.stances.other]) {
-      const { fit, drawn } = each ?? {};
-      if (!each || fit?.state !== "done" || isPredicted(each) || (asked.has(fit.id) && asked.get(fit.id) === drawn!.onScan)) continue;
-      asked.set(fit.id, drawn!.onScan);
-      queueMicrotask(() => void asking.set(fit.id, ask(fit.id, fit.links.checks)));
+    const other = scannedOther(state.stances);
+    for (const [each, beside] of [[state, other], [other, state]] as const) {
+      if (each?.fit?.state !== "done") continue;
+      const { fit } = each;
+      const [key, before] = [keyOf(each, beside, state), asked.get(fit.id)];
+      if (before && key.every((part, i) => part === before[i])) continue;
+      asked.set(fit.id, key);
+      asking.set(fit.id, ask(fit.id, fit.links.checks, key, before !== undefined));
     }
   });
 
-  async function ask(id: string, link: string): Promise<void> {
+  /** About a plan that has changed when the service has it. */
+  async function ask(id: string, link: string, key: readonly unknown[], isChanged: boolean): Promise<void> {
+    await Promise.resolve(); // a listener never sets
+    let found: Checks | null | undefined;
     try {
-      const found = await client.checks(link);
-      set(({ checks }) => ({ checks: { ...checks, of: { ...checks.of, [id]: found } } }));
+      if (isChanged) {
+        set(({ checks }) => ({ checks: { ...checks, awaited: new Set([...checks.awaited, id]) } }));
+        await new Promise((rest) => setTimeout(rest, CALM_MS));
+        if (asked.get(id) !== key) return;
+        await saved();
+      }
+      if (asked.get(id) === key) found = await client.checks(link);
     } catch (error) {
       if (!(error instanceof ApiError)) throw error; // without an answer nothing is offered; the next change asks again
-      asked.delete(id);
-      set(({ checks }) => ({ checks: { ...checks, of: { ...checks.of, [id]: checks.of[id] ?? null } } }));
-    } finally {
-      asking.delete(id);
+      if (asked.get(id) === key) asked.delete(id);
+      found = store.get().checks.of[id] ?? null;
     }
+    if (found === undefined || (asked.has(id) && asked.get(id) !== key)) return; // the plan has changed again
+    asking.delete(id);
+    set(({ checks }) => ({ checks: { ...checks, of: { ...checks.of, [id]: found }, awaited: new Set([...checks.awaited].filter((each) => each !== id)) } }));
   }
 
   function over(outcome: ChecksState["outcome"], announcement: string): void {

@@ -23,7 +23,8 @@ export interface Tour {
 }
 
 export interface ChecksState {
-  readonly of: Readonly<Record<string, Checks | null>>; // by fit, as the plan is now; null: the service did not say
+  readonly of: Readonly<Record<string, Checks | null>>; // by fit, as it was asked last; null: the service did not say
+  readonly awaited: ReadonlySet<string>; // fits whose plan has changed since
   readonly tour: Tour | null;
   readonly outcome: { readonly fit: string; readonly from: number | null; readonly to: number | null } | null; // line error before and after the tour that led to this fit
 }
@@ -32,7 +33,7 @@ export interface ChecksSlice {
   readonly checks: ChecksState;
 }
 
-export const initialChecks: ChecksState = { of: {}, tour: null, outcome: null };
+export const initialChecks: ChecksState = { of: {}, awaited: new Set(), tour: null, outcome: null };
 
 type Shown = ChecksSlice & Pick<FitSlice, "fit"> & Asked;
 
@@ -40,6 +41,9 @@ const checksOf = ({ checks, fit }: Pick<Shown, "checks"> & { readonly fit: { rea
 
 /** The service was asked what is worth checking on this fit, and has answered or failed. */
 export const areChecksKnown = ({ checks, fit }: Pick<Shown, "checks" | "fit">): boolean => fit?.state !== "done" || isUnusable({ fit }) || checks.of[fit.id] !== undefined;
+
+/** The plan on this fit has changed, and what is worth checking for it is not known yet. */
+export const areChecksAwaited = ({ checks, fit }: Pick<Shown, "checks" | "fit">): boolean => checks.awaited.has(fit?.id ?? "");
 
 /** In the order in which they are asked: what contradicts the rest, how the patient stands or lies, and the points that narrow the lines. */
 export function stepsOf(state: Shown): TourStep[] {

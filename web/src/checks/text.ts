@@ -5,7 +5,7 @@ import { formatMmWhole } from "../ui/units";
 const capital = (words: string): string => words.charAt(0).toUpperCase() + words.slice(1);
 
 export const checks = {
-  begin: (count: number, on: string) => `Check ${plural(count, "point", "points")}${on === "" ? "" : ` on ${on}`}`,
+  begin: (count: number, on: string) => `Check ${plural(count, on === "" ? "point" : `${on} point`, on === "" ? "points" : `${on} points`)}`,
   lasts: (count: number) => `${10 * count}\u00a0s`,
   progress: (at: number, count: number) => `Point ${at} of ${count}`,
   title: capital,

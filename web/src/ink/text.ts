@@ -28,7 +28,7 @@ export const ink = {
   announceDropped: (name: string) => `${name} dropped.`,
   announceBroughtBack: "The dropped lines are back.",
   announceJoined: (name: string, other: string) => `${name} joined with ${other}.`,
-  add: "Add the other stance",
+  add: "Add the other position",
   addNote: "The accepted lines are carried to it as the same skin.",
   fitBoth: "Fit both scans",
   fitOne: "Fit the scan that is left",

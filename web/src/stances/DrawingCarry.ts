@@ -1,4 +1,4 @@
-// The drawing on the other stance: what is missing for it, and how sure its place is.
+// The plan on the other scan: what is missing for it, and how sure its place is.
 import type { DrawingSlice } from "../drawing/state";
 import type { FitSlice } from "../fit/state";
 import type { ScanSlice } from "../scan/state";
@@ -34,7 +34,7 @@ export function createDrawingCarry(stances: StancesActions): Panel<Shown> {
     const shown = [other.drawn.onScan?.carried, state.drawn.onScan?.carried].filter((each) => each && each.shapes.length > 0);
     if (shown.length === 0) return { says: words.needsLines, ...quiet };
     const notes = carriedNote({ shapes: shown.flatMap((each) => each!.shapes) });
-    const goals = shown.length === 2 ? `${mine} and ${its}` : other.drawn.onScan?.carried.shapes.length ? its : mine;
+    const goals = shown.length === 2 ? [mine, its] : [other.drawn.onScan?.carried.shapes.length ? its : mine];
     const untold = (other.drawn.onScan?.plan.missing ?? []).map(({ reason }) => reason);
     const doubts = [...(state.drawn.onScan?.plan.doubts ?? []), ...(other.drawn.onScan?.plan.doubts ?? [])];
     const said = [

@@ -6,7 +6,7 @@ import { only, type Store } from "../store/store";
 import { isPredicted, type PatientScan, stanceNames, type StancesSlice, type Workspace, workspaceOf } from "./state";
 import * as text from "./text";
 
-const CALM_MS = 300; // after the last stroke
+export const CALM_MS = 300; // after the last stroke
 
 type State = Workspace & StancesSlice;
 
@@ -18,7 +18,7 @@ interface Others {
 }
 
 /** What decides how the plan lies on a scan. */
-const keyOf = (to: Workspace, from: Workspace | null, { scan, stances }: Pick<State, "scan" | "stances">): readonly unknown[] => [
+export const keyOf = (to: Workspace, from: Workspace | null, { scan, stances }: Pick<State, "scan" | "stances">): readonly unknown[] => [
   furtherOf({ scan, stances }).filter(isFitted).map(({ fit }) => fit!.id).join(),
   stances.answers,
   to.fit?.id,

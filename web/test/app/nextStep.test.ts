@@ -103,6 +103,12 @@ test("after a good fit a surgeon draws, brings the other stance, changes over to
   expect(nextStep({ ...drawn, stances: { ...drawn.stances, other: both } })).toEqual({ kind: "print" });
   const unsure = { ...other, fit: { ...drawn.fit!, result: { ...drawn.fit!.result!, stance: "supine", stance_asked: true } } } as unknown as NonNullable<Session["stances"]["other"]>;
   expect(nextStep({ ...drawn, stances: { ...drawn.stances, other: unsure } }), "what the other scan asks comes before printing").toEqual({ kind: "check", count: 1, on: "supine" });
+  for (const [fit, kind] of [["f0", "wait"], ["another", "print"]] as const) {
+    const awaited = { ...drawn.checks, awaited: new Set([fit]) };
+    expect(nextStep({ ...drawn, checks: awaited, stances: { ...drawn.stances, scans: there } }).kind, "not before the checks of this plan are known").toBe(kind);
+    const beside = { ...other, fit: { ...drawn.fit!, id: fit } };
+    expect(nextStep({ ...drawn, checks: awaited, stances: { ...drawn.stances, other: beside } }).kind, "of either scan").toBe("wait");
+  }
   expect(nextStep({ ...drawn, step: "handover" })).toEqual({ kind: "report" });
 });
 

@@ -1,10 +1,11 @@
 // The tour of the points that are worth checking: answers become landmarks in one step, and the page says whether the lines narrowed.
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import type { Checks, Vector } from "../../src/api/types";
+import type { Checks, PlanLesion, Vector } from "../../src/api/types";
+import * as text from "../../src/checks/text";
 import { asksOf, narrowing, outcomeWords, stepsOf } from "../../src/checks/state";
 import { fingersOf, wideOf } from "../../src/fit/fingers";
 import { isUnusable } from "../../src/fit/state";
-import { FakeEventSource, fitLinks, withScan } from "../fakes";
+import { FakeEventSource, type fakePlans, fitLinks, withScan } from "../fakes";
 
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => void vi.useRealTimers());
@@ -97,6 +98,33 @@ test("a tour that does not pay is not offered, nor one on a fit that cannot be u
   await done(24, { verdict: { level: "unusable", reasons: ["No skin."] } });
   expect(isUnusable(other.get())).toBe(true);
   expect(stepsOf(other.get())).toEqual([]);
+});
+
+test("as soon as the plan changes its checks are awaited; they are asked for when it rests and is saved", async () => {
+  const { store, actions, client } = await fitted();
+  const asked = vi.mocked(client.checks);
+  expect([asked.mock.calls.length, store.get().checks.awaited.size]).toEqual([1, 0]);
+  for (const depth of [3, 4]) {
+    actions.plan.lesions([{ id: "a", name: "Lesion 1", scan: "s1", center: [0, 0, -depth], radius_mm: 5 } as unknown as PlanLesion]);
+    await Promise.resolve();
+    await Promise.resolve();
+    expect([...store.get().checks.awaited]).toEqual([store.get().fit!.id]);
+    await vi.advanceTimersByTimeAsync(100);
+  }
+  actions.checks.begin();
+  expect(store.get().checks.tour, "the points of these lines are not known yet").toBeNull();
+  await settle();
+  expect(asked).toHaveBeenCalledTimes(2);
+  expect((client as unknown as ReturnType<typeof fakePlans>).savePlan.mock.invocationCallOrder[0]).toBeLessThan(asked.mock.invocationCallOrder[1]!);
+  expect(store.get().checks.awaited.size).toBe(0);
+  expect(store.get().checks.tour, "the tour that was asked for has begun").not.toBeNull();
+  store.set(({ drawn }) => ({ drawn: { ...drawn, note: "no line of it" } }));
+  await settle();
+  expect(asked, "words narrow nothing").toHaveBeenCalledTimes(2);
+});
+
+test("the button names the other scan in as few words as its own", () => {
+  expect([text.checks.begin(3, ""), text.checks.begin(1, "standing 2"), text.checks.begin(3, "supine")]).toEqual(["Check 3 points", "Check 1 standing 2 point", "Check 3 supine points"]);
 });
 
 test("a width is counted in fingers", () => {

@@ -1,7 +1,7 @@
 // The table of measures, loaded when it is opened.
 export const table = {
   title: "Measures",
-  one: "This stance. Add and fit the other one to compare both.",
+  one: "This scan alone. Add and fit another position to compare both.",
   measure: "Measure",
   left: "Left",
   right: "Right",
