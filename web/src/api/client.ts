@@ -151,6 +151,8 @@ export const client = {
     await ask(`/api/patients/${id(patient)}`, { method: "DELETE", keepalive: true });
   },
   mesh,
+  /** Grey values of its image, i fastest; kept nowhere. */
+  volume: ({ links }: Scan) => bytes(links.volume ?? `${links.self}/volume`),
   /** What a file says of the scan's landmarks; nothing of it is kept yet. */
   landmarkFile: async (scan: Scan, file: File): Promise<LandmarkFile> => {
     const body = new FormData();

@@ -44,6 +44,7 @@ export type {
   ProposedLandmark,
   ProposedLandmarks,
   Scan,
+  ScanImage,
   Share,
   ShareMade,
   SharePage,

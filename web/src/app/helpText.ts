@@ -14,6 +14,7 @@ export const help = {
     ["P · E · T · M", "In the plan: pen, points of a line, tumour, tape measure; Enter ends a line or the tape, Delete takes away a point or a line"],
     ["Tab, arrows", "In the plan: from handle to handle of a pattern; arrows move it by 1 mm (Shift: 5 mm)"],
     ["Slices", "Arrows move the cross by 1 mm (Shift: 5 mm), Page Up and Page Down go through, + and − zoom, Enter enlarges one and back, Esc closes"],
+    ["Image in slices", "Comma and full stop darken and lighten, with Shift give and take contrast, 0 shows it as it came; or drag with the right button"],
     ["Lasso", "In the body's details: draw around what is to be cut away; Z brings it back, Esc puts the lasso down"],
     ["F", "View from the front"],
     ["O", "Scan, both, model"],

@@ -328,6 +328,9 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     /** Of the scans that are brought from now on. */
     chooseModel,
 
+    /** The grey values of its image. */
+    volume: (scan: Scan): Promise<ArrayBuffer> => client.volume(scan),
+
     retry,
     showRelief: (showRelief: boolean): void => store.set({ showRelief }),
     showLoose: (showLoose: boolean): void => store.set({ showLoose }),

@@ -32,8 +32,11 @@ export interface ScanSlice {
 
 export const initialScan: ScanSlice = { loading: null, asked: null, scan: null, confirmed: null, modelSaid: null, showColours: true, showLoose: false, showRelief: true, isCropping: false, pointedCut: null };
 
+/** Of an image or a label map: its axes are the patient's, its unit is its own. */
+export const isVolume = (scan: Pick<Scan, "segments" | "image">): boolean => (scan.segments ?? []).length > 0 || scan.image != null;
+
 /** What speaks against its size; an image says itself how large it is, and often shows a part of the torso. */
-export const sizeDoubt = ({ size_doubt, segments }: Pick<Scan, "size_doubt" | "segments">): string => ((segments ?? []).length > 0 ? "" : (size_doubt ?? ""));
+export const sizeDoubt = (scan: Pick<Scan, "size_doubt" | "segments" | "image">): string => (isVolume(scan) ? "" : (scan.size_doubt ?? ""));
 
 /** Its size may be wrong, and nobody has said that it is right: nothing is made of it before. */
 export const isSizeAsked = ({ scan, confirmed }: Pick<ScanSlice, "scan" | "confirmed">): boolean => scan !== null && sizeDoubt(scan.info) !== "" && confirmed !== scan.info.id;

@@ -3,7 +3,7 @@ import type { MeasuresFile, Patient, Stance } from "../api/types";
 import { type DrawingSlice, handsOff, startDrawn } from "../drawing/state";
 import type { FitSlice, FitState } from "../fit/state";
 import type { LandmarksSlice } from "../landmarks/state";
-import type { ScanSlice } from "../scan/state";
+import { isVolume, type ScanSlice } from "../scan/state";
 import { startHistory } from "../store/history";
 import type { PageSlice } from "../store/page";
 import type { ViewSlice } from "../viewer/state";
@@ -106,8 +106,8 @@ export function measuredFits({ fit, stances }: Pick<Stances, "fit" | "stances">)
   return its && stances.isSecond ? [its, fit] : [fit, its];
 }
 
-/** A scan that is an image's: its label map. */
-export const isImage = ({ scan }: Pick<Workspace, "scan">): boolean => (scan?.info.segments ?? []).length > 0;
+/** A scan that is an image's, or its label map. */
+export const isImage = ({ scan }: Pick<Workspace, "scan">): boolean => scan !== null && isVolume(scan.info);
 
 /** There is something inside the body to look at. */
 export const hasInside = (state: Pick<Stances, "scan" | "drawn" | "stances">): boolean =>

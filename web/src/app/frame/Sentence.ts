@@ -7,6 +7,7 @@ import { el, fill, show } from "../../ui/dom";
 import { createMenu, menuItem } from "../../ui/menu";
 import type { Panel } from "../../ui/Panel";
 import { formatCm, mmFrom, toUnit } from "../../ui/units";
+import { isVolume } from "../../scan/state";
 import { models as modelNames, units as unitNames } from "../../scan/text";
 import { sizeIn, type Turn } from "../../viewer/frame";
 import type { Actions } from "../actions";
@@ -54,7 +55,7 @@ export function createSentence(actions: Actions): Panel<Shown> {
         });
         return file === null ? [...items, el("p", { class: "muted small" }, words.modelFile)] : items;
       });
-      const isImage = (info.segments ?? []).length > 0;
+      const isImage = isVolume(info);
       const lies = now !== "standing";
       const tall = info.size_m ? sizeIn(frame, info.frame, info.size_m)[1] : null;
       show(size.element.parentElement!, tall !== null);

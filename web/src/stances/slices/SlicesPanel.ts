@@ -1,14 +1,16 @@
 // Slices through the scan's skin in three planes, beside the body: one cross in all of them, moved by hand, by keys and by the
-// sliders.  What is drawn is what is known: the skin's section, the body flat, lesions and planned lines.  Loaded when opened.
-import type { Frame, PlanLesion, Vector } from "../../api/types";
+// sliders.  What is drawn is what is known: the skin's section, the body flat or as its image has it, lesions and planned lines.
+// Loaded when opened.
+import type { Frame, PlanLesion, Scan, Vector } from "../../api/types";
 import { lineNear, ballCut, bodyOf, cut, flat, type Flat, placeAt, type View, viewOf } from "../../drawing/slices/section";
-import { initialSlices, type Plane, PLANES, type SlicesState } from "../../drawing/slices/state";
+import { areSlicesOpen, initialSlices, type Plane, PLANES, type SlicesState } from "../../drawing/slices/state";
 import { alongSlice } from "../../drawing/lesions/slices";
 import { button, iconButton, segmented } from "../../ui/controls";
 import { el, setText, show, svg } from "../../ui/dom";
 import { dot, leftOf } from "../../viewer/frame";
 import { onceAFrame } from "../../viewer/onceAFrame";
 import { view as viewText } from "../../viewer/text";
+import { createGreySlices, type SeenAt } from "./GreySlices";
 import { besideMiddle, bodyBeside, crossOf, frameOf, isSliced, lesionsIn, linesIn, type SeenLesion, slicedOf, type SlicesShown } from "./shown";
 import { boxOf, fromWays, readSkin, type SeenSkin } from "./skinOf";
 import { slices as words } from "./text";
@@ -17,6 +19,7 @@ import "./slices.css";
 export interface SlicesActions {
   slices(change: Partial<SlicesState>): void;
   lesions(own: readonly PlanLesion[]): void;
+  readonly volume: (scan: Scan) => Promise<ArrayBuffer>;
 }
 
 const STEP_MM = { key: 1, withShift: 5 };
@@ -55,9 +58,14 @@ export function createSlices(actions: SlicesActions) {
   const body = iconButton("expand", words.enlarge(words.names.body), () => actions.slices({ enlarged: "body" }));
   const unseen = el("p", { class: "slices-unseen muted", hidden: true }, words.unseen);
   const moving = el("p", { class: "slices-moving small", role: "status", hidden: true });
+  const coming = el("p", { class: "slices-unseen small", role: "status", hidden: true });
+  const grey = createGreySlices(actions.volume, () => draw(), (sentence) => {
+    setText(coming, sentence);
+    show(coming, sentence !== "");
+  });
   const head = el("div", { class: "slices-head" }, pick.element, all, el("span", { class: "spring" }));
   const panes = PLANES.map((plane) => createPane(plane));
-  const element = el("div", { class: "slices", hidden: true }, head, ...panes.map((pane) => pane.element), el("div", { class: "slices-body" }, body), el("div", { class: "slices-close" }, close), moving, unseen, said);
+  const element = el("div", { class: "slices", hidden: true }, head, ...panes.map((pane) => pane.element), el("div", { class: "slices-body" }, body), el("div", { class: "slices-close" }, close), grey.control, moving, unseen, coming, said);
 
   const leave = (): void => (state.slices.enlarged && !phone.matches ? actions.slices({ enlarged: null }) : actions.slices(initialSlices));
   const draw = onceAFrame(() => isSliced(state) && drawAll());
@@ -103,29 +111,23 @@ export function createSlices(actions: SlicesActions) {
   }
 
   function createPane(plane: Plane) {
-    const paths = {
-      body: svg("path", { class: "slice-body" }),
-      skin: svg("path", { class: "slice-skin" }),
-      wall: svg("path", { class: "slice-wall" }),
-      halo: svg("path", { class: "slice-line is-outline" }),
-      line: svg("path", { class: "slice-line" }),
-      cross: svg("path", { class: "slice-cross" }),
-    };
+    const body = svg("path", { class: "slice-body" });
+    const lines = { skin: outlined("slice-skin"), fitted: outlined("slice-fitted"), wall: outlined("slice-wall"), plan: outlined("slice-line"), cross: outlined("slice-cross") };
     const balls = svg("g", {});
-    const picture = svg("svg", { tabindex: 0, role: "img", "aria-label": words.picture(words.names[plane]), class: "slice-picture" }, paths.body, paths.skin, paths.wall, balls, paths.halo, paths.line, paths.cross);
+    const picture = svg("svg", { tabindex: 0, role: "img", "aria-label": words.picture(words.names[plane]), class: "slice-picture" }, body, ...lines.skin.both, ...lines.fitted.both, ...lines.wall.both, ...lines.plan.both, ...lines.cross.both, balls);
+    const image = grey.pane(picture);
     const side = el("span", {});
     const at = el("span", { class: "slice-at" });
     const slider = el("input", { type: "range", class: "slice-slider", step: 1, "aria-label": words.through(words.names[plane]), oninput: () => { goAlong(slider.valueAsNumber); say(); } });
     const scale = el("div", { class: "scale-bar" }, el("span", {}));
     const edges = Object.entries(words.edges[plane]).map(([edge, name]) => el("span", { class: `slice-edge is-${edge}${name === "L" ? " mark side-left" : name === "R" ? " mark side-right" : ""}`, "aria-hidden": "true" }, name));
-    const element = el("section", { class: `slice is-${plane}`, "aria-label": words.names[plane] }, picture, ...edges, el("p", { class: "slice-title" }, el("strong", {}, words.names[plane]), side, at), iconButton("expand", words.enlarge(words.names[plane]), () => enlarge()), slider, scale);
+    const element = el("section", { class: `slice is-${plane}`, "aria-label": words.names[plane] }, image.element, picture, ...edges, el("p", { class: "slice-title" }, el("strong", {}, words.names[plane]), side, at), iconButton("expand", words.enlarge(words.names[plane]), () => enlarge()), slider, scale);
     let tapped = { at: 0, x: 0, y: 0 };
 
     const enlarge = (): void => actions.slices({ enlarged: state.slices.enlarged === plane ? null : plane });
     const frame = (): Frame => frameOf(slicedOf(state).of.scan!);
     const view = (): View => viewOf(plane, frame());
-    /** mm a pixel is long, and the picture's middle in mm. */
-    let seen = { mm: 1, middle: [0, 0] as Flat };
+    let seen: SeenAt = { mm: 1, middle: [0, 0], width: 0, height: 0 };
 
     function goAlong(value: number): void {
       const ways = [...waysOf(cross(), frame())];
@@ -146,7 +148,7 @@ export function createSlices(actions: SlicesActions) {
       else if (key === "-") zoomAt(cross(), 1 / ZOOM.key);
       else if (key === "Enter") enlarge();
       else if (key === "Escape") leave();
-      else return;
+      else if (!grey.key(event)) return;
       say();
       event.preventDefault();
       event.stopPropagation();
@@ -213,6 +215,7 @@ export function createSlices(actions: SlicesActions) {
       plane,
       element,
       picture,
+      release: image.release,
       draw(mm: number): void {
         const { of } = slicedOf(state);
         if (!of.scan || !skin) return;
@@ -221,25 +224,26 @@ export function createSlices(actions: SlicesActions) {
         const offset = dot(through, now.out);
         const { width, height } = picture.getBoundingClientRect();
         if (width === 0) return;
-        seen = { mm, middle: flat(fromWays(middle, frame()), now) };
+        seen = { mm, middle: flat(fromWays(middle, frame()), now), width, height };
         const [cx, cy] = seen.middle;
         picture.setAttribute("viewBox", [cx - (mm * width) / 2, -cy - (mm * height) / 2, mm * width, mm * height].map((value) => value.toFixed(2)).join(" "));
         const key = JSON.stringify([offset.toFixed(2), frame()]);
         if (key !== cutAs || cutOf !== skin) {
           [cutAs, cutOf] = [key, skin];
           const outlines = cut(skin, now, offset);
-          paths.skin.setAttribute("d", outlines.map(({ points, isClosed }) => pathOf([points], isClosed ? "Z" : "")).join(""));
-          paths.body.setAttribute("d", pathOf(bodyOf(outlines, boxOf(skin, frame(), now)) ?? [], "Z"));
+          lines.skin.set(outlines.map(({ points, isClosed }) => pathOf([points], isClosed ? "Z" : "")).join(""));
+          body.setAttribute("d", pathOf(bodyOf(outlines, boxOf(skin, frame(), now)) ?? [], "Z"));
         }
-        const lines = linesIn(of).flatMap((points) => lineNear(points, now, offset, LINE_HALF));
-        for (const each of [paths.halo, paths.line]) each.setAttribute("d", pathOf(lines, ""));
+        image.draw(now, offset, seen);
+        lines.plan.set(pathOf(linesIn(of).flatMap((points) => lineNear(points, now, offset, LINE_HALF)), ""));
         const inHand = lesionInHand();
         const lesions = lesionsIn(of).map((each) => (each.id === inHand?.id ? { ...each, center: through } : each));
         balls.replaceChildren(...lesions.flatMap((each) => ballsOf(each, now, offset, each.id === state.lesion)));
-        paths.wall.setAttribute("d", lesions.filter(({ id }) => id === state.lesion).map((each) => wallOf(each, plane, now, offset)).join(""));
+        const chosen = lesions.filter(({ id }) => id === state.lesion);
+        for (const [name, path] of [["outlines_mm", lines.fitted], ["wall_mm", lines.wall]] as const) path.set(chosen.map((each) => modelIn(each, name, plane, now, offset)).join(""));
         const [x, y] = flat(through, now);
         const far = mm * (width + height);
-        paths.cross.setAttribute("d", `M${x - far} ${-y}H${x + far}M${x} ${-y - far}V${-y + far}`);
+        lines.cross.set(`M${x - far} ${-y}H${x + far}M${x} ${-y - far}V${-y + far}`);
         const ways = waysOf(through, frame());
         const away = plane === "sagittal" ? besideMiddle(through, of, frame()) : null;
         setText(side, away === null ? "" : words.side(away));
@@ -267,6 +271,7 @@ export function createSlices(actions: SlicesActions) {
     const [left, up, front] = spans as [number, number, number];
     const boxes = panes.map(({ plane, picture }) => ({ box: picture.getBoundingClientRect(), across: plane === "sagittal" ? front : left, high: plane === "axial" ? front : up })).filter(({ box }) => box.width > 0);
     const mm = AIR * Math.max(...boxes.map(({ box, across, high }) => Math.max(across / box.width, high / box.height))); // one for all
+    element.classList.toggle("has-image", grey.isThere());
     for (const pane of panes) pane.draw(mm);
   }
 
@@ -275,6 +280,7 @@ export function createSlices(actions: SlicesActions) {
     const bytes = scan?.mesh ?? null;
     const frame = scan && frameOf(scan);
     show(unseen, bytes === null);
+    grey.follow(scan?.info ?? null);
     if (!bytes || !frame || (read?.bytes === bytes && read.frame === frame)) return;
     const mine = (read = { bytes, frame });
     skin = null;
@@ -301,6 +307,10 @@ export function createSlices(actions: SlicesActions) {
     const one = isOn ? (now.slices.enlarged ?? (phone.matches ? "axial" : null)) : null;
     if (stages) stages.dataset.pane = one ?? "all";
     if (stages) stages.dataset.body = isOn ? bodyBeside(now) : "";
+    if (!areSlicesOpen(now)) {
+      grey.follow(null);
+      for (const pane of panes) pane.release();
+    }
     if (!isOn) return;
     pick.set(one);
     show(all, !phone.matches);
@@ -314,6 +324,12 @@ export function createSlices(actions: SlicesActions) {
   return { element, update };
 }
 
+/** A line with another one below it that parts it from whatever is there. */
+function outlined(look: string) {
+  const both = [svg("path", { class: `${look} is-outline` }), svg("path", { class: look })] as const;
+  return { both, set: (d: string): void => both.forEach((path) => path.setAttribute("d", d)) };
+}
+
 /** The picture stays where it is while the cross is well inside. */
 function middleOf(was: number, cross: number, span: number, low: number, high: number): number {
   if (high - low <= span) return (low + high) / 2;
@@ -323,17 +339,18 @@ function middleOf(was: number, cross: number, span: number, low: number, high: n
 function ballsOf({ center, radius, reach }: SeenLesion, view: View, offset: number, isChosen: boolean): SVGElement[] {
   const [x, y] = flat(center, view);
   const circle = (r: number | null, look: string): SVGElement[] => (r === null ? [] : [svg("circle", { cx: x.toFixed(2), cy: (-y).toFixed(2), r: r.toFixed(2), class: look })]);
-  return [...circle(reach === null ? null : ballCut(center, reach, view, offset), "slice-reach"), ...circle(ballCut(center, radius, view, offset), `slice-ball${isChosen ? " is-chosen" : ""}`)];
+  const cut = ballCut(center, radius, view, offset);
+  return [...circle(reach === null ? null : ballCut(center, reach, view, offset), "slice-reach"), ...circle(cut, "slice-ball-under"), ...circle(cut, `slice-ball${isChosen ? " is-chosen" : ""}`)];
 }
 
 const SAME_MM = 0.5;
 
-/** The chest wall as the model has it, which the service says for the planes through the lesion's centre. */
-function wallOf({ center, laid }: SeenLesion, plane: Plane, view: View, offset: number): string {
+/** Skin or chest wall as the model has them, which the service says for the planes through the lesion's centre. */
+function modelIn({ center, laid }: SeenLesion, of: "outlines_mm" | "wall_mm", plane: Plane, view: View, offset: number): string {
   const slice = laid?.slices.find((each) => each.plane === plane);
   if (!slice || Math.abs(dot(center, view.out) - offset) > SAME_MM) return "";
   const [x, y] = flat(center, view);
   const [rx, ux] = alongSlice([0, 0, 0], view.right, slice);
   const [ry, uy] = alongSlice([0, 0, 0], view.up, slice);
-  return pathOf(slice.wall_mm.map((points) => points.map(([a, b]): Flat => [x + a * rx + b * ux, y + a * ry + b * uy])), "");
+  return pathOf(slice[of].map((points) => points.map(([a, b]): Flat => [x + a * rx + b * ux, y + a * ry + b * uy])), "");
 }

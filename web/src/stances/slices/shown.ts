@@ -7,7 +7,7 @@ import { LPS } from "../../drawing/slices/section";
 import { areSlicesOpen } from "../../drawing/slices/state";
 import type { FitSlice } from "../../fit/state";
 import type { LandmarksSlice } from "../../landmarks/state";
-import type { ScanSlice, ScanState } from "../../scan/state";
+import { isVolume, type ScanSlice, type ScanState } from "../../scan/state";
 import type { PageSlice } from "../../store/page";
 import { mmFrom, mmFromMetres } from "../../ui/units";
 import { dot, leftOf } from "../../viewer/frame";
@@ -39,8 +39,8 @@ export function slicedOf(state: SlicesShown): { readonly of: Sliced; readonly is
 /** Whose 3D view stands beside the slices: where two scans are on the stage, the one that is not sliced. */
 export const bodyBeside = (state: SlicesShown): "main" | "other" => (slicedOf(state).isMain && isComparing(state) ? "other" : "main");
 
-/** A label map's own axes, unless a person has turned it; else how the patient stands. */
-export const frameOf = ({ info, frame, frameFrom }: ScanState): Frame => ((info.segments ?? []).length > 0 && frameFrom !== "person" ? LPS : frame);
+/** An image's own axes, unless a person has turned it; else how the patient stands. */
+export const frameOf = ({ info, frame, frameFrom }: ScanState): Frame => (isVolume(info) && frameFrom !== "person" ? LPS : frame);
 
 export function lesionsIn({ drawn }: Pick<Sliced, "drawn">): SeenLesion[] {
   const unit = drawn.onScan?.plan.unit ?? "mm";

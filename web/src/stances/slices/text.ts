@@ -11,7 +11,7 @@ const UP = ["head", "feet"] as const;
 export const slices = {
   group: "Slices",
   names: { axial: "Axial", sagittal: "Sagittal", coronal: "Coronal", body: "Body" } satisfies Record<Plane | "body", string>,
-  picture: (plane: string) => `${plane} slice. Arrow keys move the cross by 1 mm, with Shift by 5; Page Up and Page Down go through the slices; plus and minus zoom; Enter enlarges.`,
+  picture: (plane: string) => `${plane} slice. Arrow keys move the cross by 1 mm, with Shift by 5; Page Up and Page Down go through the slices; plus and minus zoom; comma and full stop darken and lighten its image; Enter enlarges.`,
   through: (plane: string) => `Place of the ${plane.toLowerCase()} slice`,
   /** Where a slice lies, in its corner and for its slider. */
   at: (plane: Plane, { left, up, front }: Ways): string => (plane === "axial" ? along(up, UP) : plane === "sagittal" ? along(left, LEFT) : along(front, FRONT)),
@@ -29,4 +29,17 @@ export const slices = {
   nearLesion: (name: string, mm: number) => `, ${Math.round(mm)}\u00a0mm from the centre of ${name}`,
   moving: (name: string) => `Dragging and arrow keys move ${name}.`,
   unseen: "This scan's surface cannot be shown.",
+};
+
+export const grey = {
+  window: "Window",
+  hint: "How light the image is",
+  level: "Level",
+  width: "Width",
+  share: (of255: number) => `${Math.round((100 * of255) / 255)}\u00a0%`,
+  how: "Or drag in a slice with the right mouse button: up and down for the level, sideways for the width.",
+  reset: "As it came",
+  coming: "The image is coming …",
+  damaged: "The image arrived damaged; open the slices again.",
+  unseen: (why: string) => `The image cannot be shown: ${why}`,
 };
