@@ -235,8 +235,11 @@ def test_what_is_no_segmentation_is_said_truly() -> None:
     colours = {"SamplesPerPixel": 3, "BitsAllocated": 8, "Rows": 4, "Columns": 4, "PixelData": bytes(48)}
     for data, sentence in (
         (structures, "This is a structure set (RTSTRUCT); its contours are not read yet, export the structures as"),
-        (other("1.2.840.10008.5.1.4.1.1.7", "OT", **colours), IMAGE),
-        (other("1.2.840.10008.5.1.4.1.1.4", "MR", Rows=4, Columns=4), IMAGE),
+        (
+            other("1.2.840.10008.5.1.4.1.1.7", "OT", **colours),
+            "These DICOM images are no MR images",
+        ),
+        (other("1.2.840.10008.5.1.4.1.1.4", "MR", Rows=4, Columns=4), "This DICOM file holds neither"),
         (other("1.2.840.10008.5.1.4.1.1.88.11", "SR"), "This DICOM file holds neither an image nor a segmentation"),
         (other("1.2.840.10008.5.1.4.1.1.66.5", "SEG"), "This is a DICOM surface segmentation"),
         (file_of(seg(masks()))[:-2000], dicom_seg.DAMAGED),

@@ -138,7 +138,7 @@ def test_answers_that_do_not_fit_are_one_sentence() -> None:
         breastrig.read_scan(unplaced(body_labels()), frame="sform")
     with pytest.raises(BadInput, match="A DICOM segmentation says itself where it lies"):
         breastrig.read_scan(dicom_segmentation(body_labels()), frame="RAS")
-    with pytest.raises(BadInput, match="frame and segments are for those alone"):
+    with pytest.raises(BadInput, match="frame, segments and series are for those"):
         breastrig.read_scan(b"ply\nformat ascii 1.0\nend_header\n", frame="RAS")
     assert breastrig.read_scan(unplaced(body_labels()), frame="lps").in_metres.lesions[0].radius == pytest.approx(
         1e-3 * RADIUS, abs=1e-4
@@ -203,7 +203,9 @@ def test_the_unit_is_the_files_own_whatever_the_size(unit: str, factor: float) -
 def test_a_unit_that_a_person_says_is_refused_where_the_file_has_its_own() -> None:
     assert read_scan(nifti(body_labels()), units="mm").unit == "mm"
     for units in ("cm", "m", "in"):
-        with pytest.raises(BadInput, match="A label map has a unit of its own, and is read in mm; leave units out"):
+        with pytest.raises(
+            BadInput, match="has a unit of its own, and is read in mm; leave units out"
+        ):
             read_scan(nifti(body_labels()), units=units)
 
 

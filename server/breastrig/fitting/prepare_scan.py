@@ -22,7 +22,7 @@ from breastrig.geometry.normals import face_areas
 from breastrig.geometry.plane import Plane
 from breastrig.scan.background import cut_background, without_background
 from breastrig.scan.clean import MIN_TRIANGLES, Surface, clean, compact, large_pieces
-from breastrig.scan.orient import LABEL_MAP_FRAME, Frame, propose_frame
+from breastrig.scan.orient import IMAGE_FRAME, LABEL_MAP_FRAME, Frame, propose_frame
 from breastrig.scan.other_pieces import Piece, without_other_pieces
 from breastrig.scan.scan import Scan
 from breastrig.scan.table import Table, found_table
@@ -150,7 +150,8 @@ def keeping(function: Callable[..., Any], *given: Any) -> Any:
 
 def prepared_scan(scan: Scan, stance: str, frame: Frame | None = None) -> PreparedScan:
     """The scan cleaned and prepared; `frame` when it is known already.  Raises BadScan with a sentence."""
-    ready = prepared(_cleaned(scan), stance, frame or (LABEL_MAP_FRAME if scan.from_label_map else None))
+    stated = IMAGE_FRAME if scan.from_image else LABEL_MAP_FRAME if scan.in_patient_frame else None
+    ready = prepared(_cleaned(scan), stance, frame or stated)
     if not _kept.keeps:
         return ready
     if _kept.target is None or not _same_target(_kept.target, ready.target):

@@ -76,7 +76,7 @@ def file_type_of(data: bytes, named: str | None = None) -> str:
         return "nrrd"
     if _is_meta_image(start):
         return "mha"
-    if _is_dicom(start):
+    if is_dicom(start):
         return "dicom"
     if (other := other_volume(start)) is not None:
         raise BadScan(other)
@@ -108,7 +108,7 @@ def volume_kind(start: bytes) -> str:
     """The kind of volume in these first bytes: "label map", "structures" (contours), "dicom", "other" or "" (none)."""
     if _is_nifti(start) or start.startswith(b"NRRD") or _is_meta_image(start):
         return "label map"
-    if _is_dicom(start):
+    if is_dicom(start):
         segmentation = any(each.encode() in start for each in SEGMENTATIONS)
         return "label map" if segmentation else "structures" if STRUCTURES.encode() in start else "dicom"
     return "" if other_volume(start) is None else "other"
@@ -122,7 +122,7 @@ def _is_meta_image(start: bytes) -> bool:
     return META_IMAGE_START.match(start) is not None and (b"ElementType" in start or b"DimSize" in start)
 
 
-def _is_dicom(start: bytes) -> bool:
+def is_dicom(start: bytes) -> bool:
     """Whether it begins as DICOM, with the preamble of files or without it."""
     if start[DICOM_MARK_AT : DICOM_MARK_AT + 4] == DICOM_MARK or start.startswith(DICOM_MARK):
         return True

@@ -36,5 +36,14 @@ DICOM_BYTES = 256 * MEBIBYTE  # of a DICOM file that was deflated; 2**31 pixels 
 DICOM_ITEMS = 1_000_000  # entries of lists in a DICOM file; 200 slices of 100 segments have 300,000
 DICOM_ELEMENTS = 10_000  # at the top of a DICOM file; segmentations have some fifty
 DICOM_FRAMES = 50_000  # of a segmentation; each takes 1 ms
+IMAGE_VOXELS = 2**27  # as of a label map
+IMAGE_ZIP_BYTES = 1024 * MEBIBYTE  # of a zip of DICOM images; one examination of a breast has 200 to 900 MB
+IMAGE_FILE_BYTES = 512 * MEBIBYTE  # of one DICOM file; an enhanced one holds a series
+IMAGE_FILES = 10_000  # of a folder or zip; an examination has 200 to 5,000
+IMAGE_FOLDERS = 1_000  # within a folder of DICOM files
+IMAGE_ZIP_LIST_BYTES = 2 * MEBIBYTE  # 200 bytes for each
+IMAGE_SIDE = 4096  # pixels of a slice, one way
+IMAGE_STACKS = 100  # groups of slices in the files of one examination; some 30 are usual
+DICOM_HEAD_BYTES = 64 * MEBIBYTE  # before the pixels; an enhanced image of 1,000 slices has 3
 
 NO_PLACES = "not finite or beyond 1e30"  # of vertices that are left out

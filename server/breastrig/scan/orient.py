@@ -5,7 +5,7 @@ front. A lying patient is scanned from above with the table: one large plane beh
 Up is the scanner's +Y where that is across the front, else the longer extent.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -54,6 +54,11 @@ LABEL_MAP_FRAME = Frame(
     stance_reason="The scan is a label map, and a breast MRI is taken prone. If it is not, state the position.",
     fronts=np.array([[0.0, -1.0, 0.0]]),
 )  # LPS
+IMAGE_FRAME = replace(
+    LABEL_MAP_FRAME,
+    reason="An image says where the patient's front and head are.",
+    stance_reason="The scan is an image, and a breast MRI is taken prone. If it is not, state the position.",
+)
 
 
 def _directions(count: int) -> Array:

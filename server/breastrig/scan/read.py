@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ from breastrig.core.single_precision import EXACT_WITHIN
 from breastrig.core.units import METRES_PER_UNIT, UNIT_CHOICES
 from breastrig.scan.clean import MIN_TRIANGLES
 from breastrig.scan.file_type import VOLUMES, file_type_of, plain_text
+from breastrig.scan.images.dicom_files import may_hold_dicom, sha256_of
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, NO_PLACES, TOO_MANY_TRIANGLES, TRIANGLES
 from breastrig.scan.pictures.companions import Companions, beside
 from breastrig.scan.pictures.joined_textures import UNPAINTED, joined_textures
@@ -41,6 +43,7 @@ BEYOND = 1e30  # no unit has such numbers; their squares are beyond single preci
 BROKEN = 0.05  # share of the triangles that may have such corners
 FARTHEST = 1e7  # m from the origin; coordinates of the Earth reach 6.4e6 m, and double precision is 2e-9 m there
 STRAY = 1e3  # m from the scan's middle; no scanner sees so far, and single precision begins to matter
+Parsed = TypeVar("Parsed")
 SHOWN_NAME = 60  # characters of a file's name in a sentence
 
 
@@ -52,13 +55,13 @@ def read_scan(
     for_display: bool = True,
     answers: VolumeAnswers = NOTHING_SAID,
 ) -> Scan:
-    """Reads PLY, OBJ, STL, GLB, glTF, USD, OFF, 3MF, PCD, a table of points, a label map (NIfTI,
-    NRRD, MetaImage, DICOM SEG), or a zip of one of them with what it names.
+    """Reads PLY, OBJ, STL, GLB, glTF, USD, OFF, 3MF, PCD, a table of points, a label map (NIfTI, NRRD, MetaImage,
+    DICOM SEG), a zip of one of them with what it names, or an MRI (DICOM): a folder, a zip, or one file of all slices.
 
     `file_type` is the name's ending, only used to word errors, or STORED for a file that `write_stored` wrote;
     `units` is auto or m, dm, cm, mm, in, ft; `texture=False` saves the time of decoding the pictures,
     `for_display=False` that of writing a smaller one to be shown: whoever decodes it then sees whether it is sound.
-    `answers` is what a person says of a label map.
+    `answers` is what a person says of a label map or of an MRI.
     Raises BadScan, TooLarge (over a limit) or BadSettings (no such unit, answers that do not fit), each with one
     sentence; of BadScan NeedsAnswer, where a person has to say something.
     """
@@ -68,7 +71,12 @@ def read_scan(
         metres = METRES_PER_UNIT[unit]
         vertices = scan.vertices if unit == scan.unit else scan.vertices * (metres / scan.metres_per_unit)
         return replace(scan, vertices=vertices, unit=unit, metres_per_unit=metres, unit_reason=reason)
-    data = _bytes(source)
+    image = _image_in(source, units, answers)
+    if isinstance(image, Pieces) and isinstance(source, Path):
+        return _of_pieces(image, sha256_of(source), units, for_display)
+    data = image if isinstance(image, bytes) else _bytes(source)
+    if isinstance(image, Pieces):
+        return _of_pieces(image, hashlib.sha256(data).hexdigest(), units, for_display)
     if file_type is None and isinstance(source, Path):
         file_type = source.suffix
     unpacked_data = gunzipped(data) if data.startswith(GZIP_START) else data
@@ -87,9 +95,14 @@ def read_scan(
         files = beside(source, _bytes)
     is_volume = found in VOLUMES
     if answers and not is_volume:
-        raise BadSettings("This scan is no label map; frame and segments are for those alone.")
+        raise BadSettings("This scan is no label map and no MRI; frame, segments and series are for those alone.")
     kept = (units, answers) if is_volume else (files, texture)
-    pieces = _guarded(found, partial(_label_map if is_volume else _pieces, mesh, found, *kept))
+    pieces = _guarded(found, partial(_volume if is_volume else _pieces, mesh, found, *kept))
+    return _of_pieces(pieces, hashlib.sha256(data).hexdigest(), units, for_display, sorting)
+
+
+def _of_pieces(pieces: Pieces, sha256: str, units: str, for_display: bool, sorting: tuple[str, ...] = ()) -> Scan:
+    """The scan of a file's contents, checked; `sorting` is what its zip has to say."""
     from_points = pieces.cloud is not None and not pieces.pieces
     if from_points and pieces.cloud is not None:
         cloud = _sound_points(pieces.cloud)
@@ -107,18 +120,40 @@ def read_scan(
         notes += left_out
         _check(whole, pieces.has_points)
         across = _extent(whole.vertices, whole.faces)
+        what = "A label map" if pieces.is_label_map else "An MRI" if pieces.image is not None else ""
         unit, reason = (
-            ("mm", f"A label map has a unit of its own; what it shows is {1e-3 * across:.3g} m across.")
-            if pieces.is_label_map
+            ("mm", f"{what} has a unit of its own; what it shows is {1e-3 * across:.3g} m across.")
+            if what
             else decide_unit(across, units, pieces.unit, pieces.unit_by_default)
         )
     notes = (*sorting, *notes)
-    scan = _scan(whole, unit, reason, hashlib.sha256(data).hexdigest(), notes, for_display, from_points)
+    scan = _scan(whole, unit, reason, sha256, notes, for_display, from_points)
     metres = scan.metres_per_unit
     inside = tuple(BallInside(each.name, metres * each.center, metres * each.radius) for each in pieces.lesions)
+    if pieces.image is not None:
+        return replace(scan, from_image=True, image=pieces.image, segmentations=pieces.segmentations)
     if not pieces.is_label_map:
         return scan
     return replace(scan, from_label_map=True, lesions=inside, segments=pieces.segments)
+
+
+def _image_in(source: Path | bytes, units: str, answers: VolumeAnswers) -> Pieces | bytes | None:
+    """The MRI that a folder or zip holds; the bytes of a folder's one label map; None for every other file."""
+    if not may_hold_dicom(source):
+        return None
+
+    def pieces() -> Pieces | bytes | None:
+        from breastrig.scan.images.dicom_images import DicomImage, image_in
+
+        found = image_in(source, answers)
+        if not isinstance(found, DicomImage):
+            return found
+        from breastrig.scan.images.image_pieces import image_pieces
+
+        _check_own_unit(units)
+        return image_pieces(found.image, found.segmentations)
+
+    return _guarded("dicom", pieces)
 
 
 def coloured_scan(
@@ -213,7 +248,7 @@ def _pieces(data: bytes, kind: str, files: Companions, texture: bool) -> Pieces:
     return read_ply(data, files, texture)
 
 
-def _guarded(kind: str, parse: Callable[[], Pieces]) -> Pieces:
+def _guarded(kind: str, parse: Callable[[], Parsed]) -> Parsed:
     """The result of a parser of untrusted bytes; any exception becomes BadScan or TooLarge."""
     try:
         return parse()
@@ -225,15 +260,27 @@ def _guarded(kind: str, parse: Callable[[], Pieces]) -> Pieces:
         raise BadScan(f"This {kind.upper()} file is damaged or cut off and cannot be read; export it again.") from error
 
 
-def _label_map(data: bytes, kind: str, units: str, answers: VolumeAnswers) -> Pieces:
-    """The contents of a label map, in mm."""
+def _volume(data: bytes, kind: str, units: str, answers: VolumeAnswers) -> Pieces:
+    """The contents of a label map or an MRI, in mm."""
     from breastrig.scan.volumes.label_map import label_map_pieces  # SciPy's filters, and few scans are volumes
 
+    _check_own_unit(units)
+    if kind == "dicom":
+        from breastrig.scan.images.dicom_images import image_of_file
+        from breastrig.scan.images.image_pieces import image_pieces
+
+        if (image := image_of_file(data, answers)) is not None:
+            return image_pieces(image)
+    if answers.series is not None:
+        raise BadSettings("This is a label map; series is for DICOM images alone.")
+    return label_map_pieces(data, kind, answers)
+
+
+def _check_own_unit(units: str) -> None:
     if units not in UNIT_CHOICES:
         raise BadSettings(unknown_name("unit", units, UNIT_CHOICES))
     if units not in ("auto", "mm"):
-        raise BadSettings("A label map has a unit of its own, and is read in mm; leave units out.")
-    return label_map_pieces(data, kind, answers)
+        raise BadSettings("A label map or an MRI has a unit of its own, and is read in mm; leave units out.")
 
 
 def _bytes(source: Path | bytes) -> bytes:

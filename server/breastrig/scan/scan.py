@@ -33,7 +33,9 @@ class Scan:
     picture: bytes | None = None  # behind it: the file's own JPEG or PNG, its pixels and nothing else
 
     from_label_map: bool = False  # whose axes are the patient's (LPS)
-    image: KeptImage | None = None  # of which the skin was made; its axes are the patient's (LPS) too
+    from_image: bool = False  # whose axes are the patient's (LPS) too
+    image: KeptImage | None = None  # of which the skin was made; kept beside a stored scan
+    segmentations: tuple[bytes, ...] = ()  # whole files (SEG, RTSTRUCT) that lay beside it; never stored
     lesions: tuple[BallInside, ...] = ()  # that a label map shows, m
     segments: tuple[TakenSegment, ...] = ()  # of a label map, and what each was taken for
 
@@ -54,6 +56,11 @@ class Scan:
     def bounds(self) -> tuple[Array, Array]:
         """The (3,) lowest and highest place, m."""
         return self.vertices.min(axis=0), self.vertices.max(axis=0)
+
+    @property
+    def in_patient_frame(self) -> bool:
+        """Whether its axes are the patient's: to the left, back and head (LPS)."""
+        return self.from_label_map or self.from_image
 
     @property
     def measured(self) -> tuple[float, tuple[Array, Array]]:

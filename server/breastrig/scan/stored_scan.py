@@ -19,13 +19,15 @@ from breastrig.scan.scan import Scan
 
 STORED = "stored"  # the file type, for which no upload can pass
 FACTS = ("unit", "metres_per_unit", "unit_reason", "sha256", "notes", "from_points")
+OF_VOLUMES = ("from_label_map", "from_image")
 
 
 def write_stored(scan: Scan, path: Path) -> None:
     """Writes the scan to the file `path`.  Raises OSError."""
     facts = {name: getattr(scan, name) for name in FACTS}
-    if scan.from_label_map:
-        facts |= {"from_label_map": True, "lesions": [[e.name, e.center.tolist(), e.radius] for e in scan.lesions]}
+    if scan.in_patient_frame:
+        facts |= {name: getattr(scan, name) for name in OF_VOLUMES}
+        facts["lesions"] = [[each.name, each.center.tolist(), each.radius] for each in scan.lesions]
     arrays: dict[str, NDArray[Any]] = {
         "facts": np.frombuffer(json.dumps(facts).encode(), np.uint8),
         "vertices": scan.vertices,
@@ -58,7 +60,7 @@ def read_stored(path: Path, texture: bool = True, for_display: bool = True) -> S
                 texture=jpeg,
                 picture=None if jpeg is None else picture,
                 **{name: facts[name] for name in FACTS} | {"notes": tuple(facts["notes"])},
-                from_label_map=facts.get("from_label_map", False),
+                **{name: facts.get(name, False) for name in OF_VOLUMES},
                 lesions=tuple(BallInside(name, np.array(at), r) for name, at, r in facts.get("lesions", [])),
             )
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:

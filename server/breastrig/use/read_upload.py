@@ -79,7 +79,7 @@ def _read(job: UploadJob) -> dict[str, Any]:
         "unit": scan.unit,
         "unit_reason": scan.unit_reason,
         "size_doubt": size_doubt(
-            extent(ready.target.vertices[ready.target.faces[:, 0]]), scan.unit, scan.from_label_map
+            extent(ready.target.vertices[ready.target.faces[:, 0]]), scan.unit, scan.in_patient_frame
         ),
         "vertices": len(scan.vertices),
         "triangles": len(scan.faces),

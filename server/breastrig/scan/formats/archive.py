@@ -13,6 +13,7 @@ from collections import defaultdict
 from dataclasses import dataclass
 from functools import partial
 from pathlib import PurePosixPath
+from typing import IO
 
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.file_type import LOOKED_AT, plain_text, volume_kind
@@ -78,28 +79,31 @@ class Unpacked:
 
 def unpacked(data: bytes) -> Unpacked:
     """The scan in a zip.  BadScan or TooLarge with a sentence."""
-    _check_list(data)
     try:
+        check_list(io.BytesIO(data))
         return _taken(zipfile.ZipFile(io.BytesIO(data)))
     except UNREADABLE as error:
         raise BadScan(DAMAGED) from error
 
 
-def _check_list(data: bytes) -> None:
-    """Checks the length of the list of entries, which is read whole before anything can be counted."""
-    tail = data[-END_64_BYTES - END_BYTES - COMMENT_BYTES :]
+def check_list(archive: IO[bytes], most: int = ZIP_LIST_BYTES, files: int = ZIP_ENTRIES) -> None:
+    """Checks the length of the list of entries, which is read whole before anything can be counted.
+
+    BadScan or TooLarge with a sentence; OSError.
+    """
+    size = archive.seek(0, io.SEEK_END)
+    archive.seek(max(0, size - END_64_BYTES - END_BYTES - COMMENT_BYTES))
+    tail = archive.read()
     end = tail.rfind(END)
     if end < 0 or len(tail) < end + END_BYTES:
         raise BadScan(DAMAGED)
     (length,) = struct.unpack_from("<I", tail, end + LIST_LENGTH_AT)
-    if tail[:end][-END_64_BYTES:].startswith(END_64) or length > ZIP_LIST_BYTES:
-        raise TooLarge(
-            f"This zip holds far more than the {ZIP_ENTRIES:,} files allowed, or is packed as if; pack it again."
-        )
+    if tail[:end][-END_64_BYTES:].startswith(END_64) or length > most:
+        raise TooLarge(f"This zip holds far more than the {files:,} files allowed, or is packed as if; pack it again.")
 
 
 @dataclass(frozen=True)
-class _Entry:
+class Entry:
     """A file of the zip."""
 
     info: zipfile.ZipInfo
@@ -109,9 +113,9 @@ class _Entry:
     ending: str
 
     @staticmethod
-    def of(info: zipfile.ZipInfo) -> "_Entry":
+    def of(info: zipfile.ZipInfo) -> "Entry":
         path = PurePosixPath(_name(info).lower())
-        return _Entry(info, _name(info), str(path.parent), path.name, path.suffix.removeprefix("."))
+        return Entry(info, _name(info), str(path.parent), path.name, path.suffix.removeprefix("."))
 
     @property
     def words(self) -> frozenset[str]:
@@ -129,14 +133,14 @@ def _name(info: zipfile.ZipInfo) -> str:
         return info.filename
 
 
-def _entries(archive: zipfile.ZipFile) -> list[_Entry]:
-    """The files that may be looked at."""
+def entries_of(archive: zipfile.ZipFile, most: int = ZIP_ENTRIES) -> list[Entry]:
+    """The files that may be looked at.  BadScan or TooLarge with a sentence."""
     infos = archive.infolist()
-    if len(infos) > ZIP_ENTRIES:
-        raise TooLarge(f"This zip holds {len(infos):,} files, more than the {ZIP_ENTRIES:,} allowed.")
+    if len(infos) > most:
+        raise TooLarge(f"This zip holds {len(infos):,} files, more than the {most:,} allowed.")
     if any(LEADS_ELSEWHERE.search(info.filename) for info in infos):
         raise BadScan("This zip holds names that lead out of it; pack it again.")
-    entries = [_Entry.of(info) for info in infos if not info.is_dir()]
+    entries = [Entry.of(info) for info in infos if not info.is_dir()]
     if len({(entry.folder, entry.name) for entry in entries}) != len(entries):
         raise BadScan("This zip holds two files of the same name; pack it again.")
     return [
@@ -153,7 +157,7 @@ class _Reader:
         self._archive = archive
         self._left = FILE_BYTES
 
-    def read(self, entry: _Entry, most_packed: bool = True) -> bytes:
+    def read(self, entry: Entry, most_packed: bool = True) -> bytes:
         info = entry.info
         if info.compress_type not in PACKINGS:
             raise BadScan("This zip is packed in an unusual way; pack it again as an ordinary zip.")
@@ -167,7 +171,7 @@ class _Reader:
         except UNREADABLE as error:
             raise BadScan(DAMAGED) from error
 
-    def start(self, entry: _Entry) -> bytes:
+    def start(self, entry: Entry) -> bytes:
         """The first bytes of the entry, unpacked if it is a .gz."""
         if entry.info.compress_type not in PACKINGS:
             return b""
@@ -175,19 +179,19 @@ class _Reader:
             start = file.read(LOOKED_AT)
         return first_bytes(start) if start.startswith(GZIP_START) else start
 
-    def volume(self, entry: _Entry) -> bytes:
+    def volume(self, entry: Entry) -> bytes:
         """The label map's bytes, unpacked if it is a .gz; labels may be compressed more than other files."""
         content = self.read(entry, most_packed=False)
         return gunzipped(content) if content.startswith(GZIP_START) else content
 
-    def companion(self, entry: _Entry) -> bytes:
+    def companion(self, entry: Entry) -> bytes:
         """The file's bytes; of a material file only as many as show that it is over its limit."""
         content = self.read(entry)
         return content[: MATERIAL_FILE_BYTES + 1] if entry.ending == "mtl" else content
 
 
 def _taken(archive: zipfile.ZipFile) -> Unpacked:
-    entries = _entries(archive)
+    entries = entries_of(archive)
     meshes = [entry for entry in entries if entry.ending in MESH_RANK]
     meshes = [entry for entry in meshes if entry.path.lower() == ROOT_MODEL] or [
         entry for entry in meshes if entry.ending != MODEL
@@ -201,7 +205,7 @@ def _taken(archive: zipfile.ZipFile) -> Unpacked:
         if volumes:
             raise BadScan("This zip holds a mesh and a volume; pack the one that is meant alone.")
         meshes = [entry for entry in meshes if MESH_RANK[entry.ending] >= 0]
-    scans: dict[tuple[str, frozenset[str]], list[_Entry]] = defaultdict(list)
+    scans: dict[tuple[str, frozenset[str]], list[Entry]] = defaultdict(list)
     for entry in meshes:
         scans[entry.folder, entry.words - KINDS].append(entry)
     if len(scans) > 1:  # a preview beside the scan is no second scan
@@ -221,9 +225,9 @@ def _taken(archive: zipfile.ZipFile) -> Unpacked:
     return Unpacked(content, mesh.ending, Companions(lambda: found_beside), notes)
 
 
-def _volume(reader: _Reader, entries: list[_Entry]) -> Unpacked | None:
+def _volume(reader: _Reader, entries: list[Entry]) -> Unpacked | None:
     """The one label map, by its bytes: on hospitals' media names say nothing.  BadScan where there are several."""
-    kinds: dict[str, list[_Entry]] = defaultdict(list)
+    kinds: dict[str, list[Entry]] = defaultdict(list)
     for entry in entries:
         kinds[volume_kind(reader.start(entry))].append(entry)
     maps = kinds["label map"]
@@ -235,7 +239,7 @@ def _volume(reader: _Reader, entries: list[_Entry]) -> Unpacked | None:
     return Unpacked(reader.volume(chosen), chosen.ending, Companions(dict), ())
 
 
-def _from(folder: str, entry: _Entry) -> str:
+def _from(folder: str, entry: Entry) -> str:
     """The entry's path relative to this folder; paths outside it are put below a folder that no file names."""
     if folder == ".":
         return entry.path
@@ -243,7 +247,7 @@ def _from(folder: str, entry: _Entry) -> str:
     return inside or f"beside/{entry.path}"
 
 
-def _preference(mesh: _Entry, is_painted: bool) -> tuple[bool, bool, bool, bool, int, int]:
+def _preference(mesh: Entry, is_painted: bool) -> tuple[bool, bool, bool, bool, int, int]:
     """Sort key among several meshes of one scan; the best is the highest."""
     words = mesh.words
     return (

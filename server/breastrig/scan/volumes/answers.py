@@ -1,4 +1,4 @@
-"""A person's answers about a label map whose file leaves them open: its frame, and the meaning of its segments."""
+"""A person's answers about a volume whose file leaves them open: frame, segments, series."""
 
 import json
 from collections.abc import Iterable, Mapping
@@ -21,18 +21,21 @@ class VolumeAnswers:
 
     frame: str | None = None  # sform, qform, or nibabel's axis codes: RAS
     segments: Mapping[int, TakenAs] = field(default_factory=dict)  # number -> as what it is to be taken
+    series: str | None = None  # of several in DICOM files: a value of the question
 
     def __bool__(self) -> bool:
-        return self.frame is not None or bool(self.segments)
+        return self.frame is not None or bool(self.segments) or self.series is not None
 
 
 NOTHING_SAID = VolumeAnswers()
 
 
-def checked_answers(frame: str | None, segments: Mapping[Any, Any] | None = None) -> VolumeAnswers:
+def checked_answers(
+    frame: str | None, segments: Mapping[Any, Any] | None = None, series: str | None = None
+) -> VolumeAnswers:
     """The answers, with numbers as text where JSON has them so.  Raises BadSettings with a sentence."""
     chosen = {_number(number): _taken_as(what) for number, what in (segments or {}).items()}
-    return VolumeAnswers(_frame(frame) if frame else None, chosen)
+    return VolumeAnswers(_frame(frame) if frame else None, chosen, series.strip().lower() if series else None)
 
 
 def segments_of_words(words: Iterable[str]) -> dict[int, TakenAs]:

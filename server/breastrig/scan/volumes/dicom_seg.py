@@ -123,10 +123,7 @@ def _dataset(data: bytes) -> Any:
     """The whole file, parsed, after its limits are checked."""
     from pydicom.filereader import read_partial
 
-    if data.startswith(DICOM_MARK):  # without the 128 bytes that belong before it
-        data = bytes(DICOM_MARK_AT) + data
-    if DEFLATED in data:
-        data = _inflated(data)
+    data = plain_dicom(data)
     if data.count(ITEM) > DICOM_ITEMS:
         raise TooLarge(f"This DICOM file has more than the {DICOM_ITEMS:,} entries allowed; export fewer frames.")
     seen = 0
@@ -139,6 +136,13 @@ def _dataset(data: bytes) -> Any:
         return False
 
     return read_partial(io.BytesIO(data), stop, force=True)
+
+
+def plain_dicom(data: bytes) -> bytes:
+    """The file with the preamble that belongs before it, its content not deflated.  Raises BadScan or TooLarge."""
+    if data.startswith(DICOM_MARK):
+        data = bytes(DICOM_MARK_AT) + data
+    return _inflated(data) if DEFLATED in data else data
 
 
 def _inflated(data: bytes) -> bytes:
@@ -163,8 +167,6 @@ def _check_class(dataset: Any) -> None:
         return
     if dataset.get("Modality", "") == "RTSTRUCT":
         raise BadScan(OTHER_CLASSES[STRUCTURES])
-    if "PixelData" in dataset or "Rows" in dataset:
-        raise BadScan(IMAGE)
     raise BadScan(f"This DICOM file holds neither an image nor a segmentation; {EXPORT}.")
 
 

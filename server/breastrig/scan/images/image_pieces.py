@@ -1,0 +1,22 @@
+"""An image as a scan: its skin, and what of its voxels is kept to be shown."""
+
+from breastrig.scan.images.image import ImageVolume, kept_image
+from breastrig.scan.images.skin_of_image import skin_of_image
+from breastrig.scan.piece import Piece, Pieces
+from breastrig.scan.volumes.label_map import BOTH, ONE_BREAST
+
+FRAME = "Places are in the DICOM patient frame (LPS), mm; the skin was made from the image."
+
+
+def image_pieces(image: ImageVolume, segmentations: tuple[bytes, ...] = ()) -> Pieces:
+    """The skin in mm, LPS, with the image as it is kept.  Raises BadScan or TooLarge with a sentence."""
+    skin = skin_of_image(image)
+    width = float(skin.vertices[:, 0].max() - skin.vertices[:, 0].min()) if len(skin.vertices) else BOTH
+    narrow = (ONE_BREAST.format(width),) if width < BOTH else ()
+    return Pieces(
+        (Piece(skin.vertices, skin.faces),),
+        notes=(FRAME, *narrow, *image.notes, *skin.notes),
+        unit="mm",
+        image=kept_image(image),
+        segmentations=segmentations,
+    )
