@@ -130,11 +130,15 @@ def _of_pieces(pieces: Pieces, sha256: str, units: str, for_display: bool, sorti
     scan = _scan(whole, unit, reason, sha256, notes, for_display, from_points)
     metres = scan.metres_per_unit
     inside = tuple(BallInside(each.name, metres * each.center, metres * each.radius) for each in pieces.lesions)
-    if pieces.image is not None:
-        return replace(scan, from_image=True, image=pieces.image, segmentations=pieces.segmentations)
-    if not pieces.is_label_map:
-        return scan
-    return replace(scan, from_label_map=True, lesions=inside, segments=pieces.segments)
+    return replace(
+        scan,
+        from_label_map=pieces.is_label_map,
+        from_image=pieces.image is not None,
+        image=pieces.image,
+        segmentations=pieces.segmentations,
+        lesions=inside,
+        segments=pieces.segments,
+    )
 
 
 def _image_in(source: Path | bytes, units: str, answers: VolumeAnswers) -> Pieces | bytes | None:
