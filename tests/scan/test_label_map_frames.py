@@ -203,9 +203,7 @@ def test_the_unit_is_the_files_own_whatever_the_size(unit: str, factor: float) -
 def test_a_unit_that_a_person_says_is_refused_where_the_file_has_its_own() -> None:
     assert read_scan(nifti(body_labels()), units="mm").unit == "mm"
     for units in ("cm", "m", "in"):
-        with pytest.raises(
-            BadInput, match="has a unit of its own, and is read in mm; leave units out"
-        ):
+        with pytest.raises(BadInput, match="has a unit of its own, and is read in mm; leave units out"):
             read_scan(nifti(body_labels()), units=units)
 
 
