@@ -10,7 +10,7 @@ from PIL import Image
 from breastrig.core.errors import NeedsAnswer
 from breastrig.scan.images.dicom_pixels import middle_of
 from breastrig.scan.images.dicom_series import Stack
-from breastrig.scan.volumes.dicom_seg import shown
+from breastrig.scan.volumes..py import shown
 
 PIXELS = 160  # of a picture's longer side
 PLANES = ("sagittal", "coronal", "axial")  # by the axis across them
