@@ -10,7 +10,7 @@ from PIL import Image
 from breastrig.core.errors import NeedsAnswer
 from breastrig.scan.images.dicom_pixels import middle_of
 from breastrig.scan.images.dicom_series import Stack
-from breastrig.scan.volumes..py import shown
+from breastrig.scan.volumes.codes import label_of
 
 PIXELS = 160  # of a picture's longer side
 PLANES = ("sagittal", "coronal", "axial")  # by the axis across them
@@ -33,7 +33,7 @@ def described(stack: Stack) -> str:
     """Plane, matrix, spacing and count of slices, and the header's own words."""
     sizes = np.linalg.norm(stack.affine[:3, :3], axis=0)
     normal = np.cross(stack.affine[:3, 0], stack.affine[:3, 1])
-    words = shown(stack.slices[0].words)
+    words = label_of([stack.slices[0].words])
     facts = [
         f"{PLANES[int(np.abs(normal).argmax())]}, {len(stack.slices)} slices {sizes[2]:.3g} mm apart",
         f"{stack.shape[0]} x {stack.shape[1]} pixels of {sizes[0]:.3g} x {sizes[1]:.3g} mm",
