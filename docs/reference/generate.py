@@ -432,7 +432,7 @@ FILE_MODULES: Mapping[str, tuple[str, ...]] = {  # the rooms of scan/ by what th
     "landmark files": ("scan/landmarks/*.py",),
     "cuts and orientation": (
         *(f"scan/{name}.py" for name in ("clean", "hand_cuts", "caps", "background", "other_pieces", "table")),
-        *(f"scan/{name}.py" for name in ("orient", "numbers_in_text", "scan", "stored_scan")),
+        *(f"scan/{name}.py" for name in ("orient", "scan", "stored_scan")),
     ),
 }
 

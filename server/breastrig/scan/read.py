@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.core.errors import BadInput, BadScan, BadSettings, TooLarge, unknown_name
+from breastrig.core.errors import BadInput, BadScan, BadSettings, TooLarge
 from breastrig.core.single_precision import EXACT_WITHIN
-from breastrig.core.units import METRES_PER_UNIT, UNIT_CHOICES
+from breastrig.core.units import METRES_PER_UNIT
 from breastrig.scan.clean import MIN_TRIANGLES
 from breastrig.scan.file_type import VOLUMES, file_type_of, plain_text
 from breastrig.scan.images.dicom_files import may_hold_dicom, sha256_of
@@ -145,19 +145,9 @@ def _image_in(source: Path | bytes, units: str, answers: VolumeAnswers) -> Piece
     """The MRI that a folder or zip holds; the bytes of a folder's one label map; None for every other file."""
     if not may_hold_dicom(source):
         return None
+    from breastrig.scan.images.read_volumes import pieces_in
 
-    def pieces() -> Pieces | bytes | None:
-        from breastrig.scan.images.dicom_images import DicomImage, image_in
-
-        found = image_in(source, answers)
-        if not isinstance(found, DicomImage):
-            return found
-        from breastrig.scan.images.image_pieces import image_pieces
-
-        _check_own_unit(units)
-        return image_pieces(found.image, found.segmentations)
-
-    return _guarded("dicom", pieces)
+    return _guarded("dicom", partial(pieces_in, source, units, answers))
 
 
 def coloured_scan(
@@ -265,26 +255,9 @@ def _guarded(kind: str, parse: Callable[[], Parsed]) -> Parsed:
 
 
 def _volume(data: bytes, kind: str, units: str, answers: VolumeAnswers) -> Pieces:
-    """The contents of a label map or an MRI, in mm."""
-    from breastrig.scan.volumes.label_map import label_map_pieces  # SciPy's filters, and few scans are volumes
+    from breastrig.scan.images.read_volumes import pieces_of  # few scans are volumes
 
-    _check_own_unit(units)
-    if kind == "dicom":
-        from breastrig.scan.images.dicom_images import image_of_file
-        from breastrig.scan.images.image_pieces import image_pieces
-
-        if (image := image_of_file(data, answers)) is not None:
-            return image_pieces(image)
-    if answers.series is not None:
-        raise BadSettings("This is a label map; series is for DICOM images alone.")
-    return label_map_pieces(data, kind, answers)
-
-
-def _check_own_unit(units: str) -> None:
-    if units not in UNIT_CHOICES:
-        raise BadSettings(unknown_name("unit", units, UNIT_CHOICES))
-    if units not in ("auto", "mm"):
-        raise BadSettings("A label map or an MRI has a unit of its own, and is read in mm; leave units out.")
+    return pieces_of(data, kind, units, answers)
 
 
 def _bytes(source: Path | bytes) -> bytes:

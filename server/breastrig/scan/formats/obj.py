@@ -19,11 +19,11 @@ from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.formats.mtl import Material, read_materials
 from breastrig.scan.formats.polygons import fans, few_corners
 from breastrig.scan.limits import MATERIALS, TOO_MANY_POINTS, TOO_MANY_TRIANGLES, TRIANGLES, VERTICES
-from breastrig.scan.numbers_in_text import REMARK, first_columns, numbers
 from breastrig.scan.pictures.companions import ONLY_PAINTING, UNPLACED, Companions
 from breastrig.scan.pictures.companions import REMARK as NAME_REMARK
 from breastrig.scan.pictures.tiles import painted_by_tiles
 from breastrig.scan.piece import PARTLY_COLOURED, UNCOLOURED, Piece, Pieces, PointCloud, colour_bytes, part
+from breastrig.scan.point_clouds.numbers_in_text import REMARK, first_columns, numbers
 
 LEFT_OVER = 0.1  # share of the points that no triangle uses; scanning programs leave none or single ones
 COMPARED = 50  # triangles before the last

@@ -11,8 +11,8 @@ from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.file_type import OFF_START
 from breastrig.scan.formats.polygons import fans, few_corners, ranges, split, whole_numbers
 from breastrig.scan.limits import TOO_MANY_TRIANGLES, TRIANGLES, VERTICES
-from breastrig.scan.numbers_in_text import REMARK, numbers
 from breastrig.scan.piece import PARTLY_COLOURED, UNCOLOURED, Piece, Pieces, PointCloud, colour_bytes
+from breastrig.scan.point_clouds.numbers_in_text import REMARK, numbers
 
 UNUSUAL = "This OFF file is {}, which is not read here; export the scan as OFF in text, PLY, OBJ, STL or GLB."
 COLOURS_LEFT = "Colours of this OFF file that are numbers of a table were left out."

@@ -16,10 +16,10 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.formats.polygons import fans, few_corners, ranges, split, strip, whole_numbers
 from breastrig.scan.limits import PLY_HEADER_BYTES, TOO_MANY_POINTS, TOO_MANY_TRIANGLES, TRIANGLES, VERTICES
-from breastrig.scan.numbers_in_text import numbers
 from breastrig.scan.pictures.companions import UNPLACED, Companions
 from breastrig.scan.pictures.tiles import painted_by_tiles
 from breastrig.scan.piece import SEVERAL, Piece, Pieces, PointCloud, colour_bytes, part
+from breastrig.scan.point_clouds.numbers_in_text import numbers
 
 BYTE_ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 TYPES = {

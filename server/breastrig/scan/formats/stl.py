@@ -10,8 +10,8 @@ from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.file_type import BINARY_STL_HEADER, BINARY_STL_TRIANGLE, is_text_stl
 from breastrig.scan.formats.polygons import split
 from breastrig.scan.limits import STL_SOLIDS, TOO_MANY_TRIANGLES, TRIANGLES
-from breastrig.scan.numbers_in_text import first_columns
 from breastrig.scan.piece import Piece, Pieces
+from breastrig.scan.point_clouds.numbers_in_text import first_columns
 
 ROW = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 END = re.compile(rb"\bend\s+(facet|loop|solid)\b")

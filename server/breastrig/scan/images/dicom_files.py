@@ -1,4 +1,4 @@
-"""The DICOM files of a folder or zip, told by their bytes: on hospitals' media names say nothing."""
+"""The DICOM files of a folder or zip, known by their bytes, for on hospitals' media names say nothing."""
 
 import hashlib
 import os

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.limits import POINTS, TOO_MANY_POINTS
-from breastrig.scan.numbers_in_text import NO_NUMBER, numbers, with_points
 from breastrig.scan.piece import PointCloud, colour_bytes
+from breastrig.scan.point_clouds.numbers_in_text import NO_NUMBER, numbers, with_points
 
 ROWS = 20  # lines in which a file shows that it is nothing but numbers
 HEAD = 10  # lines of words before them, at most
