@@ -104,3 +104,12 @@ def test_a_line_has_its_width_whether_it_is_darker_than_the_skin_or_lighter(adde
     across = np.array([2.5, 3.1, 3.7]) + line[:, None] * np.array(added)
     _, _, _, (width,) = _measured(np.repeat(across[None], 5, axis=0), [np.arange(5)])
     assert 2.0e-3 < width < 4.0e-3
+
+
+def test_a_line_beside_it_adds_nothing_to_its_width() -> None:
+    line, other = np.exp(-0.5 * (OFFSETS / 0.8e-3) ** 2), np.abs(OFFSETS - 3.5e-3) < 0.3e-3
+    widths = []
+    for strength in (line, np.maximum(line, other)):
+        across = np.array([2.5, 3.1, 3.7]) + strength[:, None] * np.array([0.7, 0.6, 0.6])
+        widths.append(_measured(np.repeat(across[None], 5, axis=0), [np.arange(5)])[3][0])
+    assert 1.5e-3 < widths[1] <= widths[0] < 2.5e-3

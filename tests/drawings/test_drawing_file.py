@@ -91,3 +91,14 @@ def test_what_is_wrong_is_one_sentence(content: Any, sentence: str, toy_rig: Rig
         parsed_drawing(content, toy_rig, "m")
     assert "\n" not in str(error.value)
     assert str(error.value).endswith(".")
+
+
+def test_at_most_500_shapes_of_50_000_points_are_taken(toy_rig: Rig) -> None:
+    def drawing(shapes: int, points: int) -> dict[str, Any]:
+        return {"unit": "mm", "shapes": [{"name": f"{k}", "points": LINE * (points // 2)} for k in range(shapes)]}
+
+    for shapes, points in ((500, 2), (10, 5_000)):
+        assert len(parsed_drawing(drawing(shapes, points), toy_rig, "mm").on_scan) == shapes
+    for shapes, points, why in ((501, 2, "at most 500"), (10, 5_002, "50020 points; at most 50000 can be kept")):
+        with pytest.raises(BadDrawing, match=why):
+            parsed_drawing(drawing(shapes, points), toy_rig, "mm")

@@ -5,6 +5,7 @@ import pytest
 from helpers.surfaces import plane, sphere
 
 from breastrig.geometry.boundary import boundary_loops
+from breastrig.geometry.fields.implicit_surface import implicit_surface
 from breastrig.geometry.fields.level_sets import crossings, longest_loop, part_above
 from breastrig.geometry.normals import face_areas, face_normals
 
@@ -65,3 +66,13 @@ def test_a_loop_cut_by_the_border_is_none() -> None:
 def test_a_level_that_is_never_reached_is_none() -> None:
     vertices, faces = plane(0.2, 10)
     assert longest_loop(faces, np.linalg.norm(vertices, axis=1), 9.0) is None
+
+
+def test_the_surface_through_points_of_a_sphere_is_that_sphere() -> None:
+    """Also where it touches the border of all points, along each axis."""
+    points, _ = sphere(0.1, 4)
+    vertices, faces = implicit_surface(points, points / 0.1, 6e-3, 4e-3, 0.01)
+    assert np.linalg.norm(vertices, axis=1) == pytest.approx(0.1, abs=5e-4)
+    assert len(boundary_loops(faces)) == 0
+    assert face_areas(vertices, faces).sum() == pytest.approx(4 * np.pi * 0.01, rel=0.01)
+    assert (np.einsum("fi,fi->f", face_normals(vertices, faces), vertices[faces].mean(axis=1)) > 0.0).all()

@@ -102,6 +102,11 @@ def test_women_of_a_family_move_the_mean_and_narrow_what_they_share(rig: Rig, ow
     whitened = np.linalg.solve(root, np.linalg.solve(root, posterior.expected.covariance).T)
     assert np.linalg.eigvalsh(whitened).min() > 0.0
     assert posterior.gain > 1.0
+    mean = np.linalg.solve(root, sums.means / sums.women - own.mean)
+    found = np.linalg.solve(root, posterior.expected.mean - own.mean)
+    share = sums.women / (sums.women + posterior.mean_strength)  # the built-in prior has the rest
+    for axis in np.eye(len(mean))[:3]:  # in which the patients differ from it
+        assert found @ axis == pytest.approx(share * mean @ axis, abs=0.05 * np.abs(FAMILY).max())
     few = posterior_of(rig, women(rig, own, 6, 5, shift=1.0).stances["standing"], own)
     assert few is None or few.gain < posterior.gain
 

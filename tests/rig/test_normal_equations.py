@@ -1,5 +1,7 @@
 """What is computed by structure equals what the full Jacobian gives."""
 
+import gc
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -81,3 +83,14 @@ def test_groups_save_half_of_the_products_of_the_torso(torso: Rig) -> None:
     columns = 9 * len(torso.bones) + len(torso.shapes) + 1
     products = sum(count * len(group.entries) for count, group in zip(counts, grouped.groups, strict=True))
     assert products < 0.5 * len(torso.template) * columns**2
+
+
+def test_groups_of_the_last_sixteen_rigs_are_kept(toy_rig: Rig) -> None:
+    first, *others = (replace(toy_rig, name=f"rig {number}") for number in range(17))
+    seen = weakref.ref(first)
+    assert vertex_groups(first) is vertex_groups(first)
+    del first
+    for rig in others:
+        vertex_groups(rig)
+    gc.collect()
+    assert seen() is None

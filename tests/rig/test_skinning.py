@@ -13,6 +13,7 @@ from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import read_rig
 from breastrig.gltf.write_rig import write_rig
 from breastrig.rig.model import Rig, Skinning
+from breastrig.rig.named_parameters import sampled
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.skinning import Posed, in_pose, pose
 
@@ -89,3 +90,14 @@ def test_a_twisted_bone_keeps_its_girth_only_by_dual_quaternions(torso: Rig) -> 
     np.testing.assert_allclose(pose(replace(rig, skinning="dual_quaternion"), x), expected, atol=1e-12)
     away = (Posed(rig, x).vertices - origin)[:, [0, 2]]
     np.testing.assert_allclose(away, (expected - origin)[:, [0, 2]] * np.cos(np.radians(75.0)), atol=1e-12)
+
+
+def test_a_sampled_body_is_within_the_rigs_limits_and_reaches_both(toy_rig: Rig) -> None:
+    shapes = tuple(replace(shape, min=-shape.sigma, max=shape.sigma) for shape in toy_rig.shapes)
+    tight = replace(toy_rig, shapes=shapes)
+    rng = np.random.default_rng(0)
+    drawn = np.array([list(sampled(tight, rng).blendshapes.values()) for _ in range(40)])
+    limits = np.array([shape.sigma for shape in tight.shapes])
+    np.testing.assert_allclose(drawn.max(axis=0), limits)
+    np.testing.assert_allclose(drawn.min(axis=0), -limits)
+    assert (np.abs(drawn) < 0.99 * limits).any()

@@ -306,3 +306,11 @@ def test_a_rig_without_shapes_joints_and_landmarks_can_be_described_and_checked(
     )
     assert broken_rules(bare) == {}
     assert "0 shapes" in describe_rig(bare)
+
+
+def test_each_areola_of_the_packages_torso_has_round_rings_about_a_vertex(rig: Rig) -> None:
+    areolas = ["areola and nipple_L have rings of edges", "areola and nipple_R have rings of edges"]
+    assert not set(areolas) & set(broken_rules(rig, is_torso=True))
+    between = [replace(each, barycentric=np.array([0.4, 0.3, 0.3])) for each in rig.landmarks]
+    for broken in (replace(rig, landmarks=tuple(between)), replace(rig, template=rig.template * [1.0, 2.0, 1.0])):
+        assert set(areolas) <= set(broken_rules(broken, is_torso=True))

@@ -394,6 +394,7 @@ PREAMBLES = {
     "an index": 'Scan 7\n"Nr","Punkt","x","y","z"\n1,Jugulum,1.5,2.5,3.5\n2,Nabel,4,5,6\n',
     "tabs": "Made by hand\nRepère\tX\tY\tZ\nJugulum\t1.5\t2.5\t3.5\nNabel\t4\t5\t6\n",
     "no names of columns": "Landmarks\nof the standing scan\nJugulum;1,5;2,5;3,5\nNabel;4;5;6\n",
+    "more columns than names": "Landmarks\nof the standing scan\nJugulum;1,5;2,5;3,5;sure\nNabel;4;5;6;unsure\n",
     "Landmark Editor": "Version 1.0\n3\nJugulum 1.5 2.5 3.5\nNabel 4 5 6\nMamille 9999 9999 9999\n",
     "lmk": "Landmarks-1.0\n3\nJugulum\n1.5 2.5 3.5 1 1\nNabel\n4 5 6 1 1\nMamille\n0 0 0 0 1\n",
 }

@@ -127,7 +127,7 @@ def _stroke(
     line = resampled(outline[:, :4], limits.SPACING, closed)
     if len(line) < 3:
         return None
-    drawn = np.abs(line[:, 3] - np.rint(line[:, 3])) < 1e-9
+    drawn = line[:, 3] == np.rint(line[:, 3])  # between two points of one piece, not of two
     if closed and len(parts) > 1:
         drawn &= np.concatenate([drawn[1:], drawn[:1]]) | drawn
     nearest = cKDTree(outline[:, :3]).query(line[:, :3])[1]

@@ -24,8 +24,9 @@ def implicit_surface(points: Array, normals: Array, width: float, cell: float, r
     """
     from skimage.measure import marching_cubes  # 0.3 s to load, and hardly any scan is a cloud of points
 
-    low = points.min(axis=0) - reach - 2.0 * cell
-    shape = tuple(np.ceil((points.max(axis=0) + reach + 2.0 * cell - low) / cell).astype(np.int64) + 1)
+    margin = reach + 2.0 * cell
+    low = points.min(axis=0) - margin
+    shape = tuple(1 + np.ceil((np.ptp(points, axis=0) + 2 * margin) / cell).astype(np.int64))
     near = _near_cells(points, low, cell, reach, shape)
     tree = cKDTree(points)
     heights = np.zeros(shape, np.float32)
@@ -33,7 +34,7 @@ def implicit_surface(points: Array, normals: Array, width: float, cell: float, r
     for start in range(0, len(near), CHUNK):
         part = near[start : start + CHUNK]
         places = low + cell * np.stack(np.unravel_index(part, shape), axis=1)
-        distances, who = tree.query(places, k=min(NEAREST, len(points)), distance_upper_bound=reach + 2.0 * cell)
+        distances, who = tree.query(places, k=min(NEAREST, len(points)), distance_upper_bound=margin)
         weights = np.where(np.isfinite(distances), np.exp(-0.5 * (distances / width) ** 2), 0.0)
         who = np.where(np.isfinite(distances), who, 0)
         total = weights.sum(axis=1)
