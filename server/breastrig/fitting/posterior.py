@@ -62,7 +62,7 @@ class Posterior:
 
     def joint_landmark_covariance(self, names: tuple[str, ...]) -> Array:
         """(3 L, 3 L) m², of where the model has these landmarks, together: x, y, z of the first, then of the next."""
-        white = self._white_landmarks(names).reshape(3 * len(names), -1)
+        white = np.concatenate([np.zeros((0, self.state.x.dof)), *self._white_landmarks(names)])
         return np.asarray(white @ white.T)
 
     def landmark_covariances(self, names: tuple[str, ...]) -> Array:
@@ -219,7 +219,7 @@ def expected_places(posterior: Posterior, by_colour: Mapping[str, Array]) -> Arr
     expected = places | beside | seen
     if expected.keys() >= {NOTCH, XIPHOID, MIDDLE} and MIDDLE not in {*posterior.task.landmarks, *seen}:
         expected[MIDDLE] = expected[MIDDLE] + middle_step(expected)
-    return np.array([*expected.values()])
+    return np.array([*expected.values()]).reshape(-1, 3)
 
 
 def to_skin(target: ScanTarget, place: Array) -> float:

@@ -123,7 +123,10 @@ def similar_parameters(rig: Rig, similarity: Similarity) -> RigParameters:
 def body_axes(rig: Rig, vertices: Array) -> Array:
     """(3, 3) columns: the body's left, up and front in the frame of its (V, 3) m vertices."""
     points = rig.landmark_points()
-    return umeyama(points.positions(rig.template, rig.faces), points.positions(vertices, rig.faces)).rotation
+    try:
+        return umeyama(points.positions(rig.template, rig.faces), points.positions(vertices, rig.faces)).rotation
+    except BadLandmarks:  # a rig may have too few, or all on one line
+        return umeyama(rig.template, vertices).rotation
 
 
 def outwards(name: str) -> Array:

@@ -8,6 +8,7 @@ import pytest
 from helpers.rig_patient import patient
 
 from breastrig.drawings.line_error import ACROSS
+from breastrig.fitting.checks.basis import basis_bytes, check_basis, read_basis
 from breastrig.fitting.fit import FitTask, fit_iterates
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import load_recipe
@@ -129,6 +130,19 @@ def test_without_landmarks_everything_is_less_sure_and_least_where_the_body_may_
 
 def test_of_another_model_nothing_is_said(torso: Rig) -> None:
     assert calibration(replace(torso, known={})) is None
+
+
+def test_a_calibrated_rig_without_landmarks_has_radii_of_its_skin(torso: Rig) -> None:
+    target, true, _ = patient(torso, 3)
+    task = FitTask(replace(torso, landmarks=()), target, start_from_landmarks(torso, true), load_recipe("default"), {})
+    posterior = Posterior(task, list(fit_iterates(task))[-1].parameters)
+    found = radii(posterior)
+    assert (found.landmarks, found.joint.shape) == ({}, (0, 0))
+    assert (found.vertices > 0.0).all()
+    basis = check_basis(posterior, found, {}, ())
+    read = read_basis(basis_bytes(basis), task.rig, posterior.state.x)
+    assert (read.observable.names, read.places.points.shape) == ((), (0, 3))
+    np.testing.assert_array_equal(read.covariance, posterior.covariance())
 
 
 def test_lines_are_as_far_off_as_seen_skin_of_the_breast_of_which_less_is_known(torso: Rig) -> None:

@@ -75,7 +75,7 @@ class ExpectedGap:
 def expected_gaps(state: BodyState, stance: str) -> dict[str, ExpectedGap]:
     """The expected gaps of all landmarks of the rig."""
     known, found = landmark_errors(state.rig, stance), {}
-    axes = body_axes(state.rig, state.vertices) if known else np.eye(3)  # a rig may have too few landmarks for any
+    axes = body_axes(state.rig, state.vertices) if known else np.eye(3)
     for name in state.rig.landmark_names:
         error, own = known.get(split_side(name)[0], LandmarkError()), axes * outwards(name)
         spread = own * (1e-3 * np.array(error.deviation_mm))

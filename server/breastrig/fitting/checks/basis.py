@@ -74,8 +74,8 @@ def observable_landmarks(posterior: Posterior, shown: Booleans, checked: Collect
         more = 1.0 / (temperature * error) ** 2 - np.trace(shared.get(other, np.zeros((3, 3)))) / 3.0
         partners[index[landmark.name]] = index[other], max(float(more), 0.0)
     gaps = expected_gaps(posterior.state, task.stance)
-    beside = np.array([gaps[name].covariance for name in names])
-    still = np.array([name not in checked for name in names]) & shown
+    beside = np.array([gaps[name].covariance for name in names]).reshape(-1, 3, 3)
+    still = np.array([name not in checked for name in names], dtype=np.bool_) & shown
     return Observable(names, still, 1.0 / (temperature * recipe.observed.landmark) ** 2, replaced, partners, beside)
 
 
