@@ -15,6 +15,7 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.verdicts.verdict import unusual_size, verdict_limits
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig_studies.arguments import arguments
 from breastrig_studies.cohort import read_cohort
 from breastrig_studies.studies.case import read_scene
 
@@ -47,4 +48,5 @@ def main(folder: Path, group: str | None) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), sys.argv[2] if len(sys.argv) > 2 else None)
+    given = arguments(__doc__, "FOLDER", "[GROUP]")
+    main(Path(given.folder), given.group)

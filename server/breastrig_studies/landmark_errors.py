@@ -26,6 +26,7 @@ from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import body_axes, outwards
+from breastrig_studies.arguments import arguments
 from breastrig_studies.cohort import Case, read_cohort
 from breastrig_studies.radii_factors import fitted
 from breastrig_studies.studies.case import read_scene
@@ -111,4 +112,5 @@ def main(folders: Sequence[Path], write: bool) -> None:
 
 
 if __name__ == "__main__":
-    main([Path(each) for each in sys.argv[1:] if each != "--write"], "--write" in sys.argv)
+    given = arguments(__doc__, "COHORT...", "--write")
+    main([Path(each) for each in given.cohort], given.write)

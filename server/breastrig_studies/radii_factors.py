@@ -40,6 +40,7 @@ from breastrig.fitting.uncertainty.radii import (
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
+from breastrig_studies.arguments import arguments
 from breastrig_studies.cohort import DEVELOPMENT, VALIDATION, Case, read_cohort
 from breastrig_studies.studies.case import Scene, read_scene
 from breastrig_studies.studies.landmarks import CLICK_ERROR
@@ -261,4 +262,5 @@ def main(folders: Sequence[str], write: bool) -> None:
 
 
 if __name__ == "__main__":
-    main([each for each in sys.argv[1:] if each != "--write"], "--write" in sys.argv)
+    given = arguments(__doc__, "FOLDER...", "--write")
+    main(given.folder, given.write)

@@ -37,6 +37,7 @@ from breastrig.fitting.task import FitTask
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
+from breastrig_studies.arguments import arguments
 from breastrig_studies.cohort import DEVELOPMENT, VALIDATION, Case, read_cohort
 from breastrig_studies.studies.case import read_scene
 from breastrig_studies.studies.trust.captured import captured_scene
@@ -179,4 +180,5 @@ def main(folders: Sequence[Path]) -> None:
 
 
 if __name__ == "__main__":
-    main([Path(each) for each in sys.argv[1:]])
+    given = arguments(__doc__, "FOLDER...")
+    main([Path(each) for each in given.folder])

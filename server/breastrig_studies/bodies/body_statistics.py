@@ -11,7 +11,6 @@ have groups only the development group is read.
 """
 
 import json
-import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -27,6 +26,7 @@ from breastrig.rig.body_statistics import SCHEMA, BodyStatistics, body_statistic
 from breastrig.rig.cohort_posterior import mirrored_places
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
+from breastrig_studies.arguments import arguments
 from breastrig_studies.cohort import read_cohort
 from breastrig_studies.studies.case import read_scene
 from breastrig_studies.studies.reference_fit import reference_fit
@@ -109,4 +109,5 @@ def main(folders: Sequence[Path], beside: bool, file: Path = FILE) -> None:
 
 
 if __name__ == "__main__":
-    main([Path(each) for each in sys.argv[1:] if each != "--beside"], "--beside" in sys.argv)
+    given = arguments(__doc__, "FOLDER...", "--beside")
+    main([Path(each) for each in given.folder], given.beside)

@@ -28,6 +28,7 @@ from breastrig.drawings.transfer import points_carried
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
+from breastrig_studies.arguments import arguments
 from breastrig_studies.cohort import DEVELOPMENT, read_cohort
 from breastrig_studies.studies.case import Scene, read_scene
 from breastrig_studies.studies.transfer import CLICK, SEED, fitted, places
@@ -149,4 +150,5 @@ def main(folder: Path, data: Path, bodies: int = BODIES) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), Path(sys.argv[2]), *map(int, sys.argv[3:4]))
+    given = arguments(__doc__, "FOLDER", "DATA", "[BODIES]")
+    main(Path(given.folder), Path(given.data), int(given.bodies or BODIES))

@@ -11,7 +11,6 @@ cohort alone the error of the given patient of the development half grows by 0.6
 """
 
 import json
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -26,6 +25,7 @@ from breastrig.geometry.boundary import boundary_vertices
 from breastrig.geometry.normals import vertex_normals
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
+from breastrig_studies.arguments import arguments
 from breastrig_studies.cohort import DEVELOPMENT, read_cohort
 from breastrig_studies.lying_motion import OURS, agreed, spaced
 from breastrig_studies.studies.case import Scene, read_scene
@@ -120,4 +120,5 @@ def main(folder: Path, into: Path = FOLDER) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    given = arguments(__doc__, "FOLDER")
+    main(Path(given.folder))

@@ -12,7 +12,6 @@ ways of computing how bodies lie down, which disagree about the height of an ord
 """
 
 import json
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +24,7 @@ from breastrig.fitting.body.refine import DEPTH_SCHEMA, hidden_skin
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
+from breastrig_studies.arguments import arguments
 from breastrig_studies.bodies.hidden_skin import FOLDER, hidden_heights, smoothed
 from breastrig_studies.cohort import read_cohort
 from breastrig_studies.studies.case import read_scene
@@ -94,4 +94,5 @@ def main(folder: Path, into: Path = FOLDER) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    given = arguments(__doc__, "FOLDER")
+    main(Path(given.folder))

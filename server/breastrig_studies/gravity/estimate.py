@@ -20,6 +20,7 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.volume.breast_skin import BreastSkin, breast_skins
 from breastrig.volume.predicted import FILE, SCHEMA, STANCES, TENTH, GravityPrior, in_template, lying
+from breastrig_studies.arguments import arguments
 
 PLACE = default_rig_path().with_suffix(".known") / FILE
 FACTORS = 12
@@ -134,4 +135,5 @@ def main(folder: Path, file: Path = PLACE) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), *map(Path, sys.argv[2:]))
+    given = arguments(__doc__, "FOLDER", "[FILE]")
+    main(Path(given.folder), Path(given.file or PLACE))

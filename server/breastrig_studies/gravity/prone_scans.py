@@ -17,6 +17,7 @@ from breastrig.core.arrays import Array
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.volume.breast_skin import MIRROR, breast_skins
+from breastrig_studies.arguments import arguments
 from breastrig_studies.virtual.bodies import VirtualBody
 from breastrig_studies.virtual.case_files import write_json
 from breastrig_studies.virtual.warped.prone import draw_numbers, write_prone
@@ -52,4 +53,5 @@ def main(cohort: Path, data: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(*map(Path, sys.argv[1:3]))
+    given = arguments(__doc__, "COHORT", "DATA")
+    main(Path(given.cohort), Path(given.data))

@@ -26,6 +26,7 @@ from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.uncertainty.radii import Radii, planned_on, radii
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
+from breastrig_studies.arguments import arguments
 from breastrig_studies.cohort import Case, read_cohort
 from breastrig_studies.radii_factors import fitted
 from breastrig_studies.studies.case import Scene, read_scene
@@ -151,4 +152,5 @@ def main(table: str, group: str, folders: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], sys.argv[2], sys.argv[3:])
+    given = arguments(__doc__, "TABLE", "GROUP", "COHORT...")
+    main(given.table, given.group, given.cohort)

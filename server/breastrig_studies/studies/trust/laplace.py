@@ -17,6 +17,7 @@ from breastrig.fitting.fit import ScanProblem
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig_studies.arguments import arguments
 from breastrig_studies.cohort import read_cohort
 from breastrig_studies.radii_factors import fitted
 from breastrig_studies.studies.case import read_scene
@@ -63,4 +64,5 @@ def main(folders: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    given = arguments(__doc__, "COHORT...")
+    main(given.cohort)
