@@ -1,12 +1,16 @@
 """An image is kept with its scan, shown to its owner, and goes with it."""
 
+import gzip
 import io
+import json
 from collections.abc import Iterator
 
 import numpy as np
 import pytest
 from flask.testing import FlaskClient
 from helpers.image_uploads import AFFINE, IMAGE, SHAPE, read_upload_of_image
+from helpers.label_maps import BODY_WORDS, LESION, PLAIN, RADIUS, body_labels, file_of, masks, nifti, seg
+from helpers.on_disk import bytes_below
 from helpers.problems import problem
 
 from breastrig.scan.kept_image import read_image
@@ -22,6 +26,16 @@ def scan(client: FlaskClient, torso: bytes, monkeypatch: pytest.MonkeyPatch) -> 
     assert answer.json is not None
     yield answer.json
     client.delete(answer.json["links"]["self"])
+
+
+def add(client: FlaskClient, scan: dict, data: bytes, **fields: str):
+    return client.post(f"/api/scans/{scan['id']}/lesions", data={"file": (io.BytesIO(data), "a"), **fields})
+
+
+def planned(client: FlaskClient, scan: dict) -> list[dict]:
+    plan = client.get(scan["links"]["plan"]).json
+    assert plan is not None
+    return plan["items"]
 
 
 def test_the_voxels_come_back_with_their_place(client: FlaskClient, service: Service, scan: dict) -> None:
@@ -58,8 +72,62 @@ def test_it_moves_and_is_deleted_with_its_scan(client: FlaskClient, service: Ser
     assert "no such scan" in problem(client.get(scan["links"]["volume"]), 404)
 
 
-def test_a_surface_has_none(client: FlaskClient, scan_id: str) -> None:
+def test_a_surface_has_none(client: FlaskClient, scan_id: str, torso: bytes) -> None:
     scan = client.get(f"/api/scans/{scan_id}").json
     assert scan is not None
     assert (scan["image"], scan["links"]["volume"]) == (None, None)
     assert "has no image" in problem(client.get(f"/api/scans/{scan_id}/volume"), 404)
+    assert "made of no image" in problem(add(client, scan, torso), 422)
+
+
+@pytest.mark.slow
+def test_lesions_of_another_file_are_added_to_the_plan_once(client: FlaskClient, service: Service, scan: dict) -> None:
+    note = {"kind": "note", "id": "mine", "scan": scan["id"], "text": "as it was"}
+    own = {"kind": "lesion", "id": "own", "scan": scan["id"], "name": "Lesion 1", "center": [1, 2, 3], "radius_mm": 4}
+    put = client.put(scan["links"]["plan"], json={"items": [note, own]}, headers={"If-Match": '"0"'})
+    assert put.status_code == 200, put.json
+    for is_new in (True, False):
+        answer = add(client, scan, gzip.compress(nifti(body_labels())))
+        assert answer.status_code == 200, answer.json
+        assert answer.json is not None
+        [lesion] = answer.json["lesions"]
+        assert (lesion["name"], lesion["new"]) == ("Lesion 2", is_new)
+        assert lesion["center"] == pytest.approx(LESION.tolist(), abs=0.2)
+        assert lesion["radius_mm"] == pytest.approx(RADIUS, abs=0.1)
+        assert [each["name"] for each in answer.json["segments"]] == ["Tissue 1", "Lesion 2", "Tissue 2"]
+        items = planned(client, scan)
+        assert [(each["kind"], each.get("name")) for each in items] == [
+            ("note", None), ("lesion", "Lesion 1"), ("lesion", "Lesion 2"),
+        ]  # fmt: skip
+        assert (items[2]["scan"], items[2]["center"]) == (scan["id"], lesion["center"])
+    assert list((service.storage.root / "incoming").iterdir()) == []
+    chosen = add(
+        client, scan, gzip.compress(nifti(body_labels())), segments=json.dumps({"2": "tissue"}), same_place="yes"
+    )
+    assert chosen.json is not None
+    assert chosen.json["lesions"] == []
+    assert chosen.json["segments"][1]["why"] == "A person said so."
+
+
+def test_what_holds_no_lesions_is_one_sentence(client: FlaskClient, service: Service, scan: dict, torso: bytes) -> None:
+    assert "holds no lesions" in problem(add(client, scan, torso), 422)
+    assert "empty" in problem(add(client, scan, b""), 422)
+    problem(add(client, scan, torso, same_place="perhaps"), 422)
+    assert "no such scan" in problem(add(client, {"id": "A" * 22}, torso), 404)
+    assert planned(client, scan) == []
+    assert list((service.storage.root / "incoming").iterdir()) == []
+
+
+@pytest.mark.slow
+def test_words_of_a_file_of_lesions_are_answered_once_and_kept_nowhere(
+    client: FlaskClient, service: Service, scan: dict, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level("DEBUG")
+    name = "Zoe Quixote"
+    answer = add(client, scan, gzip.compress(file_of(seg(masks(), {1: BODY_WORDS, 2: (name, *PLAIN[1:])}))))
+    assert answer.status_code == 200, answer.json
+    assert answer.json is not None
+    assert [each["label"] for each in answer.json["segments"]] == ["Body Breast", f"{name} Tissue"]
+    assert name not in json.dumps(client.get(scan["links"]["self"]).json) + caplog.text
+    assert name not in json.dumps(planned(client, scan))
+    assert b"Quixote" not in bytes_below(service.storage.root)

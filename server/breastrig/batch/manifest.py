@@ -25,7 +25,8 @@ from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers, checked_
 from breastrig.use.steps.prepare import check_prior, checked_landmarks, named_drawing
 from breastrig.use.steps.settings import FIRST, FitSettings
 
-VOLUME_COLUMNS = ("frame", "segments")  # of a label map: as --frame, and as --segment split by blanks
+VOLUME_COLUMNS = ("frame", "segments", "lesions", "same_place")  # as options of `breastrig fit`
+BETWEEN_FILES = "|"  # names of files may hold blanks
 COLUMNS = ("scan", "landmarks", "name", "units", "stance", "preset", "drawing", "tumour", "refine", *VOLUME_COLUMNS)
 YES_NO = {"": True, "no": False, "false": False, "0": False, "yes": True, "true": True, "1": True}
 MANIFEST_BYTES = 100_000_000  # half a million long rows
@@ -55,6 +56,7 @@ class BatchRow:
     units: str
     settings: FitSettings
     answers: VolumeAnswers = NOTHING_SAID  # of a label map
+    lesions: tuple[Path, ...] = ()  # files of lesions that lie in the image
 
     @property
     def preset_file(self) -> Path | None:
@@ -172,8 +174,18 @@ def _row(
             drawing=drawing,
             refine=YES_NO[_one_of("value of refine", cells.get("refine", "").lower(), tuple(YES_NO))],
         ),
-        answers=checked_answers(cells.get("frame"), segments_of_words(cells.get("segments", "").split())),
+        answers=checked_answers(
+            cells.get("frame"),
+            segments_of_words(cells.get("segments", "").split()),
+            same_place=cells.get("same_place") or None,
+        ),
+        lesions=tuple(_file(base, each, "file of lesions") for each in _words(cells.get("lesions", ""))),
     )
+
+
+def _words(cell: str) -> list[str]:
+    """The names of files in a cell."""
+    return [word for each in cell.split(BETWEEN_FILES) if (word := each.strip())]
 
 
 def _file(base: Path, text: str, what: str) -> Path:

@@ -171,6 +171,7 @@ def _fit_of(batch: Batch, row: BatchRow) -> FitOfBytes:
         model=batch.model,
         prior=batch.prior,
         answers=row.answers,
+        lesions=tuple(read_ordinary(each, FILE_BYTES) for each in row.lesions),
     )
 
 
@@ -189,19 +190,22 @@ def _inputs(batch: Batch, task: FitOfBytes) -> dict[str, Any]:
         "model_sha256": batch.model_sha256,
         "prior_sha256": _sha256(task.prior),
         "breastrig": __version__,
-    } | _said(task.answers)
+    } | _said(task.answers, task.lesions)
 
 
-def _said(answers: VolumeAnswers) -> dict[str, Any]:
-    """A person's answers about a label map, for the inputs' record; empty for other scans."""
+def _said(answers: VolumeAnswers, lesions: Sequence[bytes]) -> dict[str, Any]:
+    """A person's answers about volumes, and files of lesions, for the inputs' record; empty for other scans."""
     segments = {str(number): what for number, what in answers.segments.items()}
-    return {"frame": answers.frame, "segments": segments} if answers else {}
+    said: dict[str, Any] = {"frame": answers.frame, "segments": segments} if answers else {}
+    if lesions:
+        said |= {"lesions_sha256": [_sha256(each) for each in lesions], "same_place": answers.same_place}
+    return said
 
 
 def _output(batch: Batch, row: BatchRow) -> Output:
     """The result's folder; one of an earlier batch is replaced, also if it is damaged."""
     folder = batch.folder / row.name
-    inputs = tuple(file for file in (row.scan, row.landmarks) if file is not None)
+    inputs = tuple(file for file in (row.scan, row.landmarks, *row.lesions) if file is not None)
     record = (INPUTS, INPUTS_SCHEMA) if (folder / INPUTS).is_file() else (RESULT, RESULT_SCHEMA)
     return Output(folder, (OutputSet(Path(), (*FIT_FILES, MEASURES, INPUTS), *record),), inputs, batch.force)
 

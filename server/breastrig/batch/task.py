@@ -34,6 +34,7 @@ class FitOfBytes:
     model: str | None = None  # a packaged one's name or a path on this machine; None: the torso
     prior: bytes | None = None  # a file of `breastrig cohort`
     answers: VolumeAnswers = NOTHING_SAID  # of a label map
+    lesions: tuple[bytes, ...] = ()  # files of lesions that lie in the image
 
     def picks(self) -> Picks:
         """The landmarks; those without a unit of their own have the scan's."""
@@ -42,7 +43,8 @@ class FitOfBytes:
         return landmarks_of_file(self.landmarks, self._measured, self.landmarks_ending)
 
     def _measured(self) -> tuple[float, tuple[Array, Array]]:
-        return read_scan(self.scan, self.ending, self.units, texture=False, answers=self.answers).measured
+        answers = self.answers.without_lesions if self.lesions else self.answers
+        return read_scan(self.scan, self.ending, self.units, texture=False, answers=answers).measured
 
 
 def measured_fit(job: FitJob) -> Iterator[Event]:
@@ -69,6 +71,7 @@ def fit_of_bytes(task: FitOfBytes, runner: Runner) -> dict[str, bytes]:
             model=None if task.model is None else model_path(task.model),
             prior=task.prior,
             answers=task.answers,
+            lesions=task.lesions,
             **vars(task.settings) | own,
         )
         for _ in runner(job):

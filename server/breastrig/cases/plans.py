@@ -9,12 +9,16 @@ import os
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from breastrig.cases.case_folder import CaseFolder, utc_now
 from breastrig.cases.documents import NOTHING, PlanDocument, content_of, etag_of, read_document
-from breastrig.cases.layout import PLAN, PLANS
+from breastrig.cases.layout import PLAN, PLANS, new_id
 from breastrig.cases.writing import PART, Changed, put, replace
 from breastrig.core.errors import Conflict, NotFound
-from breastrig.drawings.plan_schema import PlanItem
+from breastrig.drawings.plan_schema import ITEMS, PlanItem, PlanLesion
+from breastrig.scan.images.added_lesions import TakenLesions, taken
+from breastrig.scan.piece import BallInside, TakenSegment
 
 VERSIONS = 50  # that are kept, the one in force among them; nobody undoes more
 
@@ -83,6 +87,37 @@ def put_items_of_scan(case: CaseFolder, scan_id: str, kind: str, items: Sequence
         plan = stored_plan(case)
         others = [item for item in plan.items if (item.scan, item.kind) != (scan_id, kind)]
         return write_plan(case, [*others, *renamed(items, others)], plan.whole)
+
+
+def add_lesions(
+    case: CaseFolder,
+    scan_id: str,
+    lesions: Sequence[BallInside],
+    segments: Sequence[TakenSegment],
+    notes: Sequence[str],
+) -> TakenLesions:
+    """Adds lesions of another file (mm, the scan's frame) to what is planned, without those that are there already.
+
+    Raises NotFound, Conflict where the plan has no room for them.
+    """
+    with case.writing():
+        case.check_scan(scan_id)
+        plan = stored_plan(case)
+        planned = [item for item in plan.items if isinstance(item, PlanLesion)]
+        known = [BallInside(one.name, np.array(one.center), one.radius_mm) for one in planned if one.scan == scan_id]
+        found = taken(lesions, segments, notes, known, [one.name for one in planned])
+        new = [
+            PlanLesion(
+                id=new_id(), scan=scan_id, name=each.name, center=each.center.tolist(), radius_mm=float(each.radius)
+            )
+            for each in found.lesions
+            if each.is_new
+        ]
+        if len(plan.items) + len(new) > ITEMS:
+            raise Conflict(f"This plan has {len(plan.items)} items, of {ITEMS} at most; take some out first.")
+        if new:
+            write_plan(case, [*plan.items, *new], plan.whole)
+    return found
 
 
 def stored_plan(case: CaseFolder) -> PlanDocument:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from breastrig.cli.cases import actions as actions_of
-from breastrig.cli.scan_options import add_scan_options
+from breastrig.cli.scan_options import add_answers, add_same_place, add_scan_options
 from breastrig.core.assets import packaged_models
 from breastrig.core.stances import AUTO, STANCES
 from breastrig.use.steps.settings import FIRST
@@ -18,6 +18,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
     _action(actions, "create", "make a case without scans", actions_of.create, _create_options)
     _action(actions, "add", "read a scan into a case", actions_of.add, _add_options)
+    _action(actions, "lesions", "add the lesions of another file to the plan", actions_of.lesions, _lesions_options)
     _action(actions, "landmarks", "replace a scan's landmarks", actions_of.landmarks, _landmarks_options)
     _action(actions, "fit", "fit a scan of a case, and keep the fit in it", actions_of.fit, _fit_options)
     _action(actions, "predict", "the patient of a scan in another stance", actions_of.predict, _predict_options)
@@ -62,6 +63,15 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     add_scan_options(parser)
     parser.add_argument("--model", default="", choices=list(packaged_models()), help="packaged model to fit it with")
     parser.add_argument("--again", action="store_true", help="though the same file is a scan of this case already")
+
+
+def _lesions_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "file", type=Path, metavar="FILE", help="drawn on the image of the scan: NIfTI, NRRD, DICOM SEG or RTSTRUCT"
+    )
+    add_answers(parser)
+    add_same_place(parser)
+    _scan_option(parser)
 
 
 def _scan_option(parser: argparse.ArgumentParser) -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 from breastrig.cli.interruption import raise_if_asked
 from breastrig.cli.output_options import MISFIT, add_output_options, files_of_model, output_folder
 from breastrig.cli.progress import fitted
-from breastrig.cli.scan_options import add_scan_options, scan_of, scan_source
+from breastrig.cli.scan_options import add_same_place, add_scan_options, scan_of, scan_source
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import Output, all_or_nothing
 from breastrig.core.stances import STANCES
@@ -35,6 +35,17 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--landmarks", type=Path, metavar="FILE", help="picked points: JSON, CSV, .pp or .mrk.json")
     add_scan_options(parser)
+    parser.add_argument(
+        "--lesions",
+        type=Path,
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="FILE",
+        help="lesions drawn on the image that SCAN is: NIfTI, NRRD, DICOM SEG or RTSTRUCT; --frame and --segment are "
+        "then of these files, too",
+    )
+    add_same_place(parser)
     parser.add_argument(
         "--cuts", type=Path, metavar="FILE", help="parts cut away in the page: the answer of GET /api/scans/ID/cuts"
     )
@@ -95,7 +106,7 @@ LEVELS = {
 def _output(options: argparse.Namespace) -> Output:
     """The output folder with its files, and the input files."""
     preset = Path(options.preset) if options.preset.endswith(".toml") else None
-    inputs = [options.scan, options.landmarks, options.cuts, preset, options.prior]
+    inputs = [options.scan, options.landmarks, options.cuts, preset, options.prior, *options.lesions]
     return output_folder(options, [fit_set(Path())], [*inputs, *files_of_model(options.model)])
 
 
@@ -103,7 +114,7 @@ def _run(options: argparse.Namespace) -> FitRun[Iterate, Fit]:
     """The fit, ready for the first iteration."""
     cut = None if options.cuts is None else scan_of(options, options.scan).without(options.cuts)
     return iterates(
-        cut or scan_source(options, options.scan),
+        scan_source(options, cut or options.scan, options.lesions),
         options.landmarks,
         stance=options.stance,
         preset=options.preset,

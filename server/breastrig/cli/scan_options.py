@@ -2,9 +2,11 @@
 
 import argparse
 import sys
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from breastrig.core.units import METRES_PER_UNIT
+from breastrig.scan.piece import TakenSegment
 from breastrig.scan.scan import Scan as ScanInMetres
 from breastrig.scan.volumes.answers import VolumeAnswers, checked_answers, segments_of_words
 from breastrig.use.scan import Scan, ScanSource, read_coloured
@@ -12,6 +14,10 @@ from breastrig.use.scan import Scan, ScanSource, read_coloured
 
 def add_scan_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--units", default="auto", choices=["auto", *METRES_PER_UNIT], help="unit of the scan")
+    add_answers(parser)
+
+
+def add_answers(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--frame",
         metavar="FRAME",
@@ -27,25 +33,42 @@ def add_scan_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_same_place(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--same-place",
+        choices=["yes", "no"],
+        help="whether the lesions lie where the image does, though their file does not say so",
+    )
+
+
 def scan_of(options: argparse.Namespace, scan: Path) -> Scan:
     """The scan, read; prints the names of its segments."""
-    found = read_coloured(scan, options.units, _answers(options))
-    say_segments(found.in_metres)
+    answers = _answers(options)
+    found = read_coloured(
+        scan, options.units, answers.without_lesions if getattr(options, "lesions", None) else answers
+    )
+    say_segments(found.segments)
     return found
 
 
-def scan_source(options: argparse.Namespace, scan: Path) -> ScanSource:
-    """The scan, to be read when it is needed."""
-    return ScanSource(scan, options.units, _answers(options), say_segments)
+def scan_source(options: argparse.Namespace, scan: Path | Scan, lesions: Sequence[Path] = ()) -> ScanSource:
+    """The scan with lesions of other files, to be read when it is needed."""
+    units = options.units if isinstance(scan, Path) else "auto"  # else it has been read in its own
+    return ScanSource(scan, units, _answers(options), say_segments_of, lesions)
 
 
 def _answers(options: argparse.Namespace) -> VolumeAnswers:
-    return checked_answers(options.frame, segments_of_words(options.segment))
+    same_place = getattr(options, "same_place", None)  # of commands that take lesions
+    return checked_answers(options.frame, segments_of_words(options.segment), same_place=same_place)
 
 
-def say_segments(scan: ScanInMetres) -> None:
+def say_segments_of(scan: ScanInMetres) -> None:
+    say_segments(scan.segments)
+
+
+def say_segments(segments: Iterable[TakenSegment]) -> None:
     """Prints the names of a label map's segments: they are needed for choosing, and kept nowhere."""
-    for each in scan.segments:
+    for each in segments:
         called = f' "{each.label}"' if each.label else ""
         across = "" if each.radius_mm is None else f", {2 * each.radius_mm:.0f} mm across"
         print(

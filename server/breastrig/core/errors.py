@@ -52,7 +52,7 @@ class NeedsAnswer(BadScan):
 
     def on_command_line(self) -> str:
         """The sentence with the option's name as it is typed."""
-        return f"{self.problem}; {_say_which(self.question, '--' + str(self.question['field']))}"
+        return f"{self.problem}; {_say_which(self.question, '--' + str(self.question['field']).replace('_', '-'))}"
 
     def __reduce__(self) -> tuple[type["NeedsAnswer"], tuple[str, dict[str, Any]]]:
         return NeedsAnswer, (self.problem, self.question)

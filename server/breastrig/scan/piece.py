@@ -88,7 +88,6 @@ class Pieces:
     lesions: tuple[BallInside, ...] = ()
     segments: tuple[TakenSegment, ...] = ()
     image: KeptImage | None = None  # of which the skin was made
-    segmentations: tuple[bytes, ...] = ()  # whole files (SEG, RTSTRUCT) that lie beside that image
 
 
 def colour_bytes(values: Array, largest: float | None = None) -> NDArray[uint8]:

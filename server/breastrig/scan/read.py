@@ -6,24 +6,21 @@ sentence.  What comes out is checked again, whatever file it came in.
 """
 
 import hashlib
-import stat
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.core.errors import BadInput, BadScan, BadSettings, TooLarge
+from breastrig.core.errors import BadScan, BadSettings, TooLarge
 from breastrig.core.single_precision import EXACT_WITHIN
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.scan.clean import MIN_TRIANGLES
 from breastrig.scan.file_type import VOLUMES, file_type_of, plain_text
 from breastrig.scan.images.dicom_files import may_hold_dicom, sha256_of
-from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, NO_PLACES, TOO_MANY_TRIANGLES, TRIANGLES
+from breastrig.scan.limits import NO_PLACES, TOO_MANY_TRIANGLES, TRIANGLES
 from breastrig.scan.pictures.companions import Companions, beside
 from breastrig.scan.pictures.joined_textures import UNPAINTED, joined_textures
 from breastrig.scan.pictures.texture import written_anew
@@ -31,6 +28,7 @@ from breastrig.scan.piece import PARTLY_COLOURED, UNCOLOURED, BallInside, Piece,
 from breastrig.scan.scan import Scan
 from breastrig.scan.stored_scan import STORED, read_stored
 from breastrig.scan.units import decide_unit, extent
+from breastrig.scan.untrusted import bytes_of, guarded
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 from breastrig.scan.volumes.gzipped import GZIP_START, gunzipped
 
@@ -43,8 +41,6 @@ BEYOND = 1e30  # no unit has such numbers; their squares are beyond single preci
 BROKEN = 0.05  # share of the triangles that may have such corners
 FARTHEST = 1e7  # m from the origin; coordinates of the Earth reach 6.4e6 m, and double precision is 2e-9 m there
 STRAY = 1e3  # m from the scan's middle; no scanner sees so far, and single precision begins to matter
-Parsed = TypeVar("Parsed")
-SHOWN_NAME = 60  # characters of a file's name in a sentence
 
 
 def read_scan(
@@ -74,7 +70,7 @@ def read_scan(
     image = _image_in(source, units, answers)
     if isinstance(image, Pieces) and isinstance(source, Path):
         return _of_pieces(image, sha256_of(source), units, for_display)
-    data = image if isinstance(image, bytes) else _bytes(source)
+    data = image if isinstance(image, bytes) else bytes_of(source)
     if isinstance(image, Pieces):
         return _of_pieces(image, hashlib.sha256(data).hexdigest(), units, for_display)
     if file_type is None and isinstance(source, Path):
@@ -92,12 +88,12 @@ def read_scan(
         if found == "zip":
             raise BadScan("This zip holds another zip; pack the mesh itself.")
     elif isinstance(source, Path) and found in ("obj", "ply", "gltf", "glb"):
-        files = beside(source, _bytes)
+        files = beside(source, bytes_of)
     is_volume = found in VOLUMES
     if answers and not is_volume:
         raise BadSettings("This scan is no label map and no MRI; frame, segments and series are for those alone.")
     kept = (units, answers) if is_volume else (files, texture)
-    pieces = _guarded(found, partial(_volume if is_volume else _pieces, mesh, found, *kept))
+    pieces = guarded(found, partial(_volume if is_volume else _pieces, mesh, found, *kept))
     return _of_pieces(pieces, hashlib.sha256(data).hexdigest(), units, for_display, sorting)
 
 
@@ -135,7 +131,6 @@ def _of_pieces(pieces: Pieces, sha256: str, units: str, for_display: bool, sorti
         from_label_map=pieces.is_label_map,
         from_image=pieces.image is not None,
         image=pieces.image,
-        segmentations=pieces.segmentations,
         lesions=inside,
         segments=pieces.segments,
     )
@@ -147,7 +142,7 @@ def _image_in(source: Path | bytes, units: str, answers: VolumeAnswers) -> Piece
         return None
     from breastrig.scan.images.read_volumes import pieces_in
 
-    return _guarded("dicom", partial(pieces_in, source, units, answers))
+    return guarded("dicom", partial(pieces_in, source, units, answers))
 
 
 def coloured_scan(
@@ -242,43 +237,10 @@ def _pieces(data: bytes, kind: str, files: Companions, texture: bool) -> Pieces:
     return read_ply(data, files, texture)
 
 
-def _guarded(kind: str, parse: Callable[[], Parsed]) -> Parsed:
-    """The result of a parser of untrusted bytes; any exception becomes BadScan or TooLarge."""
-    try:
-        return parse()
-    except BadInput:
-        raise
-    except MemoryError as error:
-        raise TooLarge("Reading this scan needs more memory than there is; simplify it first.") from error
-    except Exception as error:  # it can raise anything
-        raise BadScan(f"This {kind.upper()} file is damaged or cut off and cannot be read; export it again.") from error
-
-
 def _volume(data: bytes, kind: str, units: str, answers: VolumeAnswers) -> Pieces:
     from breastrig.scan.images.read_volumes import pieces_of  # few scans are volumes
 
     return pieces_of(data, kind, units, answers)
-
-
-def _bytes(source: Path | bytes) -> bytes:
-    if isinstance(source, bytes):
-        _check_size(len(source))
-        return source
-    shown = source.name if len(source.name) <= SHOWN_NAME else f"{source.name[:SHOWN_NAME]}..."
-    try:
-        facts = source.stat()
-        if not stat.S_ISREG(facts.st_mode):
-            raise BadScan(f"What is called {shown} is no ordinary file; give a scan file.")
-        _check_size(facts.st_size)
-        return source.read_bytes()
-    except (OSError, ValueError) as error:
-        reason = (isinstance(error, OSError) and error.strerror) or "no such name is possible"
-        raise BadScan(f"The file {shown} cannot be read ({reason}); check the name.") from error
-
-
-def _check_size(size: int) -> None:
-    if size > FILE_BYTES:
-        raise TooLarge(f"This file has {size // MEBIBYTE:,} MB, more than the {FILE_BYTES // MEBIBYTE} MB allowed.")
 
 
 def _joined(found: Pieces) -> tuple[Piece, tuple[str, ...]]:

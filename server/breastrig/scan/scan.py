@@ -35,7 +35,6 @@ class Scan:
     from_label_map: bool = False  # whose axes are the patient's (LPS)
     from_image: bool = False  # whose axes are the patient's (LPS) too
     image: KeptImage | None = None  # of which the skin was made; kept beside a stored scan
-    segmentations: tuple[bytes, ...] = ()  # whole files (SEG, RTSTRUCT) that lay beside it; never stored
     lesions: tuple[BallInside, ...] = ()  # that a label map shows, m
     segments: tuple[TakenSegment, ...] = ()  # of a label map, and what each was taken for
 

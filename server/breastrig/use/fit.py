@@ -169,6 +169,7 @@ def iterates(
     locked: Sequence[str] = (),
     model: Model = None,
     prior: str | Path | None = None,
+    lesions: Sequence[str | Path | bytes] = (),
 ) -> FitRun[Iterate, Fit]:
     """A fit as an iterator of `Iterate` objects, each with its vertices (V, 3) in the scan's unit and frame::
 
@@ -181,7 +182,7 @@ def iterates(
     loop cancels the fit.
     """
     clock = Clock()
-    source = scan if isinstance(scan, ScanSource) else ScanSource(scan, units)
+    source = scan if isinstance(scan, ScanSource) else ScanSource(scan, units, lesions=lesions)
     picks = landmarks_in_mm(landmarks, source, certain)
     with one_thread():
         rig = with_cohort(model, prior)
@@ -201,7 +202,8 @@ def iterates(
         ready = prepare_fit(plan, read, clock)
     own = preset if isinstance(preset, str) and preset.endswith(".toml") else None  # a preset of the user's
     places = landmarks if isinstance(landmarks, str | Path) else None
-    inputs = (*(Path(file) for file in (source.file, places, own) if file is not None), *files_of(model, prior))
+    files = (source.file, places, own, *source.lesion_files)
+    inputs = (*(Path(file) for file in files if file is not None), *files_of(model, prior))
 
     def steps() -> Generator[Iterate, None, Fit]:
         for step in fit_steps(ready, clock):
@@ -241,6 +243,8 @@ Args:
         shape, or one part of a bone (lumbar.scale).
     model: From `load_model`, or the path of a .glb; None: the torso of the package.
     prior: A file of `breastrig cohort`, of fits with this model; None: the built-in prior.
+    lesions: Files of lesions that were drawn on the image that `scan` is (NIfTI, NRRD, DICOM SEG, RTSTRUCT). Where one
+        leaves something open, `Scan.with_lesions` takes the answer.
 
 Raises:
     BadInput: BadScan, BadLandmarks, BadDrawing, BadModel or BadSettings, for what can be mended.

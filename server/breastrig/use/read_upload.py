@@ -1,4 +1,5 @@
-"""The worker's side of one upload: read it, say what it is, write what is kept and the mesh for display.
+"""The worker's side of one upload: read it, say what it is, write what is kept and the mesh for display.  Also that of
+lesions of another file than their image's, of which only numbers are kept.
 
 An upload is hostile until it has been read, and holds more of a patient than the skin.  This runs in a process of its
 own with limits of memory and time, gives back nothing but numbers and sentences, and writes a file of our own, from
@@ -6,6 +7,8 @@ which everything later starts; the upload itself is not kept.  How the patient l
 proposals and fits of this scan begin with it.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -21,7 +24,9 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.scan_mesh import scan_mesh
 from breastrig.report.pictures import thumbnail_png
 from breastrig.scan.clean import Surface
-from breastrig.scan.kept_image import KeptImage, write_image
+from breastrig.scan.images.read_lesions import LesionsRead, lesions_in
+from breastrig.scan.kept_image import KeptImage, read_image, write_image
+from breastrig.scan.piece import TakenSegment
 from breastrig.scan.read import read_scan
 from breastrig.scan.stored_scan import write_stored
 from breastrig.scan.units import extent, size_doubt
@@ -43,13 +48,34 @@ class UploadJob:
     answers: VolumeAnswers = NOTHING_SAID  # of a label map
 
 
+@dataclass(frozen=True)
+class LesionsJob:
+    """Lesions of another file, to be read."""
+
+    file: Path  # the uploaded bytes
+    volume: Path  # the image of the scan that they lie in
+    answers: VolumeAnswers = NOTHING_SAID
+
+
 PIECES = 20  # the largest, at most so many, are reported to the page
 
 
 def read_upload(job: UploadJob) -> dict[str, Any]:
     """The facts of the scan, ready for JSON.  Raises BadScan or TooLarge with a sentence."""
-    try:
+    with _sentences():
         return _read(job)
+
+
+def read_lesions(job: LesionsJob) -> LesionsRead:
+    """The lesions, mm, in the frame of the image.  Raises BadScan or TooLarge with a sentence, OSError."""
+    with _sentences():
+        return lesions_in(job.file, read_image(job.volume), job.answers)
+
+
+@contextmanager
+def _sentences() -> Iterator[None]:
+    try:
+        yield
     except MemoryError as error:
         raise BadScan("Reading this scan needs more memory than it may use; give a smaller file.") from error
     except RecursionError as error:
@@ -93,7 +119,7 @@ def _read(job: UploadJob) -> dict[str, Any]:
             {"name": each.name, "center": (1e3 * each.center).tolist(), "radius_mm": 1e3 * each.radius}
             for each in scan.lesions
         ],
-        "segments": [{name: fact for name, fact in asdict(each).items() if name != "label"} for each in scan.segments],
+        "segments": [segment_facts(each) for each in scan.segments],
         "labels": [each.label for each in scan.segments],  # for the first answer alone; never kept
         "cut_away_cm2": round(1e4 * ready.cut_away),
         "background": [{"normal": normal.tolist(), "height_m": height} for normal, height in ready.frame.background],
@@ -104,6 +130,11 @@ def _read(job: UploadJob) -> dict[str, Any]:
         "orientation": orientation.facts(),
         "image": None if scan.image is None else _image_facts(scan.image),
     }
+
+
+def segment_facts(segment: TakenSegment) -> dict[str, Any]:
+    """What may be kept of it: none of the file's words."""
+    return {name: fact for name, fact in asdict(segment).items() if name != "label"}
 
 
 def _image_facts(image: KeptImage) -> dict[str, Any]:

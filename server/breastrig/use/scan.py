@@ -1,6 +1,6 @@
 """A scan as programs see it: the file's own triangles, unit and frame."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
@@ -87,6 +87,28 @@ class Scan:
         """
         document = cuts if isinstance(cuts, Mapping) else Path(cuts)
         return _scan(without_hand_cuts(self.in_metres, read_cuts(document)), self.file)
+
+    def with_lesions(
+        self,
+        *files: str | Path | bytes,
+        frame: str | None = None,
+        segments: Mapping[int, str] | None = None,
+        same_place: bool | None = None,
+    ) -> "Scan":
+        """The scan of an image with the lesions of other files (NIfTI, NRRD, DICOM SEG, RTSTRUCT) that lie in it.
+
+        frame        of NIfTI files, as in `read_scan`
+        segments     number -> "lesion", "tissue" or "unused"
+        same_place   whether the files lie where the image does, though they do not say so; None: it is asked
+
+        Raises BadScan, TooLarge or BadSettings, each with one sentence; of BadScan NeedsAnswer, whose `question` has
+        the choices.
+        """
+        from breastrig.scan.images.read_lesions import with_lesions  # volumes, which few scans are
+
+        given = [each if isinstance(each, bytes) else existing(each) for each in files]
+        answers = checked_answers(frame, segments, same_place=same_place)
+        return _scan(with_lesions(self.in_metres, given, answers), self.file)
 
     def to_trimesh(self) -> "trimesh.Trimesh":
         """A copy as a trimesh.Trimesh, in the scan's unit and frame."""
@@ -187,28 +209,45 @@ class ScanSource:
         units: str,
         answers: VolumeAnswers = NOTHING_SAID,
         tell: Callable[[ScanInMetres], None] | None = None,
+        lesions: Sequence[str | Path | bytes] = (),
     ) -> None:
-        """`tell` is called with what has been read from a file, once."""
+        """`tell` is called with what has been read from a file, once; `lesions` are files drawn on the scan's image."""
         if not isinstance(scan, Scan | str | Path):
             scan, units = Scan.from_trimesh(scan, units), "auto"
         if isinstance(scan, Scan) and units != "auto":
             raise BadSettings("This scan has been read already; give its units to read_scan.")
         self._given = scan if isinstance(scan, Scan) else existing(scan)
         self._units, self._answers, self._tell = units, answers, tell
-        self._read = (scan.in_metres, 0.0) if isinstance(scan, Scan) else None
+        self._lesions = [each if isinstance(each, bytes) else existing(each) for each in lesions]
+        self._read = (scan.in_metres, 0.0) if isinstance(scan, Scan) and not lesions else None
 
     @property
     def file(self) -> Path | None:
         """The scan's file, if it is known."""
         return self._given.file if isinstance(self._given, Scan) else self._given
 
+    @property
+    def lesion_files(self) -> tuple[Path, ...]:
+        """The files of lesions."""
+        return tuple(each for each in self._lesions if isinstance(each, Path))
+
     def read(self) -> tuple[ScanInMetres, float]:
         """The scan, and the seconds that reading it took here."""
         if self._read is None:
-            assert isinstance(self._given, Path)
             began = perf_counter()
-            found = coloured_scan(self._given, None, self._units, self._answers)
+            found = self._scan()
+            if self._lesions:
+                from breastrig.scan.images.read_lesions import with_lesions
+
+                found = with_lesions(found, self._lesions, self._answers)
             self._read = found, perf_counter() - began
             if self._tell is not None:
                 self._tell(found)
         return self._read
+
+    def _scan(self) -> ScanInMetres:
+        """The scan without lesions of other files."""
+        if isinstance(self._given, Scan):
+            return self._given.in_metres
+        answers = self._answers.without_lesions if self._lesions else self._answers
+        return coloured_scan(self._given, None, self._units, answers)

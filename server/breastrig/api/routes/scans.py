@@ -36,6 +36,7 @@ from breastrig.storage.documents.scans import (
     scans_page,
 )
 from breastrig.storage.files import MESH, THUMBNAIL, VOLUME, OpenedFile, scan_place
+from breastrig.use.read_upload import segment_facts
 
 TAG = {"name": "scans", "description": "Upload a scan, pick landmarks on it, delete it with everything made of it."}
 
@@ -80,6 +81,30 @@ def upload_scan(files_data: wire.ScanUpload) -> tuple[wire.Scan, int, dict[str, 
     segments = [each.model_copy(update={"label": label}) for each, label in named]
     answer = answer.model_copy(update={"segments": segments})
     return answer, 201, {"Location": answer.links.self}
+
+
+@scans.post("/<scan_id>/lesions")
+@scans.input(wire.LesionsUpload, location="files")
+@scans.output(wire.TakenLesions)
+@scans.doc(
+    operation_id="addLesions",
+    responses={409: "No room in the plan", 413: "Too large", 422: "Cannot be read", 429: "Too many"},
+)
+def add_lesions(scan_id: str, files_data: wire.LesionsUpload) -> wire.TakenLesions:
+    """Add the lesions of another file, drawn on the scan's image, to the plan
+
+    They are added to what is planned; those that the plan has already are not added again.  Nothing else is kept of the
+    file.  Where it does not say that it lies where the image does, or which side is left, the answer is 422 with a
+    `question`, as at the upload of a scan.
+    """
+    answers = checked_answers(files_data.frame, segments_of_json(files_data.segments), same_place=files_data.same_place)
+    taken = app_context().service.uploads.add_lesions(scan_id, files_data.file.stream, answers)
+    lesions = [
+        wire.TakenLesion(name=each.name, center=each.center.tolist(), radius_mm=float(each.radius), new=each.is_new)
+        for each in taken.lesions
+    ]
+    segments = [wire.Segment.model_validate(segment_facts(each) | {"label": each.label}) for each in taken.segments]
+    return wire.TakenLesions(lesions=lesions, segments=segments, notes=list(taken.notes))
 
 
 @scans.get("")

@@ -61,6 +61,13 @@ class Headers(BaseModel):
     model_config = ConfigDict(extra="ignore", frozen=True, populate_by_name=True)
 
 
+SamePlace = Literal["yes", "no"]
+SAME_PLACE = (
+    "whether lesions of another file lie where the image does, though the file does not say so: the `value` of a "
+    "choice of the 422 answer's `question`"
+)
+
+
 class ScanUpload(Upload):
     file: UploadFile = Field(description="PLY, OBJ, STL, GLB, PCD, XYZ, USDZ, or a zip of one with its images")
     units: Units = Field("auto", description="unit of the file's numbers; auto decides from the size and says so")
@@ -99,6 +106,28 @@ class Segment(Wire):
         exclude_if=lambda found: found is None,
         description="the file's own words, in the answer to its upload alone: they may name a patient and are not kept",
     )
+
+
+class LesionsUpload(Upload):
+    file: UploadFile = Field(description="lesions drawn on the scan's image: NIfTI, NRRD, DICOM SEG or RTSTRUCT")
+    frame: str | None = Field(None, max_length=10, description="as at the upload of a scan")
+    segments: str | None = Field(None, max_length=MOST_CHARACTERS, description="as at the upload of a scan")
+    same_place: SamePlace | None = Field(None, description=SAME_PLACE)
+
+
+class TakenLesion(Wire):
+    """A lesion of the file, as it is called in the plan."""
+
+    name: str
+    center: Three = Field(description="mm, the scan's own axes")
+    radius_mm: float
+    new: bool = Field(description="false: the plan has it already, and it was not added again")
+
+
+class TakenLesions(Wire):
+    lesions: list[TakenLesion]
+    segments: list[Segment]
+    notes: list[str] = Field(description="what reading found, one sentence each")
 
 
 class Bounds(Wire):

@@ -9,6 +9,7 @@ from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder
 from breastrig.cli.output_options import output_file
 from breastrig.cli.progress import fitted
+from breastrig.cli.scan_options import say_segments
 from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput, NotFound
 from breastrig.core.output_files import all_or_nothing
@@ -40,6 +41,26 @@ def add(options: argparse.Namespace) -> int:
     for said in scan.notes:
         print(f"breastrig: {said}", file=sys.stderr)
     print(f"scan {numbers[scan_id]}: {_about(scan)}")
+    return 0
+
+
+def lesions(options: argparse.Namespace) -> int:
+    case = Case(options.case)
+    scan = _chosen(case, options.scan)
+    taken = case.add_lesions(
+        scan.id,
+        options.file,
+        frame=options.frame,
+        segments=segments_of_words(options.segment) or None,
+        same_place=options.same_place,
+    )
+    say_segments(taken.segments)
+    for said in taken.notes:
+        print(f"breastrig: {said}", file=sys.stderr)
+    for each in taken.lesions:
+        print(f"{each.name}: {2 * each.radius:.0f} mm across{'' if each.is_new else ', in the plan already'}")
+    if not taken.lesions:
+        print("no lesions")
     return 0
 
 

@@ -8,7 +8,7 @@ from breastrig.scan.volumes.label_map import BOTH, ONE_BREAST
 FRAME = "Places are in the DICOM patient frame (LPS), mm; the skin was made from the image."
 
 
-def image_pieces(image: ImageVolume, segmentations: tuple[bytes, ...] = ()) -> Pieces:
+def image_pieces(image: ImageVolume) -> Pieces:
     """The skin in mm, LPS, with the image as it is kept.  Raises BadScan or TooLarge with a sentence."""
     skin = skin_of_image(image)
     width = float(skin.vertices[:, 0].max() - skin.vertices[:, 0].min()) if len(skin.vertices) else BOTH
@@ -18,5 +18,4 @@ def image_pieces(image: ImageVolume, segmentations: tuple[bytes, ...] = ()) -> P
         notes=(FRAME, *narrow, *image.notes, *skin.notes),
         unit="mm",
         image=kept_image(image),
-        segmentations=segmentations,
     )

@@ -18,9 +18,10 @@ def pieces_in(source: Path | bytes, units: str, answers: VolumeAnswers) -> Piece
     if not isinstance(found, DicomImage):
         return found
     from breastrig.scan.images.image_pieces import image_pieces  # SciPy's filters, and few scans are volumes
+    from breastrig.scan.images.read_lesions import with_lesions_beside
 
     _check_unit(units)
-    return image_pieces(found.image, found.segmentations)
+    return with_lesions_beside(image_pieces(found.image), found.segmentations, answers)
 
 
 def pieces_of(data: bytes, kind: str, units: str, answers: VolumeAnswers) -> Pieces:

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, TypeGuard
 
 from breastrig.core.errors import BadSettings
@@ -22,20 +22,34 @@ class VolumeAnswers:
     frame: str | None = None  # sform, qform, or nibabel's axis codes: RAS
     segments: Mapping[int, TakenAs] = field(default_factory=dict)  # number -> as what it is to be taken
     series: str | None = None  # of several in DICOM files: a value of the question
+    same_place: bool | None = None  # whether a file of lesions lies where the image does
 
     def __bool__(self) -> bool:
-        return self.frame is not None or bool(self.segments) or self.series is not None
+        return self != NOTHING_SAID
+
+    @property
+    def without_lesions(self) -> "VolumeAnswers":
+        """Those about the image itself where segments and place are of a file of lesions."""
+        return replace(self, segments={}, same_place=None)
 
 
 NOTHING_SAID = VolumeAnswers()
 
 
 def checked_answers(
-    frame: str | None, segments: Mapping[Any, Any] | None = None, series: str | None = None
+    frame: str | None,
+    segments: Mapping[Any, Any] | None = None,
+    series: str | None = None,
+    same_place: bool | str | None = None,
 ) -> VolumeAnswers:
     """The answers, with numbers as text where JSON has them so.  Raises BadSettings with a sentence."""
     chosen = {_number(number): _taken_as(what) for number, what in (segments or {}).items()}
-    return VolumeAnswers(_frame(frame) if frame else None, chosen, series.strip().lower() if series else None)
+    return VolumeAnswers(
+        _frame(frame) if frame else None,
+        chosen,
+        series.strip().lower() if series else None,
+        _yes_or_no(same_place),
+    )
 
 
 def segments_of_words(words: Iterable[str]) -> dict[int, TakenAs]:
@@ -68,6 +82,14 @@ def _frame(text: str) -> str:
         "This is no frame; give sform, qform, or three letters that say where the voxels' axes grow to: "
         "RAS is right, front (anterior), head (superior)."
     )
+
+
+def _yes_or_no(given: bool | str | None) -> bool | None:
+    if given is None or isinstance(given, bool):
+        return given
+    if given not in ("yes", "no"):
+        raise BadSettings("Whether lesions and image lie in the same place is said with yes or no.")
+    return given == "yes"
 
 
 def _number(given: Any) -> int:

@@ -7,10 +7,12 @@ storage/documents/scans.py, a case.
 import hashlib
 import json
 import logging
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
+from breastrig.cases.plans import add_lesions
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadScan, NotFound, unknown_name
 from breastrig.core.model_choice import ModelChoice
@@ -19,6 +21,8 @@ from breastrig.core.stances import STANCES, Stance
 from breastrig.execution.limits import UploadLimits
 from breastrig.execution.pool import TaskQueue
 from breastrig.fitting.prepare_scan import keeping
+from breastrig.scan.images.added_lesions import TakenLesions
+from breastrig.scan.images.read_lesions import LesionsRead
 from breastrig.scan.stored_scan import STORED
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 from breastrig.service.failed_tasks import FULL
@@ -29,9 +33,11 @@ from breastrig.storage.documents.scans import StoredScan
 from breastrig.storage.files import MESH, THUMBNAIL, VOLUME, scan_place, upload_name
 from breastrig.storage.folders import new_id
 from breastrig.storage.storage import Storage, utc_now
-from breastrig.use.read_upload import UploadJob, read_upload
+from breastrig.use.cases.case_work import volume_of
+from breastrig.use.read_upload import LesionsJob, UploadJob, read_lesions, read_upload
 
 CHUNK = 2**20
+UPLOAD = "lesions"  # the file's name while it is read
 EXAMPLE_LABELS = {
     "marked": "Example patient with lines of a pen",
     "standing": "Example patient, standing",
@@ -112,6 +118,28 @@ class Uploads:
             raise
         return row, labels
 
+    def add_lesions(self, scan_id: str, source: IO[bytes], answers: VolumeAnswers = NOTHING_SAID) -> TakenLesions:
+        """Reads lesions of another file, which lie in the scan's image, into the plan; keeps nothing else of it.
+
+        Raises as `add`, Conflict where the plan has no room for them.
+        """
+        case = self._storage.case_of_scan(scan_id)
+        volume, place = volume_of(case, scan_id), scan_place(new_id())
+        try:
+            self._storage.files.make(place)
+            upload = self._storage.files.made(place) / UPLOAD
+            _keep(source, upload)
+            task = (LesionsJob(upload, volume, answers),)
+            read: LesionsRead = self._result(read_lesions, task)
+        except BaseException:
+            case.check_scan(scan_id)  # it may have been deleted meanwhile
+            raise
+        finally:
+            self._storage.discard(place)
+        taken = add_lesions(case, scan_id, read.lesions, read.segments, read.notes)
+        self._storage.index.refresh(case.id)
+        return taken
+
     def examples(self) -> tuple[Example, ...]:
         """The example patient's scans: standing, supine, prone, and of each stance by name."""
         folder = self._examples or asset_folder("example")
@@ -131,9 +159,13 @@ class Uploads:
         return row, json.loads(example.landmarks.read_text(encoding="utf-8"))["landmarks"]
 
     def _read(self, scan_id: str, job: UploadJob) -> dict[str, Any]:
+        facts: dict[str, Any] = self._result(keeping, (read_upload, job), scan_id)
+        return facts
+
+    def _result(self, task: Callable[..., Any], given: tuple[Any, ...], key: str | None = None) -> Any:
+        """What a task makes of an upload.  Raises BadScan, OSError for a full disk."""
         try:
-            task = (read_upload, job)
-            facts: dict[str, Any] = self._processes.result(keeping, task, self._limits.wall_s, scan_id)
+            return self._processes.result(task, given, self._limits.wall_s, key)
         except TimeoutError as error:
             raise BadScan(
                 f"Reading this scan took longer than {self._limits.wall_s:g} s; simplify it first."
@@ -143,7 +175,6 @@ class Uploads:
                 raise  # the disk's fault, not the scan's
             log.warning("the process that read an upload died: %r", error)
             raise BadScan("Reading this scan needs more memory or time than it may use; simplify it first.") from error
-        return facts
 
 
 def _example(scan: Path) -> Example:

@@ -25,8 +25,15 @@ from breastrig.drawings.patterns import drawing_with
 from breastrig.drawings.plan_schema import PlanLesion, PlanLine, PlanNote, asked_of, checked_plan
 from breastrig.report.pages.printable import check_printable, checked_code
 from breastrig.scan.hand_cuts import read_cuts
+from breastrig.scan.images.added_lesions import TakenLesions
 from breastrig.scan.volumes.answers import checked_answers
-from breastrig.use.cases.case_work import asked_fit, asked_prediction, fit_events, read_into_case
+from breastrig.use.cases.case_work import (
+    asked_fit,
+    asked_prediction,
+    fit_events,
+    lesions_into_case,
+    read_into_case,
+)
 from breastrig.use.fit import FitRun, to_its_end
 from breastrig.use.folder.whose import asked_about
 from breastrig.use.landmarks import Landmarks, landmarks_in_mm
@@ -130,6 +137,27 @@ class Case:
         with source.open("rb") as stream, one_thread():
             digest = hashlib.file_digest(stream, "sha256").hexdigest()
             return read_into_case(self._folder, source, digest, units, model, answers, again)
+
+    def add_lesions(
+        self,
+        scan: str,
+        file: str | Path,
+        *,
+        frame: str | None = None,
+        segments: Mapping[int, str] | None = None,
+        same_place: bool | str | None = None,
+    ) -> TakenLesions:
+        """Reads lesions that were drawn on the scan's image into the plan: NIfTI, NRRD, DICOM SEG or RTSTRUCT.
+
+        Lesions that the plan has are not added again.  `frame` and `segments` are those of `read_scan`; `same_place`
+        says that the file lies where the image does, though it does not say so itself.
+        Raises BadScan, TooLarge or another BadInput with one sentence, and then changes nothing; of BadScan
+        NeedsAnswer, whose `question` has the choices.
+        """
+        source = existing(file)
+        answers = checked_answers(frame, segments, same_place=same_place)
+        with one_thread():
+            return lesions_into_case(self._folder, scan, source, answers)
 
     def read_scan(self, scan: str) -> Scan:
         """The scan as `breastrig.read_scan` gives it: vertices (V, 3) in its own unit and frame.  Raises BadInput."""

@@ -12,19 +12,20 @@ from breastrig.cases.case_folder import CaseFolder, sync_file, utc_now
 from breastrig.cases.documents import FitDocument, ScanDocument
 from breastrig.cases.fits import CANCELLED, Claim, added, events_after, find_fit, get_fit
 from breastrig.cases.of_scans import get_cuts, get_landmarks
-from breastrig.cases.plans import put_items_of_scan
+from breastrig.cases.plans import add_lesions, put_items_of_scan
 from breastrig.cases.writing import replace
-from breastrig.core.errors import BadInput, BreastRigError, Conflict
+from breastrig.core.errors import BadInput, BadScan, BreastRigError, Conflict
 from breastrig.core.model_choice import FACT, model_choice
 from breastrig.core.stances import Stance
 from breastrig.core.units import UNIT_CHOICES
 from breastrig.drawings.plan_schema import PlanLesion
 from breastrig.files.result import RESULT
+from breastrig.scan.images.added_lesions import NO_IMAGE, TakenLesions
 from breastrig.scan.limits import TRIANGLES
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 from breastrig.use.fit import run_fit
 from breastrig.use.predict import PredictionJob, run_prediction
-from breastrig.use.read_upload import UploadJob, read_upload
+from breastrig.use.read_upload import LesionsJob, UploadJob, read_lesions, read_upload
 from breastrig.use.steps.events import Event, Failed, event_json
 from breastrig.use.steps.settings import EarlierFit, FitJob
 
@@ -62,6 +63,24 @@ def read_into_case(
         items = [PlanLesion.model_validate({"id": layout.new_id(), "scan": scan_id, **each}) for each in lesions]
         put_items_of_scan(case, scan_id, "lesion", items)
     return scan_id
+
+
+def volume_of(case: CaseFolder, scan_id: str) -> Path:
+    """The image of the scan.  Raises NotFound, BadScan for a scan that was made of none."""
+    case.check_scan(scan_id)
+    file = case.scan_folder(scan_id) / layout.VOLUME
+    if not file.is_file():
+        raise BadScan(NO_IMAGE)
+    return file
+
+
+def lesions_into_case(case: CaseFolder, scan_id: str, file: Path, answers: VolumeAnswers) -> TakenLesions:
+    """Reads lesions of another file than the scan's, which lie in its image, into the plan.
+
+    Nothing else is kept of the file.  Raises BadScan, TooLarge, NotFound, Conflict.
+    """
+    read = read_lesions(LesionsJob(file, volume_of(case, scan_id), answers))
+    return add_lesions(case, scan_id, read.lesions, read.segments, read.notes)
 
 
 def asked_fit(case: CaseFolder, scan_id: str, **asked: Any) -> FitDocument:

@@ -167,7 +167,13 @@ def _only_proposed(landmarks: Collection[str], confidence: Mapping[str, float]) 
 
 def scan_of_job(job: FitJob) -> Scan:
     """The job's scan; a BadInput says what is wrong with it."""
-    return without_hand_cuts(coloured_scan(job.scan, job.file_type, job.units, job.answers), job.cuts)
+    answers = job.answers.without_lesions if job.lesions else job.answers
+    scan = without_hand_cuts(coloured_scan(job.scan, job.file_type, job.units, answers), job.cuts)
+    if not job.lesions:
+        return scan
+    from breastrig.scan.images.read_lesions import with_lesions
+
+    return with_lesions(scan, job.lesions, job.answers)
 
 
 def prepare_fit(plan: FitPlan, scan: Scan, clock: Clock) -> ReadyScan:

@@ -49,3 +49,4 @@ class FitJob(FitSettings):
     cuts: tuple[dict[str, Any], ...] = ()  # by hand, see scan/hand_cuts.py
     prior: bytes | None = None  # a file of `breastrig cohort`
     answers: VolumeAnswers = NOTHING_SAID  # of a label map
+    lesions: tuple[bytes, ...] = ()  # files of lesions that lie in the scan's image

@@ -1,0 +1,88 @@
+"""Lesions of another file than the scan's, drawn on the image that it was made of: untrusted bytes, as a scan's."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+
+from breastrig.core.errors import BadInput, BadScan, NeedsAnswer
+from breastrig.scan.images.added_lesions import NO_IMAGE, taken
+from breastrig.scan.kept_image import KeptImage
+from breastrig.scan.piece import BallInside, Pieces, TakenSegment
+from breastrig.scan.scan import Scan
+from breastrig.scan.untrusted import bytes_of, guarded
+from breastrig.scan.volumes.answers import VolumeAnswers
+
+LEFT_OUT = "A segmentation beside the image was left out: {}"
+
+
+def lesions_in(source: Path | bytes, on: KeptImage | None, answers: VolumeAnswers) -> "LesionsRead":
+    """The lesions of a file that lie in the image, mm.
+
+    Raises BadScan or TooLarge with a sentence, of BadScan NeedsAnswer, where a person has to say something, and
+    BadSettings for answers that do not fit the file.
+    """
+    if on is None:
+        raise BadScan(NO_IMAGE)
+    return guarded("segmentation", partial(lesions_of, bytes_of(source), on, answers))
+
+
+def with_lesions(scan: Scan, sources: Sequence[Path | bytes], answers: VolumeAnswers) -> Scan:
+    """The scan of an image with the lesions of these files.  Raises as `lesions_in`."""
+    for source in sources:
+        found = lesions_in(source, scan.image, answers)
+        known = [_scaled(each, 1e3) for each in scan.lesions]
+        named = taken(found.lesions, found.segments, found.notes, known)
+        scan = replace(
+            scan,
+            lesions=(*scan.lesions, *(_scaled(each, 1e-3) for each in named.lesions if each.is_new)),
+            segments=(*scan.segments, *named.segments),
+            notes=(*scan.notes, *named.notes),
+        )
+    return scan
+
+
+def with_lesions_beside(image: Pieces, files: Sequence[bytes], answers: VolumeAnswers) -> Pieces:
+    """The image with the lesions of files that lay beside it; what cannot be read of them is left out and said.
+
+    Raises NeedsAnswer.
+    """
+    for file in files:
+        try:
+            found = lesions_in(file, image.image, answers)
+        except NeedsAnswer:
+            raise
+        except BadInput as error:
+            image = replace(image, notes=(*image.notes, LEFT_OUT.format(error)))
+            continue
+        named = taken(found.lesions, found.segments, found.notes, image.lesions)
+        new = (each for each in named.lesions if each.is_new)
+        image = replace(image, lesions=(*image.lesions, *new), notes=(*image.notes, *named.notes))
+    return image
+
+
+def _scaled(lesion: BallInside, factor: float) -> BallInside:
+    return BallInside(lesion.name, factor * lesion.center, factor * lesion.radius)
+
+
+@dataclass(frozen=True, eq=False)
+class LesionsRead:
+    """The lesions of a file, mm (LPS)."""
+
+    lesions: tuple[BallInside, ...]
+    segments: tuple[TakenSegment, ...]
+    notes: tuple[str, ...]
+
+
+def lesions_of(data: bytes, on: KeptImage | None, answers: VolumeAnswers) -> LesionsRead:
+    """The lesions of a label map that shows the body, too.  Raises BadScan, TooLarge, BadSettings."""
+    from breastrig.scan.file_type import VOLUMES, file_type_of
+    from breastrig.scan.volumes.gzipped import GZIP_START, gunzipped
+    from breastrig.scan.volumes.label_map import label_map_pieces
+
+    unpacked = gunzipped(data) if data.startswith(GZIP_START) else data
+    kind = file_type_of(unpacked)
+    if kind not in VOLUMES:
+        raise BadScan("This file holds no lesions; give a segmentation (NIfTI, DICOM SEG).")
+    found = label_map_pieces(unpacked, kind, answers)
+    return LesionsRead(found.lesions, found.segments, found.notes)
