@@ -566,6 +566,17 @@ export type LesionSlice = {
   wall_mm: [number, number][][];
 };
 
+export type LesionsUpload = {
+  /** lesions drawn on the scan's image: NIfTI, NRRD, DICOM SEG or RTSTRUCT */
+  file: Blob;
+  /** as at the upload of a scan */
+  frame?: string | null;
+  /** as at the upload of a scan */
+  segments?: string | null;
+  /** whether lesions of another file lie where the image does, though the file does not say so: the `value` of a choice of the 422 answer's `question` */
+  same_place?: "yes" | "no" | null;
+};
+
 export type Limits = {
   upload_bytes: number;
   triangles: number;
@@ -1617,6 +1628,23 @@ export type SurfaceDistances = {
 export type SurfacePoint = {
   face: number;
   barycentric: [number, number, number];
+};
+
+/** A lesion of the file, as it is called in the plan. */
+export type TakenLesion = {
+  name: string;
+  /** mm, the scan's own axes */
+  center: [number, number, number];
+  radius_mm: number;
+  /** false: the plan has it already, and it was not added again */
+  new: boolean;
+};
+
+export type TakenLesions = {
+  lesions: TakenLesion[];
+  segments: Segment[];
+  /** what reading found, one sentence each */
+  notes: string[];
 };
 
 export type TransferRequest = {
