@@ -91,18 +91,27 @@ def test_a_lesion_of_an_mri_is_seen_on_all_scans_moved_reported_and_shared(
     before = seen("standing")
     plan = client.get(mri["links"]["plan"])
     (item,) = plan.json["items"]
-    moved = item | {"center": np.add(item["center"], [5.0, 0.0, 0.0]).tolist()}  # to her left
+    moved = item | {"center": np.add(item["center"], [5.0, 0.0, 0.0]).tolist(), "radiology": "right, 6 o'clock"}  # left
     kept = client.put(mri["links"]["plan"], json={"items": [moved]}, headers={"If-Match": plan.headers["ETag"]})
     assert kept.status_code == 200, kept.json
     went = np.subtract(seen("standing")["center"], before["center"])
     assert went == pytest.approx([5.0, 0.0, 0.0], abs=2.0)
+    for stance in ("prone", "standing"):
+        there = seen(stance)
+        assert re.fullmatch(
+            r"left, (\d+(:30| o'clock), \d\d mm from|\d\d mm behind) the nipple", there["clock"]["text"]
+        )
+        said = "Radiology wrote right; this lesion lies in the left breast."
+        assert there["radiology"] == {"agrees": False, "text": said}
 
     with client.get(f"{fits['standing']['report']}?with={fits['supine']['id']}") as report:
         pages = pypdf.PdfReader(io.BytesIO(report.data)).pages
     text = " ".join(" ".join(page.extract_text() for page in pages).split())
     block = text.split("Lesion: Lesion 1", 1)[1]
     assert re.match(r" standing radius [67][.\d]* mm to the skin \d+ mm, \d+ to \d+ to the nipple, left \d+ mm,", block)
-    assert re.search(r"its place ± \d+ mm axial sagittal coronal supine radius", block)
+    assert re.search(
+        r"± \d+ mm by the clock left, .*Radiology wrote right; .* axial sagittal coronal supine radius", block
+    )
 
     for scan, has_slices in (("none", False), ("plain", True)):
         share = client.post(f"/api/fits/{fits['standing']['id']}/shares", json={"scan": scan}).json

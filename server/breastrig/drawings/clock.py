@@ -144,11 +144,17 @@ def _circle(skin: FittedSkin, centre: SurfacePoints, radius: float) -> tuple[Arr
 
 def _seen(skin: FittedSkin, arms: Array, directions: Array) -> Array:
     """(D,) rad clockwise from 12, of (D, 3) directions on the clock's face of a circle with (M, 3) m arms."""
+    three, twelve = face_of(skin, arms)
+    return np.asarray(np.arctan2(directions @ three, directions @ twelve))
+
+
+def face_of(skin: FittedSkin, arms: Array) -> tuple[Array, Array]:
+    """(3,) unit directions of 3 and 12 o'clock on the clock's face of a circle with (M, 3) m arms."""
     facing = np.cross(arms, np.roll(arms, -1, axis=0)).sum(axis=0)
     facing /= np.linalg.norm(facing)
     up = skin.axes[:, 1] - (skin.axes[:, 1] @ facing) * facing
     up /= np.linalg.norm(up)
-    return np.asarray(np.arctan2(directions @ np.cross(up, facing), directions @ up))
+    return np.cross(up, facing), up
 
 
 def _seen_on_circle(skin: FittedSkin, centre: SurfacePoints, radius: float, angles: Array) -> Array:

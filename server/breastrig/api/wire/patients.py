@@ -150,6 +150,21 @@ class LesionSlice(Wire):
     wall_mm: list[Outline] = Field(description="of the chest wall; empty where nothing is known of the rig's inside")
 
 
+class LesionClock(Wire):
+    """Where a lesion lies in its breast, as radiology writes it."""
+
+    side: Literal["L", "R"] = Field(description="of the nearer nipple")
+    hour: float | None = Field(description="of its direction from the nipple, read facing the patient; null behind it")
+    text: str = Field(description="with the distance from the nipple, straight")
+
+
+class RadiologyCheck(Wire):
+    """What was typed of a radiologist's report beside where the lesion lies."""
+
+    agrees: bool | None = Field(description="by side and quadrant; null where nothing of it can be compared")
+    text: str = Field(description="one sentence")
+
+
 class PlannedLesion(Wire):
     """A ball inside the body, in the scan's frame."""
 
@@ -168,6 +183,8 @@ class PlannedLesion(Wire):
     )
     slices: list[LesionSlice]
     carried: bool = Field(description="whether it was given on another scan")
+    clock: LesionClock | None = Field(None, description="null for a model without nipples")
+    radiology: RadiologyCheck | None = Field(None, description="null where nothing was typed of a report")
 
 
 class PlannedNote(Wire):

@@ -22,6 +22,7 @@ from breastrig.core.stances import SIDES, split_side
 from breastrig.drawings.clock import FittedSkin
 from breastrig.drawings.constructions.tumour import Tumour
 from breastrig.drawings.inks import LESION
+from breastrig.drawings.inside.radiology import ClockPosition, RadiologyCheck, checked_radiology, clock_position
 from breastrig.drawings.line_error import carried_errors, radii_at
 from breastrig.drawings.plan_schema import PlanItem, PlanLesion, PlanTumour, asked_of
 from breastrig.drawings.project_drawing import on_scan
@@ -82,6 +83,14 @@ class PlacedLesion:
     distances: tuple[Distance, ...]  # to the skin, the nearer nipple and the chest wall
     slices: tuple[Slice, ...]
     is_carried: bool
+    clock: ClockPosition | None = None  # None where the rig has no nipples
+
+    @property
+    def radiology(self) -> RadiologyCheck | None:
+        """What was typed of a report beside its place; None where nothing was, or there is no clock."""
+        if self.clock is None or not self.item.radiology:
+            return None
+        return checked_radiology(self.item.radiology, self.clock, is_carried=self.is_carried)
 
 
 class LesionsOnScan:
@@ -138,6 +147,7 @@ class LesionsOnScan:
             if split_side(name)[0] == "nipple"
             for place in self._skin.at(self._skin.landmark(name))
         ]
+        nipples.sort(key=lambda each: each.length)
         walls = []
         if self._wall is not None:
             place = self._wall.query(center[None]).points[0]
@@ -150,10 +160,14 @@ class LesionsOnScan:
             covariance,
             depth=float(np.copysign(to_skin.length, (skin - center) @ outwards)),
             is_seen=is_seen,
-            distances=(to_skin, *sorted(nipples, key=lambda each: each.length)[:1], *walls),
+            distances=(to_skin, *nipples[:1], *walls),
             slices=self._slices(center),
             is_carried=False,
+            clock=self._clock(nipples[0].to, center) if nipples else None,
         )
+
+    def _clock(self, nipple: str, center: Array) -> ClockPosition:
+        return clock_position(self._skin, self._skin.landmark(nipple), split_side(nipple)[1], center)
 
     def _covariance(self, error: float, outwards: Array) -> Array:
         share = self._settings.inside_depth_share**2

@@ -91,6 +91,7 @@ METHODS = (  # a sentence, and the measure that it is about; none for what holds
 )
 ASKED = "These numbers were asked for on another scan; what is drawn there is measured in that scan's report."
 UNSEEN = "The scan shows no skin next to it: its depth is the model's guess."
+REPORTED = (("by the clock", "clock"), ("beside the report of radiology", "radiology"))
 PIXELS_PER_MM = 7.0  # 180 to the inch
 LARGE = (88.0, 92.0)  # mm, the scan with the plan
 SMALL = (42.0, 44.0)  # mm, the map of uncertainty
@@ -284,6 +285,7 @@ def _lesion_values(lesion: Mapping[str, Any]) -> list[tuple[str, str]]:
         ("radius", f"{lesion['radius_mm']:.3g} mm"),
         *((f"to {_whither(each)}", _banded(each)) for each in distances),
         ("its place", off),
+        *((what, lesion[key]["text"]) for what, key in REPORTED if key in lesion),
     ]
 
 

@@ -154,7 +154,18 @@ def _lesion(each: PlacedLesion, fit: FitFolder) -> dict[str, Any]:
         "distances": [_distance(distance, fit) for distance in each.distances],
         "slices": [_slice(cut) for cut in each.slices],
         "carried": each.is_carried,
+        **_radiology(each),
     }
+
+
+def _radiology(each: PlacedLesion) -> dict[str, Any]:
+    """Its place as radiology writes it, and what was typed of a report beside it."""
+    if each.clock is None:
+        return {}
+    clock, check = each.clock, each.radiology
+    hour = None if clock.hour is None else round(clock.hour, 2)
+    compared = {} if check is None else {"radiology": {"agrees": check.agrees, "text": check.text}}
+    return {"clock": {"side": clock.side, "hour": hour, "text": clock.text}, **compared}
 
 
 def _semi_axes(covariance: Array) -> list[list[float]]:

@@ -52,6 +52,7 @@ class Lesion:
     seen: bool = False  # whether the scan shows the skin next to it; where not, its depth is the model's guess
     distances_mm: dict[str, tuple[float, float, float]] = field(default_factory=dict)  # skin, nipple_L, chest_wall,
     # lines: with a 90 % band, or nan
+    clock: str = ""  # its place as radiology writes it: left, 2 o'clock, 45 mm from the nipple
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +96,10 @@ class _Distance(BaseModel):
     high_mm: float | None
 
 
+class _Clock(BaseModel):
+    text: str
+
+
 class _Lesion(BaseModel):
     model_config = ConfigDict(extra="ignore", defer_build=True)
 
@@ -106,6 +111,7 @@ class _Lesion(BaseModel):
     depth_mm: float
     seen: bool
     distances: list[_Distance]
+    clock: _Clock | None = None
 
 
 class _File(BaseModel):
@@ -149,9 +155,10 @@ def _line(shape: _Shape) -> Line:
 
 def _lesion(found: _Lesion) -> Lesion:
     bands = {each.to: (each.mm, _known(each.low_mm), _known(each.high_mm)) for each in found.distances}
-    given = found.model_dump(exclude={"distances", "center", "ellipsoid_mm"})
+    given = found.model_dump(exclude={"distances", "center", "ellipsoid_mm", "clock"})
     ellipsoid = None if found.ellipsoid_mm is None else frozen(found.ellipsoid_mm)
-    return Lesion(**given, center=frozen(found.center), ellipsoid_mm=ellipsoid, distances_mm=bands)
+    clock = "" if found.clock is None else found.clock.text
+    return Lesion(**given, center=frozen(found.center), ellipsoid_mm=ellipsoid, distances_mm=bands, clock=clock)
 
 
 def _known(mm: float | None) -> float:
