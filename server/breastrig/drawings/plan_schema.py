@@ -20,7 +20,6 @@ from breastrig.drawings.drawing_schema import SCHEMA, DrawnShape, GivenDrawing, 
 
 PLAN_SCHEMA: Literal["breastrig/plan@1"] = "breastrig/plan@1"
 ITEMS, POINTS = 500, 50_000  # in one plan; points of all its lines together, as in a drawing
-WRITTEN = 200  # characters of a report that say where a lesion lies
 TEXT = 2_000  # characters of a note: a paragraph, not a record
 INKS = 500  # as many shapes as a scan's ink may have
 DEEPEST = 150.0  # mm; a breast is not thicker
@@ -28,6 +27,7 @@ DEEPEST = 150.0  # mm; a breast is not thicker
 Named = TypeVar("Named", bound=Hashable)
 ItemId = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
 ScanId = Annotated[str, Field(max_length=64)]
+Typed = Annotated[str, Field(max_length=200)]
 Word = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,63}$")]
 
 
@@ -91,12 +91,7 @@ class PlanLesion(_Item):
     name: Title
     center: Point = Field(description="in the frame of the scan that it was seen with, inside the body")
     radius_mm: float = Field(ge=0.5, le=80.0, description="without margin")
-    radiology: str = Field(
-        default="",
-        max_length=WRITTEN,
-        exclude_if=not_,
-        description="what radiology wrote of its place, as typed: side, hour or quadrant, distance from the nipple",
-    )
+    radiology: Typed = Field(default="", exclude_if=not_, description="what radiology wrote of its place, as typed")
 
 
 class PlanNote(_Item):

@@ -540,6 +540,16 @@ export type LengthsQuestion = {
   places: [number, number, number][];
 };
 
+/** Where a lesion lies in its breast, as radiology writes it. */
+export type LesionClock = {
+  /** of the nearer nipple */
+  side: "L" | "R";
+  /** of its direction from the nipple, read facing the patient; null behind it */
+  hour: number | null;
+  /** with the distance from the nipple, straight */
+  text: string;
+};
+
 /** The straight distance from the centre of a lesion to the nearest point of what is named. */
 export type LesionDistance = {
   kind: "skin" | "nipple" | "chest_wall" | "line";
@@ -970,6 +980,8 @@ export type PlanLesion = {
   center: [number, number, number];
   /** without margin */
   radius_mm: number;
+  /** what radiology wrote of its place, as typed: side, hour or quadrant, distance from the nipple */
+  radiology?: string;
 };
 
 /** A line that was drawn on the scan's skin, mm. */
@@ -1102,6 +1114,10 @@ export type PlannedLesion = {
   slices: LesionSlice[];
   /** whether it was given on another scan */
   carried: boolean;
+  /** null for a model without nipples */
+  clock?: LesionClock | null;
+  /** null where nothing was typed of a report */
+  radiology?: RadiologyCheck | null;
 };
 
 export type PlannedNote = {
@@ -1181,6 +1197,14 @@ export type Question = {
   /** name of the field that answers */
   field: string;
   choices: Choice[];
+};
+
+/** What was typed of a radiologist's report beside where the lesion lies. */
+export type RadiologyCheck = {
+  /** by side and quadrant; null where nothing of it can be compared */
+  agrees: boolean | null;
+  /** one sentence */
+  text: string;
 };
 
 export type Readiness = {
