@@ -980,7 +980,7 @@ export type PlanLesion = {
   center: [number, number, number];
   /** without margin */
   radius_mm: number;
-  /** what radiology wrote of its place, as typed: side, hour or quadrant, distance from the nipple */
+  /** what radiology wrote of its place, as typed */
   radiology?: string;
 };
 
