@@ -16,7 +16,7 @@ from breastrig_studies.sliding.lattice import CORNERS, Lattice, Net, Springs, em
 from breastrig_studies.sliding.wall import RADIUS, Wall
 from breastrig_studies.virtual.bodies import VirtualBody, closed
 
-STEP = 0.010  # m, a cell
+STEP = 0.012  # m, a cell
 SAMPLES = 3  # of a cell along each axis, to know how far it is filled
 AROUND, RIM = 0.050, 0.040  # m around the breasts: where the lattice ends, and from where on it is held
 EMPTY = 0.04  # share of a cell below which it is none
@@ -50,7 +50,7 @@ class Draw:
 def drawn(random: np.random.Generator) -> Draw:
     """The tissue of one body: soft enough that nipples move 30 to 100 mm from prone to supine."""
     return Draw(
-        fat=float(np.exp(random.uniform(np.log(45.0), np.log(180.0)))),
+        fat=float(np.exp(random.uniform(np.log(50.0), np.log(160.0)))),
         gland=float(random.uniform(1.0, 4.0)),
         bulk=float(random.uniform(60.0, 120.0)),
         loose=float(np.exp(random.uniform(np.log(1.5e4), np.log(1e5)))),

@@ -20,8 +20,8 @@ from breastrig.core.errors import BreastRigError
 
 CORNERS = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)], dtype=np.float64)
 GAUSS = 0.5 + (CORNERS - 0.5) / np.sqrt(3.0)
-MEMORY, MOST = 20, 400  # of L-BFGS, and its steps
-TOLERANCE = 1e-4  # m, largest step of the last two
+MEMORY, MOST = 20, 300  # of L-BFGS, and its steps
+TOLERANCE = 2e-4  # m, largest step of the last two
 BEYOND = 0.6  # of a cell, how far a point may lie outside the nearest one
 DENSITY = 1000.0  # kg/m³
 FULL = 0.3  # share: a cell that is emptier is as stiff as one filled so far
