@@ -26,6 +26,8 @@ ABOVE, BELOW = 15.0, 55.0  # mm, field of view above the notch and below the fol
 BEHIND = 95.0  # mm, its end behind the middle of the breastbone
 WIDE = 205.0  # mm from the middle, its sides at most
 BLUR = 0.4  # of a voxel, Gaussian
+UNDER_SKIN, THICK = 5.0, 11.0  # mm of fat over muscle, and of muscle over the lungs, at least
+COARSE = 3.0  # mm
 
 
 @dataclass(frozen=True)
@@ -174,8 +176,9 @@ def _tissues(
     deep = 0.5 * (behind - front)
     wall = np.sqrt(((x / (1.28 * deep)) ** 2) + ((y - front - deep) / deep) ** 2).astype(np.float32)
     wall = np.broadcast_to(wall, body.shape)
-    kind[wall < 1.0] = tissues.muscle
-    kind[(wall < 0.84) & (np.abs(x) > 24.0)] = tissues.lung
+    depth = _depth(woman, axes)
+    kind[(wall < 1.0) & (depth > UNDER_SKIN)] = tissues.muscle
+    kind[(wall < 0.84) & (np.abs(x) > 24.0) & (depth > UNDER_SKIN + THICK)] = tissues.lung
     side = "R" if protocol.only == "R" else "L"
     outwards = 1.0 if side == "L" else -1.0
     lesion_at = woman.nipples[side] + [10.0 * outwards, 34.0, 9.0]
@@ -187,6 +190,17 @@ def _tissues(
         under = (y < top) & (y > top - 14.0) & (np.abs(x) < 26.0) & (z > sternum[2] - 95.0)
         signal += np.where(under, protocol.board * (1.0 - body), 0.0).astype(np.float32)
     return np.asarray(signal), lesion, lesion_at
+
+
+def _depth(woman: Woman, axes: list[Array]) -> NDArray[np.float32]:
+    """(I, J, K) mm to the skin, in steps of COARSE."""
+    low = np.array([axis[0] for axis in axes]) - 3.0 * COARSE
+    counts = [int((np.ptp(axis)) / COARSE) + 7 for axis in axes]
+    body = coverage(woman.vertices, woman.faces, low, np.full(3, COARSE), (counts[0], counts[1], counts[2]), 1) > 0.5
+    found = np.asarray(COARSE * ndimage.distance_transform_edt(body), np.float32)
+    return found[
+        np.ix_(*[np.round((axis - start) / COARSE).astype(np.int64) for axis, start in zip(axes, low, strict=True)])
+    ]
 
 
 def _coil(woman: Woman, protocol: Protocol, axes: list[Array]) -> NDArray[np.float32]:
