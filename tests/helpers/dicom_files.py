@@ -1,6 +1,8 @@
 """DICOM files of an MR image as scanners write them: a folder or zip of slices, or one file of many frames."""
 
+import argparse
 import io
+import sys
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -138,3 +140,72 @@ def foldered(content: Mapping[str, bytes], folder: Path) -> Path:
         place.parent.mkdir(parents=True, exist_ok=True)
         place.write_bytes(data)
     return folder
+
+
+def lesion_seg(series: Series, lesion: np.ndarray) -> bytes:
+    """A segmentation of a lesion (I, J, K) on the slices of this series, as highdicom writes it."""
+    from highdicom.seg import SegmentAlgorithmTypeValues, Segmentation, SegmentationTypeValues, SegmentDescription
+    from pydicom.sr.codedict import codes
+
+    sources = [file_dataset(each, series) for each in slices(series)]
+    described = SegmentDescription(
+        segment_number=1,
+        segment_label="Index lesion",
+        segmented_property_category=codes.SCT.MorphologicallyAbnormalStructure,
+        segmented_property_type=codes.SCT.Mass,
+        algorithm_type=SegmentAlgorithmTypeValues.MANUAL,
+    )
+    made = Segmentation(
+        source_images=sources,
+        pixel_array=np.ascontiguousarray(lesion.transpose(2, 1, 0)),
+        segmentation_type=SegmentationTypeValues.BINARY,
+        segment_descriptions=[described],
+        series_instance_uid=uid(series.name, "seg"),
+        series_number=99,
+        sop_instance_uid=uid(series.name, "seg", 1),
+        instance_number=1,
+        manufacturer="BreastRig",
+        manufacturer_model_name="tests",
+        software_versions="1",
+        device_serial_number="1",
+    )
+    stream = io.BytesIO()
+    made.save_as(stream)
+    return stream.getvalue()
+
+
+def file_dataset(made: Dataset, series: Series) -> Dataset:
+    """With what a segmentation wants of its sources."""
+    made.StudyInstanceUID, made.StudyID, made.StudyTime = uid("study"), "1", "120000"
+    made.AccessionNumber, made.ReferringPhysicianName, made.PatientSex = "", "", "F"
+    made.file_meta = FileMetaDataset()
+    made.file_meta.TransferSyntaxUID = series.syntax
+    return made
+
+
+def main(words: Sequence[str]) -> None:
+    """Writes a zip of an MRI for tests of the page."""
+    options = argparse.ArgumentParser(description=main.__doc__)
+    options.add_argument("out", type=Path)
+    options.add_argument("--series", type=int, default=1, help="so many")
+    options.add_argument("--step", type=float, default=3.0, help="mm of a voxel")
+    options.add_argument("--lesion", action="store_true", help="with a segmentation of the lesion")
+    options.add_argument("--seg", type=Path, help="a file for that segmentation alone")
+    options.add_argument("--enhanced", action="store_true", help="all slices in one file")
+    options.add_argument("--seed", type=int, default=2, help="of the synthetic woman")
+    chosen = options.parse_args(words)
+    woman = mr_image(seed=chosen.seed, step=chosen.step)
+    several = [Series(woman.image, f"t1 {number}", number) for number in range(1, chosen.series + 1)]
+    content = files(*several, many_frames=chosen.enhanced)
+    if chosen.lesion:
+        content |= {"SEG": lesion_seg(several[0], woman.lesion)}
+    if chosen.seg is not None:
+        chosen.seg.write_bytes(lesion_seg(several[0], woman.lesion))
+    chosen.out.write_bytes(zipped(content, zipfile.ZIP_DEFLATED))
+
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(Path(__file__).parents[1]))
+    from helpers.mr_image import mr_image
+
+    main(sys.argv[1:])

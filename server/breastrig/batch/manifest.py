@@ -14,7 +14,7 @@ from functools import cache
 from pathlib import Path
 
 from breastrig.core.errors import BadInput, BadSettings, BreastRigError, unknown_name
-from breastrig.core.private_files import is_ordinary, read_ordinary, shown
+from breastrig.core.private_files import is_folder, is_ordinary, read_ordinary, shown
 from breastrig.core.stances import STANCES
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.patterns import asked_drawing, tumour_text
@@ -25,7 +25,7 @@ from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers, checked_
 from breastrig.use.steps.prepare import check_prior, checked_landmarks, named_drawing
 from breastrig.use.steps.settings import FIRST, FitSettings
 
-VOLUME_COLUMNS = ("frame", "segments", "lesions", "same_place")  # as options of `breastrig fit`
+VOLUME_COLUMNS = ("frame", "segments", "series", "lesions", "same_place")  # as options of `breastrig fit`
 BETWEEN_FILES = "|"  # names of files may hold blanks
 COLUMNS = ("scan", "landmarks", "name", "units", "stance", "preset", "drawing", "tumour", "refine", *VOLUME_COLUMNS)
 YES_NO = {"": True, "no": False, "false": False, "0": False, "yes": True, "true": True, "1": True}
@@ -55,7 +55,7 @@ class BatchRow:
     landmarks: Path | None
     units: str
     settings: FitSettings
-    answers: VolumeAnswers = NOTHING_SAID  # of a label map
+    answers: VolumeAnswers = NOTHING_SAID  # of a volume
     lesions: tuple[Path, ...] = ()  # files of lesions that lie in the image
 
     @property
@@ -149,7 +149,8 @@ def _row(
     """Raises a BreastRigError with what is wrong in it."""
     if not cells.get("scan"):
         raise BadInput("There is no scan in this row.")
-    scan = _file(base, cells["scan"], "scan")
+    scan = base / cells["scan"]
+    scan = scan if is_folder(scan) else _file(base, cells["scan"], "scan")
     landmarks = _file(base, cells["landmarks"], "landmark file") if cells.get("landmarks") else None
     if landmarks is not None:
         places, _ = read_landmarks(landmarks)
@@ -177,6 +178,7 @@ def _row(
         answers=checked_answers(
             cells.get("frame"),
             segments_of_words(cells.get("segments", "").split()),
+            cells.get("series"),
             same_place=cells.get("same_place") or None,
         ),
         lesions=tuple(_file(base, each, "file of lesions") for each in _words(cells.get("lesions", ""))),

@@ -33,8 +33,9 @@ from breastrig.core.version import __version__
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
 from breastrig.files.result import FIT_FILES, RESULT, RESULT_SCHEMA
+from breastrig.scan.images.dicom_files import may_hold_dicom, zip_of_folder
 from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES
-from breastrig.scan.limits import FILE_BYTES
+from breastrig.scan.limits import FILE_BYTES, IMAGE_ZIP_BYTES
 from breastrig.scan.volumes.answers import VolumeAnswers
 
 SPARE = 8  # scans at most that wait beside the workers; a large cluster needs no more to be kept busy
@@ -146,6 +147,8 @@ def _looked_at(batch: Batch, row: BatchRow) -> _Ready | Outcome:
     """The row with its inputs and its task; or its outcome, where nothing is left to do."""
     try:
         task = _fit_of(batch, row)
+    except BadInput as error:
+        return Outcome(row.name, str(error))
     except OSError as error:
         return Outcome(row.name, f"The files of this row cannot be read any more ({error.strerror}).")
     inputs = _inputs(batch, task)
@@ -161,7 +164,7 @@ def _looked_at(batch: Batch, row: BatchRow) -> _Ready | Outcome:
 
 def _fit_of(batch: Batch, row: BatchRow) -> FitOfBytes:
     return FitOfBytes(
-        scan=read_ordinary(row.scan, FILE_BYTES),
+        scan=scan_bytes(row.scan),
         ending=row.scan.suffix,
         landmarks=read_ordinary(row.landmarks, LIMIT_BYTES) if row.landmarks else None,
         landmarks_ending=row.landmarks.suffix if row.landmarks else "",
@@ -173,6 +176,13 @@ def _fit_of(batch: Batch, row: BatchRow) -> FitOfBytes:
         answers=row.answers,
         lesions=tuple(read_ordinary(each, FILE_BYTES) for each in row.lesions),
     )
+
+
+def scan_bytes(scan: Path) -> bytes:
+    """Of the file, or a zip of a folder's DICOM files.  TooLarge, BadScan, OSError."""
+    if scan.is_dir():
+        return zip_of_folder(scan, IMAGE_ZIP_BYTES)
+    return read_ordinary(scan, IMAGE_ZIP_BYTES if may_hold_dicom(scan) else FILE_BYTES)
 
 
 def _inputs(batch: Batch, task: FitOfBytes) -> dict[str, Any]:
@@ -197,6 +207,8 @@ def _said(answers: VolumeAnswers, lesions: Sequence[bytes]) -> dict[str, Any]:
     """A person's answers about volumes, and files of lesions, for the inputs' record; empty for other scans."""
     segments = {str(number): what for number, what in answers.segments.items()}
     said: dict[str, Any] = {"frame": answers.frame, "segments": segments} if answers else {}
+    if answers.series is not None:
+        said["series"] = answers.series
     if lesions:
         said |= {"lesions_sha256": [_sha256(each) for each in lesions], "same_place": answers.same_place}
     return said

@@ -30,8 +30,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "scan",
         type=Path,
         metavar="SCAN",
-        help="PLY, OBJ, STL, GLB, USDZ, points as PCD, XYZ or PLY, a label map (NIfTI, NRRD, MHA, DICOM SEG), or a "
-        "zip of one with its images",
+        help="PLY, OBJ, STL, GLB, USDZ, points as PCD, XYZ or PLY, a label map (NIfTI, NRRD, MHA, DICOM SEG), an "
+        "MRI (DICOM: folder or zip), or a zip of one with its images",
     )
     parser.add_argument("--landmarks", type=Path, metavar="FILE", help="picked points: JSON, CSV, .pp or .mrk.json")
     add_scan_options(parser)

@@ -15,6 +15,9 @@ from breastrig.use.scan import Scan, ScanSource, read_coloured
 def add_scan_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--units", default="auto", choices=["auto", *METRES_PER_UNIT], help="unit of the scan")
     add_answers(parser)
+    parser.add_argument(
+        "--series", metavar="SERIES", help="of several in the DICOM files of an MRI: one of those that are named"
+    )
 
 
 def add_answers(parser: argparse.ArgumentParser) -> None:
@@ -59,7 +62,9 @@ def scan_source(options: argparse.Namespace, scan: Path | Scan, lesions: Sequenc
 
 def _answers(options: argparse.Namespace) -> VolumeAnswers:
     same_place = getattr(options, "same_place", None)  # of commands that take lesions
-    return checked_answers(options.frame, segments_of_words(options.segment), same_place=same_place)
+    return checked_answers(
+        options.frame, segments_of_words(options.segment), getattr(options, "series", None), same_place=same_place
+    )
 
 
 def say_segments_of(scan: ScanInMetres) -> None:

@@ -63,6 +63,14 @@ def is_ordinary(file: Path) -> bool:
         return False
 
 
+def is_folder(path: Path) -> bool:
+    """Whether it is a folder; a name that cannot be is none."""
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
 def read_ordinary(file: Path, limit: int) -> bytes:
     """The file's bytes, at most one more than the limit; OSError at once for a pipe, a device or a folder."""
     handle = os.open(file, os.O_RDONLY | WITHOUT_WAITING)

@@ -68,11 +68,9 @@ def read_scan(
         vertices = scan.vertices if unit == scan.unit else scan.vertices * (metres / scan.metres_per_unit)
         return replace(scan, vertices=vertices, unit=unit, metres_per_unit=metres, unit_reason=reason)
     image = _image_in(source, units, answers)
-    if isinstance(image, Pieces) and isinstance(source, Path):
+    if isinstance(image, Pieces):
         return _of_pieces(image, sha256_of(source), units, for_display)
     data = image if isinstance(image, bytes) else bytes_of(source)
-    if isinstance(image, Pieces):
-        return _of_pieces(image, hashlib.sha256(data).hexdigest(), units, for_display)
     if file_type is None and isinstance(source, Path):
         file_type = source.suffix
     unpacked_data = gunzipped(data) if data.startswith(GZIP_START) else data

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 import breastrig.scan.read as scan_files
 from breastrig.core.arrays import Array, Integers, frozen
 from breastrig.core.errors import BadScan, BadSettings
-from breastrig.core.private_files import is_ordinary, shown
+from breastrig.core.private_files import is_folder, is_ordinary, shown
 from breastrig.scan.hand_cuts import read_cuts, without_hand_cuts
 from breastrig.scan.piece import TakenSegment
 from breastrig.scan.read import coloured_scan
@@ -127,6 +127,7 @@ def read_scan(
     texture: bool = True,
     frame: str | None = None,
     segments: Mapping[int, str] | None = None,
+    series: str | None = None,
 ) -> Scan:
     """Reads PLY, OBJ, STL, GLB, OFF, 3MF, PCD, XYZ, USDZ, a label map (NIfTI, NRRD, MHA, DICOM SEG), or a zip of one of
     them with its pictures; or the bytes of such a file.
@@ -141,12 +142,13 @@ def read_scan(
                that say where the voxels' axes grow to, such as RAS
     segments   of a label map: number -> "lesion", "tissue" or "unused"; for others the file's codes and their form
                decide, and `Scan.segments` says what became of each
+    series     of several in the DICOM files of an MRI: the `value` of a choice of NeedsAnswer
 
     Raises BadScan, TooLarge or BadSettings (no such unit, answers that do not fit the file), each with one sentence;
-    of BadScan NeedsAnswer, whose `question` has the choices for `frame`.
+    of BadScan NeedsAnswer, whose `question` has the choices for `frame` or `series`.
     """
     file = None if isinstance(source, bytes) else existing(source)
-    answers = checked_answers(frame, segments)
+    answers = checked_answers(frame, segments, series)
     given = source if isinstance(source, bytes) else Path(source)
     if texture:
         return _scan(coloured_scan(given, None, units, answers), file)
@@ -180,8 +182,8 @@ def _scan(found: ScanInMetres, file: Path | None) -> Scan:
 
 
 def existing(file: str | Path) -> Path:
-    """The path; BadScan when there is no such file."""
-    if not is_ordinary(Path(file)):
+    """The path of a file, or of an MRI's folder; BadScan when there is none."""
+    if not (is_ordinary(Path(file)) or is_folder(Path(file))):
         raise BadScan(f"There is no scan file {shown(file)}; check the name.")
     return Path(file)
 

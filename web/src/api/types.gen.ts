@@ -1449,6 +1449,8 @@ export type ScanUpload = {
   frame?: string | null;
   /** of a label map, JSON: as what segments are to be taken, {"2": "lesion", "3": "tissue", "4": "unused"}; for others the file's codes and their form decide */
   segments?: string | null;
+  /** of several in a zip of an MRI's DICOM files: the `value` of a choice of the `question` */
+  series?: string | null;
 };
 
 /** A segment of a label map with how it is used. */

@@ -91,6 +91,11 @@ class ScanUpload(Upload):
         description='of a label map, JSON: as what segments are to be taken, {"2": "lesion", "3": "tissue", "4": '
         '"unused"}; for others the file\'s codes and their form decide',
     )
+    series: str | None = Field(
+        None,
+        max_length=64,
+        description="of several in a zip of an MRI's DICOM files: the `value` of a choice of the `question`",
+    )
 
 
 class Segment(Wire):

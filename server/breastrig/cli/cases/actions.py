@@ -34,6 +34,7 @@ def add(options: argparse.Namespace) -> int:
         model=options.model,
         frame=options.frame,
         segments=segments_of_words(options.segment) or None,
+        series=options.series,
         again=options.again,
     )
     numbers = {scan.id: number for number, scan in enumerate(case.scans, start=1)}

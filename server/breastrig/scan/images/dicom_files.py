@@ -79,11 +79,28 @@ def dicom_files(source: Path | bytes) -> Iterator[list[DicomFile] | None]:
         raise BadScan(DAMAGED) from error
 
 
-def sha256_of(source: Path) -> str:
+def zip_of_folder(folder: Path, most: int) -> bytes:
+    """The folder's DICOM files as a zip that is the same for the same contents.
+
+    BadScan where it cannot be read, TooLarge for more than so many bytes.
+    """
+    files = _in_folder(folder)
+    if sum(file.size for file in files) > most:
+        raise TooLarge(f"The DICOM files of this folder have more than the {most // MEBIBYTE:,} MB allowed.")
+    stream = BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        for at, file in enumerate(files):
+            archive.writestr(zipfile.ZipInfo(f"{at:05d}.dcm"), file.whole())
+    return stream.getvalue()
+
+
+def sha256_of(source: Path | bytes) -> str:
     """Of a file's bytes; of a folder, of those of all its DICOM files whatever they are called.
 
     BadScan where it cannot be read; OSError.
     """
+    if isinstance(source, bytes):
+        return hashlib.sha256(source).hexdigest()
     if source.is_dir():
         parts = sorted(hashlib.sha256(file.whole()).digest() for file in _in_folder(source))
         return hashlib.sha256(b"".join(parts)).hexdigest()
@@ -109,7 +126,7 @@ def _in_folder(folder: Path) -> list[DicomFile]:
             with os.scandir(here) as entries:
                 for entry in entries:
                     seen += 1
-                    if seen > 2 * IMAGE_FILES or len(found) > IMAGE_FILES or len(folders) > IMAGE_FOLDERS:
+                    if seen > 2 * IMAGE_FILES or len(folders) > IMAGE_FOLDERS:
                         raise TooLarge(TOO_MANY)
                     if entry.name.startswith("."):
                         continue
@@ -120,6 +137,8 @@ def _in_folder(folder: Path) -> list[DicomFile]:
                         found += [(entry.path, file)] if is_dicom(file.read(LOOKED_AT)) else []
         except OSError as error:
             raise BadScan(f"This folder cannot be read ({error.strerror}); check who may read it.") from error
+    if len(found) > IMAGE_FILES:
+        raise TooLarge(TOO_MANY)
     return [file for _, file in sorted(found, key=lambda each: each[0])]
 
 

@@ -59,7 +59,7 @@ def image_in(source: Path | bytes, answers: VolumeAnswers) -> DicomImage | bytes
             if len(maps) != 1:
                 raise BadScan(NO_IMAGE if not maps else SEVERAL_MAPS)
             return maps[0].whole()
-        image = _image(found, damaged, answers)
+        image = _image(found, damaged, answers.without_lesions if beside else answers)
         return DicomImage(image, tuple(file.whole() for file, _ in beside[:SEGMENTATIONS]))
 
 

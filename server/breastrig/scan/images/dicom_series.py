@@ -26,6 +26,7 @@ SAME_PLACE = 0.05  # mm
 FARTHEST_OFF = 0.1  # of the distance between slices that one may lie off its place
 MOST_MISSING = 0.25  # of the slices; with more their distance is unclear
 LEANS = 1.0  # degrees of a stack that are said
+WIDE = 3.0  # times the distance between slices: a gap that may divide two volumes
 ROUNDED = 0.01  # of direction cosines' length, and their product
 DIGITS = 8  # of a value
 MANY = "These DICOM files hold far too many groups of slices; give one series alone."
@@ -85,7 +86,7 @@ def stacks_of(slices: Iterable[Slice]) -> Found:
             continue
         for part in parts:
             try:
-                found.stacks.append(_stack(part, copies))
+                found.stacks += _stacks(part, copies)
             except (BadScan, TooLarge) as error:
                 found.faults.append(error)
     if len(found.stacks) > IMAGE_STACKS:
@@ -163,6 +164,21 @@ def _most_on_one_place(slices: Sequence[Slice]) -> int:
     return int(np.bincount(places).max())
 
 
+def _stacks(slices: Sequence[Slice], copies: int) -> list[Stack]:
+    """The volume of these slices; where a wide gap divides them, as between two breasts, and they lie on no common
+    grid, one for each part.  BadScan or TooLarge with a sentence."""
+    try:
+        return [_stack(slices, copies)]
+    except BadScan:
+        along = _along(slices)
+        order = np.argsort(along, kind="stable")
+        steps = np.diff(along[order])
+        parts = np.split(order, 1 + np.flatnonzero(steps > WIDE * np.median(steps)))
+        if len(parts) == 1 or min(map(len, parts)) < FEWEST:
+            raise
+        return [_stack([slices[at] for at in part], copies) for part in parts]
+
+
 def _stack(slices: Sequence[Slice], copies: int) -> Stack:
     """The slices in order, with where they lie.  BadScan or TooLarge with a sentence."""
     first = slices[0]
@@ -175,6 +191,7 @@ def _stack(slices: Sequence[Slice], copies: int) -> Stack:
     along = _along(slices)
     order = np.argsort(along, kind="stable")
     slices, steps = tuple(slices[at] for at in order), np.diff(along[order])
+    first = slices[0]
     step = float(np.median(steps))
     index = np.concatenate([[0], np.cumsum(np.maximum(1, np.rint(steps / step)))]).astype(np.int64)
     if index[-1] + 1 > len(slices) / (1.0 - MOST_MISSING):

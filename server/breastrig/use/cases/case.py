@@ -1,6 +1,5 @@
 """A case for programs: one patient's folder, as the command line and the service use it too."""
 
-import hashlib
 from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,6 +25,7 @@ from breastrig.drawings.plan_schema import PlanLesion, PlanLine, PlanNote, asked
 from breastrig.report.pages.printable import check_printable, checked_code
 from breastrig.scan.hand_cuts import read_cuts
 from breastrig.scan.images.added_lesions import TakenLesions
+from breastrig.scan.images.dicom_files import sha256_of
 from breastrig.scan.volumes.answers import checked_answers
 from breastrig.use.cases.case_work import (
     asked_fit,
@@ -122,21 +122,21 @@ class Case:
         model: str = "",
         frame: str | None = None,
         segments: Mapping[int, str] | None = None,
+        series: str | None = None,
         again: bool = False,
     ) -> str:
         """Reads a scan's file into the case, without its name and comments; the scan's id.
 
-        `units`, `frame` and `segments` are those of `read_scan`; `model` is the name of the packaged model to fit it
-        with (such as male), empty for the torso.  `again` takes a file that is a scan of this case already.
+        `units`, `frame`, `segments` and `series` are those of `read_scan`; `model` is the name of the packaged model to
+        fit it with (such as male), empty for the torso.  `again` takes a file that is a scan of this case already.
         Raises BadScan, TooLarge or another BadInput with one sentence, and then keeps nothing.
         """
         source = existing(file)
-        answers = checked_answers(frame, segments)
+        answers = checked_answers(frame, segments, series)
         if units != "auto" and units not in METRES_PER_UNIT:
             raise BadInput(unknown_name("unit", units, ("auto", *METRES_PER_UNIT)))
-        with source.open("rb") as stream, one_thread():
-            digest = hashlib.file_digest(stream, "sha256").hexdigest()
-            return read_into_case(self._folder, source, digest, units, model, answers, again)
+        with one_thread():
+            return read_into_case(self._folder, source, sha256_of(source), units, model, answers, again)
 
     def add_lesions(
         self,
