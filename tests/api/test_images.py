@@ -39,7 +39,7 @@ def planned(client: FlaskClient, scan: dict) -> list[dict]:
 
 
 def test_the_voxels_come_back_with_their_place(client: FlaskClient, service: Service, scan: dict) -> None:
-    assert scan["image"] == {"shape": list(SHAPE), "to_scan": AFFINE.tolist(), "bytes": 105}
+    assert scan["image"] == {"shape": list(SHAPE), "to_scan": AFFINE.tolist(), "bytes": 315}
     assert client.get(scan["links"]["self"]).json == scan
     answer = client.get(scan["links"]["volume"])
     assert (answer.status_code, answer.mimetype) == (200, "application/octet-stream")

@@ -118,7 +118,7 @@ def test_the_bytes_decide_and_no_name(client: FlaskClient, torso: bytes) -> None
     for name in NAMES:
         assert upload(client, torso, name).status_code == 201
     sentence = "This file is no 3D scan that can be read; give PLY, OBJ, STL, GLB, glTF, USDZ, OFF, 3MF, PCD, "
-    sentence += "a table of points, a label map (NIfTI, DICOM SEG), or a zip of one of them."
+    sentence += "a table of points, a label map (NIfTI, NRRD, MetaImage, DICOM SEG), or a zip of one of them."
     assert problem(upload(client, b"\x89PNG\r\n\x1a\n" + bytes(500), "IM000001"), 422) == sentence
 
 

@@ -11,9 +11,10 @@ from breastrig.scan.kept_image import KeptImage
 from breastrig.scan.scan import Scan
 from breastrig.use import read_upload as reader
 
-SHAPE = (7, 5, 3)
-AFFINE = np.array([[2.0, 0.0, 0.0, -10.0], [0.0, 0.0, 3.0, 20.0], [0.0, -2.5, 0.0, 30.0], [0.0, 0.0, 0.0, 1.0]])
-IMAGE = KeptImage(np.arange(105, dtype=np.uint8).reshape(SHAPE), AFFINE, "ab12")
+SHAPE = (7, 5, 9)
+AFFINE = np.array([[40.0, 0.0, 0.0, -120.0], [0.0, 0.0, 20.0, -160.0], [0.0, -40.0, 0.0, 230.0], [0.0, 0.0, 0.0, 1.0]])
+# Light behind, so that the lesion of `label_maps` lies in tissue.
+IMAGE = KeptImage(np.tensordot([1, 5, 25], np.indices(SHAPE), 1).astype(np.uint8), AFFINE, "ab12")
 READ = reader.read_scan
 
 

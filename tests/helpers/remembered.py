@@ -39,7 +39,7 @@ FUNCTIONS = {
     "breastrig.scan.clean": ("clean",),
     "breastrig.scan.orient": ("propose_frame",),
     "breastrig.scan.background": ("without_background",),
-    "breastrig.scan.volumes.label_map": ("label_map_pieces",),
+    "breastrig.scan.images.read_volumes": ("pieces_of",),
     "breastrig.drawings.transfer": ("transferred", "points_carried"),
     "breastrig.drawings.skin_maps.interior_map": ("moved_inside",),
     "breastrig.report.measures": ("measures",),

@@ -233,7 +233,7 @@ def test_what_is_no_segmentation_is_said_truly() -> None:
     structures = other("1.2.840.10008.5.1.4.1.1.481.3", "RTSTRUCT")
     colours = {"SamplesPerPixel": 3, "BitsAllocated": 8, "Rows": 4, "Columns": 4, "PixelData": bytes(48)}
     for data, sentence in (
-        (structures, "This is a structure set (RTSTRUCT); its contours are not read yet, export the structures as"),
+        (structures, "This is a structure set (RTSTRUCT), which shows no skin; give it with its image, or export"),
         (
             other("1.2.840.10008.5.1.4.1.1.7", "OT", **colours),
             "These DICOM images are no MR images",

@@ -7,15 +7,21 @@ import numpy as np
 import pytest
 from helpers.damage import bounded, damage, damaged
 from helpers.grid_files import meta_fields, meta_image, nrrd, nrrd_fields
-from helpers.label_maps import body_labels
-from helpers.refusals import refused_or_sound, sound_landmarks_or_refused
+from helpers.label_maps import body_labels, file_of, seg
+from helpers.mr_image import mr_image
+from helpers.refusals import is_sentence, refused_or_sound, sound_landmarks_or_refused
 from helpers.scan_files import as_bytes, picture, textured_obj, tube, zipped
+from helpers.structure_sets import ball, structures
 from helpers.toy_rig import toy_rig
 from hypothesis import given
 from hypothesis import strategies as st
 
+from breastrig.core.errors import BadInput
 from breastrig.core.glb import pack_glb, split_glb
 from breastrig.gltf.mesh_glb import mesh_glb
+from breastrig.scan.images.image import kept_image
+from breastrig.scan.images.read_lesions import lesions_in
+from breastrig.scan.volumes.answers import NOTHING_SAID
 
 pytestmark = pytest.mark.long
 
@@ -203,3 +209,23 @@ def test_a_grid_with_odd_fields(kind: str, source: st.DataObject) -> None:
         fields[name] = source.draw(VALUES)
     words = {"Segment0_ID": "a", "Segment0_Layer": source.draw(VALUES), "Segment0_Tags": source.draw(VALUES)}
     refused_or_sound(nrrd(labels, fields, words) if kind == "nrrd" else meta_image(labels, fields), kind, "auto")
+
+
+@bounded(60)
+@given(st.sampled_from(["nrrd", "structures", "seg"]), st.data())
+def test_a_damaged_file_of_lesions_is_refused_or_sound(kind: str, source: st.DataObject) -> None:
+    shown = mr_image(step=6.0)
+    on = kept_image(shown.image)
+    labels = np.asfortranarray(shown.lesion.astype(np.uint8))
+    data = {
+        "nrrd": lambda: nrrd(labels, nrrd_fields(labels, shown.image.affine)),
+        "structures": lambda: structures([ball(shown.lesion_at, 9.0, 3.0)]),
+        "seg": lambda: file_of(seg({1: labels > 0})),
+    }[kind]()
+    lesions, refused = (), None
+    try:
+        lesions = lesions_in(damaged(data, source.draw(damage(len(data)))), on, NOTHING_SAID).lesions
+    except BadInput as error:
+        refused = error
+    assert refused is None or is_sentence(refused)
+    assert all(np.isfinite([*each.center, each.radius]).all() and each.radius > 0.0 for each in lesions)

@@ -24,7 +24,8 @@ from breastrig.geometry.normals import vertex_normals
 from breastrig.scan import read
 from breastrig.scan.read import read_scan
 from breastrig.scan.volumes import gzipped, segments, volume
-from breastrig.scan.volumes.volume import IMAGE
+from breastrig.scan.volumes.grid import Grid
+from breastrig.scan.volumes.volume_files import read_volume
 
 
 def off_skin(vertices: np.ndarray) -> np.ndarray:
@@ -90,17 +91,14 @@ def test_a_label_that_is_noise_is_no_lesion() -> None:
 
 
 def test_what_is_no_label_map_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
-    noise = np.random.default_rng(0).normal(size=(20, 20, 20)).astype(np.float32)
     small = nifti(np.ones((20, 20, 20), np.uint8))
     good = nifti(np.ones((90, 90, 90), np.uint8))
     for data, sentence in (
-        (nifti(noise), IMAGE),
-        (nifti(np.arange(8000, dtype=np.int32).reshape(20, 20, 20)), IMAGE),
         (good, "This label map shows no skin with air in front of it; export the whole volume, 0 for air."),
         (small, "This label map shows no body: all that is in it is 40 mm across, as a lesion alone"),
         (nifti(np.zeros((20, 20, 20), np.uint8)), "This label map shows no skin with air in front of it"),
-        (nifti(np.ones((20, 20, 1), np.uint8)), "This label map is a single slice; export the whole volume."),
-        (nifti(np.ones((5, 5, 5, 2), np.uint8)), "This label map must be one volume of three dimensions"),
+        (nifti(np.ones((20, 20, 1), np.uint8)), "This file is a single slice; export the whole volume."),
+        (nifti(np.ones((5, 5, 5, 2), np.uint8)), "This file must be one volume of three dimensions"),
         (good[:2000], "This NIFTI file is damaged or cut off and cannot be read; export it again."),
         (gzip.compress(good)[:-20], "This .gz file is cut off; pack it again."),
         (b"\x1f\x8b" + bytes(40), "This .gz file is damaged; pack it again."),
@@ -171,10 +169,13 @@ def test_an_image_is_none_whatever_it_is_stored_as() -> None:
         stored(grey, np.float32),
         scaled(grey, np.uint8),
         stored(np.where(body == 2, np.inf, body), np.float32),
+    ):
+        assert isinstance(read_volume(data, "nifti", None), Grid)
+    for data in (
         bytes(nibabel.Nifti1Image(body.astype(np.complex64), to_ras(PART_LOW)).to_bytes()),
         bytes(nibabel.Nifti1Image(colours, to_ras(PART_LOW)).to_bytes()),
     ):
-        with pytest.raises(BadScan, match="This is an image, not a label map"):
+        with pytest.raises(BadScan, match="no single grey value or label for each voxel"):
             read_scan(data)
 
 

@@ -24,8 +24,8 @@ def add_answers(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--frame",
         metavar="FRAME",
-        help="of a NIfTI label map that does not say where it lies, or says it twice: sform, qform, or three letters "
-        "that say where the voxels' axes grow to (RAS: right, anterior, superior)",
+        help="of a volume (NIfTI, NRRD, MetaImage) that does not say where it lies, or says it twice: sform, "
+        "qform, or three letters that say where the voxels' axes grow to (RAS: right, anterior, superior)",
     )
     parser.add_argument(
         "--segment",

@@ -35,6 +35,7 @@ GZIP_MEMBERS = 100_000  # of one .gz; bgzip begins a new one every 64 kB
 DICOM_BYTES = 256 * MEBIBYTE  # of a DICOM file that was deflated; 2**31 pixels of one bit, and no more are read
 DICOM_ITEMS = 1_000_000  # entries of lists in a DICOM file; 200 slices of 100 segments have 300,000
 DICOM_ELEMENTS = 10_000  # at the top of a DICOM file; segmentations have some fifty
+CONTOUR_BYTES = 64 * MEBIBYTE  # of a structure set's contours as numbers; a whole body's have some 5
 DICOM_FRAMES = 50_000  # of a segmentation; each takes 1 ms
 IMAGE_VOXELS = 2**27  # as of a label map
 IMAGE_ZIP_BYTES = 1024 * MEBIBYTE  # of a zip of DICOM images; one examination of a breast has 200 to 900 MB

@@ -87,6 +87,7 @@ class Pieces:
     is_label_map: bool = False
     lesions: tuple[BallInside, ...] = ()
     segments: tuple[TakenSegment, ...] = ()
+    wall: tuple[Array, Integers] | None = None  # (V, 3) the chest wall that a volume names, (F, 3) towards the front
     image: KeptImage | None = None  # of which the skin was made
 
 

@@ -24,7 +24,8 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.scan_mesh import scan_mesh
 from breastrig.report.pictures import thumbnail_png
 from breastrig.scan.clean import Surface
-from breastrig.scan.images.read_lesions import LesionsRead, lesions_in
+from breastrig.scan.images.added_lesions import LesionsRead
+from breastrig.scan.images.read_lesions import lesions_in
 from breastrig.scan.kept_image import KeptImage, read_image, write_image
 from breastrig.scan.piece import TakenSegment
 from breastrig.scan.read import read_scan

@@ -135,9 +135,9 @@ def test_several_volumes_and_colours_are_no_layers() -> None:
     several = np.stack([labels, labels, labels])
     with pytest.raises(BadScan, match="must be one volume of three dimensions"):
         read_scan(nrrd(several))
-    with pytest.raises(BadScan, match="This is an image"):
+    with pytest.raises(BadScan, match="no single grey value or label"):
         read_scan(nrrd(several, nrrd_fields(several) | {"kinds": "RGB-color domain domain domain"}))
-    with pytest.raises(BadScan, match="This is an image"):
+    with pytest.raises(BadScan, match="no single grey value or label"):
         read_scan(b"ObjectType = Image\n" + meta_image(labels, {"ElementNumberOfChannels": "3"} | meta_fields(labels)))
 
 
@@ -224,7 +224,7 @@ def test_headers_that_lie_are_refused_before_anything_is_made(monkeypatch: pytes
     labels = part()
     of_nrrd, of_meta = nrrd_fields(labels, to_lps(PART_LOW)), meta_fields(labels, to_lps(PART_LOW))
     monkeypatch.setattr(attached, "inflated", None)
-    sizes = "This label map has more than the 134,217,728 voxels allowed"
+    sizes = "This volume has more than the 134,217,728 voxels allowed"
     damaged, cut = "The header of this {} file is damaged or cut off", "does not say where its voxels lie"
     nan = "(nan,0,0) (0,1.1,0) (0,0,2)"
     for change, error, sentence in (
@@ -237,7 +237,7 @@ def test_headers_that_lie_are_refused_before_anything_is_made(monkeypatch: pytes
         ({"space directions": "(0,0,0) (0,1.1,0) (0,0,2)"}, BadScan, cut),
         ({"space directions": "(1,0,0) (0,1.1,0)"}, BadScan, damaged.format("NRRD")),
         ({"space directions": "(1,0) (0,1.1) (0,0)"}, BadScan, damaged.format("NRRD")),
-        ({"type": "block"}, BadScan, "This is an image"),
+        ({"type": "block"}, BadScan, "no single grey value or label"),
         ({"type": "float128"}, BadScan, damaged.format("NRRD")),
         ({"encoding": "bzip2"}, BadScan, "neither raw nor packed with gzip"),
         ({"encoding": "hex"}, BadScan, "neither raw nor packed with gzip"),
@@ -259,7 +259,7 @@ def test_headers_that_lie_are_refused_before_anything_is_made(monkeypatch: pytes
         ({"ElementSpacing": "-1 1.1 2"}, BadScan, "does not say how large its voxels are"),
         ({"ElementSpacing": "0 1.1 2"}, BadScan, "does not say how large its voxels are"),
         ({"BinaryData": "False"}, BadScan, "written as text"),
-        ({"ElementType": "MET_OTHER"}, BadScan, "This is an image"),
+        ({"ElementType": "MET_OTHER"}, BadScan, "no single grey value or label"),
         ({"HeaderSize": "-1"}, BadScan, damaged.format("MetaImage")),
     ):
         fields = change | without(of_meta, *change)

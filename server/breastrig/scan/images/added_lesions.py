@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from breastrig.core.arrays import Array, Integers
 from breastrig.scan.piece import BallInside, TakenSegment
 
 SAME = 0.1  # mm by which centre and radius of one lesion differ between two readings of its file
@@ -14,6 +15,16 @@ NO_IMAGE = (
     "they were drawn on, and give them with that."
 )
 NUMBERED = re.compile(r"Lesion (\d+)")
+
+
+@dataclass(frozen=True, eq=False)
+class LesionsRead:
+    """What a file shows in the frame of the image that it was drawn on."""
+
+    lesions: tuple[BallInside, ...]  # mm, LPS
+    segments: tuple[TakenSegment, ...]
+    notes: tuple[str, ...]  # one sentence each
+    wall: tuple[Array, Integers] | None = None  # (V, 3) mm, LPS, of the chest wall, and (F, 3) towards the front
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from breastrig.core.errors import BadInput, BadScan
 from breastrig.scan.images.dicom_headers import Slice
 from breastrig.scan.images.dicom_series import Stack
-from breastrig.scan.images.image import ImageVolume, frame_digest
+from breastrig.scan.images.image import ImageVolume
 from breastrig.scan.volumes.dicom_seg import DAMAGED, plain_dicom
+from breastrig.scan.volumes.volume import frame_digest
 
 COMPRESSED = (
     "The pixels of these DICOM images are compressed in a way ({}) for which no decoder is installed; install "

@@ -1,6 +1,5 @@
 """An image as read, and what of it is kept: voxels averaged until they are few enough."""
 
-import hashlib
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +11,6 @@ from breastrig.scan.kept_image import KEPT_BYTES, KeptImage
 from breastrig.scan.volumes.volume import Gap
 
 DARKEST, LIGHTEST = 0.5, 99.8  # percentiles of the values that become 0 and 255
-FRAME_DIGITS = 16
 SAMPLED = 2_000_000  # voxels of which they are taken
 
 
@@ -25,11 +23,6 @@ class ImageVolume:
     frame: str = ""  # digest of the file's frame of reference; empty where it names none
     gaps: tuple[Gap, ...] = ()  # slices of which nothing is known
     notes: tuple[str, ...] = ()  # one sentence each
-
-
-def frame_digest(uid: str) -> str:
-    """The digest of a frame of reference's UID, by which two files of one frame are known; empty without one."""
-    return hashlib.sha256(uid.encode()).hexdigest()[:FRAME_DIGITS] if uid else ""
 
 
 def kept_image(image: ImageVolume) -> KeptImage:

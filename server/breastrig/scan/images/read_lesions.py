@@ -1,14 +1,14 @@
 """Lesions of another file than the scan's, drawn on the image that it was made of: untrusted bytes, as a scan's."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 from breastrig.core.errors import BadInput, BadScan, NeedsAnswer
-from breastrig.scan.images.added_lesions import NO_IMAGE, taken
+from breastrig.scan.images.added_lesions import NO_IMAGE, LesionsRead, taken
 from breastrig.scan.kept_image import KeptImage
-from breastrig.scan.piece import BallInside, Pieces, TakenSegment
+from breastrig.scan.piece import BallInside, Pieces
 from breastrig.scan.scan import Scan
 from breastrig.scan.untrusted import bytes_of, guarded
 from breastrig.scan.volumes.answers import VolumeAnswers
@@ -16,7 +16,7 @@ from breastrig.scan.volumes.answers import VolumeAnswers
 LEFT_OUT = "A segmentation beside the image was left out: {}"
 
 
-def lesions_in(source: Path | bytes, on: KeptImage | None, answers: VolumeAnswers) -> "LesionsRead":
+def lesions_in(source: Path | bytes, on: KeptImage | None, answers: VolumeAnswers) -> LesionsRead:
     """The lesions of a file that lie in the image, mm.
 
     Raises BadScan or TooLarge with a sentence, of BadScan NeedsAnswer, where a person has to say something, and
@@ -24,6 +24,8 @@ def lesions_in(source: Path | bytes, on: KeptImage | None, answers: VolumeAnswer
     """
     if on is None:
         raise BadScan(NO_IMAGE)
+    from breastrig.scan.images.lesion_files import lesions_of  # SciPy's filters, and few scans are volumes
+
     return guarded("segmentation", partial(lesions_of, bytes_of(source), on, answers))
 
 
@@ -63,26 +65,3 @@ def with_lesions_beside(image: Pieces, files: Sequence[bytes], answers: VolumeAn
 
 def _scaled(lesion: BallInside, factor: float) -> BallInside:
     return BallInside(lesion.name, factor * lesion.center, factor * lesion.radius)
-
-
-@dataclass(frozen=True, eq=False)
-class LesionsRead:
-    """The lesions of a file, mm (LPS)."""
-
-    lesions: tuple[BallInside, ...]
-    segments: tuple[TakenSegment, ...]
-    notes: tuple[str, ...]
-
-
-def lesions_of(data: bytes, on: KeptImage | None, answers: VolumeAnswers) -> LesionsRead:
-    """The lesions of a label map that shows the body, too.  Raises BadScan, TooLarge, BadSettings."""
-    from breastrig.scan.file_type import VOLUMES, file_type_of
-    from breastrig.scan.volumes.gzipped import GZIP_START, gunzipped
-    from breastrig.scan.volumes.label_map import label_map_pieces
-
-    unpacked = gunzipped(data) if data.startswith(GZIP_START) else data
-    kind = file_type_of(unpacked)
-    if kind not in VOLUMES:
-        raise BadScan("This file holds no lesions; give a segmentation (NIfTI, DICOM SEG).")
-    found = label_map_pieces(unpacked, kind, answers)
-    return LesionsRead(found.lesions, found.segments, found.notes)

@@ -26,16 +26,23 @@ def pieces_in(source: Path | bytes, units: str, answers: VolumeAnswers) -> Piece
 
 def pieces_of(data: bytes, kind: str, units: str, answers: VolumeAnswers) -> Pieces:
     """The contents of one file, in mm.  Raises as `pieces_in`."""
+    from breastrig.scan.images.grid_image import image_of
+    from breastrig.scan.images.image_pieces import image_pieces
+    from breastrig.scan.volumes.grid import Grid
     from breastrig.scan.volumes.label_map import label_map_pieces
+    from breastrig.scan.volumes.volume_files import read_volume
 
     _check_unit(units)
     if kind == "dicom" and (image := image_of_file(data, answers)) is not None:
-        from breastrig.scan.images.image_pieces import image_pieces
-
         return image_pieces(image)
     if answers.series is not None:
-        raise BadSettings("This is a label map; series is for DICOM images alone.")
-    return label_map_pieces(data, kind, answers)
+        raise BadSettings("This file is no DICOM image; series is for those alone.")
+    found = read_volume(data, kind, answers.frame)
+    if not isinstance(found, Grid):
+        return label_map_pieces(found, answers)
+    if answers.segments:
+        raise BadSettings("This is an image, which has no segments; leave segments out.")
+    return image_pieces(image_of(found))
 
 
 def _check_unit(units: str) -> None:

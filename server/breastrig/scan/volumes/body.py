@@ -17,8 +17,8 @@ SMOOTHING = 1.2  # mm, of the Gaussian over the steps between voxels
 LARGEST_BODY = 4000.0  # mm across
 NO_SKIN = "This label map shows no skin with air in front of it; export the whole volume, 0 for air."
 NO_BODY = (
-    "This label map shows no body: all that is in it is {:.0f} mm across, as a lesion alone; export the body with it, "
-    "from the skin to the chest wall."
+    "This label map shows no body: all that is in it is {:.0f} mm across, as a lesion alone; give it with the image "
+    "that it was drawn on, or export the body with it, from the skin to the chest wall."
 )
 LESION_ALONE = 40.0  # mm radius of a ball of the volume of what is no body, wherever it lies
 LESION_IN_AIR = 80.0  # mm, where air is all around it
@@ -35,12 +35,12 @@ class Bodies:
 
     def air_in_front(self, affine: Array) -> float:
         """Share of the volume's front face, where the affine (to LPS) has it."""
-        axis, end = _front(affine)
+        axis, end = front_of(affine)
         return float((self._air.take(end, axis=axis) > 0).mean())
 
     def body(self, affine: Array) -> Booleans:
         """(I, J, K).  BadScan where no air is in front, or nothing behind it."""
-        front = _front(affine)
+        front = front_of(affine)
         if front not in self._found:
             in_front = self._air.take(front[1], axis=front[0])
             counts = np.bincount(in_front[in_front > 0])
@@ -50,8 +50,8 @@ class Bodies:
         return self._found[front]
 
 
-def _front(affine: Array) -> tuple[int, int]:
-    """The axis that lies from front to back, and its index in front."""
+def front_of(affine: Array) -> tuple[int, int]:
+    """The voxels' axis that lies from front to back, and its index in front."""
     axis = int(np.abs(affine[1, :3]).argmax())
     return axis, 0 if affine[1, axis] > 0.0 else -1  # LPS: y grows to the back
 

@@ -28,17 +28,27 @@ from breastrig.scan.limits import (
 from breastrig.scan.volumes.answers import TakenAs
 from breastrig.scan.volumes.codes import coded_as, label_of
 from breastrig.scan.volumes.slices import between, gaps_said, runs
-from breastrig.scan.volumes.volume import IMAGE, Gap, Reading, Segment, Volume, check_affine, check_shape
+from breastrig.scan.volumes.volume import (
+    NOT_GREY,
+    Gap,
+    Reading,
+    Segment,
+    Volume,
+    check_affine,
+    check_shape,
+    frame_digest,
+)
 
 DEFLATED, PLAIN = b"1.2.840.10008.1.2.1.99", b"1.2.840.10008.1.2.1\0\0\0"  # transfer syntaxes
 GROUP_LENGTH = b"\x02\x00\x00\x00UL\x04\x00"  # the element with which the header of a file begins
 ITEM = b"\xfe\xff\x00\xe0"
 EXPORT = "export the structures as a DICOM segmentation (SEG) or as a NIfTI label map"
 OTHER_CLASSES = {
-    STRUCTURES: f"This is a structure set (RTSTRUCT); its contours are not read yet, {EXPORT}.",
+    STRUCTURES: f"This is a structure set (RTSTRUCT), which shows no skin; give it with its image, or {EXPORT}.",
     "1.2.840.10008.5.1.4.1.1.66.5": f"This is a DICOM surface segmentation, which is not read; {EXPORT}.",
     "1.2.840.10008.1.3.10": "This is the list of a DICOM medium (DICOMDIR); give the file of the segmentation itself.",
 }
+AN_IMAGE = "This is an image, not a segmentation of lesions; give the segmentation."
 NO_PLACE = "This DICOM segmentation does not say where its frames lie; export it again."
 DAMAGED = "This DICOM file is damaged or cut off and cannot be read; export it again."
 COMPRESSED = "The pixels of this DICOM file are compressed in a way that is not read; export it uncompressed."
@@ -81,13 +91,12 @@ class _Held:
         ]
 
 
-def read_segmentation(data: bytes) -> Volume:
-    """The volume.  Raises BadScan or TooLarge with a sentence."""
-    dataset = _dataset(data)
+def segmentation_volume(dataset: Any) -> Volume:
+    """The volume of a parsed file.  Raises BadScan or TooLarge with a sentence."""
     _check_class(dataset)
     frames = _frames(dataset)
     slices, step, missing = _slices(frames)
-    shape = (int(dataset.Columns), int(dataset.Rows), int(slices.max()) + 1)
+    shape = (int(dataset.Columns), int(dataset.Rows), max(2, int(slices.max()) + 1))
     check_shape(shape)
     affine = np.eye(4)
     affine[:3, :3] = np.column_stack([frames.across, frames.down, step])
@@ -110,7 +119,14 @@ def read_segmentation(data: bytes) -> Volume:
         raise BadScan("This DICOM segmentation holds no segment; export it again.")
     notes += _perhaps_coarser(frames, float(np.linalg.norm(step)))
     gaps = tuple(Gap(2, first, last) for first, last in runs(missing) if last > first)
-    return Volume(shape, tuple(segments), (Reading("", "", affine),), notes=(*notes, *gaps_said(gaps)), gaps=gaps)
+    return Volume(
+        shape,
+        tuple(segments),
+        (Reading("", "", affine),),
+        notes=(*notes, *gaps_said(gaps)),
+        gaps=gaps,
+        frame=frame_digest(str(dataset.get("FrameOfReferenceUID", ""))),
+    )
 
 
 def _descriptions(dataset: Any) -> dict[int, Any]:
@@ -119,7 +135,7 @@ def _descriptions(dataset: Any) -> dict[int, Any]:
     return {int(each.SegmentNumber): each for each in listed if "SegmentNumber" in each}
 
 
-def _dataset(data: bytes) -> Any:
+def dataset_of(data: bytes) -> Any:
     """The whole file, parsed, after its limits are checked."""
     from pydicom.filereader import read_partial
 
@@ -167,6 +183,8 @@ def _check_class(dataset: Any) -> None:
         return
     if dataset.get("Modality", "") == "RTSTRUCT":
         raise BadScan(OTHER_CLASSES[STRUCTURES])
+    if "ImagePositionPatient" in dataset:
+        raise BadScan(AN_IMAGE)
     raise BadScan(f"This DICOM file holds neither an image nor a segmentation; {EXPORT}.")
 
 
@@ -174,7 +192,7 @@ def _frames(dataset: Any) -> _Frames:
     own = list(dataset.get("PerFrameFunctionalGroupsSequence", None) or [])
     count, rows, columns = int(dataset.get("NumberOfFrames", None) or len(own)), int(dataset.Rows), int(dataset.Columns)
     if int(dataset.get("SamplesPerPixel", 1)) != 1:
-        raise BadScan(IMAGE)
+        raise BadScan(NOT_GREY)
     if count > DICOM_FRAMES or count * rows * columns > 16 * LABEL_MAP_VOXELS or rows * columns > LABEL_MAP_VOXELS:
         pixels = f"{count:,} frames of {rows} x {columns} pixels"
         raise TooLarge(f"This DICOM segmentation has {pixels}, more than is read; crop it.")
@@ -233,7 +251,7 @@ def _pixels(dataset: Any, count: int, rows: int, columns: int) -> Callable[[int]
     """A function frame -> (R, C) pixels: booleans, or segment numbers."""
     bits = int(dataset.get("BitsAllocated", 1))
     if bits not in (1, 8, 16):
-        raise BadScan(IMAGE)
+        raise BadScan(NOT_GREY)
     syntax = getattr(dataset, "file_meta", {}).get("TransferSyntaxUID", None)
     is_share = dataset.get("SegmentationType", "") == "FRACTIONAL"
     half = 0.5 * float(dataset.get("MaximumFractionalValue", 255) or 255) if is_share else None
@@ -290,8 +308,11 @@ def _slices(frames: _Frames) -> tuple[Integers, Array, Booleans]:
     along = frames.places @ normal
     order = np.argsort(along, kind="stable")
     steps = np.diff(along[order])
-    if not len(steps) or steps.max() <= 0.0:
-        raise BadScan("This label map is a single slice; export the whole volume.")
+    if np.ptp(along) <= 0.0:  # one slice, as a small lesion may have
+        only = frames.named_step or frames.thickness
+        if only is None:
+            raise BadScan("This file is a single slice; export the whole volume.")
+        return np.zeros(len(along), np.int64), only * normal, np.zeros(1, np.bool_)
     named, step = frames.named_step, float(np.median(steps[steps > NO_STEP * steps.max()]))
     apart = steps > SAME_SLICE * min(step, named or step)
     step = float(np.median(steps[apart]))

@@ -17,11 +17,11 @@ SAYS_ITSELF = "This file says itself where its voxels lie ({}), and not as {}; l
 Frames = tuple[tuple[Reading, ...], str, tuple[str, ...]]  # readings, why there are several, notes
 
 
-def stated(affine: Array, frame: str | None) -> Frames:
+def stated(affine: Array, frame: str | None, is_placed: bool = True) -> Frames:
     """The one reading of a file that states its affine (4, 4) to LPS; BadSettings for another answer."""
     if frame is not None and frame != axis_codes(affine):
         raise BadSettings(SAYS_ITSELF.format(axis_codes(affine), frame))
-    return (Reading("", "", affine),), "", ()
+    return (Reading("", "", affine, is_placed),), "", ()
 
 
 def unstated(why: str, sizes: Array, shape: tuple[int, ...], frame: str | None) -> Frames:
@@ -64,4 +64,4 @@ def _along(codes: str, sizes: Array, shape: tuple[int, ...]) -> Reading:
         turn["LPSRAI".index(letter) % 3, axis] = (1.0 if letter in "LPS" else -1.0) * sizes[axis]
     affine = np.eye(4)
     affine[:3, :3], affine[:3, 3] = turn, -0.5 * turn @ (np.asarray(shape) - 1.0)
-    return Reading(codes, f"axes to {', '.join(WORDS[letter] for letter in codes)}", affine)
+    return Reading(codes, f"axes to {', '.join(WORDS[letter] for letter in codes)}", affine, is_placed=False)

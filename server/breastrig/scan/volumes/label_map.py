@@ -1,26 +1,19 @@
-"""The skin and the lesions of a label map: NIfTI, NRRD, MetaImage, or DICOM segmentation (SEG); needs extra `mri`.
+"""The skin and the lesions of a label map.
 
 A label map says for each voxel what is there, 0 for nothing.  The body is all that the air in front of it does not
 reach, so labels may leave parts of it out (lungs, fat); where the field of view ends the skin ends, open.  Places are
 in the DICOM patient frame (LPS: to the patient's left, back, head), in mm, as mesh files of 3D Slicer have them.
 """
 
-import importlib.util
 import warnings
-from collections.abc import Callable
 
-from breastrig.core.errors import BadScan, BadSettings
 from breastrig.scan.piece import BallInside, Piece, Pieces, TakenSegment
 from breastrig.scan.volumes.answers import VolumeAnswers
 from breastrig.scan.volumes.body import Bodies, check_shows_body, filled, skin
-from breastrig.scan.volumes.dicom_seg import read_segmentation
-from breastrig.scan.volumes.grid import Grid, volume_of
-from breastrig.scan.volumes.meta_image import read_meta_image
-from breastrig.scan.volumes.nifti import read_nifti
-from breastrig.scan.volumes.nrrd import read_nrrd
 from breastrig.scan.volumes.question import needs_answer
 from breastrig.scan.volumes.segments import check_chosen, taken_segments
-from breastrig.scan.volumes.volume import IMAGE, Volume
+from breastrig.scan.volumes.volume import Volume
+from breastrig.scan.volumes.wall import wall_of
 
 FRAME = "Places are in the DICOM patient frame (LPS), mm; the skin was made from the label map."
 BOTH = 200.0  # mm from right to left; nipples alone are 150 to 210 apart in the four given patients
@@ -29,29 +22,16 @@ ONE_BREAST = (
     "breasts and the skin between them."
 )
 SAID_EACH = 12  # segments, each with a sentence of its own
-NEEDS = 'Label maps need "breastrig[mri]"; install it, or export the skin as PLY, STL or OBJ.'
 
 
-GRIDS: dict[str, Callable[[bytes, str | None], Grid]] = {
-    "nifti": read_nifti,
-    "nrrd": read_nrrd,
-    "mha": read_meta_image,
-}
-
-
-def label_map_pieces(data: bytes, kind: str, answers: VolumeAnswers) -> Pieces:
-    """The skin with `lesions` and `segments`; `kind` is one of GRIDS, or dicom.
+def label_map_pieces(volume: Volume, answers: VolumeAnswers) -> Pieces:
+    """The skin with `lesions` and `segments`.
 
     Raises BadScan or TooLarge with a sentence, NeedsAnswer where a person has to say something, BadSettings for
-    answers that do not fit this file.
+    answers that do not fit this volume.
     """
-    if importlib.util.find_spec("pydicom" if kind == "dicom" else "nibabel") is None:
-        raise BadScan(NEEDS)
-    if kind == "dicom" and answers.frame is not None:
-        raise BadSettings("A DICOM segmentation says itself where it lies; leave frame out.")
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # about headers that are not quite as their standard wants them
-        volume = _labels(GRIDS[kind](data, answers.frame)) if kind in GRIDS else read_segmentation(data)
+        warnings.simplefilter("ignore")  # of libraries, about bodies that are not quite as they want them
         check_chosen(volume, answers.segments)
         there = filled(volume, frozenset(number for number, what in answers.segments.items() if what == "unused"))
         check_shows_body(there, volume.readings[0].affine)
@@ -60,24 +40,20 @@ def label_map_pieces(data: bytes, kind: str, answers: VolumeAnswers) -> Pieces:
             raise needs_answer(volume, bodies, answers.segments)
         affine = volume.readings[0].affine
         body = bodies.body(affine)
-        taken = taken_segments(volume, body, affine, answers.segments)
+        taken = taken_segments(volume, body.__getitem__, affine, answers.segments)
         vertices, faces = skin(body, affine, volume.gaps)
+        wall = wall_of(volume, taken.segments, affine)
     lesions = tuple(BallInside(each.name, (affine @ [*each.center, 1.0])[:3], each.radius) for each in taken.lesions)
     width = float(vertices[:, 0].max() - vertices[:, 0].min()) if len(vertices) else BOTH
     narrow = (ONE_BREAST.format(width),) if width < BOTH else ()
-    notes = (FRAME, *narrow, *volume.notes, *_said(taken.segments))
+    notes = (FRAME, *narrow, *volume.notes, *said_of(taken.segments))
     piece = Piece(vertices, faces)
-    return Pieces((piece,), notes=notes, unit="mm", is_label_map=True, lesions=lesions, segments=taken.segments)
+    return Pieces(
+        (piece,), notes=notes, unit="mm", is_label_map=True, lesions=lesions, segments=taken.segments, wall=wall
+    )
 
 
-def _labels(grid: Grid) -> Volume:
-    volume = volume_of(grid)
-    if volume is None:
-        raise BadScan(IMAGE)
-    return volume
-
-
-def _said(segments: tuple[TakenSegment, ...]) -> list[str]:
+def said_of(segments: tuple[TakenSegment, ...]) -> list[str]:
     """Notes on the use of each segment, without the file's words; many tissue segments are only counted."""
     named = [each for each in segments if len(segments) <= SAID_EACH or each.taken_as != "tissue"]
     notes = []

@@ -16,7 +16,7 @@ from breastrig.scan.volumes.attached import (
 )
 from breastrig.scan.volumes.frames import Frames, axis_codes, stated, unstated
 from breastrig.scan.volumes.grid import Grid, widest_axis
-from breastrig.scan.volumes.volume import IMAGE, check_affine, check_shape
+from breastrig.scan.volumes.volume import NOT_GREY, check_affine, check_shape
 
 BAD_HEADER = NO_HEADER.format("MetaImage")
 AS_TEXT = "The voxels of this MetaImage file are written as text; save it in binary."
@@ -42,13 +42,13 @@ def read_meta_image(data: bytes, frame: str | None) -> Grid:
         raise BadScan(BAD_HEADER)
     check_shape(sizes)
     if fields.get("elementnumberofchannels", "1") != "1":
-        raise BadScan(IMAGE)
+        raise BadScan(NOT_GREY)
     frames = _frames(fields, sizes, frame)
     for each in frames[0]:
         check_affine(each.affine)
     kind = TYPES.get(fields.get("elementtype", "").upper().removeprefix("MET_"))
     if kind is None:
-        raise BadScan(IMAGE if "elementtype" in fields else BAD_HEADER)
+        raise BadScan(NOT_GREY if "elementtype" in fields else BAD_HEADER)
     dtype = np.dtype((">" if _is_true(fields, "binarydatabyteordermsb") else "<") + kind)
     raw = voxels(data, start, sizes, dtype, _is_true(fields, "compresseddata"))
     steps = np.linalg.norm(frames[0][0].affine[:3, :3], axis=0)

@@ -15,7 +15,7 @@ from breastrig.core.errors import BadScan, BadSettings
 from breastrig.scan.volumes.answers import FORMS
 from breastrig.scan.volumes.frames import RAS_TO_LPS, SAYS_ITSELF, Frames, axis_codes, axis_words, unstated
 from breastrig.scan.volumes.grid import Grid, widest_axis
-from breastrig.scan.volumes.volume import IMAGE, Reading, check_affine, check_shape
+from breastrig.scan.volumes.volume import NOT_GREY, Reading, check_affine, check_shape
 
 MM = {"meter": 1e3, "mm": 1.0, "micron": 1e-3}
 BROKEN = "Its {} claims to hold, but has no meaning; it was not used."
@@ -53,7 +53,7 @@ def _slice_axis(header: Any) -> int:
 def _raw(data: bytes, kind: np.dtype[Any], start: int, shape: tuple[int, ...]) -> NDArray[Any]:
     """(I, J, K) as stored; BadScan where they are colours."""
     if kind.kind not in "iuf":
-        raise BadScan(IMAGE)
+        raise BadScan(NOT_GREY)
     return np.ndarray(shape, kind, data, start, order="F")
 
 

@@ -21,7 +21,7 @@ from breastrig.scan.volumes.attached import (
 from breastrig.scan.volumes.codes import coded_as, label_of
 from breastrig.scan.volumes.frames import Frames, stated, unstated
 from breastrig.scan.volumes.grid import Described, Grid, widest_axis
-from breastrig.scan.volumes.volume import IMAGE, check_affine, check_shape
+from breastrig.scan.volumes.volume import NOT_GREY, check_affine, check_shape
 
 BAD_HEADER = NO_HEADER.format("NRRD")
 NO_FRAME = "This NRRD file does not say which side is left (it names no patient space)"
@@ -70,7 +70,7 @@ def read_nrrd(data: bytes, frame: str | None) -> Grid:
     described = _described(words, sizes[lists[0]] if lists else 1)
     if lists and not (len(lists) == 1 and described and sizes[lists[0]] <= LABELS):
         if re.search(r"color|vector|matrix|complex|quaternion", fields.get("kinds", "")):
-            raise BadScan(IMAGE)
+            raise BadScan(NOT_GREY)
         inner = inner + lists  # more than three
     shape = tuple(sizes[axis] for axis in inner)
     check_shape(shape)
@@ -111,7 +111,7 @@ def _header(data: bytes) -> tuple[Fields, Fields, int]:
 def _dtype(fields: Fields) -> np.dtype[Any]:
     kind = TYPES.get(" ".join(fields.get("type", "").lower().split()))
     if kind is None:
-        raise BadScan(IMAGE if fields.get("type") == "block" else BAD_HEADER)
+        raise BadScan(NOT_GREY if fields.get("type") == "block" else BAD_HEADER)
     order = {"little": "<", "big": ">"}.get(fields.get("endian", "little" if kind.endswith("1") else "").lower())
     if order is None:
         raise BadScan(NO_ORDER)
@@ -153,7 +153,7 @@ def _frames(fields: Fields, columns: Array, shape: tuple[int, ...], frame: str |
     affine[:3, :3], affine[:3, 3] = mm * columns, mm * np.array(origin) if is_placed else 0.0
     affine = np.diag([*signs, 1.0]) @ affine
     check_affine(affine)
-    readings, doubt, notes = stated(affine, frame)
+    readings, doubt, notes = stated(affine, frame, is_placed)
     return readings, doubt, notes if is_placed else (*notes, NO_ORIGIN)
 
 

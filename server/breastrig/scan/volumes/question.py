@@ -36,7 +36,7 @@ def needs_answer(volume: Volume, bodies: Bodies, chosen: Mapping[int, TakenAs]) 
         try:
             body = bodies.body(reading.affine)
             if id(body) not in taken:
-                taken[id(body)] = taken_segments(volume, body, reading.affine, chosen)
+                taken[id(body)] = taken_segments(volume, body.__getitem__, reading.affine, chosen)
             choices.append(_choice(reading, body, taken[id(body)]))
         except BadScan:  # this answer would be refused
             choices.append({"value": reading.value, "text": reading.text, "lesions": []})

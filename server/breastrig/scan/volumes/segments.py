@@ -7,7 +7,7 @@ in any language. Words of the file are only a hint, for a lesion that is not com
 import re
 import unicodedata
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,6 +36,13 @@ HINT = re.compile(
     re.IGNORECASE,
 )
 
+WALL = re.compile(
+    r"pectoral|\bmuscles?\b|\bmuscul|muskel|chest[ _-]?wall|thora(?:x|cic)[ _-]?wall|brust(?:korb)?wand|thoraxwand|"
+    r"paroi thorac",
+    re.IGNORECASE,
+)
+NO_WALL = re.compile(r"node|knoten|ganglion|implant|prothes", re.IGNORECASE)
+
 
 @dataclass(frozen=True, eq=False)
 class Taken:
@@ -55,6 +62,11 @@ class _Part:
     longest: float  # its longest extent, over the diameter of that ball
 
 
+def names_wall(label: str) -> bool:
+    """Whether a segment's words say pectoral muscle or chest wall."""
+    return bool(WALL.search(_plain(label))) and not NO_WALL.search(_plain(label))
+
+
 def check_chosen(volume: Volume, chosen: Mapping[int, TakenAs]) -> None:
     """Raises BadSettings where an answer names a segment that does not exist."""
     known = [each.number for each in volume.segments]
@@ -64,13 +76,21 @@ def check_chosen(volume: Volume, chosen: Mapping[int, TakenAs]) -> None:
             raise BadSettings(f"There is no segment {number} in this label map; it has {there}.")
 
 
-def taken_segments(volume: Volume, body: Booleans, affine: Array, chosen: Mapping[int, TakenAs]) -> Taken:
+def taken_segments(
+    volume: Volume,
+    body: Callable[[Box], Booleans],
+    affine: Array,
+    chosen: Mapping[int, TakenAs],
+    are_lesions_alone: bool = False,
+) -> Taken:
     """Each segment with its use, and the lesions.
 
-    `body` (I, J, K) is all that is not air, `affine` (4, 4) to mm. Raises BadScan for too many lesions, and where a
+    `body` says of a box of voxels which are not air, `affine` (4, 4) leads to mm; of `are_lesions_alone` the largest
+    segment may be one, and the only one is. Raises BadScan for too many lesions, and where a
     segment that a person calls a lesion can be none.
     """
-    most = max((each.count for each in volume.segments), default=0)
+    most = 0 if are_lesions_alone else max((each.count for each in volume.segments), default=0)
+    is_only = are_lesions_alone and len(volume.segments) == 1
     steps = np.linalg.norm(affine[:3, :3], axis=0)
     cell = abs(float(np.linalg.det(affine[:3, :3])))
     work = LOOKED_AT
@@ -79,7 +99,8 @@ def taken_segments(volume: Volume, body: Booleans, affine: Array, chosen: Mappin
     count: Counter[str] = Counter()
     for each in sorted(volume.segments, key=lambda each: each.number):
         size = int(np.prod([side.stop - side.start for side in each.box], dtype=np.float64))
-        what, why, parts = _decided(each, chosen.get(each.number), body, cell, steps, each.count == most, size <= work)
+        is_largest, is_looked_at, said = each.count == most, size <= work, chosen.get(each.number)
+        what, why, parts = _decided(each, said, body, cell, steps, is_largest, is_looked_at, is_only)
         work -= size if parts is not None else 0
         count[what] += 1
         name = f"{what.capitalize()} {count[what]}"
@@ -88,7 +109,7 @@ def taken_segments(volume: Volume, body: Booleans, affine: Array, chosen: Mappin
         for number, part in enumerate(parts or () if what == "lesion" else (), 1):
             whole = name if parts is None or len(parts) == 1 else f"{name}, part {number}"
             lesions.append(BallInside(whole, part.centre, part.radius))
-    if len(lesions) > LESIONS:
+    if len(lesions) > LESIONS and not are_lesions_alone:
         numbers = ", ".join(str(each.number) for each in taken if each.taken_as == "lesion")[:MOST_CHARACTERS]
         raise BadScan(
             f"This label map has more than {LESIONS} lesions, of its segments {numbers}; say of those that are none "
@@ -100,23 +121,29 @@ def taken_segments(volume: Volume, body: Booleans, affine: Array, chosen: Mappin
 def _decided(
     segment: Segment,
     said: TakenAs | None,
-    body: Booleans,
+    body: Callable[[Box], Booleans],
     cell: float,
     steps: Array,
     is_largest: bool,
     is_looked_at: bool,
+    is_only: bool,
 ) -> tuple[TakenAs, str, list[_Part] | None]:
     """The segment's use, the reason, and its parts where they were examined."""
     if said in ("tissue", "unused"):
         return said, "A person said so.", None
     is_hinted = segment.coded is None and bool(HINT.search(_plain(segment.label)))
-    is_named = said == "lesion" or segment.coded == "lesion" or is_hinted
+    is_large = bool(_radius(cell * segment.count) >= LARGEST_LESION)
+    is_wall = segment.coded is None and not is_hinted and names_wall(segment.label)
+    is_only = is_only and segment.coded is None and not is_large and not is_wall
+    is_named = said == "lesion" or segment.coded == "lesion" or is_hinted or is_only
     if not is_named:
         if segment.coded is not None:
             return segment.coded, "Its codes say so.", None
+        if is_wall:
+            return "tissue", "Its name says so.", None
         if is_largest:
             return "tissue", "It is the largest segment.", None
-        if _radius(cell * segment.count) >= LARGEST_LESION:
+        if is_large:
             return "tissue", f"It is larger than a ball of {2 * LARGEST_LESION:.0f} mm.", None
     if not is_looked_at and said is None:
         return "tissue", "It is scattered through the whole volume.", None
@@ -126,8 +153,14 @@ def _decided(
     if is_named:
         too = "large" if parts else "small"
         if fitting:
-            why = "A person said so." if said else "Its codes say so." if segment.coded else "Its name says so."
-            return "lesion", why, fitting
+            why = (
+                "Its codes say so."
+                if segment.coded
+                else "Its name says so."
+                if is_hinted
+                else "It is the only segment."
+            )
+            return "lesion", "A person said so." if said else why, fitting
         if said:
             limit = f"{2 * (LARGEST_NAMED if parts else SMALLEST_LESION):.0f} mm"
             raise BadScan(
@@ -161,10 +194,11 @@ def _parts(inside: Booleans, box: Box, cell: float, steps: Array) -> list[_Part]
     return found
 
 
-def _lies_inside(inside: Booleans, box: Box, body: Booleans) -> bool:
+def _lies_inside(inside: Booleans, box: Box, body: Callable[[Box], Booleans]) -> bool:
     """Whether nothing of it borders on air."""
-    wider = tuple(slice(max(0, side.start - 1), side.stop + 1) for side in box)
-    inner = ndimage.binary_erosion(body[wider], border_value=1)
+    first, second, third = (slice(max(0, side.start - 1), side.stop + 1) for side in box)
+    wider = (first, second, third)
+    inner = ndimage.binary_erosion(body(wider), border_value=1)
     there = tuple(slice(side.start - more.start, side.stop - more.start) for side, more in zip(box, wider, strict=True))
     return bool(inner[there][inside].all())
 

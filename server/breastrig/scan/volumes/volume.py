@@ -1,5 +1,6 @@
 """A label map as read: segments on one grid of voxels, and the possible frames of that grid."""
 
+import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -12,8 +13,11 @@ from breastrig.scan.volumes.answers import TakenAs
 
 Box = tuple[slice, slice, slice]
 
-IMAGE = "This is an image, not a label map; segment body and lesions first (0 is air), and give that."
+NOT_GREY = (
+    "This file holds no single grey value or label for each voxel (colours, vectors?); export an image or a label map."
+)
 SMALLEST_VOXEL, LARGEST_VOXEL = 0.05, 50.0  # mm; a breast MRI has 0.3 to 5
+FRAME_DIGITS = 16
 FLAT = 0.1  # volume of a voxel over that of a box with its edges; a scanner that leans by 30 degrees has 0.87
 
 
@@ -36,6 +40,7 @@ class Reading:
     value: str  # of the answer `frame`
     text: str  # what that means
     affine: Array  # (4, 4) voxel indices to mm, LPS
+    is_placed: bool = True  # whether the file says where, not only how the axes run
 
 
 @dataclass(frozen=True)
@@ -57,23 +62,29 @@ class Volume:
     doubt: str = ""  # why there are several
     notes: tuple[str, ...] = ()
     gaps: tuple[Gap, ...] = ()
+    frame: str = ""  # digest of the file's frame of reference; empty where it names none
+
+
+def frame_digest(uid: str) -> str:
+    """The digest of a frame of reference's UID, by which two files of one frame are known; empty without one."""
+    return hashlib.sha256(uid.encode()).hexdigest()[:FRAME_DIGITS] if uid else ""
 
 
 def check_shape(shape: tuple[int, ...]) -> None:
     """Raises BadScan or TooLarge for a shape that is not supported."""
     if len(shape) < 3 or any(size != 1 for size in shape[3:]):
-        raise BadScan("This label map must be one volume of three dimensions; export it as one.")
+        raise BadScan("This file must be one volume of three dimensions; export it as one.")
     if min(shape[:3]) < 2:
-        raise BadScan("This label map is a single slice; export the whole volume.")
+        raise BadScan("This file is a single slice; export the whole volume.")
     if np.prod(shape[:3], dtype=np.float64) > LABEL_MAP_VOXELS:
-        raise TooLarge(f"This label map has more than the {LABEL_MAP_VOXELS:,} voxels allowed; resample it first.")
+        raise TooLarge(f"This volume has more than the {LABEL_MAP_VOXELS:,} voxels allowed; resample it first.")
 
 
 def check_affine(affine: Array) -> None:
     """Raises BadScan for voxels of no size, or of one that no image of a body has."""
     sizes = np.linalg.norm(affine[:3, :3], axis=0)
     if not np.isfinite(affine).all() or not sizes.all() or abs(np.linalg.det(affine[:3, :3] / sizes)) < FLAT:
-        raise BadScan("This label map does not say where its voxels lie; export it again.")
+        raise BadScan("This file does not say where its voxels lie; export it again.")
     if not (sizes.min() >= SMALLEST_VOXEL and sizes.max() <= LARGEST_VOXEL):
         shown = " x ".join(f"{size:.3g}" for size in sizes)
-        raise BadScan(f"The voxels of this label map are {shown} mm, which those of no body are; check its unit.")
+        raise BadScan(f"The voxels of this file are {shown} mm, which those of no body are; check its unit.")

@@ -21,8 +21,7 @@ from breastrig.core.stances import STANCES, Stance
 from breastrig.execution.limits import UploadLimits
 from breastrig.execution.pool import TaskQueue
 from breastrig.fitting.prepare_scan import keeping
-from breastrig.scan.images.added_lesions import TakenLesions
-from breastrig.scan.images.read_lesions import LesionsRead
+from breastrig.scan.images.added_lesions import LesionsRead, TakenLesions
 from breastrig.scan.stored_scan import STORED
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 from breastrig.service.failed_tasks import FULL
