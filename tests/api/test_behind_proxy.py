@@ -141,12 +141,12 @@ def test_uploads_are_refused_with_our_own_sentences_before_they_are_sent(behind:
     files = {"file": ("torso.ply", torso * 40)}  # 5 MB, more than any buffer on the way
     refused = behind.client().post("/api/scans", files=files)
     assert (refused.status_code, refused.headers["Content-Type"]) == (401, "application/problem+json")
-    announced = {"Content_Type": "multipart/form-data; boundary=b", "Content_Length": 420_000_000}
+    announced = {"Content_Type": "multipart/form-data; boundary=b", "Content_Length": 1_074_000_000}
     with connected(behind.proxy_port) as plain, behind.trust.wrap_socket(plain, server_hostname=NAME) as connection:
         connection.sendall(request("/api/scans", "POST", Host=NAME, **announced, **BEARER))
         too_large = answer(connection)
     assert too_large.status == 413
-    assert b"larger than 419 MB" in too_large.body
+    assert b"larger than 1073 MB" in too_large.body
 
 
 @pytest.mark.slow

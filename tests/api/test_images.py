@@ -8,11 +8,14 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 from flask.testing import FlaskClient
+from helpers.dicom_files import NAME, SECRET
+from helpers.example_image import example_image
 from helpers.image_uploads import AFFINE, IMAGE, SHAPE, read_upload_of_image
 from helpers.label_maps import BODY_WORDS, LESION, PLAIN, RADIUS, body_labels, file_of, masks, nifti, seg
 from helpers.on_disk import bytes_below
 from helpers.problems import problem
 
+from breastrig.execution.limits import UploadLimits
 from breastrig.scan.kept_image import read_image
 from breastrig.service.scans import uploads
 from breastrig.service.service import Service
@@ -131,3 +134,51 @@ def test_words_of_a_file_of_lesions_are_answered_once_and_kept_nowhere(
     assert name not in json.dumps(client.get(scan["links"]["self"]).json) + caplog.text
     assert name not in json.dumps(planned(client, scan))
     assert b"Quixote" not in bytes_below(service.storage.root)
+
+
+def upload(client: FlaskClient, data: bytes, **fields: str):
+    return client.post("/api/scans", data={"file": (io.BytesIO(data), f"{NAME}.zip"), **fields})
+
+
+@pytest.mark.slow
+def test_which_series_is_asked_and_nothing_of_a_header_is_kept(
+    client: FlaskClient, service: Service, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level("DEBUG")
+    data = example_image("t1 fs", "t2 tse")
+    before = client.get("/api/scans").json
+    asked = upload(client, data)
+    assert (asked.status_code, asked.mimetype) == (422, "application/problem+json")
+    assert asked.json is not None
+    question = asked.json["question"]
+    assert question["field"] == "series"
+    assert len(question["choices"]) == 2
+    assert all(choice["picture"].startswith("data:image/png;base64,") for choice in question["choices"])
+    assert client.get("/api/scans").json == before
+    assert list((service.storage.root / "incoming").iterdir()) == []
+    answer = upload(client, data, series=question["choices"][1]["value"])
+    assert answer.status_code == 201, answer.json
+    assert answer.json is not None
+    scan = answer.json
+    assert scan["image"]["shape"] == [136, 108, 118]
+    assert len(client.get(scan["links"]["volume"]).data) == scan["image"]["bytes"] == 136 * 108 * 118
+    told = json.dumps(scan, ensure_ascii=False) + client.get(scan["links"]["patient"]).get_data(as_text=True)
+    kept = bytes_below(service.storage.root)
+    for word in (NAME, SECRET, "t1 fs", "t2 tse", "19700101"):
+        assert word not in told + caplog.text
+        assert word.encode() not in kept
+    with np.load(service.storage.files.scan(scan["id"]) / "volume.npz") as arrays:
+        assert set(arrays) == {"values", "affine", "frame"}
+    assert "no such series" in problem(upload(client, data, series="another"), 422)
+    assert client.delete(scan["links"]["self"]).status_code == 204
+
+
+def test_only_a_zip_may_be_as_large_as_an_examination(
+    client: FlaskClient, service: Service, monkeypatch: pytest.MonkeyPatch, torso: bytes
+) -> None:
+    limits = UploadLimits(file_bytes=len(torso) - 1, zip_bytes=len(torso))
+    monkeypatch.setattr(service.uploads, "_limits", limits)
+    assert "more than the 0 MB allowed" in problem(upload(client, torso), 413)
+    assert "damaged" in problem(upload(client, b"PK\x03\x04" + torso[4:]), 422)
+    assert "more than" in problem(upload(client, b"PK\x03\x04" + torso), 413)
+    assert list((service.storage.root / "incoming").iterdir()) == []

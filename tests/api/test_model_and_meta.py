@@ -24,6 +24,7 @@ def test_meta_names_version_limits_and_model(client: FlaskClient, config: Config
     assert (meta["name"], meta["version"], meta["notice"]) == ("BreastRig", __version__, LIMITS_OF_USE)
     assert meta["limits"] == {
         "upload_bytes": config.uploads.file_bytes,
+        "zip_bytes": config.uploads.zip_bytes,
         "triangles": config.uploads.triangles,
         "keep_days": 30,
     }

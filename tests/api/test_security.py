@@ -118,9 +118,11 @@ def test_a_strange_string_is_refused(client: FlaskClient) -> None:
 
 
 def test_a_body_that_is_too_large_is_refused(client_for, config: Config) -> None:
-    small = client_for(replace(config, uploads=UploadLimits(file_bytes=2_000_000)))
+    small = client_for(replace(config, uploads=UploadLimits(file_bytes=1_000_000, zip_bytes=2_000_000)))
     answer = small.post("/api/scans", data=bytes(2_100_000), content_type="multipart/form-data; boundary=x")
     assert "larger than 2 MB" in problem(answer, 413)
+    answer = small.post("/api/scans/a/lesions", data=bytes(1_100_000), content_type="multipart/form-data; boundary=x")
+    assert "larger than 1 MB" in problem(answer, 413)
     answer = small.post("/api/fits", data=bytes(20_000_001), content_type="application/json")
     assert "larger than 20 MB" in problem(answer, 413)
     visitor = small.post("/api/shared/open", data=bytes(10_001), content_type="application/json")

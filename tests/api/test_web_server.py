@@ -190,7 +190,7 @@ def test_a_body_is_not_waited_for_before_the_headers_have_been_judged(serve: Ser
         (upload_head(100_000_000), 401),
         (upload_head(100_000_000, Authorization="Bearer wrong"), 401),
         (upload_head(100_000_000, **right, Origin="http://evil.example"), 403),
-        (upload_head(900_000_000, **right), 413),
+        (upload_head(1_900_000_000, **right), 413),
         (request("/api/scans", "POST", Content_Type="text/plain", Content_Length=1000, **right), 415),
         (request("/api/fits", "POST", Content_Type="application/json", Content_Length=21_000_000, **right), 413),
         (request("/api/nothing", "POST", Content_Length=1000, **right), 404),

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pytest
 from helpers.cases import new_scan, note
 
@@ -15,10 +16,11 @@ from breastrig.cases import plans
 from breastrig.cases.case_folder import CaseFolder
 from breastrig.cases.documents import NOTHING
 from breastrig.cases.layout import PLAN, PLANS, new_id
-from breastrig.cases.plans import get_plan, plan_versions, put_items_of_scan, put_plan
+from breastrig.cases.plans import add_lesions, get_plan, plan_versions, put_items_of_scan, put_plan
 from breastrig.cases.writing import Changed
 from breastrig.core.errors import BadInput, Conflict, NotFound
-from breastrig.drawings.plan_schema import PlanLesion
+from breastrig.drawings.plan_schema import ITEMS, PlanLesion
+from breastrig.scan.piece import BallInside
 
 
 def texts(case: CaseFolder, version: int | None = None) -> list[str]:
@@ -146,3 +148,33 @@ def test_a_file_beside_the_versions_is_left(case: CaseFolder, scan: str) -> None
     (Path(case.path) / PLANS / "notes.txt").write_text("mine")
     put_plan(case, [])
     assert plan_versions(case) == [1, 2, 3]
+
+
+def ball(x: float, name: str = "Lesion 1") -> BallInside:
+    return BallInside(name, np.array([x, 0.0, 0.0]), 5.0)
+
+
+def test_lesions_of_a_file_are_added_and_never_replace(case: CaseFolder, scan: str) -> None:
+    before = put_plan(case, [note(scan, "stays")])
+    add_lesions(case, scan, [ball(1.0)], [], [])
+    other = new_scan(case)
+    found = add_lesions(case, other, [ball(1.0), ball(2.0, "Lesion 2")], [], ["Said."])
+    assert [(each.name, each.is_new) for each in found.lesions] == [("Lesion 2", True), ("Lesion 3", True)]
+    assert found.notes == ("Said.",)
+    plan = get_plan(case)
+    assert [(item.kind, item.scan) for item in plan.document.items] == [
+        ("note", scan), ("lesion", scan), ("lesion", other), ("lesion", other),
+    ]  # fmt: skip
+    assert plan.document.version == before.document.version + 2
+    add_lesions(case, scan, [ball(1.0)], [], [])
+    assert get_plan(case) == plan  # nothing is written for what is there
+
+
+def test_a_full_plan_takes_no_lesion_and_no_scan_that_is_gone(case: CaseFolder, scan: str) -> None:
+    put_plan(case, [note(scan) for _ in range(ITEMS - 1)])
+    with pytest.raises(Conflict, match="take some out"):
+        add_lesions(case, scan, [ball(1.0), ball(2.0)], [], [])
+    assert len(get_plan(case).document.items) == ITEMS - 1
+    add_lesions(case, scan, [ball(1.0)], [], [])
+    with pytest.raises(NotFound):
+        add_lesions(case, "A" * 22, [ball(1.0)], [], [])

@@ -102,6 +102,9 @@ LISTED = {  # why they are not run here, or the test that runs them
         "breastrig model learn MODEL BODIES",
         "python -m breastrig_studies.cohort_prior CLINIC OUT alike=FOLDER others=FOLDER",
     ],
+    "tests/cli/test_lesions_of_files.py": [
+        "breastrig fit mri/ --lesions lesion.dcm --landmarks nipples.json -o prone/",
+    ],
     "tests/cli/test_cohort_command.py": [
         "breastrig cohort learn results/ -o prior.json",
         "breastrig cohort info prior.json",

@@ -11,16 +11,20 @@ from pathlib import Path
 import httpx
 import pytest
 from helpers.fault_table import wait_for_ends
+from helpers.image_uploads import IMAGE
 from helpers.real_server import server
 from helpers.small_disk import fill, small_disk
 from helpers.waiting import PATIENCE_S
 
+from breastrig.cases.layout import VOLUME
 from breastrig.core.errors import BadScan
+from breastrig.scan.kept_image import write_image
 from breastrig.service.fits.queue import DIED, UNWRITTEN, _why
 from breastrig.service.scans.scan_search import Proposals
 from breastrig.service.scans.uploads import Uploads
 
 NIPPLE_MM = [70.0, 350.0, 120.0]
+UPLOADS = (("post", "/api/scans"), ("post", "/api/scans/{scan_id}/lesions"))
 FULL = OSError(errno.ENOSPC, "No space left on device", "/somewhere/secret/scan.bin")
 
 
@@ -70,6 +74,8 @@ def test_every_call_on_a_full_disk(tmp_path: Path, model: Path, torso: bytes) ->
         httpx.Client(base_url=address, timeout=PATIENCE_S) as api,
     ):
         scan = api.post("/api/scans", files={"file": ("torso.ply", torso)}).json()
+        [stored] = (disk / "data").rglob("scan.stored")
+        write_image(IMAGE, stored.with_name(VOLUME))
         fit = api.post("/api/fits", json={"scan": scan["id"], "drawing": None}).json()["id"]
         wait_for_ends(api, [fit], tmp_path / "log")
         document = api.get("/api/openapi.json").json()
@@ -84,7 +90,7 @@ def test_every_call_on_a_full_disk(tmp_path: Path, model: Path, torso: bytes) ->
                     continue  # a stream
                 address = re.sub(r"\{(\w+)\}", lambda found: ids[found[1]], path)
                 fill(disk)  # also what the database has just given back
-                if (method, path) == ("post", "/api/scans"):
+                if (method, path) in UPLOADS:
                     answer = api.post(address, files={"file": ("torso.ply", torso)})
                 else:
                     body = None if method == "get" else sent.get((method, path), {})
@@ -97,9 +103,7 @@ def test_every_call_on_a_full_disk(tmp_path: Path, model: Path, torso: bytes) ->
                 assert "simplify" not in told, (method, path, told)
                 if answer.status_code == 507:
                     assert "disk is full" in json.loads(told)["detail"]
-        assert {call: answered[call] for call in [("post", "/api/scans"), *sent]} == dict.fromkeys(
-            [("post", "/api/scans"), *sent], 507
-        )
+        assert {call: answered[call] for call in [*UPLOADS, *sent]} == dict.fromkeys([*UPLOADS, *sent], 507)
         process.terminate()
         process.wait(timeout=PATIENCE_S)
     assert "Traceback" not in (tmp_path / "log").read_text()

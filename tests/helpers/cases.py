@@ -32,6 +32,7 @@ def new_scan(case: CaseFolder, skin: bytes = b"skin") -> str:
     with case.incoming() as made:
         (made / layout.STORED).write_bytes(skin)
         (made / layout.MESH).write_bytes(skin)
+        (made / layout.VOLUME).write_bytes(skin)
         document = ScanDocument(created_at="2026-01-01T00:00:00.000Z", sha256=secrets.token_hex(32), facts=FACTS)
         return case.add_scan(made, document)
 

@@ -16,13 +16,20 @@ LANDMARKS = FOLDER / "landmarks.json"
 
 
 @cache
-def example_image() -> bytes:
-    """A zip of one series."""
-    return zipped(files(Series(example_volume())), zipfile.ZIP_DEFLATED)
+def example_image(*names: str, beside: bytes = b"") -> bytes:
+    """A zip with a series of each name, of one where there is none, and a file of lesions beside them."""
+    series = [Series(example_volume(), name) for name in names or ("t1",)]
+    lesions = {"DICOM/SEG": beside} if beside else {}
+    return zipped(files(*series) | lesions, zipfile.ZIP_DEFLATED)
 
 
+@cache
 def example_volume() -> ImageVolume:
-    """Where the label map has a body, the image is light."""
+    """Where the label map has a body, the image is light; axial, its rows to the left."""
     labels = nibabel.load(LESIONS)
-    shown = np.asarray(labels.dataobj) > 0
-    return ImageVolume((600 * shown).astype(np.uint16), np.diag([-1.0, -1.0, 1.0, 1.0]) @ labels.affine)
+    labels = nibabel.as_closest_canonical(labels)
+    shown = np.asarray(labels.dataobj)[::-1, ::-1] > 0
+    affine = np.diag([-1.0, -1.0, 1.0, 1.0]) @ labels.affine
+    affine[:3, 3] += affine[:3, :2] @ (np.array(shown.shape[:2]) - 1)
+    affine[:3, :2] *= -1.0
+    return ImageVolume((600 * shown).astype(np.uint16), affine)

@@ -38,7 +38,7 @@ from breastrig.service.service import Service
 def create_app(config: Config, service: Service) -> APIFlask:
     """The application around a service, which the caller starts and stops."""
     app = _bare_app()
-    app.config["MAX_CONTENT_LENGTH"] = config.uploads.file_bytes
+    app.config["MAX_CONTENT_LENGTH"] = config.uploads.zip_bytes
     metrics = Metrics(service)
     app.extensions[KEY] = AppContext(config, service, serve_model(config.model), metrics)
     register_errors(app, service.storage)

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from breastrig.cli.cases import actions as actions_of
-from breastrig.cli.scan_options import add_answers, add_same_place, add_scan_options
+from breastrig.cli.scan_options import add_answers, add_scan_options
 from breastrig.core.assets import packaged_models
 from breastrig.core.stances import AUTO, STANCES
 from breastrig.use.steps.settings import FIRST
@@ -70,7 +70,6 @@ def _lesions_options(parser: argparse.ArgumentParser) -> None:
         "file", type=Path, metavar="FILE", help="drawn on the image of the scan: NIfTI, NRRD, DICOM SEG or RTSTRUCT"
     )
     add_answers(parser)
-    add_same_place(parser)
     _scan_option(parser)
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from breastrig.cli.interruption import raise_if_asked
 from breastrig.cli.output_options import MISFIT, add_output_options, files_of_model, output_folder
 from breastrig.cli.progress import fitted
-from breastrig.cli.scan_options import add_same_place, add_scan_options, scan_of, scan_source
+from breastrig.cli.scan_options import add_scan_options, scan_of, scan_source
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import Output, all_or_nothing
 from breastrig.core.stances import STANCES
@@ -45,7 +45,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="lesions drawn on the image that SCAN is: NIfTI, NRRD, DICOM SEG or RTSTRUCT; --frame and --segment are "
         "then of these files, too",
     )
-    add_same_place(parser)
     parser.add_argument(
         "--cuts", type=Path, metavar="FILE", help="parts cut away in the page: the answer of GET /api/scans/ID/cuts"
     )

@@ -34,13 +34,10 @@ def add_answers(parser: argparse.ArgumentParser) -> None:
         metavar="N=lesion|tissue|unused",
         help="as what a segment of a label map is to be taken, by its number in the file; may be given again",
     )
-
-
-def add_same_place(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--same-place",
         choices=["yes", "no"],
-        help="whether the lesions lie where the image does, though their file does not say so",
+        help="whether lesions of another file lie where the image does, though the file does not say so",
     )
 
 

@@ -3,7 +3,7 @@
 import os
 from dataclasses import dataclass, field
 
-from breastrig.scan.limits import FILE_BYTES, TRIANGLES
+from breastrig.scan.limits import FILE_BYTES, IMAGE_ZIP_BYTES, TRIANGLES
 
 GIB = 2**30
 
@@ -11,6 +11,7 @@ GIB = 2**30
 @dataclass(frozen=True)
 class UploadLimits:
     file_bytes: int = FILE_BYTES
+    zip_bytes: int = IMAGE_ZIP_BYTES  # of DICOM images
     triangles: int = TRIANGLES
     memory_bytes: int = 6 * GIB  # address space: 1 GiB libraries, and ten times the largest file as arrays
     wall_s: float = 180.0  # 2 million triangles of text take about 20 s

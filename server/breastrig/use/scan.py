@@ -93,7 +93,7 @@ class Scan:
         *files: str | Path | bytes,
         frame: str | None = None,
         segments: Mapping[int, str] | None = None,
-        same_place: bool | None = None,
+        same_place: bool | str | None = None,
     ) -> "Scan":
         """The scan of an image with the lesions of other files (NIfTI, NRRD, DICOM SEG, RTSTRUCT) that lie in it.
 
@@ -128,6 +128,7 @@ def read_scan(
     frame: str | None = None,
     segments: Mapping[int, str] | None = None,
     series: str | None = None,
+    same_place: bool | str | None = None,
 ) -> Scan:
     """Reads PLY, OBJ, STL, GLB, OFF, 3MF, PCD, XYZ, USDZ, a label map (NIfTI, NRRD, MHA, DICOM SEG), or a zip of one of
     them with its pictures; or the bytes of such a file.
@@ -143,12 +144,13 @@ def read_scan(
     segments   of a label map: number -> "lesion", "tissue" or "unused"; for others the file's codes and their form
                decide, and `Scan.segments` says what became of each
     series     of several in the DICOM files of an MRI: the `value` of a choice of NeedsAnswer
+    same_place whether segmentations beside an image lie where it does, though they do not say so
 
     Raises BadScan, TooLarge or BadSettings (no such unit, answers that do not fit the file), each with one sentence;
     of BadScan NeedsAnswer, whose `question` has the choices for `frame` or `series`.
     """
     file = None if isinstance(source, bytes) else existing(source)
-    answers = checked_answers(frame, segments, series)
+    answers = checked_answers(frame, segments, series, same_place)
     given = source if isinstance(source, bytes) else Path(source)
     if texture:
         return _scan(coloured_scan(given, None, units, answers), file)

@@ -589,6 +589,8 @@ export type LesionsUpload = {
 
 export type Limits = {
   upload_bytes: number;
+  /** of a zip of DICOM images */
+  zip_bytes: number;
   triangles: number;
   /** scans are deleted so many days after their upload; null: never */
   keep_days: number | null;
@@ -1435,7 +1437,7 @@ export type ScanPage = {
 };
 
 export type ScanUpload = {
-  /** PLY, OBJ, STL, GLB, PCD, XYZ, USDZ, or a zip of one with its images */
+  /** PLY, OBJ, STL, GLB, PCD, XYZ, USDZ, or a zip of one with its images; an MRI's label map; an MRI as a zip of DICOM files */
   file: Blob;
   /** unit of the file's numbers; auto decides from the size and says so */
   units?: "auto" | "m" | "dm" | "cm" | "mm" | "in" | "ft";
@@ -1449,8 +1451,10 @@ export type ScanUpload = {
   frame?: string | null;
   /** of a label map, JSON: as what segments are to be taken, {"2": "lesion", "3": "tissue", "4": "unused"}; for others the file's codes and their form decide */
   segments?: string | null;
-  /** of several in a zip of an MRI's DICOM files: the `value` of a choice of the `question` */
+  /** of several in DICOM files: the `value` of a choice of the 422 answer's `question` */
   series?: string | null;
+  /** of segmentations in the zip of an image: whether lesions of another file lie where the image does, though the file does not say so: the `value` of a choice of the 422 answer's `question` */
+  same_place?: "yes" | "no" | null;
 };
 
 /** A segment of a label map with how it is used. */

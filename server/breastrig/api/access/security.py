@@ -140,8 +140,12 @@ def _refuse_long_names() -> None:
 
 
 def _count_upload(rates: RateLimits) -> None:
-    if (request.endpoint, request.method) == ("scans.upload_scan", "POST"):
+    if _is_upload():
         rates.check("upload")
+
+
+def _is_upload() -> bool:
+    return (request.endpoint, request.method) == ("scans.upload_scan", "POST")
 
 
 def _limit_body(config: Config) -> Response | None:
@@ -151,7 +155,7 @@ def _limit_body(config: Config) -> Response | None:
     takes_body = expected is not None and request.method not in SAFE_METHODS
     largest: dict[str | None, int] = {
         "application/json": FORM_BYTES if _is_for_visitors() else config.json_bytes,
-        "multipart/form-data": config.uploads.file_bytes,
+        "multipart/form-data": config.uploads.zip_bytes if _is_upload() else config.uploads.file_bytes,
     }
     request.max_content_length = largest.get(expected, FORM_BYTES) if takes_body else FORM_BYTES
     if "Transfer-Encoding" in request.headers:

@@ -32,7 +32,10 @@ def about(query_data: wire_meta.MetaQuery) -> wire_meta.Meta:
         version=__version__,
         notice=LIMITS_OF_USE,
         limits=wire_meta.Limits(
-            upload_bytes=uploads.file_bytes, triangles=uploads.triangles, keep_days=context.config.keep_days
+            upload_bytes=uploads.file_bytes,
+            zip_bytes=uploads.zip_bytes,
+            triangles=uploads.triangles,
+            keep_days=context.config.keep_days,
         ),
         scan_files=wire_meta.ScanFiles(endings=list(ENDINGS)),
         units=list(wire.UNITS),

@@ -66,12 +66,14 @@ def upload_scan(files_data: wire.ScanUpload) -> tuple[wire.Scan, int, dict[str, 
     """Upload a scan
 
     The bytes decide what the file is. Its name is not kept: the ending serves to word errors, and may be missing.
-    Where the file of a label map does not say which side is left, or a zip of an MRI holds several series, the answer
-    is 422 with a `question`: ask a person, and send the file again with the field that it names.
+    Where the file of a label map does not say which side is left, or a zip of DICOM files holds several series, the
+    answer is 422 with a `question`: ask a person, and send the file again with the field that it names.
     """
     ending = PurePosixPath(files_data.file.filename or "").suffix.lower()
     file_type = ending.lstrip(".") if ending in ENDINGS else UNKNOWN
-    answers = checked_answers(files_data.frame, segments_of_json(files_data.segments), files_data.series)
+    answers = checked_answers(
+        files_data.frame, segments_of_json(files_data.segments), files_data.series, files_data.same_place
+    )
     patient, model = files_data.patient or None, files_data.model or None
     row, labels = app_context().service.uploads.add(
         files_data.file.stream, file_type, files_data.units, patient, model, answers, files_data.again

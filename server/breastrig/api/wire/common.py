@@ -69,7 +69,10 @@ SAME_PLACE = (
 
 
 class ScanUpload(Upload):
-    file: UploadFile = Field(description="PLY, OBJ, STL, GLB, PCD, XYZ, USDZ, or a zip of one with its images")
+    file: UploadFile = Field(
+        description="PLY, OBJ, STL, GLB, PCD, XYZ, USDZ, or a zip of one with its images; an MRI's label map; "
+        "an MRI as a zip of DICOM files"
+    )
     units: Units = Field("auto", description="unit of the file's numbers; auto decides from the size and says so")
     patient: str | None = Field(
         None, max_length=64, description="id of the patient whose scan it is; without it a new patient"
@@ -94,8 +97,9 @@ class ScanUpload(Upload):
     series: str | None = Field(
         None,
         max_length=64,
-        description="of several in a zip of an MRI's DICOM files: the `value` of a choice of the `question`",
+        description="of several in DICOM files: the `value` of a choice of the 422 answer's `question`",
     )
+    same_place: SamePlace | None = Field(None, description=f"of segmentations in the zip of an image: {SAME_PLACE}")
 
 
 class Segment(Wire):

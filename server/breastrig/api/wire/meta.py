@@ -26,6 +26,7 @@ class ExampleScan(Scan):
 
 class Limits(Wire):
     upload_bytes: int
+    zip_bytes: int = Field(description="of a zip of DICOM images")
     triangles: int
     keep_days: float | None = Field(description="scans are deleted so many days after their upload; null: never")
 

@@ -35,6 +35,7 @@ def add(options: argparse.Namespace) -> int:
         frame=options.frame,
         segments=segments_of_words(options.segment) or None,
         series=options.series,
+        same_place=options.same_place,
         again=options.again,
     )
     numbers = {scan.id: number for number, scan in enumerate(case.scans, start=1)}

@@ -14,7 +14,7 @@ from typing import IO, Any
 
 from breastrig.cases.plans import add_lesions
 from breastrig.core.assets import asset_folder
-from breastrig.core.errors import BadScan, NotFound, unknown_name
+from breastrig.core.errors import BadScan, NotFound, TooLarge, unknown_name
 from breastrig.core.model_choice import ModelChoice
 from breastrig.core.picks import Points
 from breastrig.core.stances import STANCES, Stance
@@ -22,6 +22,8 @@ from breastrig.execution.limits import UploadLimits
 from breastrig.execution.pool import TaskQueue
 from breastrig.fitting.prepare_scan import keeping
 from breastrig.scan.images.added_lesions import LesionsRead, TakenLesions
+from breastrig.scan.images.dicom_files import ZIP_START
+from breastrig.scan.limits import MEBIBYTE
 from breastrig.scan.stored_scan import STORED
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 from breastrig.service.failed_tasks import FULL
@@ -98,7 +100,7 @@ class Uploads:
             self._storage.files.make(place)
             folder = self._storage.files.made(place)
             upload, kept = folder / upload_name(file_type), folder / upload_name(STORED)
-            sha256 = _keep(source, upload)
+            sha256 = _keep(source, upload, self._limits)
             model_file, triangles = self._choice.of(chosen), self._limits.triangles
             shown = folder / MESH, folder / THUMBNAIL, folder / VOLUME
             job = UploadJob(upload, units, kept, *shown, triangles, model_file, answers)
@@ -127,7 +129,7 @@ class Uploads:
         try:
             self._storage.files.make(place)
             upload = self._storage.files.made(place) / UPLOAD
-            _keep(source, upload)
+            _keep(source, upload, self._limits)
             task = (LesionsJob(upload, volume, answers),)
             read: LesionsRead = self._result(read_lesions, task)
         except BaseException:
@@ -185,13 +187,20 @@ def _example(scan: Path) -> Example:
     )
 
 
-def _keep(source: IO[bytes], path: Path) -> str:
-    """Writes the bytes to the file; their sha256.  Raises BadScan when there are none."""
-    digest = hashlib.sha256()
-    with path.open("xb") as target:
+def _keep(source: IO[bytes], path: Path, limits: UploadLimits) -> str:
+    """Writes the bytes to the file, and gives up where they came from; their sha256.
+
+    Raises BadScan when there are none, TooLarge for too many; only a zip may hold a whole examination.
+    """
+    digest, most = hashlib.sha256(), limits.file_bytes
+    with path.open("xb") as target, source:
         while chunk := source.read(CHUNK):
+            if target.tell() == 0 and chunk.startswith(ZIP_START):
+                most = limits.zip_bytes
             digest.update(chunk)
             target.write(chunk)
+            if target.tell() > most:
+                raise TooLarge(f"This file has more than the {most // MEBIBYTE:,} MB allowed.")
         if target.tell() == 0:
             raise BadScan("This file is empty; export the scan again.")
     return digest.hexdigest()

@@ -123,16 +123,18 @@ class Case:
         frame: str | None = None,
         segments: Mapping[int, str] | None = None,
         series: str | None = None,
+        same_place: bool | str | None = None,
         again: bool = False,
     ) -> str:
         """Reads a scan's file into the case, without its name and comments; the scan's id.
 
-        `units`, `frame`, `segments` and `series` are those of `read_scan`; `model` is the name of the packaged model to
-        fit it with (such as male), empty for the torso.  `again` takes a file that is a scan of this case already.
+        `units`, `frame`, `segments`, `series` and `same_place` are those of `read_scan`; `model` is the name of the
+        packaged model to fit it with (such as male), empty for the torso.  `again` takes a file that is a scan of this
+        case already.
         Raises BadScan, TooLarge or another BadInput with one sentence, and then keeps nothing.
         """
         source = existing(file)
-        answers = checked_answers(frame, segments, series)
+        answers = checked_answers(frame, segments, series, same_place)
         if units != "auto" and units not in METRES_PER_UNIT:
             raise BadInput(unknown_name("unit", units, ("auto", *METRES_PER_UNIT)))
         with one_thread():
