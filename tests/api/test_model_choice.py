@@ -45,7 +45,17 @@ def test_a_mans_scan_is_fitted_with_the_chest_of_a_man(
     assert (wrong.status_code, wrong.json["detail"]) == (404, '"female" is not a model; known are: torso, male.')
     scan = upload(client, model="male").json
     assert scan["model"] == "male"
-    assert upload(client).json["model"] == "torso"
+    standard = upload(client).json
+    assert (standard["model"], standard["model_said"], scan["model_said"]) == ("torso", False, False)
+    his_model, himself = f"{scan['links']['self']}/model", scan["links"]["self"]
+    wrong = client.put(his_model, json={"model": "torso"})
+    assert (wrong.status_code, wrong.json["detail"]) == (
+        409,
+        'The scan was uploaded for the model "male". For another model upload its file again.',
+    )
+    assert client.get(himself).json["model_said"] is False
+    assert client.put(his_model, json={"model": "male"}).json["model_said"] is True
+    assert client.get(himself).json["model_said"] is True
     points = 1e3 * rig.landmark_points().positions(rig.template, rig.faces)
     landmarks = dict(zip(rig.landmark_names, points.tolist(), strict=True))
     assert client.put(scan["links"]["landmarks"], json={"landmarks": landmarks}).status_code == 200

@@ -55,6 +55,35 @@ export function scrolledAway(page: Page): Promise<string[]> {
   );
 }
 
+/** Controls whose outline or fill has less than 3 : 1 to what is around them (WCAG 2.2, 1.4.11); one that is words alone has axe's rule for text. */
+export function paleControls(page: Page): Promise<string[]> {
+  return page.evaluate(() => {
+    const pen = new OffscreenCanvas(1, 1).getContext("2d", { willReadFrequently: true })!;
+    /** What a colour of the style sheet comes to over others, the last one opaque. */
+    const seen = (...colours: string[]): readonly number[] => {
+      for (const colour of colours.reverse()) {
+        pen.fillStyle = colour;
+        pen.fillRect(0, 0, 1, 1);
+      }
+      return [...pen.getImageData(0, 0, 1, 1).data].slice(0, 3).map((value) => (value / 255 <= 0.04045 ? value / 255 / 12.92 : ((value / 255 + 0.055) / 1.055) ** 2.4));
+    };
+    const bright = ([r, g, b]: readonly number[]): number => 0.2126 * r! + 0.7152 * g! + 0.0722 * b!;
+    const ratio = (one: readonly number[], other: readonly number[]): number => (Math.max(bright(one), bright(other)) + 0.05) / (Math.min(bright(one), bright(other)) + 0.05);
+    const grounds = (each: Element | null): string[] => (each ? [getComputedStyle(each).backgroundColor, ...grounds(each.parentElement)] : ["Canvas"]);
+    const root = document.querySelector("dialog[open]") ?? document.body;
+    const all = [...root.querySelectorAll<HTMLElement>("input:not([type=file], [type=range]), select, textarea, .button.outlined, .button.primary:not(:disabled, [aria-disabled=true])")];
+    return all.flatMap((each) => {
+      if (!each.checkVisibility({ visibilityProperty: true, opacityProperty: true }) || each.matches("input.visually-hidden")) return [];
+      const { borderTopColor, borderTopWidth, backgroundColor, appearance } = getComputedStyle(each);
+      if (appearance !== "none" && each.matches("[type=checkbox], [type=radio]")) return []; // the browser's own
+      const around = grounds(each.parentElement);
+      const edges = [seen(backgroundColor, ...around), ...(parseFloat(borderTopWidth) > 0 ? [seen(borderTopColor, ...around)] : [])];
+      const best = Math.max(...edges.map((edge) => ratio(edge, seen(...around))));
+      return best >= 3 ? [] : [`${each.outerHTML.slice(0, 120)}: ${best.toFixed(2)}`];
+    });
+  });
+}
+
 /** Controls that lie over one another or outside the screen, by pairs. */
 export function overlaps(page: Page): Promise<string[]> {
   return page.evaluate(() => {

@@ -52,6 +52,7 @@ test("from page load to the fitted result without a mouse, and the live region s
   await page.emulateMedia({ reducedMotion: "reduce" });
   await page.goto(base);
   await expect(page.getByRole("button", { name: "Try the example" })).toBeVisible();
+  await expect(status).toHaveAttribute("aria-live", "polite");
 
   await test.step("the example is reached by Tab", async () => {
     await tabTo(page, /^Try the example/);
@@ -129,6 +130,11 @@ test("from page load to the fitted result without a mouse, and the live region s
     await untilStill(page);
     const jump = (await page.evaluate(() => window.__breastrig!.frames())) - drawn;
     expect(jump, "pictures on the way to the front, for somebody who asked for less motion").toBeLessThan(4);
+    const moving = () => page.evaluate(() => [...document.querySelectorAll("*")].map((each) => getComputedStyle(each)).filter(({ animationName, transitionDuration }) => animationName !== "none" || transitionDuration !== "0s").length);
+    expect(await moving(), "nothing of the page moves either").toBe(0);
+    await page.emulateMedia({ reducedMotion: "no-preference" });
+    expect(await moving(), "as it does for others").toBeGreaterThan(0);
+    await page.emulateMedia({ reducedMotion: "reduce" });
     await openDetails(page);
     await tabTo(page, /^Iteration$/);
     await page.keyboard.press("Home");

@@ -26,6 +26,9 @@ test("a man's scan is brought for the chest of a man, and a woman's again for a 
   await model.click();
   await page.getByRole("button", { name: "Torso of a woman" }).click();
   await expect(model).toHaveText("a woman");
+  await page.reload();
+  await hook.ready(page);
+  await expect(model, "the answer is kept").toHaveText("a woman");
   await page.keyboard.press("2");
   await expect(page.locator(".landmark .label-text", { hasText: "fold under the breast" })).toHaveCount(2);
   await expect(his).toHaveCount(0);

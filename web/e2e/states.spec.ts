@@ -1,7 +1,7 @@
 // Every state of the page, light and dark: nothing that axe-core calls serious, nothing too small to press, no control
 // over another.
 import { expect } from "@playwright/test";
-import { overlaps, scrolledAway, seriousFindings, smallTargets } from "./audit";
+import { overlaps, paleControls, scrolledAway, seriousFindings, smallTargets } from "./audit";
 import { test } from "./page";
 import { holdFits, inTheme, STATES } from "./states";
 
@@ -15,7 +15,9 @@ test("each state can be read and pressed by everybody, in light and dark", async
       expect.soft(await smallTargets(page), `${name}: smaller than 24 pixels`).toEqual([]);
       expect.soft(await overlaps(page), `${name}: controls over one another`).toEqual([]);
       expect.soft(await scrolledAway(page), `${name}: off the screen at 1280 x 720`).toEqual([]);
+      expect.soft(await paleControls(page), `${name}: outlines under 3 : 1`).toEqual([]);
       await inTheme(page, "dark");
+      expect.soft(await paleControls(page), `${name}: outlines under 3 : 1 in the dark`).toEqual([]);
       expect.soft(await seriousFindings(page, { runOnly: ["color-contrast"] }), `${name}: contrast in the dark`).toEqual([]);
     });
   }
@@ -29,6 +31,8 @@ test("each state can be read and pressed by everybody, in light and dark", async
     });
     expect(await seriousFindings(page, { runOnly: ["color-contrast"] })).toHaveLength(1);
     expect(await smallTargets(page)).toHaveLength(1);
+    await page.evaluate(() => document.documentElement.style.setProperty("--line-strong", "transparent"));
+    expect((await paleControls(page)).length).toBeGreaterThan(0);
   });
   expect(troubles).toEqual([]);
 });

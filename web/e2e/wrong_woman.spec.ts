@@ -138,9 +138,16 @@ test("another woman's scan as the other stance is asked about, without a pick; t
     await expect(dialog).toBeVisible({ timeout: 60_000 });
     expect(await carried(page)).toEqual([]);
     await expect(page.locator("#side-body"), "the question has the panel's place").toBeHidden();
+    await dialog.getByRole("button", { name: "I cannot say" }).click();
+    await expect(dialog).toBeHidden();
+    await page.keyboard.press("3");
+    await expect(page.locator(".carry")).toContainText("it is open whether both are this patient's");
+    expect(await carried(page)).toEqual([]);
+    await page.getByRole("button", { name: "Say whose scans they are" }).click();
     await dialog.getByRole("button", { name: /^Yes/ }).click();
     await expect(dialog).toBeHidden();
     await expect.poll(() => carried(page)).toEqual(["incision"]);
+    await page.keyboard.press("1");
     await expect(page.locator("#side-body")).toBeVisible();
     await page.reload();
     await hook.ready(page);

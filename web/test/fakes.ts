@@ -113,6 +113,7 @@ export function page(answers: Partial<Client> = {}, tab: Storage = memory()) {
     landmarkFile: async (_scan: Scan, file: File) => JSON.parse(await file.text()) as LandmarkFile,
     saveLandmarks: vi.fn(async (_scan: Scan, file: unknown) => file),
     scan: async (id: string) => scanInfo(id),
+    sayModel: vi.fn(async (scan: Scan) => ({ ...scan, model_said: true })),
     upload: async () => scanInfo("uploaded"),
     startFit: async () => ({ id: "f1", links: fitLinks("f1"), cuts: "" }),
     moved: vi.fn(async () => ({ nodes: [] })),

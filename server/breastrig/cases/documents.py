@@ -77,6 +77,7 @@ class AnswersDocument(Document):
     side: Literal["L", "R"] | None = Field(default=None, description="the patient's side that the scan is about")
     scale: float | None = Field(default=None, gt=0.0, description="by which the scan has its true size")
     visit: str | None = Field(default=None, max_length=60, description="such as: before, after six months")
+    model: str | None = Field(default=None, max_length=100, description="name of the scan's model, said to be right")
     same_as: list[str] = Field(
         default=[], description="scans of the case that are of the same patient, though the bodies do not look like it"
     )

@@ -122,6 +122,12 @@ def get_answers(case: CaseFolder, scan_id: str) -> AnswersDocument:
     return _get(case, scan_id, layout.ANSWERS, AnswersDocument) or AnswersDocument()
 
 
+def say_model(case: CaseFolder, scan_id: str, model: str) -> None:
+    """Stores the statement that the model of this name is the right one for the scan. Raises NotFound."""
+    with case.writing():
+        _put_answers(case, scan_id, model=model)
+
+
 def said_same(case: CaseFolder, scan_id: str) -> set[str]:
     """Scans that a person has stated to be of the same patient as this one. Raises NotFound."""
     named = set(get_answers(case, scan_id).same_as)
@@ -146,7 +152,11 @@ def forget_same(case: CaseFolder, scan_id: str) -> None:
 
 
 def _name_same(case: CaseFolder, scan_id: str, scans: Collection[str]) -> None:
-    answers = get_answers(case, scan_id).model_copy(update={"same_as": sorted(scans)})
+    _put_answers(case, scan_id, same_as=sorted(scans))
+
+
+def _put_answers(case: CaseFolder, scan_id: str, **said: Any) -> None:
+    answers = get_answers(case, scan_id).model_copy(update=said)
     put(case.path, f"{scan_part(scan_id)}/{layout.ANSWERS}", content_of(answers))
 
 

@@ -172,6 +172,8 @@ export const client = {
     const body = JSON.stringify({ cuts });
     return (await (await ask(scan.links.cuts, { method: "PUT", body, headers: tagging(seen), keepalive: body.length < KEPT_ALIVE_BYTES })).json()) as Cuts;
   },
+  /** The scan's model is the right one. */
+  sayModel: ({ links, model }: Pick<Scan, "links" | "model">) => askJson<Scan>(`${links.self}/model`, "PUT", { model }),
   /** 202 means: still looking, ask again in so many seconds. */
   async proposed(scan: Scan): Promise<ProposedLandmarks | { retryAfterS: number }> {
     const answer = await ask(scan.links.proposed);

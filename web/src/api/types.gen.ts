@@ -212,6 +212,8 @@ export type ExampleScan = {
   created_at: string;
   /** name of the model that it is fitted with */
   model: string;
+  /** a person has said that this model is the right one (putScanModel) */
+  model_said?: boolean;
   links: ScanLinks;
   /** the example's own picks; offered, not stored */
   example_landmarks: LandmarkFile;
@@ -1380,6 +1382,8 @@ export type Scan = {
   created_at: string;
   /** name of the model that it is fitted with */
   model: string;
+  /** a person has said that this model is the right one (putScanModel) */
+  model_said?: boolean;
   links: ScanLinks;
 };
 
@@ -1410,6 +1414,11 @@ export type ScanLinks = {
   plan: string;
   /** of a scan that was made of an image */
   volume?: string | null;
+};
+
+export type ScanModel = {
+  /** name of the model that the scan was uploaded for */
+  model: string;
 };
 
 /** One of the scans that items name. */

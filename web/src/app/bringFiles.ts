@@ -91,7 +91,7 @@ export function bringActions(store: Store<Session>, client: Pick<Client, "landma
     /** The file of the scan on the page, read otherwise. */
     async again(how: Parameters<ScanActions["readAgain"]>[0]): Promise<void> {
       if (!(await others.scan.readAgain(how))) return;
-      if (how.model !== undefined) others.scan.confirmModel();
+      if (how.model !== undefined) await others.scan.confirmModel();
       begin();
     },
 

@@ -26,7 +26,7 @@ type Shown = Doubtful & Pick<PageSlice & FitSlice, "problems" | "stance">;
 /** What the answers do. */
 export interface DoubtActions {
   readonly scan: Pick<ScanActions, "answer">;
-  readonly stances: Pick<StancesActions, "samePatient" | "dismiss">;
+  readonly stances: Pick<StancesActions, "samePatient" | "leaveUnanswered" | "dismiss">;
   readonly drawing: Pick<DrawingActions, "takeAnother" | "leaveAnother">;
   readonly size: { readonly isRight: () => void; readonly is: (units: UnitChoice) => void; readonly anotherFile: (file: File) => void };
 }
@@ -65,8 +65,10 @@ export function createDoubtCard(actions: DoubtActions): Panel<Shown> {
       const [asked] = state.stances.asked;
       const code = state.scan?.info.patient_code ?? "";
       const another = button(words.another(nameOfSecond(state, secondOf(state, asked!))), () => void actions.stances.samePatient(false), "outlined wide");
+      const unsure = button(words.unsure, () => actions.stances.leaveUnanswered(), "outlined wide");
       another.title = words.anotherHint;
-      return { title: words.title, says: [words.says(asked!.says, code)], answers: [button(words.same(code), () => void actions.stances.samePatient(true), "outlined wide"), another] };
+      unsure.title = words.unsureHint;
+      return { title: words.title, says: [words.says(asked!.says, code)], answers: [button(words.same(code), () => void actions.stances.samePatient(true), "outlined wide"), another, unsure] };
     },
     drawing({ drawn: { another } }) {
       const words = text.drawing;

@@ -270,8 +270,15 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     /** Its size is right, whatever speaks against it. */
     confirm: (): void => store.set((state) => ({ confirmed: state.scan?.info.id ?? null })),
 
-    /** It is of whom its model is. */
-    confirmModel: (): void => store.set((state) => ({ modelSaid: state.scan?.info.id ?? null })),
+    /** It is of whom its model is: the service keeps the answer. */
+    async confirmModel(): Promise<void> {
+      const { scan } = store.get();
+      if (!scan) return;
+      const say = (model_said: boolean, problem: string | null): void =>
+        store.set((state) => (state.scan?.info.id === scan.info.id ? { scan: { ...state.scan, info: { ...state.scan.info, model_said } }, ...withProblem(state, "scan", problem) } : {}));
+      say(true, null);
+      await client.sayModel(scan.info).catch((error: unknown) => say(false, messageOf(error)));
+    },
 
     /** Another scan of this patient, which does not come onto the page; null when a person has called it off. */
     async add(file: File, patient: string): Promise<Scan | null> {

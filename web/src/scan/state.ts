@@ -22,7 +22,6 @@ export interface ScanSlice {
   readonly asked: Question | null; // what its file does not say: nothing is uploaded before a person has
   readonly scan: ScanState | null;
   readonly confirmed: string | null; // the scan whose doubtful size a person has called right
-  readonly modelSaid: string | null; // the scan of which a person has said whose it is, a woman's or a man's
   readonly showColours: boolean;
   readonly showLoose: boolean; // the table and loose pieces as well
   readonly showRelief: boolean; // folds darker where a scan has no colours
@@ -30,7 +29,7 @@ export interface ScanSlice {
   readonly pointedCut: number | null; // which of the cuts its button is pointed at
 }
 
-export const initialScan: ScanSlice = { loading: null, asked: null, scan: null, confirmed: null, modelSaid: null, showColours: true, showLoose: false, showRelief: true, isCropping: false, pointedCut: null };
+export const initialScan: ScanSlice = { loading: null, asked: null, scan: null, confirmed: null, showColours: true, showLoose: false, showRelief: true, isCropping: false, pointedCut: null };
 
 /** Of an image or a label map: its axes are the patient's, its unit is its own. */
 export const isVolume = (scan: Pick<Scan, "segments" | "image">): boolean => (scan.segments ?? []).length > 0 || scan.image != null;

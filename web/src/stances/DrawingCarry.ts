@@ -4,12 +4,13 @@ import type { FitSlice } from "../fit/state";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
-import { problem } from "../ui/controls";
+import { button, problem } from "../ui/controls";
 import { el, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import { wideOf } from "../fit/fingers";
 import type { StancesActions } from "./actions";
 import { carriedNote } from "./carry";
+import { samePatient } from "./samePatientText";
 import { isPredicted, stanceNames, stanceOf, type StancesSlice } from "./state";
 import * as text from "./text";
 
@@ -21,7 +22,8 @@ export function createDrawingCarry(stances: StancesActions): Panel<Shown> {
   const says = el("p", { class: "muted small" });
   const note = el("p", { class: "look-here small" });
   const wrong = problem(() => stances.dismiss());
-  const element = el("div", { class: "panel carry" }, el("p", { class: "label" }, words.title), wrong.element, says, note);
+  const answer = button(samePatient.answer, () => stances.askAgain(), "outlined wide");
+  const element = el("div", { class: "panel carry" }, el("p", { class: "label" }, words.title), wrong.element, says, note, answer);
 
   function sentence(state: Shown): { says: string; note: string } {
     const { other, isCarrying } = state.stances;
@@ -30,6 +32,7 @@ export function createDrawingCarry(stances: StancesActions): Panel<Shown> {
     const [mine, its] = stanceNames(state);
     const missing = [...(state.fit?.state === "done" ? [] : [mine]), ...(other.fit?.state === "done" ? [] : [its])];
     if (missing.length > 0) return { says: words.needsFits(missing.join(", ")), ...quiet };
+    if (state.stances.unanswered.length > 0) return { says: "", note: samePatient.left };
     if (isCarrying) return { says: words.busy, ...quiet };
     const shown = [other.drawn.onScan?.carried, state.drawn.onScan?.carried].filter((each) => each && each.shapes.length > 0);
     if (shown.length === 0) return { says: words.needsLines, ...quiet };
@@ -57,6 +60,7 @@ export function createDrawingCarry(stances: StancesActions): Panel<Shown> {
       show(says, now.says !== "");
       setText(note, now.note);
       show(note, now.note !== "");
+      show(answer, state.stances.unanswered.length > 0);
       show(element, other !== null);
       wrong.set(other ? state.problems.stances : undefined);
     },

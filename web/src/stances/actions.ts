@@ -16,8 +16,9 @@ import { only, type Store } from "../store/store";
 import type { ViewSlice } from "../viewer/state";
 import { followPlan } from "./followPlan";
 import { predictActions } from "./predict";
+import { samePatient } from "./samePatientText";
 import { loadFit, loadWorkspace } from "./load";
-import { initialStances, isComparing, isImage, isPredicted, isUnfinished, measuredFits, scannedOther, stanceNames, type StancesSlice, type StancesState, type Workspace, workspaceOf } from "./state";
+import { type AskedPair, initialStances, isComparing, isImage, isPredicted, isSamePair, isUnfinished, measuredFits, scannedOther, stanceNames, type StancesSlice, type StancesState, type Workspace, workspaceOf } from "./state";
 import * as text from "./text";
 
 const WATCH_MS = 1000; // a fit that goes on while its scan waits is looked after so often
@@ -335,6 +336,15 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       await others.plan.settled();
       await answerSamePatient(store, client, { fail, swap: () => this.swap({ isLeft: true }), remove: () => this.remove(), forget: (scan) => this.forget(scan), read: others.plan.read }, isSame);
     },
+
+    /** A person cannot say: both stay as they are filed, nothing is carried, and until the page is opened anew it is asked when that is wanted. */
+    leaveUnanswered: (): void =>
+      store.set(({ stances }) => {
+        const [first] = stances.asked;
+        const isIt = (each: AskedPair): boolean => first !== undefined && isSamePair(each, first);
+        return { stances: { ...stances, asked: stances.asked.filter((each) => !isIt(each)), unanswered: [...stances.unanswered, ...stances.asked.filter(isIt)] }, announcement: samePatient.left };
+      }),
+    askAgain: (): void => store.set(({ stances }) => ({ stances: { ...stances, asked: [...stances.asked, ...stances.unanswered], unanswered: [] } })),
 
     link: (isLinked: boolean): void => put({ isLinked }),
 

@@ -3,7 +3,7 @@ import type { Client } from "../api/client";
 import { laidOnScan, type OnScan } from "../drawing/state";
 import type { PlanActions } from "../plan/actions";
 import { only, type Store } from "../store/store";
-import { isPredicted, type PatientScan, stanceNames, type StancesSlice, type Workspace, workspaceOf } from "./state";
+import { type AskedPair, isPredicted, isSamePair, type PatientScan, stanceNames, type StancesSlice, type Workspace, workspaceOf } from "./state";
 import * as text from "./text";
 
 export const CALM_MS = 300; // after the last stroke
@@ -66,7 +66,10 @@ export function followPlan<Whole extends State>(store: Store<Whole>, client: Pic
     set((state) => {
       const { stances, ...part } = placed(state, scan.info.id, fit.id, isNeeded && plan ? laidOnScan(name, key, plan) : null);
       const before = stances ?? state.stances;
-      return { ...part, stances: { ...before, asked: [...before.asked.filter((each) => each.scan !== scan.info.id), ...questions] } };
+      const isLeft = (each: AskedPair): boolean => before.unanswered.some((left) => isSamePair(each, left));
+      const others = (all: readonly AskedPair[]): AskedPair[] => all.filter((each) => each.scan !== scan.info.id);
+      const asked = [...others(before.asked), ...questions.filter((each) => !isLeft(each))];
+      return { ...part, stances: { ...before, asked, unanswered: [...others(before.unanswered), ...questions.filter(isLeft)] } };
     });
   }
 

@@ -5,7 +5,7 @@ import type { PlanActions } from "../plan/actions";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import type { Store } from "../store/store";
-import { type AskedPair, stanceNames, type StancesSlice, type Workspace } from "./state";
+import { type AskedPair, isSamePair, stanceNames, type StancesSlice, type Workspace } from "./state";
 import { samePatient as words } from "./samePatientText";
 
 type Shown = Pick<ScanSlice & FitSlice & StancesSlice, "scan" | "stance" | "fit" | "stances">;
@@ -39,7 +39,7 @@ export async function answerSamePatient<Whole extends State>(store: Store<Whole>
   const { scan } = state;
   if (!asked || !scan) return;
   const set = (change: (now: State) => Partial<State>): void => store.set((now) => change(now) as Partial<Whole>);
-  const isIt = (each: AskedPair): boolean => (isSame ? [asked.scan, asked.other].every((id) => id === each.scan || id === each.other) : [each.scan, each.other].includes(second));
+  const isIt = (each: AskedPair): boolean => (isSame ? isSamePair(asked, each) : [each.scan, each.other].includes(second));
   const second = secondOf(state, asked);
   const name = nameOfSecond(state, second);
   try {

@@ -24,6 +24,8 @@ export interface AskedPair {
   readonly says: string;
 }
 
+export const isSamePair = (one: AskedPair, other: AskedPair): boolean => [one.scan, one.other].every((id) => id === other.scan || id === other.other);
+
 export interface StancesState {
   readonly other: Workspace | null;
   readonly isSecond: boolean; // the page works on the one that came second: it stands to the right
@@ -35,6 +37,7 @@ export interface StancesState {
   readonly named: Patient | null; // another patient, whose code was typed: those scans are offered, if they are of the same patient
   readonly isCarrying: boolean;
   readonly asked: readonly AskedPair[]; // scans that do not look like one patient's: nothing is carried between them before the answer
+  readonly unanswered: readonly AskedPair[]; // of those, about which a person cannot say: nothing is carried, and the plan's panel asks again when it is wanted
   readonly answers: number; // so many were given here
   readonly predicting: Stance | null; // the one that is being predicted
   readonly measures: { readonly isOpen: boolean; readonly isBusy: boolean; readonly of: string; readonly file: MeasuresFile | null; readonly pointed: string | null }; // pointed: at this row, measureKey
@@ -57,6 +60,7 @@ export const initialStances: StancesState = {
   named: null,
   isCarrying: false,
   asked: [],
+  unanswered: [],
   answers: 0,
   predicting: null,
   measures: { isOpen: false, isBusy: false, of: "", file: null, pointed: null },

@@ -157,3 +157,13 @@ test("segments that cannot be taken so leave the first upload where it is", asyn
   expect(client.deleteScan).not.toHaveBeenCalled();
   expect([store.get().scan?.info.id, store.get().problems.scan]).toEqual(["s2", "Segment 2 can be no lesion."]);
 });
+
+test("whose model is right is kept at the service; where it cannot be, the page says so and asks again", async () => {
+  const { store, client, actions } = await withScan();
+  await actions.scan.confirmModel();
+  expect(store.get().scan!.info.model_said).toBe(true);
+  expect(client.sayModel).toHaveBeenCalledWith(expect.objectContaining({ id: "s1", model: "torso" }));
+  client.sayModel = async () => Promise.reject(new ApiError("The service cannot be reached.", 0));
+  await actions.scan.confirmModel();
+  expect(store.get()).toMatchObject({ scan: { info: { model_said: false } }, problems: { scan: "The service cannot be reached." } });
+});

@@ -3,6 +3,7 @@ import { Euler, Matrix4, Quaternion, Vector3 } from "three";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { fitLinks, page, scanInfo } from "../fakes";
 import { ApiError, type Client } from "../../src/api/client";
+import { openDoubt } from "../../src/checks/doubts";
 import type { Fit, Measure, Patient, PlannedShape, PlanOnScan, Vector } from "../../src/api/types";
 import { INK } from "../../src/drawing/lines/lines";
 import { laidOnScan } from "../../src/drawing/state";
@@ -344,4 +345,28 @@ test("one click fits both scans, each asked for once, with what belongs to it", 
   expect(store.get().fit).toMatchObject({ id: "fit-of-s2", state: "running" });
   await actions.stances.fitBoth();
   expect(startFit).toHaveBeenCalledTimes(2);
+});
+
+test("who cannot say whether both scans are one patient's goes on with nothing carried, is not asked at each change, and answers later", async () => {
+  const { store, planOnFit, moveScan, actions } = await two();
+  moveScan.mockClear();
+  const other = (link: string): string => (link.includes("f2") ? "standing" : "supine");
+  planOnFit.mockImplementation(async (link) => ({ ...CARRIED, shapes: [], asked: moveScan.mock.calls.length > 0 ? [] : [{ scan: other(link), says: "The bodies differ." }] }));
+  store.set({ fit: done("f2") });
+  await vi.advanceTimersByTimeAsync(2000);
+  expect(store.get().stances.asked).toHaveLength(2); // once from each scan
+  expect(openDoubt(store.get())).toBe("patient");
+  actions.stances.leaveUnanswered();
+  store.set((state) => ({ drawn: { ...state.drawn, lines: { past: [], present: [{ ...LINE, name: "Line 9" }], future: [] } } }));
+  await actions.drawing.saveNow();
+  await vi.advanceTimersByTimeAsync(2000);
+  expect(planOnFit.mock.calls.length, "the plan was laid again").toBeGreaterThan(2);
+  expect([openDoubt(store.get()), store.get().stances.unanswered.length, moveScan.mock.calls.length]).toEqual([null, 2, 0]);
+  expect(store.get().announcement).toMatch(/^Nothing is carried/);
+  actions.stances.askAgain();
+  expect(openDoubt(store.get())).toBe("patient");
+  await actions.stances.samePatient(true);
+  await vi.advanceTimersByTimeAsync(2000);
+  expect(store.get().stances).toMatchObject({ asked: [], unanswered: [] });
+  expect(moveScan).toHaveBeenCalledOnce();
 });

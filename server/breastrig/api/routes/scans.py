@@ -33,6 +33,8 @@ from breastrig.storage.documents.scans import (
     picks_digest,
     put_cuts,
     put_landmarks,
+    said_model,
+    say_model,
     scans_page,
 )
 from breastrig.storage.files import MESH, THUMBNAIL, VOLUME, OpenedFile, scan_place
@@ -291,6 +293,18 @@ def replace_cuts(scan_id: str, json_data: wire.CutsFile, headers_data: wire.Cuts
     return cuts_answer(cuts)
 
 
+@scans.put("/<scan_id>/model")
+@scans.input(wire.ScanModel)
+@scans.output(wire.Scan)
+@scans.doc(operation_id="putScanModel", responses={409: "The scan was uploaded for another model"})
+def confirm_model(scan_id: str, json_data: wire.ScanModel) -> wire.Scan:
+    """Say that the scan's model is the right one, kept as `model_said`"""
+    service = app_context().service
+    row = get_scan(service.storage, scan_id)
+    say_model(service.storage, scan_id, json_data.model, service.models.name_of(row.facts))
+    return scan_answer(row)
+
+
 @scans.get("/<scan_id>/landmarks/proposed")
 @scans.output(wire.ProposedLandmarks)
 @scans.doc(
@@ -410,7 +424,8 @@ def _answer(row: StoredScan, owner: StoredPatient) -> wire.Scan:
     )
     shown = {name: fact for name, fact in row.facts.items() if name != "orientation"}  # that is for our own workers
     facts = shown | cut_facts(row) | {"patient_code": owner.code, "sha256": row.sha256}
-    facts |= {"model": app_context().service.models.name_of(row.facts)}
+    model = app_context().service.models.name_of(row.facts)
+    facts |= {"model": model, "model_said": said_model(app_context().service.storage, row.id) == model}
     return wire.Scan(id=row.id, patient=patient, created_at=row.created_at, links=links, **facts)
 
 

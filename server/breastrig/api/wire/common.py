@@ -223,7 +223,12 @@ class Scan(Wire):
     stance: Stance
     created_at: str = Field(description="ISO 8601, UTC")
     model: str = Field(description="name of the model that it is fitted with")
+    model_said: bool = Field(False, description="a person has said that this model is the right one (putScanModel)")
     links: ScanLinks
+
+
+class ScanModel(Wire):
+    model: Name = Field(description="name of the model that the scan was uploaded for")
 
 
 class _Landmarks(Wire):

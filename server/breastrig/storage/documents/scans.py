@@ -11,7 +11,7 @@ from breastrig.cases import of_scans
 from breastrig.cases.case_folder import MadeScan, ScanEntry
 from breastrig.cases.documents import ScanDocument
 from breastrig.cases.writing import Changed
-from breastrig.core.errors import NotFound
+from breastrig.core.errors import Conflict, NotFound
 from breastrig.core.picks import Picks
 from breastrig.index import questions
 from breastrig.storage.files import scan_place, upload_name
@@ -128,6 +128,21 @@ def put_cuts(storage: Storage, scan_id: str, cuts: Cuts, seen: str | None = None
         return False
     storage.index.refresh(case.id)
     return True
+
+
+def said_model(storage: Storage, scan_id: str) -> str | None:
+    """Name of the model that a person has said is the right one for the scan; None where nobody has."""
+    try:
+        return of_scans.get_answers(storage.case_of_scan(scan_id), scan_id).model
+    except NotFound:
+        return None
+
+
+def say_model(storage: Storage, scan_id: str, model: str, its: str) -> None:
+    """Stores what `said_model` gives. Raises NotFound, and Conflict when `its` model is another one."""
+    if model != its:
+        raise Conflict(f'The scan was uploaded for the model "{its}". For another model upload its file again.')
+    of_scans.say_model(storage.case_of_scan(scan_id), scan_id, model)
 
 
 def cuts_digest(cuts: Sequence[dict[str, Any]]) -> str:

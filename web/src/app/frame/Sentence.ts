@@ -14,7 +14,7 @@ import type { Actions } from "../actions";
 import type { Session } from "../session";
 import { sentence as words } from "../text";
 
-type Shown = Pick<Session, "meta" | "scan" | "modelSaid" | "stance" | "fit" | "isStarting">;
+type Shown = Pick<Session, "meta" | "scan" | "stance" | "fit" | "isStarting">;
 
 const UNITS = ["mm", "cm", "dm", "m", "in", "ft"] as const satisfies readonly UnitChoice[];
 const TURNS: readonly Turn[] = ["around", "sideways", "forwards"];
@@ -32,7 +32,7 @@ export function createSentence(actions: Actions): Panel<Shown> {
   const element = el("div", { class: "panel" }, el("p", { class: "sentence", role: "group", "aria-label": words.label }, comma(stance), ofModel, comma(size), el("span", { class: "phrase" }, facing.element)));
   return {
     element,
-    select: only("meta", "scan", "modelSaid", "stance", "fit", "isStarting"),
+    select: only("meta", "scan", "stance", "fit", "isStarting"),
     update(state: Shown): void {
       const { meta, scan } = state;
       if (!scan) return;
@@ -43,13 +43,13 @@ export function createSentence(actions: Actions): Panel<Shown> {
       stance.open.classList.toggle("is-asked", isAsked);
       const models = meta?.models ?? [];
       show(ofModel, models.length > 1);
-      const isGuess = info.model === models[0] && state.modelSaid !== info.id; // which the service takes where nobody says
+      const isGuess = info.model === models[0] && !info.model_said; // which the service takes where nobody says
       const named = words.models[info.model] ?? info.model;
       model.set(isGuess ? words.guess(named) : named);
       fill(model.card, [models, info.model, isGuess, file === null], () => {
         const offered = file === null ? [info.model] : models;
         const items = offered.map((name) => {
-          const item = menuItem(modelNames[name] ?? name, isGuess && name === info.model ? words.guessed : "", () => (name === info.model ? actions.scan.confirmModel() : void actions.bring.again({ model: name })));
+          const item = menuItem(modelNames[name] ?? name, isGuess && name === info.model ? words.guessed : "", () => (name === info.model ? void actions.scan.confirmModel() : void actions.bring.again({ model: name })));
           item.setAttribute("aria-pressed", String(name === info.model && !isGuess));
           return item;
         });
