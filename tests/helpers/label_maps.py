@@ -218,9 +218,11 @@ def masks() -> dict[int, np.ndarray]:
     return {1: labels > 0, 2: labels == 2}
 
 
-def dicom_segmentation(labels: np.ndarray, low: np.ndarray = LOW, sizes: np.ndarray = SIZES) -> bytes:
+def dicom_segmentation(
+    labels: np.ndarray, low: np.ndarray = LOW, sizes: np.ndarray = SIZES, frame: str = "", lesion_alone: bool = False
+) -> bytes:
     """DICOM SEG of body and lesion over an axial series with rows to the left and columns to the back."""
-    study, series, frame = generate_uid(), generate_uid(), generate_uid()
+    study, series, frame = generate_uid(), generate_uid(), frame or generate_uid()
     sources = []
     for number in range(labels.shape[2]):
         each = Dataset()
@@ -245,8 +247,11 @@ def dicom_segmentation(labels: np.ndarray, low: np.ndarray = LOW, sizes: np.ndar
             algorithm_type="MANUAL",
         )
         for number, label, kind in ((1, "Body", codes.SCT.Breast), (2, "Index lesion", codes.SCT.Mass))
+        if number == 2 or not lesion_alone
     ]
     frames = np.stack([np.moveaxis(labels > 0, 2, 0), np.moveaxis(labels == 2, 2, 0)], axis=-1).swapaxes(1, 2)
+    if lesion_alone:
+        frames, described[0].SegmentNumber = frames[..., 1:], 1
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # highdicom's, of a series without some of its attributes
         made = highdicom.seg.Segmentation(

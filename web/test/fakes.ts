@@ -100,7 +100,7 @@ export function memory(): Storage {
 export function page(answers: Partial<Client> = {}, tab: Storage = memory()) {
   vi.stubGlobal("EventSource", FakeEventSource);
   const landmarks = NAMES.map((name) => ({ name, label: name }) as LandmarkDefinition);
-  const store = createStore<Session>({ ...initialSession, fitsAtOnce: false, meta: { landmarks, model: { name: "torso" }, scan_files: { endings: [".ply", ".obj", ".nii.gz"] } } as Session["meta"] }, withPlacingView);
+  const store = createStore<Session>({ ...initialSession, fitsAtOnce: false, meta: { landmarks, model: { name: "torso" }, scan_files: { endings: [".ply", ".obj", ".nii.gz", ".zip"] } } as Session["meta"] }, withPlacingView);
   const client = {
     mesh: async () => new ArrayBuffer(8),
     cuts: async () => ({ cuts: [], digest: "" }),

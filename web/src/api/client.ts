@@ -37,6 +37,7 @@ import type { Checks,
   ShareRequest,
   StoredLandmarks,
   StoredPlan,
+  TakenLesions,
   UnitChoice,
   Vector,
   VolumeAnswers,
@@ -153,6 +154,9 @@ export const client = {
   mesh,
   /** Grey values of its image, i fastest; kept nowhere. */
   volume: ({ links }: Scan) => bytes(links.volume ?? `${links.self}/volume`),
+  /** Into the plan, of a file that was drawn on the scan's image. */
+  addLesions: async (scan: Scan, file: File, answers: VolumeAnswers): Promise<TakenLesions> =>
+    (await (await ask(`${scan.links.self}/lesions`, { method: "POST", body: formOf(file, answers) })).json()) as TakenLesions,
   /** What a file says of the scan's landmarks; nothing of it is kept yet. */
   landmarkFile: async (scan: Scan, file: File): Promise<LandmarkFile> => {
     const body = new FormData();
@@ -253,14 +257,17 @@ export const client = {
 
 export type Client = typeof client;
 
+function formOf(file: File, { segments, ...words }: VolumeAnswers): FormData {
+  const form = new FormData();
+  for (const [name, value] of Object.entries(words) as [string, string | undefined][]) if (value !== undefined) form.append(name, value);
+  if (segments !== undefined) form.append("segments", JSON.stringify(segments));
+  form.append("file", file);
+  return form;
+}
+
 /** Sends a scan; `progress` gets the share that has left this machine (fetch does not report it, hence XMLHttpRequest). */
 function upload(file: File, said: UploadFields, progress: (share: number) => void): Promise<Scan> {
   return new Promise((resolve, reject) => {
-    const form = new FormData();
-    const { segments, ...words } = said;
-    for (const [name, value] of Object.entries(words)) if (value !== undefined) form.append(name, value);
-    if (segments !== undefined) form.append("segments", JSON.stringify(segments));
-    form.append("file", file);
     const request = new XMLHttpRequest();
     request.open("POST", "/api/scans");
     request.upload.onprogress = (event) => {
@@ -272,6 +279,6 @@ function upload(file: File, said: UploadFields, progress: (share: number) => voi
       else reject(problemOf(request.status, request.responseText));
     };
     request.onerror = () => reject(new ApiError(text.noService, 0));
-    request.send(form);
+    request.send(formOf(file, said));
   });
 }

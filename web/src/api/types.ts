@@ -52,6 +52,7 @@ export type {
   ShareRequest,
   Started,
   SurfacePoint,
+  TakenLesions,
 } from "./types.gen";
 
 export type PlanItem = wire.StoredPlan["items"][number];
@@ -68,9 +69,11 @@ export type Question = NonNullable<wire.Problem["question"]>;
 export type Segment = NonNullable<wire.Scan["segments"]>[number];
 export type TakenAs = Segment["taken_as"];
 
-/** What a person says of a label map where its file does not: which way it lies, and what its segments are. */
+/** What a person says of a volume where its file does not: which way it lies, what its segments are, which series it is, whether its lesions lie where the image does. */
 export interface VolumeAnswers {
   readonly frame?: string;
+  readonly series?: string;
+  readonly same_place?: string;
   readonly segments?: Readonly<Record<number, TakenAs>>;
 }
 

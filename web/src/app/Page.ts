@@ -191,7 +191,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const slices = later(
     only("step", "scan", "picks", "active", "isCropping", "isCanvasFull", "stance", "fit", "drawn", "lesion", "slices", "stances", "checks"),
     areSlicesOpen,
-    async () => (await import("../stances/slices/SlicesPanel")).createSlices({ slices: (change) => actions.drawing.slices(change), lesions: (own) => actions.plan.lesions(own), volume: (of) => actions.scan.volume(of) }),
+    async () => (await import("../stances/slices/SlicesPanel")).createSlices({ slices: (change) => actions.drawing.slices(change), lesions: (own) => actions.plan.lesions(own), choose: (item) => actions.drawing.chooseItem(item), volume: (of) => actions.scan.volume(of) }),
   );
   paper.element.className = "paper-host";
   const stages = el("main", { class: "stages" }, host, other.element, slices.element, viewBar.element, paper.element, home.element, loading.element, page.element, graphics, deleted.element, changed.element, undone);

@@ -43,7 +43,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
   const leaving = leavingActions(store, { landmarks, lines: drawing }, outbox);
   const guarded = leaving.guarded(scan);
   const stances = stancesActions(store, client, { scan, fit, landmarks, drawing, plan, begin: () => bring.begin() });
-  const bring = bringActions(store, client, { scan: guarded, stances, fit, landmarks });
+  const bring = bringActions(store, client, { scan: guarded, stances, fit, landmarks, plan });
   const patients = patientActions(store, client, outbox);
   const deletion = deletionActions(store, client, { scan, fit, stances, patients }, outbox);
   return {

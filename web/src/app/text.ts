@@ -96,6 +96,8 @@ export const sentence = {
 
 export const bringing = {
   none: (count: number) => (count === 1 ? "This file is no scan that can be read." : `None of these ${count} files is a scan that can be read. Pack files that belong together, as an OBJ and its pictures do, into one zip.`),
+  slices: "These are single slices of an image: pack the whole folder of DICOM files into one zip and drop that.",
+  noImage: (images: number) => (images === 0 ? "This file shows lesions alone: drop it together with the image that they were drawn on." : "Lesions were not taken, as several images came with them: open the patient's image and drop them there."),
   notTaken: (count: number) => `${plural(count, "file was", "files were")} not taken: no scan, and no landmarks. Pack files that belong together, as an OBJ and its pictures do, into one zip.`,
   unplaced: (count: number) => `${plural(count, "file of landmarks was", "files of landmarks were")} not taken, as it is not clear on which of the scans they lie: open that scan, press Set points myself, and import it there.`,
 };

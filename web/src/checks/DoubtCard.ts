@@ -47,16 +47,17 @@ export function createDoubtCard(actions: DoubtActions): Panel<Shown> {
 
   addEventListener("keydown", ({ key }) => {
     if (key !== "Escape" || document.querySelector("dialog[open]")) return;
-    if (open === "side") actions.scan.answer(null);
+    if (open === "file") actions.scan.answer(null);
     if (open === "drawing") actions.drawing.leaveAnother();
   });
 
   const asks: Readonly<Record<Doubt, (state: Shown) => Asked>> = {
-    side({ asked }) {
-      const words = text.side;
+    file({ asked }) {
+      const words = text.file[asked!.field as keyof typeof text.file];
+      const isSided = asked!.field === "frame";
       const choices = asked!.choices.map(({ value, text: says, picture }) => {
-        const seen = picture ? [el("img", { src: picture, alt: "" }), el("span", { class: "sides small", "aria-hidden": "true" }, el("span", {}, words.right), el("span", {}, words.left))] : [];
-        return el("button", { type: "button", class: "button outlined", "data-value": value, onclick: () => actions.scan.answer(value) }, ...seen, el("span", {}, says));
+        const sides = isSided ? [el("span", { class: "sides small", "aria-hidden": "true" }, el("span", {}, text.file.frame.right), el("span", {}, text.file.frame.left))] : [];
+        return el("button", { type: "button", class: "button outlined", "data-value": value, onclick: () => actions.scan.answer(value) }, ...(picture ? [el("img", { src: picture, alt: "" }), ...sides] : []), el("span", {}, says));
       });
       return { title: words.title, says: [`${asked!.problem}.`, words.how], answers: [el("div", { class: "frame-choices" }, ...choices), button(words.cancel, () => actions.scan.answer(null), "outlined wide stays")] };
     },

@@ -4,13 +4,13 @@ import type { FitSlice } from "../fit/state";
 import { isSizeAsked, type ScanSlice } from "../scan/state";
 import type { StancesSlice } from "../stances/state";
 
-export type Doubt = "side" | "patient" | "drawing" | "size";
+export type Doubt = "file" | "patient" | "drawing" | "size";
 
 export type Doubtful = Pick<ScanSlice & FitSlice & DrawingSlice & StancesSlice, "asked" | "scan" | "confirmed" | "fit" | "drawn" | "stances">;
 
-/** Which side a label map's left is, whether two scans or a drawing are this patient's, the size; null: nothing is asked. */
+/** What a file leaves open (which side is left, which series it is, whether lesions lie in this image), whether two scans or a drawing are this patient's, the size; null: nothing is asked. */
 export function openDoubt(state: Doubtful): Doubt | null {
-  if (state.asked) return "side";
+  if (state.asked) return "file";
   if (state.stances.asked.length > 0) return "patient";
   if (state.drawn.another) return "drawing";
   return isSizeAsked(state) && state.fit === null ? "size" : null; // where there is a fit somebody has made it with this size

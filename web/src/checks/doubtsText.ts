@@ -1,12 +1,25 @@
 // The sentences of questions that have to be answered first.
 export { samePatient as patient } from "../stances/samePatientText";
 
-export const side = {
-  title: "Which side is the patient's left?",
-  how: "The patient faces you in each picture, lesions are ringed. Choose the picture that shows this patient. If you do not know, cancel and look at the original images.",
-  left: "left",
-  right: "right",
-  cancel: "Cancel, upload nothing",
+/** By what a file leaves open. */
+export const file = {
+  frame: {
+    title: "Which side is the patient's left?",
+    how: "The patient faces you in each picture, lesions are ringed. Choose the picture that shows this patient. If you do not know, cancel and look at the original images.",
+    left: "left",
+    right: "right",
+    cancel: "Cancel, upload nothing",
+  },
+  series: {
+    title: "Which series?",
+    how: "Choose one that shows the skin all around both breasts, and the lesion. One series is read; the others are not kept.",
+    cancel: "Cancel, upload nothing",
+  },
+  same_place: {
+    title: "Do these lesions lie in this image?",
+    how: "Ringed: where the first of them would lie, from the feet. If you do not know, cancel and look at the original images.",
+    cancel: "Cancel, take no lesions",
+  },
 };
 
 export const drawing = {

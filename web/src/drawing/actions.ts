@@ -191,12 +191,14 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
       store.set((state) => {
         const isPutAway = lesion === null && state.lesion !== null && (item ?? "") === "";
         const { slices } = lesion !== null || isPutAway ? withSlices(state, lesion !== null) : state;
-        return { item, lesion, slices: { ...slices, cross: lesion === null ? slices.cross : null, moves: false }, drawn: { ...state.drawn, chosen: lesion === null ? line : state.drawn.chosen, corner: null } };
+        return { item, lesion, slices: { ...slices, cross: lesion === null ? slices.cross : null, moves: false, marks: null }, drawn: { ...state.drawn, chosen: lesion === null ? line : state.drawn.chosen, corner: null } };
       });
     },
 
     /** The lesion that is looked at is in the hand, in the slices, or laid down. */
-    moveLesion: (moves: boolean): void => store.set((state) => ({ slices: { ...withSlices(state, true).slices, cross: null, moves } })),
+    moveLesion: (moves: boolean): void => store.set((state) => ({ slices: { ...withSlices(state, true).slices, cross: null, moves, marks: null } })),
+    /** A new one by three taps in the slices. */
+    markLesion: (): void => store.set((state) => ({ slices: { ...withSlices(state, true).slices, moves: false, marks: [] } })),
     slices: (change: Partial<SlicesState>): void => store.set(({ slices }) => ({ slices: { ...slices, ...change } })),
     showSlices: (isOn: boolean): void => store.set((state) => withSlices(state, isOn)),
 

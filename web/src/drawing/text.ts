@@ -90,6 +90,7 @@ export const lesions = {
   centerHint: "x, y, z in mm, in this scan's frame",
   radius: "Radius",
   add: "Add",
+  mark: "Mark it in the slices",
   noPlace: "The centre needs three numbers in millimetres, as 12.5 -80 43.",
   says: (radius: number, depth: number | null) => [`radius ${Number(radius.toFixed(1))}\u00a0mm`, depth === null ? "" : `${Math.round(depth)}\u00a0mm deep`].filter((part) => part !== "").join(", "),
 };

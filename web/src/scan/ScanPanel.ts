@@ -13,18 +13,18 @@ import * as text from "./text";
 
 const inSentence = (words: string): string => words.charAt(0).toLowerCase() + words.slice(1);
 
-type Shown = Pick<ScanSlice & PageSlice, "scan" | "isCropping" | "problems"> & { readonly isUntouched: boolean };
+type Shown = Pick<ScanSlice & PageSlice, "scan" | "lesionFiles" | "isCropping" | "problems"> & { readonly isUntouched: boolean };
 
 /** `isUntouched`: nothing was made of the scan yet that reading its file again would lose. */
 export function createScanPanel<More extends object>(actions: ScanActions, dismiss: () => void, isUntouched: (state: More) => boolean): Panel<Shown, PageSlice & ScanSlice & More> & { readonly asked: HTMLElement } {
   const facts = el("dl", { class: "facts" });
   const reasons = el("div", { class: "reasons" });
   const segments = later(
-    ({ scan, isUntouched }: Pick<Shown, "scan" | "isUntouched">) => ({ scan, isUntouched }),
-    ({ scan }) => (scan?.info.segments ?? []).length > 0,
+    ({ scan, lesionFiles, isUntouched }: Pick<Shown, "scan" | "lesionFiles" | "isUntouched">) => ({ scan, lesionFiles, isUntouched }),
+    ({ scan, lesionFiles }) => scan !== null && ((scan.info.segments ?? []).length > 0 || scan.info.id in lesionFiles),
     async () => {
       const list = (await import("./volumes/SegmentList")).createSegmentList(actions);
-      return { element: list.element, update: ({ scan, isUntouched }) => scan && list.update(scan, isUntouched) };
+      return { element: list.element, update: ({ scan, lesionFiles, isUntouched }) => scan && list.update(scan, lesionFiles[scan.info.id] ?? null, isUntouched) };
     },
   );
   const crop = createCropRow(actions);
@@ -34,7 +34,7 @@ export function createScanPanel<More extends object>(actions: ScanActions, dismi
   return {
     element,
     asked,
-    select: (state) => ({ scan: state.scan, isCropping: state.isCropping, problems: state.problems, isUntouched: isUntouched(state) }),
+    select: (state) => ({ scan: state.scan, lesionFiles: state.lesionFiles, isCropping: state.isCropping, problems: state.problems, isUntouched: isUntouched(state) }),
     update(state: Shown): void {
       wrong.set(state.problems.scan);
       if (!state.scan) return;

@@ -1,6 +1,6 @@
 // Bringing a scan in: from a file, from the example, from the address; and turning it upright.
 import { ApiError, type Client, type UploadFields } from "../api/client";
-import type { Cut, Cuts, ExampleScan, Frame, Question, Scan, TakenAs, UnitChoice, VolumeAnswers } from "../api/types";
+import type { Cut, Cuts, ExampleScan, Frame, Question, Scan, TakenAs, TakenLesions, UnitChoice, VolumeAnswers } from "../api/types";
 import { type History, record, redo, startHistory, undo } from "../store/history";
 import type { PageSlice } from "../store/page";
 import type { Outbox } from "../store/outbox";
@@ -13,6 +13,8 @@ import type { ScanSlice, ScanState } from "./state";
 import * as text from "./text";
 
 type State = PageSlice & ViewSlice & ScanSlice;
+
+const ASKED: readonly string[] = ["frame", "series", "same_place"]; // what a person can answer here
 
 /** What the other features keep with a scan, and do when another one is opened. */
 export interface ScanContents {
@@ -209,11 +211,18 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
       return { info, file, own: null, units, answers, isNew: true };
     } catch (error) {
       if (error instanceof ApiError && error.status === 409) throw new ApiError(text.errors.alreadyHere, 409);
-      const question = error instanceof ApiError ? error.question : null;
-      if (question?.field !== "frame" || mine !== generation) throw error;
-      const frame = await askPerson(question);
-      return frame === null ? null : send(file, { ...said, frame }, progress, mine);
+      const answers = mine === generation ? await answersTo(error) : undefined;
+      if (answers === undefined) throw error;
+      return answers && send(file, { ...said, ...answers }, progress, mine);
     }
+  }
+
+  /** What a person says to a question of the service; null when that is called off, undefined for what asks nothing. */
+  async function answersTo(error: unknown): Promise<VolumeAnswers | null | undefined> {
+    const question = error instanceof ApiError ? error.question : null;
+    if (!question || !ASKED.includes(question.field)) return undefined;
+    const answer = await askPerson(question);
+    return answer === null ? null : { [question.field]: answer };
   }
 
   /** `instead`: that scan, with which nothing has been done, is read anew and deleted.  `patient`: whose it is. */
@@ -285,6 +294,19 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
       await checkReadable(file);
       const said: UploadFields = { units: "auto", model: store.get().meta?.model.name, patient };
       return (await send(file, said, () => undefined, generation))?.info ?? null;
+    },
+
+    /** Lesions of a file that was drawn on the image of this scan; null when a person has called it off. */
+    async addLesions(file: File, scan: Scan, said: VolumeAnswers = {}): Promise<TakenLesions | null> {
+      try {
+        const taken = await client.addLesions(scan, file, said);
+        store.set(({ lesionFiles: { [scan.id]: before, ...others } }) => ({ lesionFiles: { ...others, [scan.id]: { lesions: taken.lesions, segments: [...(before?.segments ?? []), ...taken.segments], notes: [...(before?.notes ?? []), ...taken.notes] } } }));
+        return taken;
+      } catch (error) {
+        const answers = await answersTo(error);
+        if (answers === undefined) throw error;
+        return answers && this.addLesions(file, scan, { ...said, ...answers });
+      }
     },
 
     /** The same file, read in another unit or for another model; the scan that is there gives way. */

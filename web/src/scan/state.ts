@@ -1,5 +1,5 @@
 // The scan on the page, and how it came there.
-import type { Frame, LandmarkFile, Question, Scan, UnitChoice, VolumeAnswers } from "../api/types";
+import type { Frame, LandmarkFile, Question, Scan, TakenLesions, UnitChoice, VolumeAnswers } from "../api/types";
 import type { History } from "../store/history";
 import { type Crops, cropsOf } from "./crop";
 
@@ -21,6 +21,7 @@ export interface ScanSlice {
   readonly loading: { readonly phase: "sending" | "preparing"; readonly share: number; readonly title: string } | null;
   readonly asked: Question | null; // what its file does not say: nothing is uploaded before a person has
   readonly scan: ScanState | null;
+  readonly lesionFiles: Readonly<Record<string, TakenLesions>>; // by scan: what files that were drawn on its image had, as long as the page is open
   readonly confirmed: string | null; // the scan whose doubtful size a person has called right
   readonly showColours: boolean;
   readonly showLoose: boolean; // the table and loose pieces as well
@@ -29,7 +30,7 @@ export interface ScanSlice {
   readonly pointedCut: number | null; // which of the cuts its button is pointed at
 }
 
-export const initialScan: ScanSlice = { loading: null, asked: null, scan: null, confirmed: null, showColours: true, showLoose: false, showRelief: true, isCropping: false, pointedCut: null };
+export const initialScan: ScanSlice = { loading: null, asked: null, scan: null, lesionFiles: {}, confirmed: null, showColours: true, showLoose: false, showRelief: true, isCropping: false, pointedCut: null };
 
 /** Of an image or a label map: its axes are the patient's, its unit is its own. */
 export const isVolume = (scan: Pick<Scan, "segments" | "image">): boolean => (scan.segments ?? []).length > 0 || scan.image != null;

@@ -38,6 +38,7 @@ export const units = {
 
 export const segments = {
   title: "Segments of this label map",
+  further: "Lesions of other files",
   taken: { lesion: "Lesion", tissue: "Tissue", unused: "Not used" },
   takeAs: (name: string) => `Take ${name} as`,
   own: (label: string) => `“${label}”`,

@@ -90,3 +90,74 @@ test("of a further scan, too, the side is asked; called off, it is not added", a
   expect(said).toHaveLength(2);
   expect(store.get()).toMatchObject({ scan: { info: { id: "a.ply" } }, problems: {} });
 });
+
+const dicom = (name: string, uid: string): File => file(name, `${"\0".repeat(128)}DICM${"\0".repeat(40)}${uid}\0`);
+const SEG = "1.2.840.10008.5.1.4.1.1.66.4";
+const SLICE = "1.2.840.10008.5.1.4.1.1.4";
+const image = { shape: [2, 2, 2], to_scan: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], bytes: 8 } as unknown as NonNullable<Scan["image"]>;
+
+/** A service whose images take files of lesions. */
+function withImages(about: Record<string, Partial<Scan>>, asks: Question | null = null) {
+  const made = service(about, false);
+  const taken: [string, string, string | undefined][] = [];
+  const addLesions = vi.fn(async (scan: Scan, given: File, { same_place: same }: { same_place?: string }) => {
+    if (asks && same === undefined) throw new ApiError(`${asks.problem}.`, 422, asks);
+    taken.push([scan.id, given.name, same]);
+    return { lesions: [{ name: "Lesion 1", new: true }], segments: [], notes: ["Assumed."] };
+  });
+  Object.assign(made.client, { addLesions });
+  return { ...made, taken };
+}
+
+test("a segmentation that comes with an image is drawn on it: its lesions go there, and it is no scan", async () => {
+  const { store, actions, sent, taken } = withImages({ "mri.zip": { image } });
+  await actions.bring.files([dicom("tumour.dcm", SEG), file("mri.zip"), file("standing.ply")]);
+  expect(sent.map(([name]) => name)).toEqual(["standing.ply", "mri.zip"]);
+  expect(taken).toEqual([["mri.zip", "tumour.dcm", undefined]]);
+  expect(store.get().lesionFiles["mri.zip"]).toMatchObject({ notes: ["Assumed."] });
+  expect(store.get().problems).toEqual({});
+  await actions.bring.files([file("mri.zip")]);
+  await actions.bring.files([dicom("second.dcm", SEG)]);
+  expect(taken.at(-1), "alone it goes to the image of the patient on the page").toEqual(["mri.zip", "second.dcm", undefined]);
+});
+
+test("without an image a segmentation is a scan; with several nobody guesses which", async () => {
+  const { actions, sent } = withImages({});
+  await actions.bring.files([dicom("body.dcm", SEG), file("standing.ply")]);
+  expect(sent.map(([name]) => name)).toEqual(["standing.ply", "body.dcm"]);
+  const two = withImages({ "a.zip": { image }, "b.zip": { image } });
+  await two.actions.bring.files([file("a.zip"), file("b.zip"), dicom("tumour.dcm", SEG)]);
+  expect(two.taken).toEqual([]);
+  expect(two.store.get().problems.scan).toBe(words.noImage(2));
+});
+
+test("a volume that is no scan is tried as lesions of the image beside it, whichever came first; what neither is says why not", async () => {
+  const refused = new ApiError("This label map shows no body.", 422);
+  const made = withImages({ "mri.nii.gz": { image } });
+  const upload = made.client.upload;
+  Object.assign(made.client, { upload: (given: File, ...rest: [UploadFields, () => void]) => (given.name === "lesion.nii.gz" ? Promise.reject(refused) : upload(given, ...rest)) });
+  await made.actions.bring.files([file("lesion.nii.gz"), file("mri.nii.gz")]);
+  expect(made.taken).toEqual([["mri.nii.gz", "lesion.nii.gz", undefined]]);
+  expect(made.store.get()).toMatchObject({ scan: { info: { id: "mri.nii.gz" } }, problems: {} });
+  Object.assign(made.client, { addLesions: () => Promise.reject(new ApiError("No segment of this file is a lesion.", 422)) });
+  await made.actions.bring.files([file("mri.nii.gz"), file("lesion.nii.gz")]);
+  expect(made.store.get().problems.scan).toBe("This label map shows no body. No segment of this file is a lesion.");
+});
+
+test("whether lesions lie in the image is asked; called off, none are taken", async () => {
+  const question = { problem: "Another frame", field: "same_place", choices: [{ value: "yes", text: "They do" }] } as unknown as Question;
+  for (const [answer, expected] of [["yes", [["mri.zip", "tumour.dcm", "yes"]]], [null, []]] as const) {
+    const { store, actions, taken } = withImages({ "mri.zip": { image } }, question);
+    const brought = actions.bring.files([file("mri.zip"), dicom("tumour.dcm", SEG)]);
+    await vi.waitFor(() => expect(store.get().asked).toEqual(question));
+    actions.scan.answer(answer);
+    await brought;
+    expect(taken).toEqual(expected);
+  }
+});
+
+test("slices by themselves are not sent one by one", async () => {
+  const { store, actions, sent } = withImages({});
+  await actions.bring.files(Array.from({ length: 20 }, (_, k) => dicom(`I${k}`, SLICE)));
+  expect([sent, store.get().problems.scan]).toEqual([[], words.slices]);
+});

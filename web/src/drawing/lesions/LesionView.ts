@@ -1,5 +1,6 @@
-// What is said of the lesion that is looked at: how deep it lies as a picture, its other distances with their bands, and a way
-// to move it.  Loaded when one is chosen.
+// What is said of the lesion that is looked at: how deep it lies as a picture, its other distances with their bands, where it
+// lies as radiology writes it, beside what was typed of a report, and a way to move it.  Loaded when one is chosen.
+import type { PlanLesion } from "../../api/types";
 import { button } from "../../ui/controls";
 import { el, svg } from "../../ui/dom";
 import { withMargins } from "../../ui/margins";
@@ -8,20 +9,39 @@ import { depthPicture, HIGH, WIDE } from "./depth";
 import { lesionView as words } from "./viewText";
 import "./lesion_view.css";
 
-/** `move`: takes it into the hand, or lays it down; null where it was given on another scan. */
-export function lesionView(lesion: LaidLesion, line: string | null, move: { readonly isOn: boolean; readonly take: () => void } | null): HTMLElement {
-  const facts = [...saidDistances(lesion, line).filter(({ kind }) => kind !== "skin").map((each): [string, string] => [words.to(each), words.banded(each)]), [words.place, words.placed(lesion)] as const];
-  const take = move && button(words.move, move.take, "quiet outlined");
-  take?.setAttribute("aria-pressed", String(move!.isOn));
-  take?.setAttribute("aria-label", words.moveIt(lesion.name));
+/** Of a lesion that was given on the scan in work. */
+export interface OwnLesion {
+  readonly lesion: PlanLesion;
+  readonly isMoved: boolean; // it is in the hand
+  readonly move: () => void; // takes it into the hand, or lays it down
+  readonly change: (part: Partial<PlanLesion>) => void;
+}
+
+/** `laid`: as the service has it on this scan; null before there is a model. */
+export function lesionView(laid: LaidLesion | null, line: string | null, own: OwnLesion | null): HTMLElement {
+  const distances = laid ? saidDistances(laid, line).filter(({ kind }) => kind !== "skin").map((each): [string, string] => [words.to(each), words.banded(each)]) : [];
+  const facts: [string, string][] = laid ? [...distances, [words.place, words.placed(laid)], ...(laid.clock ? [[words.clock, laid.clock.text] as [string, string]] : [])] : [];
+  const plain = [words.place, words.clock];
+  const take = own && button(words.moveIt(own.lesion.name), own.move, "quiet outlined");
+  take?.setAttribute("aria-pressed", String(own!.isMoved));
+  take?.setAttribute("aria-label", words.moveIt(own!.lesion.name)); // by which it is found again
+  const field = (label: string, hint: string, value: string, changed: (value: string) => void): HTMLElement => {
+    const input = el("input", { type: "text", maxlength: 100, placeholder: hint, "aria-label": label, onchange: () => changed(input.value.trim()) });
+    input.value = value;
+    return el("label", { class: "field wide" }, el("span", {}, label), input);
+  };
+  const check = laid?.radiology ?? null;
   return el(
     "div",
     { class: "lesion-view" },
-    depthView(lesion),
-    el("dl", {}, ...facts.map(([name, value]) => el("div", { class: "row" }, el("dt", {}, name), el("dd", {}, ...(name === words.place ? [value] : withMargins(value)))))),
-    ...(lesion.seen ? [] : [el("p", { class: "look-here" }, words.unseen)]),
+    laid && depthView(laid),
+    el("dl", {}, ...facts.map(([name, value]) => el("div", { class: "row" }, el("dt", {}, name), el("dd", {}, ...(plain.includes(name) ? [value] : withMargins(value)))))),
+    ...(laid?.seen === false ? [el("p", { class: "look-here" }, words.unseen)] : []),
+    own && field(words.name, "", own.lesion.name, (name) => name !== "" && own.change({ name })),
+    own && field(words.radiology, words.radiologyHint, own.lesion.radiology ?? "", (radiology) => own.change({ radiology })),
+    check && el("p", { class: check.agrees === false ? "lesion-contradicted" : "muted small", role: "status" }, check.text),
     take,
-    el("p", { class: "muted small" }, move ? `${words.straight} ${words.moves}` : words.straight),
+    laid && el("p", { class: "muted small" }, own ? `${words.straight} ${words.moves}` : words.straight),
   );
 }
 

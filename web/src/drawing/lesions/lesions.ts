@@ -16,6 +16,14 @@ export function readCenter(written: string): Vector | null {
 /** A new lesion among those that are there. */
 export const lesionAt = (name: string, center: Vector, radiusMm: number): PlanLesion => ({ kind: "lesion", id: newId(), scan: "", name, center: [...center], radius_mm: radiusMm });
 
+export const RADIUS_MM = { least: 0.5, most: 80, usual: 5 }; // as the service takes it
+
+/** By its centre and places on its edge, whose mean distance is its radius. */
+export function markedBall([center, ...edge]: readonly Vector[]): { readonly center: Vector; readonly radius: number } {
+  const far = edge.map((place) => Math.hypot(...place.map((value, k) => value - center![k]!)));
+  return { center: center!, radius: far.reduce((sum, mm) => sum + mm, 0) / far.length };
+}
+
 /** Where each lies in the body of a scan, its own and those that were carried there. */
 export const lesionsOnScan = (plan: PlanOnScan | null): PlanOnScan["lesions"] => plan?.lesions ?? [];
 

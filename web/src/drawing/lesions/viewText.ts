@@ -5,6 +5,10 @@ export const lesionView = {
   to: ({ kind, to }: { kind: string; to: string }) => ({ nipple: "To the nipple", chest_wall: "To the chest wall", line: `To ${drawing.shapeName(to)}` })[kind] ?? to,
   banded: ({ mm, low_mm: low, high_mm: high }: { mm: number; low_mm: number | null; high_mm: number | null }) => `${mm.toFixed(0)}\u00a0mm${low === null || high === null ? "" : `, ${low.toFixed(0)} to ${high.toFixed(0)}`}`,
   place: "Its place",
+  clock: "By the clock",
+  name: "Name",
+  radiology: "What radiology wrote",
+  radiologyHint: "left, 2 o'clock, 45 mm",
   placed: ({ carried, error_mm: error }: { carried: boolean; error_mm: number | null }) => [...(carried ? ["carried"] : []), error === 0 ? "as given" : error === null ? "how far off is not known" : `±\u00a0${error.toFixed(0)}\u00a0mm`].join(", "),
   unseen: "The scan shows no skin there: how deep it lies is the model's guess.",
   skin: "skin",
@@ -22,6 +26,5 @@ export const lesionView = {
   noSlices: "No slices: this link shows the model alone, and no skin of the patient.",
   straight: "From its centre, straight.",
   moves: "While it is moved, dragging and arrow keys in the slices take it along.",
-  move: "Move it",
   moveIt: (name: string) => `Move ${name}`,
 };

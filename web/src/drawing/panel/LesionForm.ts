@@ -3,13 +3,11 @@ import type { PlanLesion } from "../../api/types";
 import { button } from "../../ui/controls";
 import { el, setText, show } from "../../ui/dom";
 import { numberField } from "../../ui/NumberField";
-import { lesionAt, readCenter } from "../lesions/lesions";
+import { lesionAt, RADIUS_MM, readCenter } from "../lesions/lesions";
 import { lesions as words } from "../text";
 
-const RADIUS_MM = { least: 0.5, most: 80, usual: 5 }; // as the service takes it
-
-/** `numbered`: what the next one is called where no name is given. */
-export function createLesionForm(numbered: () => string, added: (lesion: PlanLesion) => void): HTMLElement {
+/** `numbered`: what the next one is called where no name is given; `mark`: it is shown in the slices instead. */
+export function createLesionForm(numbered: () => string, added: (lesion: PlanLesion) => void, mark: () => void) {
   let radiusMm: number = RADIUS_MM.usual;
   const name = el("input", { type: "text", maxlength: 100 });
   const center = el("input", { type: "text", maxlength: 100, placeholder: words.centerHint, "data-parameter": "center" });
@@ -24,5 +22,7 @@ export function createLesionForm(numbered: () => string, added: (lesion: PlanLes
     added(lesionAt(name.value.trim() || numbered(), place, radiusMm));
     name.value = center.value = "";
   }, "quiet outlined");
-  return el("div", { class: "panel lesion-form" }, el("label", { class: "field wide" }, el("span", {}, words.name), name), el("label", { class: "field wide" }, el("span", {}, words.center), center), radius.element, wrong, add);
+  const inSlices = button(words.mark, mark, "outlined wide");
+  const element = el("div", { class: "panel lesion-form" }, inSlices, el("label", { class: "field wide" }, el("span", {}, words.name), name), el("label", { class: "field wide" }, el("span", {}, words.center), center), radius.element, wrong, add);
+  return { element, update: (hasImage: boolean): void => show(inSlices, hasImage) };
 }

@@ -1,6 +1,6 @@
 // The plan: what is planned on this scan, one row each, and below it the numbers of the chosen one, right and left in columns, as
 // drawn.  What cannot be drawn says so in words of the operation.
-import type { PlanOnScan } from "../../api/types";
+import type { PlanLesion, PlanOnScan } from "../../api/types";
 import { readRequest, requestText, TUMOUR } from "../../fit/requestedDrawing";
 import type { FitSlice } from "../../fit/state";
 import type { ScanSlice } from "../../scan/state";
@@ -51,11 +51,11 @@ export function createPlanPanel(drawing: DrawingActions, plan: PlanWords, dismis
   const form = createLesionForm(() => text.lesions.numbered((state?.drawn.lesions.length ?? 0) + 1), (given) => {
     plan.lesions([...(state?.drawn.lesions ?? []), given]);
     drawing.chooseItem(itemKey.lesion(given.id));
-  });
+  }, drawing.markLesion);
   const sayings = el("textarea", { rows: 3, maxlength: 2000, placeholder: words.noteHint, "aria-label": text.drawing.pattern.note, onchange: () => plan.note(sayings.value) });
   const elsewhere = el("p", { class: "muted small" });
   const onBody = el("div", {});
-  const details = el("section", { class: "panel item-details" }, head, numbers.values.element, numbers.tumour.element, line.element, lesion, form, sayings, elsewhere, onBody);
+  const details = el("section", { class: "panel item-details" }, head, numbers.values.element, numbers.tumour.element, line.element, lesion, form.element, sayings, elsewhere, onBody);
   let chosen: PlanRow | null = null;
   const element = el("div", { class: "panel drawing" }, first, wrong.element, again, el("div", { class: "plan-head" }, el("h2", {}, words.title), el("span", { class: "spring" }), add.element), needs.element, list, none, refused, details, legend, last);
 
@@ -131,7 +131,8 @@ export function createPlanPanel(drawing: DrawingActions, plan: PlanWords, dismis
     if (chosen?.kind === "line") line.update(chosen.line, session.fit?.result ? mirrorPlane(session.fit.result) !== null : false, drawn);
     show(lesion, chosen?.kind === "lesion");
     if (chosen?.kind === "lesion") showLesion(chosen, session);
-    show(form, kind === "new lesion");
+    show(form.element, kind === "new lesion");
+    form.update(session.scan?.info.image != null);
     show(sayings, kind === "note");
     if (document.activeElement !== sayings) sayings.value = drawn.note;
     show(elsewhere, kind === "carried");
@@ -142,8 +143,8 @@ export function createPlanPanel(drawing: DrawingActions, plan: PlanWords, dismis
   function showLesion({ own, laid }: PlanRow & { readonly kind: "lesion" }, { drawn, slices }: PlanPanelShown): void {
     const focused = lesion.contains(document.activeElement) ? document.activeElement!.getAttribute("aria-label") : null;
     fill(lesion, [laid, own, drawn.chosen, slices.moves], () => {
-      if (!laid) return [];
-      return [lesionView(laid, drawn.chosen, own ? { isOn: slices.moves, take: () => drawing.moveLesion(!slices.moves) } : null)];
+      const change = (part: Partial<PlanLesion>): void => plan.lesions(state!.drawn.lesions.map((each) => (each.id === own?.id ? { ...each, ...part } : each)));
+      return [lesionView(laid, drawn.chosen, own && { lesion: own, isMoved: slices.moves, move: () => drawing.moveLesion(!slices.moves), change })];
     });
     if (focused) lesion.querySelector<HTMLElement>(`[aria-label="${CSS.escape(focused)}"]`)?.focus(); // what takes it into the hand
   }

@@ -9,9 +9,10 @@ export interface SlicesState {
   readonly cross: { readonly scan: string; readonly at: Vector } | null; // mm, in that scan's axes; null: in the lesion that is looked at
   readonly enlarged: Plane | "body" | null;
   readonly moves: boolean; // the lesion goes where the cross goes
+  readonly marks: readonly Vector[] | null; // of a lesion that is being marked: its centre, and a place on its edge; null: none is
 }
 
-export const initialSlices: SlicesState = { of: null, cross: null, enlarged: null, moves: false };
+export const initialSlices: SlicesState = { of: null, cross: null, enlarged: null, moves: false, marks: null };
 
 interface Seen {
   readonly slices: SlicesState;

@@ -1,9 +1,9 @@
 // Slices through the scan's skin in three planes, beside the body: one cross in all of them, moved by hand, by keys and by the
 // sliders.  What is drawn is what is known: the skin's section, the body flat or as its image has it, lesions and planned lines.
 // Loaded when opened.
-import type { Frame, PlanLesion, Scan, Vector } from "../../api/types";
+import type { Frame, Scan, Vector } from "../../api/types";
 import { lineNear, ballCut, bodyOf, cut, flat, type Flat, placeAt, type View, viewOf } from "../../drawing/slices/section";
-import { areSlicesOpen, initialSlices, type Plane, PLANES, type SlicesState } from "../../drawing/slices/state";
+import { areSlicesOpen, initialSlices, type Plane, PLANES } from "../../drawing/slices/state";
 import { alongSlice } from "../../drawing/lesions/slices";
 import { button, iconButton, segmented } from "../../ui/controls";
 import { el, setText, show, svg } from "../../ui/dom";
@@ -11,20 +11,21 @@ import { dot, leftOf } from "../../viewer/frame";
 import { onceAFrame } from "../../viewer/onceAFrame";
 import { view as viewText } from "../../viewer/text";
 import { createGreySlices, type SeenAt } from "./GreySlices";
+import { createLesionHand, type LesionActions } from "./lesionHand";
 import { besideMiddle, bodyBeside, crossOf, frameOf, isSliced, lesionsIn, linesIn, type SeenLesion, slicedOf, type SlicesShown } from "./shown";
 import { boxOf, fromWays, readSkin, type SeenSkin } from "./skinOf";
-import { slices as words } from "./text";
+import { hand as handWords, slices as words } from "./text";
 import "./slices.css";
 
-export interface SlicesActions {
-  slices(change: Partial<SlicesState>): void;
-  lesions(own: readonly PlanLesion[]): void;
+export interface SlicesActions extends LesionActions {
   readonly volume: (scan: Scan) => Promise<ArrayBuffer>;
 }
 
 const STEP_MM = { key: 1, withShift: 5 };
 const KEYS: Readonly<Record<string, readonly [right: number, up: number, out: number]>> = { ArrowLeft: [-1, 0, 0], ArrowRight: [1, 0, 0], ArrowUp: [0, 1, 0], ArrowDown: [0, -1, 0] };
 const PAGES: Readonly<Record<string, number>> = { PageUp: 1, PageDown: -1 };
+const TAP_PX = 4;
+const HANDLE = { seen: 6, reach: 14 }; // px
 const TWICE = { ms: 350, px: 24 }; // two taps on one place
 const MOST_MM = 360; // of a scan that is seen at once: of a whole body a lesion would be a dot
 const AIR = 1.1; // around it
@@ -59,13 +60,15 @@ export function createSlices(actions: SlicesActions) {
   const unseen = el("p", { class: "slices-unseen muted", hidden: true }, words.unseen);
   const moving = el("p", { class: "slices-moving small", role: "status", hidden: true });
   const coming = el("p", { class: "slices-unseen small", role: "status", hidden: true });
+  const mark = button(handWords.mark, () => hand.begin(), "quiet");
+  mark.title = handWords.markHint;
   const grey = createGreySlices(actions.volume, () => draw(), (sentence) => {
     setText(coming, sentence);
     show(coming, sentence !== "");
   });
   const head = el("div", { class: "slices-head" }, pick.element, all, el("span", { class: "spring" }));
   const panes = PLANES.map((plane) => createPane(plane));
-  const element = el("div", { class: "slices", hidden: true }, head, ...panes.map((pane) => pane.element), el("div", { class: "slices-body" }, body), el("div", { class: "slices-close" }, close), grey.control, moving, unseen, coming, said);
+  const element = el("div", { class: "slices", hidden: true }, head, ...panes.map((pane) => pane.element), el("div", { class: "slices-body" }, body), el("div", { class: "slices-close" }, close), el("div", { class: "slices-tools" }, mark, grey.control), moving, unseen, coming, said);
 
   const leave = (): void => (state.slices.enlarged && !phone.matches ? actions.slices({ enlarged: null }) : actions.slices(initialSlices));
   const draw = onceAFrame(() => isSliced(state) && drawAll());
@@ -73,7 +76,7 @@ export function createSlices(actions: SlicesActions) {
   const resized = new ResizeObserver(draw);
   for (const pane of panes) resized.observe(pane.picture);
 
-  const lesionInHand = (): SeenLesion | null => (state.slices.moves ? (lesionsIn(slicedOf(state).of).find(({ id, isOwn }) => id === state.lesion && isOwn) ?? null) : null);
+  const hand = createLesionHand(actions, () => state, () => draw());
   const cross = (): Vector => held ?? crossOf(state, slicedOf(state).of) ?? [0, 0, 0];
 
   /** The cross goes there; with a lesion in the hand, so does that, once the hand lets go. */
@@ -82,9 +85,8 @@ export function createSlices(actions: SlicesActions) {
     if (!scan) return;
     const rounded = at.map((value) => Math.round(10 * value) / 10) as unknown as Vector;
     held = isOver ? null : rounded;
-    const lesion = isOver ? lesionInHand() : null;
     actions.slices({ cross: { scan: scan.info.id, at: rounded } });
-    if (lesion) actions.lesions(state.drawn.lesions.map((each) => (each.id === lesion.id ? { ...each, center: [...rounded] } : each)));
+    if (isOver) hand.moved(rounded);
   }
 
   /** So many times larger, around a place that stays where it is seen. */
@@ -140,7 +142,8 @@ export function createSlices(actions: SlicesActions) {
       if (ctrlKey || metaKey || altKey) return;
       const step = shiftKey ? STEP_MM.withShift : STEP_MM.key;
       const ways = waysOf(cross(), frame());
-      if (KEYS[key]) {
+      if (hand.key(event, cross())) draw();
+      else if (KEYS[key]) {
         const { right, up } = view();
         go(cross().map((value, k) => value + step * (KEYS[key]![0] * right[k]! + KEYS[key]![1] * up[k]!)) as unknown as Vector);
       } else if (PAGES[key]) goAlong(ways[AXIS[plane]] + step * PAGES[key]);
@@ -164,18 +167,27 @@ export function createSlices(actions: SlicesActions) {
       const [x, y] = [event.clientX - box.left - box.width / 2, event.clientY - box.top - box.height / 2];
       return placeAt([seen.middle[0] + x * seen.mm, seen.middle[1] - y * seen.mm], view(), cross());
     };
+    let handle: Flat | null = null; // on the edge of the lesion in the hand
+    const isOnHandle = (event: PointerEvent): boolean => {
+      const at = flat(pointed(event), view());
+      return handle !== null && Math.hypot(at[0] - handle[0], at[1] - handle[1]) < HANDLE.reach * seen.mm;
+    };
     const fingers = new Map<number, PointerEvent>();
     const spread = (): { readonly apart: number; readonly at: Vector } => {
       const [a, b] = [...fingers.values()] as [PointerEvent, PointerEvent];
       return { apart: Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY), at: pointed({ clientX: (a.clientX + b.clientX) / 2, clientY: (a.clientY + b.clientY) / 2 }) };
     };
     picture.addEventListener("pointermove", (event) => {
-      if (!fingers.has(event.pointerId)) return;
+      if (!fingers.has(event.pointerId)) {
+        hand.hover(pointed(event));
+        return;
+      }
       const before = fingers.size === 2 ? spread().apart : 0;
       fingers.set(event.pointerId, event);
       if (fingers.size === 2 && before > 0) zoomAt(spread().at, spread().apart / before);
     });
     for (const type of ["pointerup", "pointercancel"] as const) picture.addEventListener(type, ({ pointerId }) => fingers.delete(pointerId));
+    picture.addEventListener("pointerleave", () => hand.hover(null));
     picture.addEventListener("pointerdown", (event) => {
       if (event.button !== 0 || !skin) return;
       fingers.set(event.pointerId, event);
@@ -184,7 +196,7 @@ export function createSlices(actions: SlicesActions) {
         picture.dispatchEvent(new PointerEvent("pointercancel", { pointerId: -1 })); // two fingers zoom: the first one moves nothing
         return;
       }
-      const isTwice = event.timeStamp - tapped.at < TWICE.ms && Math.hypot(event.clientX - tapped.x, event.clientY - tapped.y) < TWICE.px;
+      const isTwice = !hand.isMarking() && event.timeStamp - tapped.at < TWICE.ms && Math.hypot(event.clientX - tapped.x, event.clientY - tapped.y) < TWICE.px;
       tapped = isTwice ? { at: 0, x: 0, y: 0 } : { at: event.timeStamp, x: event.clientX, y: event.clientY };
       if (isTwice) {
         enlarge();
@@ -193,18 +205,30 @@ export function createSlices(actions: SlicesActions) {
       picture.focus({ preventScroll: true });
       event.preventDefault(); // no text is chosen while it is dragged
       picture.setPointerCapture(event.pointerId);
-      const isMoving = lesionInHand() !== null; // a tap beside it is no wish to move it there
       const from = pointed(event);
       const start = cross();
-      const to = (now: PointerEvent): Vector => (isMoving ? (start.map((value, k) => value + pointed(now)[k]! - from[k]!) as unknown as Vector) : pointed(now));
-      go(to(event), false);
+      const held = hand.held();
+      const isSized = held !== null && isOnHandle(event);
+      let isTap = hand.isMarking(); // until it is dragged: then it moves the cross, to find the place
+      const to = (now: PointerEvent): Vector => (held ? (start.map((value, k) => value + pointed(now)[k]! - from[k]!) as unknown as Vector) : pointed(now)); // a tap beside it is no wish to move it there
+      const step = (now: PointerEvent, isOver: boolean): void => {
+        if (isOver && isTap) hand.tap(pointed(now));
+        else if (isSized) hand.resize(Math.hypot(...pointed(now).map((value, k) => value - start[k]!)), isOver);
+        else go(to(now), isOver);
+      };
+      if (!isTap) step(event, false);
       const over = new AbortController();
       const end = (now: PointerEvent): void => {
         over.abort();
-        go(now.type === "pointercancel" ? start : to(now));
+        if (now.type !== "pointercancel") step(now, true);
+        else if (isSized) hand.resize(held.radius, true);
+        else if (!hand.isMarking() || !isTap) go(start);
         say();
       };
-      picture.addEventListener("pointermove", (now) => go(to(now), false), over);
+      picture.addEventListener("pointermove", (now) => {
+        isTap &&= Math.hypot(now.clientX - event.clientX, now.clientY - event.clientY) < TAP_PX;
+        if (!isTap) step(now, false);
+      }, over);
       for (const type of ["pointerup", "pointercancel"] as const) picture.addEventListener(type, end, over);
     });
 
@@ -236,9 +260,11 @@ export function createSlices(actions: SlicesActions) {
         }
         image.draw(now, offset, seen);
         lines.plan.set(pathOf(linesIn(of).flatMap((points) => lineNear(points, now, offset, LINE_HALF)), ""));
-        const inHand = lesionInHand();
-        const lesions = lesionsIn(of).map((each) => (each.id === inHand?.id ? { ...each, center: through } : each));
-        balls.replaceChildren(...lesions.flatMap((each) => ballsOf(each, now, offset, each.id === state.lesion)));
+        const inHand = hand.held();
+        const sketch = hand.sketch();
+        const lesions = [...lesionsIn(of).map((each) => (each.id === inHand?.id ? { ...inHand, center: through } : each)), ...(sketch ? [sketch] : [])];
+        handle = inHand && [flat(through, now)[0] + inHand.radius, flat(through, now)[1]];
+        balls.replaceChildren(...lesions.flatMap((each) => ballsOf(each, now, offset, each.id === state.lesion)), ...(handle ? [svg("circle", { cx: handle[0], cy: -handle[1], r: HANDLE.seen * mm, class: "slice-handle" })] : []));
         const chosen = lesions.filter(({ id }) => id === state.lesion);
         for (const [name, path] of [["outlines_mm", lines.fitted], ["wall_mm", lines.wall]] as const) path.set(chosen.map((each) => modelIn(each, name, plane, now, offset)).join(""));
         const [x, y] = flat(through, now);
@@ -314,9 +340,9 @@ export function createSlices(actions: SlicesActions) {
     if (!isOn) return;
     pick.set(one);
     show(all, !phone.matches);
-    const inHand = lesionInHand();
-    show(moving, inHand !== null);
-    setText(moving, inHand ? words.moving(inHand.name) : "");
+    setText(moving, hand.says());
+    show(moving, moving.textContent !== "");
+    show(mark, now.scan?.info.image != null && slicedOf(now).isMain && !hand.isMarking());
     load();
     draw();
   }
@@ -326,7 +352,7 @@ export function createSlices(actions: SlicesActions) {
 
 /** A line with another one below it that parts it from whatever is there. */
 function outlined(look: string) {
-  const both = [svg("path", { class: `${look} is-outline` }), svg("path", { class: look })] as const;
+  const both = [svg("path", { class: `${look}-under` }), svg("path", { class: look })] as const;
   return { both, set: (d: string): void => both.forEach((path) => path.setAttribute("d", d)) };
 }
 

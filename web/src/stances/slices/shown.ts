@@ -30,10 +30,13 @@ export interface SeenLesion {
 /** Slices stand on the stage; not while something is placed, checked, cut or drawn on the body alone. */
 export const isSliced = (state: SlicesShown): boolean => areSlicesOpen(state) && state.active === null && state.checks.tour === null && state.step !== "points" && !state.isCropping && !state.isCanvasFull;
 
+/** A lesion of the scan in work is moved or marked. */
+const isInHand = ({ slices }: SlicesShown): boolean => slices.moves || slices.marks !== null;
+
 /** The image where the page has one, in work or waiting; else, and while a lesion of the scan in work is moved, that scan. */
 export function slicedOf(state: SlicesShown): { readonly of: Sliced; readonly isMain: boolean } {
   const other = scannedOther(state.stances);
-  return other && isImage(other) && !isImage(state) && !state.slices.moves ? { of: other, isMain: false } : { of: state, isMain: true };
+  return other && isImage(other) && !isImage(state) && !isInHand(state) ? { of: other, isMain: false } : { of: state, isMain: true };
 }
 
 /** Whose 3D view stands beside the slices: where two scans are on the stage, the one that is not sliced. */

@@ -27,7 +27,6 @@ export const slices = {
   place: ({ left, up, front }: Ways, lesion: string): string => `Cross ${along(left, LEFT)}, ${along(front, FRONT)}, ${along(up, UP)} of the scan's zero${lesion}.`,
   inLesion: (name: string) => `, in ${name}`,
   nearLesion: (name: string, mm: number) => `, ${Math.round(mm)}\u00a0mm from the centre of ${name}`,
-  moving: (name: string) => `Dragging and arrow keys move ${name}.`,
   unseen: "This scan's surface cannot be shown.",
 };
 
@@ -42,4 +41,11 @@ export const grey = {
   coming: "The image is coming …",
   damaged: "The image arrived damaged; open the slices again.",
   unseen: (why: string) => `The image cannot be shown: ${why}`,
+};
+
+export const hand = {
+  mark: "Mark a lesion",
+  markHint: "By three taps: its centre, then its edge twice",
+  marking: ["Tap the lesion's centre (or put the cross there and press Enter).", "Tap its edge.", "Tap its edge at another place, in any slice."],
+  moving: (name: string, radius: number) => `Dragging and arrow keys move ${name}; its handle and [ ] change its radius, ${Number(radius.toFixed(1))}\u00a0mm.`,
 };
