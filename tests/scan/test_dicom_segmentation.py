@@ -297,7 +297,7 @@ def test_a_zip_has_its_label_map_whatever_it_is_called() -> None:
         (zipped(a=image, b=structures), "This is a structure set"),
         (zipped(a=image), "This DICOM file holds neither an image"),
         (zipped(a_dot_seg_dot_nrrd=b"NRRD0005\n"), "The header of this NRRD file is damaged"),
-        (zipped(a_dot_txt=b"Hello"), "This zip holds no mesh and no label map"),
+        (zipped(a_dot_txt=b"Hello"), "This zip holds no mesh and no volume"),
         (zipped(a_dot_ply=b"ply\n", b_dot_dcm=segmentation), "This zip holds a mesh and a volume"),
     ):
         with pytest.raises(BadScan) as caught:

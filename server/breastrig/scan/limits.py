@@ -39,6 +39,7 @@ CONTOUR_BYTES = 64 * MEBIBYTE  # of a structure set's contours as numbers; a who
 DICOM_FRAMES = 50_000  # of a segmentation; each takes 1 ms
 IMAGE_VOXELS = 2**27  # as of a label map
 IMAGE_ZIP_BYTES = 1024 * MEBIBYTE  # of a zip of DICOM images; one examination of a breast has 200 to 900 MB
+IMAGE_BYTES = 4096 * MEBIBYTE  # of the DICOM files of a folder or zip, unpacked
 IMAGE_FILE_BYTES = 512 * MEBIBYTE  # of one DICOM file; an enhanced one holds a series
 IMAGE_FILES = 10_000  # of a folder or zip; an examination has 200 to 5,000
 IMAGE_FOLDERS = 1_000  # within a folder of DICOM files

@@ -334,6 +334,17 @@ def test_no_word_of_the_headers_is_kept(tmp_path: Path) -> None:
             assert word.encode("latin-1", "replace") not in kept
 
 
+def test_no_word_of_the_headers_is_logged(caplog: pytest.LogCaptureFixture, capfd: pytest.CaptureFixture[str]) -> None:
+    """pydicom warns of values that break its rules, and repeats them."""
+    right, wrong = str(uid("t1", "series")).encode(), b"Geheim^Wort"
+    content = {
+        name: data.replace(right, wrong.ljust(len(right), b"x")) for name, data in files(Series(chest_image())).items()
+    }
+    check(read(content))
+    assert caplog.records == []
+    assert capfd.readouterr() == ("", "")
+
+
 def test_a_folder_is_read_with_all_below_it_and_no_link_is_followed(tmp_path: Path) -> None:
     content = files(Series(chest_image(), left_out=[39]))
     outside = tmp_path / "outside.dcm"

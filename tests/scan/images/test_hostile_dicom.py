@@ -117,6 +117,8 @@ def test_zip_bombs(monkeypatch: pytest.MonkeyPatch) -> None:
     bomb = zipped({"a": file_of(made)}, zipfile.ZIP_DEFLATED)
     assert len(bomb) < 400_000
     assert "packed more than 100 times" in refused(bomb, TooLarge)
+    monkeypatch.setattr(dicom_files, "IMAGE_BYTES", 100_000)
+    assert "DICOM files there have more than" in refused(zipped(files(Series(chest_image()))), TooLarge)
     monkeypatch.setattr(dicom_files, "IMAGE_ZIP_BYTES", 1000)
     assert "MB allowed" in refused(zipped(files(Series(chest_image()))), TooLarge)
     monkeypatch.undo()

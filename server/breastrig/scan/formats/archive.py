@@ -60,8 +60,8 @@ UNREADABLE = (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedE
 VOLUMES = ("nii", "gz", "nrrd", "mha", "mhd", "dcm")
 DAMAGED = "This zip file is cut off, damaged or encrypted; pack it again."
 NO_MESH = (
-    "This zip holds no mesh and no label map; pack exactly one OBJ, PLY, STL or GLB with its pictures, or one label "
-    "map (NIfTI, NRRD, MetaImage, DICOM SEG)."
+    "This zip holds no mesh and no volume; pack exactly one OBJ, PLY, STL or GLB with its pictures, one label map "
+    "(NIfTI, NRRD, MetaImage, DICOM SEG), or the DICOM files of an MRI."
 )
 SEVERAL_SCANS = "This zip holds {count} scans that have nothing to do with one another; pack one of them alone."
 SAME_SCAN = "The zip holds this scan {count} times; the {kind} with the most on it was read."

@@ -22,6 +22,7 @@ from breastrig.scan.formats.archive import (
     entries_of,
 )
 from breastrig.scan.limits import (
+    IMAGE_BYTES,
     IMAGE_FILE_BYTES,
     IMAGE_FILES,
     IMAGE_FOLDERS,
@@ -33,7 +34,8 @@ from breastrig.scan.limits import (
 )
 
 ZIP_START = b"PK\x03\x04"
-TOO_MANY = f"More than the {IMAGE_FILES:,} files allowed are there; give the series that is meant alone."
+ALONE = "give the series that is meant alone"
+TOO_MANY = f"More than the {IMAGE_FILES:,} files allowed are there; {ALONE}."
 TOO_LONG = f"A DICOM file has more than the {IMAGE_FILE_BYTES // MEBIBYTE} MB allowed; export the series alone."
 
 
@@ -56,16 +58,16 @@ def one_file(data: bytes) -> DicomFile:
 
 
 @contextmanager
-def dicom_files(source: Path | bytes) -> Iterator[list[DicomFile] | None]:
-    """The DICOM files of a folder or of a zip that holds no mesh, None for every other file.
+def dicom_files(source: Path | bytes) -> Iterator[list[DicomFile]]:
+    """The DICOM files of a folder or of a zip that holds no mesh; none of every other file.
 
     They can be read while the context lasts.  Raises BadScan or TooLarge.
     """
     if isinstance(source, Path) and source.is_dir():
-        yield _in_folder(source)
+        yield _bounded(_in_folder(source))
         return
     if not may_hold_dicom(source):
-        yield None
+        yield []
         return
     if (size := len(source) if isinstance(source, bytes) else source.stat().st_size) > IMAGE_ZIP_BYTES:
         limit = IMAGE_ZIP_BYTES // MEBIBYTE
@@ -74,7 +76,7 @@ def dicom_files(source: Path | bytes) -> Iterator[list[DicomFile] | None]:
         with BytesIO(source) if isinstance(source, bytes) else source.open("rb") as stream:
             check_list(stream, IMAGE_ZIP_LIST_BYTES, IMAGE_FILES)
             with zipfile.ZipFile(stream) as archive:
-                yield _in_zip(archive)
+                yield _bounded(_in_zip(archive))
     except UNREADABLE as error:
         raise BadScan(DAMAGED) from error
 
@@ -149,12 +151,18 @@ def _start(file: Path, count: int) -> bytes:
         raise BadScan(f"A file of this folder cannot be read ({error.strerror}); check who may read it.") from error
 
 
-def _in_zip(archive: zipfile.ZipFile) -> list[DicomFile] | None:
+def _bounded(files: list[DicomFile]) -> list[DicomFile]:
+    if sum(file.size for file in files) > IMAGE_BYTES:
+        raise TooLarge(f"The DICOM files there have more than the {IMAGE_BYTES // MEBIBYTE:,} MB allowed; {ALONE}.")
+    return files
+
+
+def _in_zip(archive: zipfile.ZipFile) -> list[DicomFile]:
     if len(archive.infolist()) > 2 * IMAGE_FILES:
         raise TooLarge(TOO_MANY)
     entries = entries_of(archive, 2 * IMAGE_FILES)
     if any(MESH_RANK.get(entry.ending, -1) >= 0 for entry in entries):
-        return None
+        return []
     found = []
     for info in (entry.info for entry in entries if entry.info.compress_type in PACKINGS):
         file = DicomFile(info.file_size, partial(_unpacked, archive, info))

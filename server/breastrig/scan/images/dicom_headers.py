@@ -1,7 +1,6 @@
 """What places the pixels of a DICOM image; nothing else of its header is read: no names, no dates."""
 
 import io
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -13,6 +12,7 @@ from breastrig.scan.file_type import DICOM_MARK_AT, SEGMENTATIONS, STRUCTURES
 from breastrig.scan.images.dicom_files import DicomFile
 from breastrig.scan.limits import DICOM_ELEMENTS, DICOM_FRAMES, DICOM_HEAD_BYTES, DICOM_ITEMS, IMAGE_SIDE
 from breastrig.scan.volumes.dicom_seg import DAMAGED, DEFLATED, ITEM, plain_dicom
+from breastrig.scan.volumes.unlogged import unlogged
 
 FIRST = 256 * 1024  # bytes that hold the header of most files
 PIXELS = 0x7FE00000  # the group of tags with which the header ends
@@ -90,8 +90,7 @@ class Header:
 def header_of(file: DicomFile) -> Header:
     """BadScan where the file is damaged, TooLarge where its header is over a limit."""
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # about headers that are not quite as their standard wants them
+        with unlogged():
             dataset, pixels = _parsed(file)
             return _header(file, dataset, pixels)
     except BadInput:
@@ -153,7 +152,7 @@ def _header(file: DicomFile, dataset: Any, pixels: int | None) -> Header:
     if pixels > file.size + DICOM_MARK_AT:
         raise BadScan(DAMAGED)
     if modality != "MR":
-        shown = modality if modality.isalnum() and len(modality) <= 16 else "another"
+        shown = modality if modality.isalnum() and len(modality) <= 16 else "not named"
         fault = f"These DICOM images are no MR images (their modality is {shown}); give the MRI."
         return Header("image", modality, series, (), fault)
     if int(dataset.get("SamplesPerPixel", 1)) != 1 or str(dataset.get("PhotometricInterpretation", "")) not in GREY:

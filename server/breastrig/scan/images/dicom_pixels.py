@@ -1,7 +1,6 @@
 """The grey values of DICOM slices, of one size and scale; uncompressed ones, and what pydicom has a decoder for."""
 
 import io
-import warnings
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from breastrig.scan.images.dicom_headers import Slice
 from breastrig.scan.images.dicom_series import Stack
 from breastrig.scan.images.image import ImageVolume
 from breastrig.scan.volumes.dicom_seg import DAMAGED, plain_dicom
+from breastrig.scan.volumes.unlogged import unlogged
 from breastrig.scan.volumes.volume import frame_digest
 
 COMPRESSED = (
@@ -79,8 +79,7 @@ class _Reader:
     def pixels(self, of: Slice) -> NDArray[Any]:
         """(R, C) as they are stored, whole numbers.  BadScan."""
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
+            with unlogged():
                 if self._file is not of.file:
                     self._dataset, self._file = _parsed(of.file.whole()), of.file
                 return _stored(self._dataset, of)

@@ -1,7 +1,5 @@
 """Lesions of a file of their own (label map, SEG or RTSTRUCT), drawn on an image that is there already."""
 
-import warnings
-
 from breastrig.core.errors import BadScan
 from breastrig.scan.file_type import VOLUMES, file_type_of
 from breastrig.scan.formats.archive import unpacked
@@ -24,6 +22,7 @@ from breastrig.scan.volumes.gzipped import GZIP_START, gunzipped
 from breastrig.scan.volumes.label_map import said_of
 from breastrig.scan.volumes.question import needs_answer
 from breastrig.scan.volumes.segments import LESIONS, check_chosen, taken_segments
+from breastrig.scan.volumes.unlogged import unlogged
 from breastrig.scan.volumes.volume import Volume
 from breastrig.scan.volumes.volume_files import read_volume
 from breastrig.scan.volumes.wall import wall_of
@@ -54,8 +53,7 @@ def lesions_of(data: bytes, on: KeptImage, answers: VolumeAnswers) -> LesionsRea
         kind = file_type_of(data)
     if kind not in VOLUMES:
         raise BadScan(NO_SEGMENTATION)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # about headers that are not quite as their standard wants them
+    with unlogged():
         volume = read_volume(data, kind, answers.frame, with_contours=True)
         if isinstance(volume, Grid):
             raise BadScan(AN_IMAGE)

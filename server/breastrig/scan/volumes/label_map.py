@@ -5,13 +5,12 @@ reach, so labels may leave parts of it out (lungs, fat); where the field of view
 in the DICOM patient frame (LPS: to the patient's left, back, head), in mm, as mesh files of 3D Slicer have them.
 """
 
-import warnings
-
 from breastrig.scan.piece import BallInside, Piece, Pieces, TakenSegment
 from breastrig.scan.volumes.answers import VolumeAnswers
 from breastrig.scan.volumes.body import Bodies, check_shows_body, filled, skin
 from breastrig.scan.volumes.question import needs_answer
 from breastrig.scan.volumes.segments import check_chosen, taken_segments
+from breastrig.scan.volumes.unlogged import unlogged
 from breastrig.scan.volumes.volume import Volume
 from breastrig.scan.volumes.wall import wall_of
 
@@ -30,8 +29,7 @@ def label_map_pieces(volume: Volume, answers: VolumeAnswers) -> Pieces:
     Raises BadScan or TooLarge with a sentence, NeedsAnswer where a person has to say something, BadSettings for
     answers that do not fit this volume.
     """
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of libraries, about bodies that are not quite as they want them
+    with unlogged():  # bodies that are not quite as libraries want them
         check_chosen(volume, answers.segments)
         there = filled(volume, frozenset(number for number, what in answers.segments.items() if what == "unused"))
         check_shows_body(there, volume.readings[0].affine)

@@ -1,7 +1,6 @@
 """A volume's file of any kind -> its segments where it is a label map, its numbers where it is an image."""
 
 import importlib.util
-import warnings
 from collections.abc import Callable
 
 from breastrig.core.errors import BadScan, BadSettings
@@ -11,6 +10,7 @@ from breastrig.scan.volumes.grid import Grid, volume_of
 from breastrig.scan.volumes.meta_image import read_meta_image
 from breastrig.scan.volumes.nifti import read_nifti
 from breastrig.scan.volumes.nrrd import read_nrrd
+from breastrig.scan.volumes.unlogged import unlogged
 from breastrig.scan.volumes.volume import Volume
 
 NEEDS = 'Label maps and MRI need "breastrig[mri]"; install it, or export the skin as PLY, STL or OBJ.'
@@ -31,8 +31,7 @@ def read_volume(data: bytes, kind: str, frame: str | None, with_contours: bool =
     """
     if importlib.util.find_spec("pydicom" if kind == "dicom" else "nibabel") is None:
         raise BadScan(NEEDS)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # about headers that are not quite as their standard wants them
+    with unlogged():
         if kind in GRIDS:
             grid = GRIDS[kind](data, frame)
             return volume_of(grid) or grid
