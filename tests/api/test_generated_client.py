@@ -8,12 +8,14 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator
+from pathlib import PurePosixPath
 from types import ModuleType
 from typing import Any
 
 import httpx
 import pytest
 from helpers.blank_pictures import blank_pictures_in_reports
+from helpers.image_uploads import IMAGE
 from helpers.remembered_fits import run_fit_once
 from helpers.waiting import ended
 
@@ -24,7 +26,9 @@ from breastrig.api.web_server import Server, ServerLimits
 from breastrig.api.write_openapi import FILE
 from breastrig.core.assets import asset_folder
 from breastrig.execution.limits import FitLimits
+from breastrig.scan.kept_image import write_image
 from breastrig.service.service import Service
+from breastrig.storage.files import VOLUME
 from breastrig.storage.storage import Storage
 
 EXAMPLE = asset_folder("example") / "standing"
@@ -84,7 +88,8 @@ def files_of_the_schema() -> dict[str, dict[str, Any]]:
 
 def test_every_file_is_declared_as_bytes_or_as_json() -> None:
     files = files_of_the_schema()
-    assert {path.rsplit(".", 1)[1] for path in files} == {"glb", "gltf", "ply", "bin", "png", "pdf", "vtu", "zip"}
+    endings = {PurePosixPath(path).suffix for path in files}
+    assert endings == {"", ".glb", ".gltf", ".ply", ".bin", ".png", ".pdf", ".vtu", ".zip"}
     for path, content in files.items():
         assert BINARY in content or all(one.endswith("+json") for one in content), path
         for media_type, declared in content.items():
@@ -109,6 +114,7 @@ def test_a_generated_client_uploads_fits_lists_and_gets_every_file(generated: st
     ):
         sent = types.File(payload=io.BytesIO((EXAMPLE / "scan.ply").read_bytes()), file_name="scan.ply")
         scan = call("/api/scans", "post", 201, body=models.ScanUpload(file=sent, units=models.ScanUploadUnits.AUTO))
+        write_image(IMAGE, service.storage.files.scan(scan.id) / VOLUME)
         picked = json.loads((EXAMPLE / "landmarks.json").read_bytes())
         sent = models.LandmarkFile.from_dict(picked)
         call("/api/scans/{scan_id}/landmarks", "put", scan_id=scan.id, body=sent)
