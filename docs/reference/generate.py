@@ -427,7 +427,7 @@ FILE_MODULES: Mapping[str, tuple[str, ...]] = {  # the rooms of scan/ by what th
     "unit and size": ("scan/units.py", "scan/limits.py", "scan/read.py", "scan/untrusted.py", "scan/winding.py"),
     "formats": ("scan/file_type.py", "scan/formats/**/*.py", "scan/point_clouds/*.py"),
     "colours": ("scan/pictures/*.py", "scan/piece.py"),
-    "label maps": ("scan/volumes/*.py",),
+    "label maps": ("scan/volumes/**/*.py",),
     "images": ("scan/images/*.py", "scan/kept_image.py"),
     "landmark files": ("scan/landmarks/*.py",),
     "cuts and orientation": (

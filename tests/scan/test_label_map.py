@@ -24,7 +24,7 @@ from breastrig.geometry.normals import vertex_normals
 from breastrig.scan import read
 from breastrig.scan.read import read_scan
 from breastrig.scan.volumes import gzipped, segments, volume
-from breastrig.scan.volumes.grid import Grid
+from breastrig.scan.volumes.grids.grid import Grid
 from breastrig.scan.volumes.volume_files import read_volume
 
 

@@ -16,7 +16,7 @@ from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
 from breastrig.scan.volumes import attached
 from breastrig.scan.volumes.answers import checked_answers
-from breastrig.scan.volumes.nrrd import TYPES
+from breastrig.scan.volumes.grids.nrrd import TYPES
 
 PART = np.s_[110:, :, 24:64]  # a breast with the lesion, and what is around it
 PART_LOW = LOW + SIZES * [110.0, 0.0, 24.0]

@@ -14,7 +14,7 @@ from breastrig.scan.images.image import kept_image
 from breastrig.scan.images.image_pieces import image_pieces
 from breastrig.scan.read import read_scan
 from breastrig.scan.volumes.answers import checked_answers
-from breastrig.scan.volumes.grid import Grid
+from breastrig.scan.volumes.grids.grid import Grid
 from breastrig.scan.volumes.volume_files import read_volume
 
 RAS = np.diag([-1.0, -1.0, 1.0, 1.0])

@@ -10,7 +10,7 @@ from breastrig.core.arrays import Array, Booleans
 from breastrig.core.errors import BadScan
 from breastrig.scan.images.image import ImageVolume
 from breastrig.scan.volumes.body import Bodies
-from breastrig.scan.volumes.grid import Grid
+from breastrig.scan.volumes.grids.grid import Grid
 from breastrig.scan.volumes.question import needs_answer
 from breastrig.scan.volumes.volume import Reading, Volume
 

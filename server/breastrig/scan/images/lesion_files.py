@@ -17,7 +17,7 @@ from breastrig.scan.piece import BallInside
 from breastrig.scan.volumes.answers import FORMS, VolumeAnswers
 from breastrig.scan.volumes.body import Bodies, filled
 from breastrig.scan.volumes.dicom_seg import AN_IMAGE
-from breastrig.scan.volumes.grid import Grid
+from breastrig.scan.volumes.grids.grid import Grid
 from breastrig.scan.volumes.gzipped import GZIP_START, gunzipped
 from breastrig.scan.volumes.label_map import said_of
 from breastrig.scan.volumes.question import needs_answer

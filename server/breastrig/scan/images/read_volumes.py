@@ -28,7 +28,7 @@ def pieces_of(data: bytes, kind: str, units: str, answers: VolumeAnswers) -> Pie
     """The contents of one file, in mm.  Raises as `pieces_in`."""
     from breastrig.scan.images.grid_image import image_of
     from breastrig.scan.images.image_pieces import image_pieces
-    from breastrig.scan.volumes.grid import Grid
+    from breastrig.scan.volumes.grids.grid import Grid
     from breastrig.scan.volumes.label_map import label_map_pieces
     from breastrig.scan.volumes.volume_files import read_volume
 

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from breastrig.core.errors import BadScan, BadSettings
 from breastrig.scan.volumes.dicom_seg import dataset_of, segmentation_volume
 from breastrig.scan.volumes.dicom_structures import is_structures, structures_volume
-from breastrig.scan.volumes.grid import Grid, volume_of
-from breastrig.scan.volumes.meta_image import read_meta_image
-from breastrig.scan.volumes.nifti import read_nifti
-from breastrig.scan.volumes.nrrd import read_nrrd
+from breastrig.scan.volumes.grids.grid import Grid, volume_of
+from breastrig.scan.volumes.grids.meta_image import read_meta_image
+from breastrig.scan.volumes.grids.nifti import read_nifti
+from breastrig.scan.volumes.grids.nrrd import read_nrrd
 from breastrig.scan.volumes.unlogged import unlogged
 from breastrig.scan.volumes.volume import Volume
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadScan, BadSettings
 from breastrig.scan.volumes.answers import FORMS
-from breastrig.scan.volumes.frames import RAS_TO_LPS, SAYS_ITSELF, Frames, axis_codes, axis_words, unstated
-from breastrig.scan.volumes.grid import Grid, widest_axis
+from breastrig.scan.volumes.grids.frames import RAS_TO_LPS, SAYS_ITSELF, Frames, axis_codes, axis_words, unstated
+from breastrig.scan.volumes.grids.grid import Grid, widest_axis
 from breastrig.scan.volumes.volume import NOT_GREY, Reading, check_affine, check_shape
 
 MM = {"meter": 1e3, "mm": 1.0, "micron": 1e-3}

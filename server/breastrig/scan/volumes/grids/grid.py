@@ -12,7 +12,7 @@ from scipy import ndimage
 from breastrig.core.arrays import Array, Booleans
 from breastrig.scan.limits import LABELS
 from breastrig.scan.volumes.answers import TakenAs
-from breastrig.scan.volumes.frames import Frames
+from breastrig.scan.volumes.grids.frames import Frames
 from breastrig.scan.volumes.slices import bridged_labels, gaps_said
 from breastrig.scan.volumes.volume import Gap, Segment, Volume
 

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadScan
 from breastrig.scan.limits import LABELS
-from breastrig.scan.volumes.attached import (
+from breastrig.scan.volumes.codes import coded_as, label_of
+from breastrig.scan.volumes.grids.attached import (
     DETACHED,
     HEADER_BYTES,
     NO_HEADER,
@@ -18,9 +19,8 @@ from breastrig.scan.volumes.attached import (
     voxels,
     whole_numbers,
 )
-from breastrig.scan.volumes.codes import coded_as, label_of
-from breastrig.scan.volumes.frames import Frames, stated, unstated
-from breastrig.scan.volumes.grid import Described, Grid, widest_axis
+from breastrig.scan.volumes.grids.frames import Frames, stated, unstated
+from breastrig.scan.volumes.grids.grid import Described, Grid, widest_axis
 from breastrig.scan.volumes.volume import NOT_GREY, check_affine, check_shape
 
 BAD_HEADER = NO_HEADER.format("NRRD")

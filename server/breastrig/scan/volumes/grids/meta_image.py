@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from breastrig.core.errors import BadScan
-from breastrig.scan.volumes.attached import (
+from breastrig.scan.volumes.grids.attached import (
     DETACHED,
     HEADER_BYTES,
     NO_HEADER,
@@ -14,8 +14,8 @@ from breastrig.scan.volumes.attached import (
     voxels,
     whole_numbers,
 )
-from breastrig.scan.volumes.frames import Frames, axis_codes, stated, unstated
-from breastrig.scan.volumes.grid import Grid, widest_axis
+from breastrig.scan.volumes.grids.frames import Frames, axis_codes, stated, unstated
+from breastrig.scan.volumes.grids.grid import Grid, widest_axis
 from breastrig.scan.volumes.volume import NOT_GREY, check_affine, check_shape
 
 BAD_HEADER = NO_HEADER.format("MetaImage")

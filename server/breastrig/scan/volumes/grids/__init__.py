@@ -1,0 +1,1 @@
+"""Volumes in files of one grid: NIfTI, NRRD, MetaImage."""
