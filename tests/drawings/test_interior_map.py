@@ -15,6 +15,7 @@ from breastrig.drawings.plan_schema import PlanLesion
 from breastrig.drawings.skin_maps.interior_map import moved_inside
 from breastrig.drawings.skin_maps.lying_motion import lying_motion
 from breastrig.drawings.skin_maps.skin_map import FittedScan, SkinMap
+from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig
@@ -108,6 +109,37 @@ def test_tissue_sinks_outwards_on_both_sides_and_comes_back_the_same_way(torso: 
     back = moved_inside(torso, b, a, np.concatenate([there, on_skin]))
     np.testing.assert_allclose(back[:2], breasts, atol=8e-4)
     np.testing.assert_allclose(back[2:], skin, atol=1e-6)
+
+
+def hanging(rig: Rig) -> Array:
+    """(V, 3) m: the breasts' skin farther in front, as when they hang."""
+    places, tips = rig.template, np.array([rig.template[rig.regions[f"areola_{side}"]].mean(axis=0) for side in "LR"])
+    away = np.linalg.norm(places[:, None] - tips, axis=2).min(axis=1)
+    return np.asarray(places + (0.04 * np.exp(-0.5 * (away / 0.025) ** 2))[:, None] * np.array([0.0, 0.2, 1.0]))
+
+
+def test_tissue_on_a_chest_wall_that_is_seen_goes_with_the_breastbone_and_the_rest_as_without(torso: Rig) -> None:
+    a = scanned(torso, hanging(torso), "prone", True)
+    b = scanned(torso, moved(torso.template), "supine", True)
+    middle = inside_the_breasts(torso, torso.template)[0]
+    height = middle[2] + 0.01
+    corners = np.array([[-0.3, 0.0, height], [0.3, 0.0, height], [0.3, 0.7, height], [-0.3, 0.7, height]])
+    wall = ClosestPointSearch(corners, np.array([[0, 1, 2], [0, 2, 3]]))
+    rising = middle * [1.0, 1.0, 0.0] + np.array([0.0, 0.0, 1.0]) * (height + np.array([[-0.005, 0.0, 0.01, 0.2]]).T)
+    free = moved_inside(torso, a, b, rising)
+    fast = moved_inside(torso, replace(a, wall=wall), b, rising)
+    np.testing.assert_allclose(fast[:2], moved(rising[:2]), atol=1e-3)  # on the wall and behind it: with the bone
+    assert np.linalg.norm(free - moved(rising), axis=1)[:2].min() > 3e-3
+    np.testing.assert_allclose(fast[2], free[2] + np.exp(-1.0) * (moved(rising)[2] - free[2]), atol=1e-3)
+    np.testing.assert_allclose(fast[3], free[3], atol=1e-6)
+    onto = replace(b, wall=ClosestPointSearch(moved(corners), wall.triangles))  # of the other scan: says nothing
+    np.testing.assert_array_equal(moved_inside(torso, a, onto, rising), free)
+
+
+def test_a_rig_that_has_no_breastbone_carries_as_if_no_wall_were_seen(ball: Rig) -> None:
+    a, b = fitted(ball, ball.template, "prone"), fitted(ball, pressed(ball.template), "supine")
+    seen = replace(a, wall=ClosestPointSearch(0.5 * ball.template, ball.faces))
+    np.testing.assert_array_equal(moved_inside(ball, seen, b, INSIDE), moved_inside(ball, a, b, INSIDE))
 
 
 def lesion(name: str, center: list[float], scan: str = "") -> PlanLesion:

@@ -8,7 +8,9 @@ import trimesh
 from scipy.sparse import csr_array
 
 from breastrig.core.arrays import Array, Integers
+from breastrig.geometry.rotations import exp_so3
 from breastrig_studies.sliding.body import NEAR_WALL, RIM, STEP, TUMOURS, Drawn, SlidingBody, drawn, solved
+from breastrig_studies.sliding.compare import Carried, learn, part, row
 from breastrig_studies.sliding.lattice import CORNERS, DENSITY, Lattice, Net, NotAtRest, Springs, embedded
 from breastrig_studies.sliding.wall import LEAST, drawn_wall, footprint
 from breastrig_studies.virtual.bodies import VirtualBody, closed
@@ -131,3 +133,27 @@ def test_tumours_are_tissue_half_of_it_near_the_wall(firm: tuple[Drawn, SlidingB
     near = found.over_wall < NEAR_WALL
     assert moved[near].mean() < 0.8 * moved[~near].mean()
     assert not np.array_equal(found.wall["prone"], found.wall["standing"])  # goes up with the arm
+
+
+def motion(name: str, group: str, seed: int) -> Carried:
+    """Ten tumours and forty nodes that stay the more with the breastbone the nearer they are to the wall."""
+    rng = np.random.default_rng(seed)
+    free, fast, height = 0.02 * rng.normal(size=(50, 3)), 0.02 * rng.normal(size=(50, 3)), rng.uniform(0.0, 0.04, 50)
+    true = free + (0.8 * np.exp(-height / 0.012))[:, None] * (fast - free)
+    side, axes = np.where(rng.random(50) < 0.5, 1.0, -1.0), exp_so3(rng.normal(size=3))
+    ways = {"map": free, "held": true}
+    return Carried(name, group, 10, true, ways, fast, height, rng.random(50), axes, side, np.full(50, 0.005))
+
+
+def test_what_development_bodies_teach_is_used_on_the_others() -> None:
+    bodies = [motion(f"{k}", ("development", "validation")[k == 3], k) for k in range(4)]
+    learn(bodies)
+    by_way = {way: row([part(bodies[3], way)]) for way in bodies[3].ways}
+    assert by_way["held"] == {"tumours": 10, "mean_mm": 0.0, "p95_mm": 0.0, "held": 1.0} | {
+        "near_wall": int((bodies[3].height[:10] < 0.015).sum()),
+        "near_mean_mm": 0.0,
+        "near_held": 1.0,
+    }
+    means = [float(by_way[way]["mean_mm"]) for way in ("field_on_wall", "field", "map")]
+    assert means[0] < 0.2
+    assert means[0] < means[1] < means[2]

@@ -1,6 +1,6 @@
 """Makes bodies whose chest wall, tumours and motion to supine and prone are known, as cases of `breastrig evaluate`.
 
-python -m breastrig_studies.sliding.make FOLDER DATA [BODIES]
+python -m breastrig_studies.sliding.make FOLDER DATA
 
 Apart from the cohort of `gravity.json`: other shapes (warped ones, of DATA's patients and the stored cohort), another
 wall (a sheet through the skin around the breasts, 9 to 26 mm under it, that goes up with the arm), cubes in which the
@@ -26,6 +26,7 @@ from breastrig.core.arrays import Array
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
+from breastrig_studies.arguments import arguments
 from breastrig_studies.sliding.body import Drawn, SlidingBody, drawn, solved
 from breastrig_studies.sliding.lattice import NotAtRest
 from breastrig_studies.sliding.wall import drawn_wall, footprint
@@ -37,13 +38,14 @@ from breastrig_studies.virtual.warped.prone import arm_share, draw_numbers, writ
 from breastrig_studies.virtual.warped.sources import DEVELOPMENT, VALIDATION, Source, read_sources
 
 SEED = 20_261_128
-BODIES = 21
+BODIES = 15
 GROUPS = (DEVELOPMENT, VALIDATION, "test")
 STIFFER, TRIES = 1.5, 5
 ON_TABLE = 0.004  # m that the table presses into the back
 
 
 def main(folder: Path, data: Path, bodies: int = BODIES) -> None:
+    """Writes the first bodies; those that do not come to rest, however stiff, are left out."""
     rig, sources = read_rig(default_rig_path()), read_sources(data)
     for number in range(bodies):
         place = folder / f"sliding_{number:03d}_{GROUPS[number % 3]}"
@@ -62,6 +64,7 @@ def source_of(sources: tuple[Source, ...], number: int, random: np.random.Genera
 
 
 def write_body(place: Path, rig: Rig, sources: tuple[Source, ...], number: int) -> None:
+    """PATIENT's files; patient.json last."""
     random = np.random.default_rng((SEED, number))
     source = source_of(sources, number, random)
     warped = draw_body(source, random)
@@ -129,4 +132,5 @@ def _write_inside(place: Path, found: SlidingBody) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), Path(sys.argv[2]), *map(int, sys.argv[3:]))
+    given = arguments(__doc__, "FOLDER", "DATA")
+    main(Path(given.folder), Path(given.data))

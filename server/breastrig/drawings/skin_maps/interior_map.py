@@ -3,16 +3,23 @@
 The skin is followed by the skin map, by the mean motion alone, as far as that reaches, beyond it by the two fitted
 models; what lies inside follows by the interpolant of least bending energy in space, the thin-plate spline with the
 kernel |x - y| (Duchon 1977; Bookstein 1989).  The fitted back and flanks hold it on the far side, where no chest wall
-is seen.
+is seen.  Where the scan that points come from shows the wall (an MRI), what lies on it goes with the breastbone.
 
-Evidence: docs/decisions/0015.
+Evidence: docs/decisions/0015, 0033.
 """
 
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.drawings.skin_maps.settings import skin_map_settings
 from breastrig.drawings.skin_maps.skin_map import FittedScan, SkinMap, within_reach
+from breastrig.geometry.closest_point import ClosestPointSearch
+from breastrig.geometry.normals import face_crosses
 from breastrig.rig.model import Rig
+from breastrig.rig.similarity import umeyama
+
+BREASTBONE = ("suprasternal_notch", "xiphoid")  # landmarks at its ends
+BESIDE = 0.03  # m from the line between them, on the rig's template: skin that moves with the bone
 
 
 def moved_inside(rig: Rig, a: FittedScan, b: FittedScan, points: Array) -> Array:
@@ -28,4 +35,29 @@ def moved_inside(rig: Rig, a: FittedScan, b: FittedScan, points: Array) -> Array
     there = np.where(followed[:, None], skin, second.vertices)
     here, there = (first.vertices, there) if first is a else (there, first.vertices)
     _, apart = np.unique(np.round(here, 5), axis=0, return_index=True)  # two equal places make it singular
-    return np.asarray(RBFInterpolator(here[apart], there[apart], kernel="linear", degree=1)(points))
+    moved = np.asarray(RBFInterpolator(here[apart], there[apart], kernel="linear", degree=1)(points))
+    if a.wall is None or not rig.has_landmarks(BREASTBONE):
+        return moved
+    return held(rig, moved, with_breastbone(rig, here, there, points), over(a.wall, points))
+
+
+def held(rig: Rig, moved: Array, fast: Array, heights: Array) -> Array:
+    """(M, 3) m between (M, 3) `moved` freely and `fast` with the breastbone, by (M,) m heights over the chest wall."""
+    share = np.exp(-heights / skin_map_settings(rig).wall_holds)
+    return np.asarray(moved + share[:, None] * (fast - moved))
+
+
+def with_breastbone(rig: Rig, here: Array, there: Array, points: Array) -> Array:
+    """(M, 3) m: points moved rigidly with the skin over the breastbone, from (V, 3) m `here` to `there`."""
+    top, low = rig.landmark_points(BREASTBONE).positions(rig.template, rig.faces)
+    share = np.clip((rig.template - top) @ (low - top) / ((low - top) @ (low - top)), 0.0, 1.0)
+    over_bone = np.linalg.norm(rig.template - top - share[:, None] * (low - top), axis=1) < BESIDE
+    turn = umeyama(here[over_bone], there[over_bone]).rotation
+    return np.asarray((points - here[over_bone].mean(axis=0)) @ turn.T + there[over_bone].mean(axis=0))
+
+
+def over(wall: ClosestPointSearch, points: Array) -> Array:
+    """(M,) m: how far points lie in front of a wall; 0 behind it."""
+    nearest = wall.query(points)
+    normals = face_crosses(wall.vertices, wall.triangles[nearest.faces])
+    return np.where(np.einsum("mi,mi->m", points - nearest.points, normals) > 0.0, nearest.distances, 0.0)

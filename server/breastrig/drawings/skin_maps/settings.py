@@ -37,6 +37,7 @@ class SkinMapSettings(SettingsPart):
     to_scan_angle: Positive
     rounds: Count
     reach: Positive
+    wall_holds: Positive
     error_share: NotNegative | None = None  # None: nobody has measured with this rig how far off carried points are
     error_skin: Positive | None = None
     error_hanging: NotNegative = 0.0  # m, the more for skin of breasts that hang in one of two stances

@@ -53,6 +53,7 @@ class FittedScan:
     radii: Array | None = None  # (V,) m, each holds the vertex's true place with 90 %; None: not known
     seen: dict[str, Array] = field(default_factory=dict)  # (3,) landmarks that the scan's colours show
     predicted: bool = False  # no scan shows the patient so
+    wall: ClosestPointSearch | None = None  # the chest wall that the scan shows, triangles towards the front
     _searches: dict[Rig, ClosestPointSearch] = field(default_factory=dict, init=False, repr=False)
 
     @property
