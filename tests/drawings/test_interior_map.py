@@ -125,7 +125,7 @@ def test_tissue_on_a_chest_wall_that_is_seen_goes_with_the_breastbone_and_the_re
     height = middle[2] + 0.01
     corners = np.array([[-0.3, 0.0, height], [0.3, 0.0, height], [0.3, 0.7, height], [-0.3, 0.7, height]])
     wall = ClosestPointSearch(corners, np.array([[0, 1, 2], [0, 2, 3]]))
-    rising = middle * [1.0, 1.0, 0.0] + np.array([0.0, 0.0, 1.0]) * (height + np.array([[-0.005, 0.0, 0.01, 0.2]]).T)
+    rising = middle * [1.0, 1.0, 0.0] + np.array([0.0, 0.0, 1.0]) * (height + np.array([[-0.005, 0.0, 0.008, 0.2]]).T)
     free = moved_inside(torso, a, b, rising)
     fast = moved_inside(torso, replace(a, wall=wall), b, rising)
     np.testing.assert_allclose(fast[:2], moved(rising[:2]), atol=1e-3)  # on the wall and behind it: with the bone

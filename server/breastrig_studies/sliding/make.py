@@ -38,7 +38,7 @@ from breastrig_studies.virtual.warped.prone import arm_share, draw_numbers, writ
 from breastrig_studies.virtual.warped.sources import DEVELOPMENT, VALIDATION, Source, read_sources
 
 SEED = 20_261_128
-BODIES = 15
+BODIES = 14
 GROUPS = (DEVELOPMENT, VALIDATION, "test")
 STIFFER, TRIES = 1.5, 5
 ON_TABLE = 0.004  # m that the table presses into the back
