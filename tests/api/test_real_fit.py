@@ -140,6 +140,9 @@ def test_what_was_only_agreed_to_keeps_its_error_and_is_counted(real: tuple[Serv
     assert sorted(result["landmarks_agreed"]) == sorted(proposed)
     assert sum("only agreed to" in reason for reason in result["verdict"]["reasons"]) == 1
     assert min(result["landmark_uncertainty_mm"].values()) > 4.0
+    left, right = (result["arm_angles_deg"][side] for side in "LR")
+    assert 0 < left < 90
+    assert right == pytest.approx(left, abs=15)
 
 
 @pytest.mark.slow

@@ -56,6 +56,7 @@ def made(rig: Rig, tmp_path_factory: pytest.TempPathFactory) -> Made:
             fit = write_fit(folder / "fit", rig, body(rig), radii_of(rig), unit)
             document = json.loads((fit / "result.json").read_text())
             document["landmarks_picked"] = {name: document["landmarks"][name] for name in PICKED}
+            document["arm_angles_deg"] = {"L": 20, "R": 22}
             (fit / "result.json").write_text(json.dumps(document))
             (folder / "lying").mkdir()
             write_files(prediction(rig, fit, SUPINE), folder / "lying")
@@ -133,6 +134,8 @@ def test_a_scan_in_another_unit_gives_the_same_prediction(unit: str, made: Made,
 def test_its_plane_is_where_its_middle_is_and_what_was_seen_follows_its_skin(unit: str, made: Made, rig: Rig) -> None:
     fit, lying, folder = made(unit)
     result, frame = lying.result, body_frame(rig, lying.vertices)
+    assert fit.result.arm_angles_deg
+    assert result.arm_angles_deg == {}  # how the arm will lie is not predicted
     assert result.median_plane.normal == pytest.approx(frame.axes[:, 0], abs=1e-6)
     middle = float(np.array(result.median_plane.normal) @ frame.middle)
     assert fit.metres_per_unit * result.median_plane.offset == pytest.approx(middle, abs=1e-6)

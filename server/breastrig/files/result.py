@@ -240,6 +240,12 @@ class ResultFile(Document):
         description="the largest line error (90 %) of the fit's own drawing, which is then stated first; absent where "
         "nothing is drawn",
     )
+    arm_angles_deg: dict[str, FiniteFloat] = Field(
+        {},
+        exclude_if=not_,
+        description="between each upper arm and the trunk, by side (L, R): 0 beside it, 90 at right angles; absent "
+        "where the scan hardly shows the arms",
+    )
     landmarks_agreed: list[str] = Field([], description="names of those that were proposed and only agreed to")
     landmarks: dict[str, Three] = Field(
         description="of the fitted model, or where the scan's colours show them (landmarks_seen), in the scan's frame "

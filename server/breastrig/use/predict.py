@@ -158,6 +158,7 @@ def _result(
                 for name, radius in zip(given.landmark_uncertainty_mm, radii_mm, strict=True)
             },
             "landmark_covariance_mm2": _enlarged(given.landmark_covariance_mm2, radii_mm),
+            "arm_angles_deg": {},
             "areolae": {},
             "lesions": [],
             "median_plane": plane,

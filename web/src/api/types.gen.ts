@@ -1276,6 +1276,8 @@ export type ResultFile = {
   line_error_mm?: number | null;
   /** the largest line error (90 %) of the fit's own drawing, which is then stated first; absent where nothing is drawn */
   drawn_line_error_mm?: number | null;
+  /** between each upper arm and the trunk, by side (L, R): 0 beside it, 90 at right angles; absent where the scan hardly shows the arms */
+  arm_angles_deg?: Record<string, number>;
   /** names of those that were proposed and only agreed to */
   landmarks_agreed?: string[];
   /** of the fitted model, or where the scan's colours show them (landmarks_seen), in the scan's frame and unit */

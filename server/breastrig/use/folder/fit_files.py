@@ -50,6 +50,7 @@ from breastrig.gltf.replay import fitted_glb
 from breastrig.least_squares.newton import Status
 from breastrig.report.body_frame import body_frame
 from breastrig.report.files.geometry_files import surface_ply
+from breastrig.rig.arms import arm_angles
 from breastrig.rig.known import NOT_CALIBRATED
 from breastrig.use.steps.outcome import FitOutcome
 
@@ -89,6 +90,7 @@ def result_of(outcome: FitOutcome) -> ResultFile:
     )
     seen = {name: each.place for name, each in outcome.seen.items()}
     quaternions = quaternion_from_rotation(x.rotations)
+    shown = np.isfinite(outcome.distances.signed)
     return ResultFile(
         schema="breastrig/result@1",
         notice=LIMITS_OF_USE,
@@ -130,6 +132,7 @@ def result_of(outcome: FitOutcome) -> ResultFile:
         landmark_covariance_mm2=[] if outcome.radii is None else _upper_mm2(outcome.radii.joint),
         line_error_mm=None if outcome.radii is None else rounded_mm(outcome.radii.lines),
         drawn_line_error_mm=rounded_mm(drawn_error(outcome.lines)),
+        arm_angles_deg={side: round(angle) for side, angle in arm_angles(rig, x, shown).items()},
         landmarks_agreed=list(plan.unsure),
         landmarks={name: _rounded(place / per_unit) for name, place in (model_landmarks | seen).items()},
         landmarks_seen={name: each.reason for name, each in outcome.seen.items()},

@@ -51,6 +51,10 @@ function ofLandmark(mm: number | undefined, radius: number | undefined): HTMLEle
   return [...distance, ...band, el("span", { class: "unit" }, " mm")];
 }
 
+function ofArms({ arm_angles_deg: angles = {} }: Result): Numbers {
+  return Object.keys(angles).length === 0 ? [] : [[words.arms, words.armsOf(angles), "", words.armsHint]];
+}
+
 function ofResult(result: Result, state: Shown): HTMLElement[] {
   const surface = result.surface_distance_mm;
   const back = result.scan_to_model_mm;
@@ -85,6 +89,7 @@ function ofResult(result: Result, state: Shown): HTMLElement[] {
       [words.total, formatSeconds(result.timing_s.total), "s"],
       [words.iterations, String(result.iterations)],
       [words.stance, scanText.stances[result.stance].toLowerCase()],
+      ...ofArms(result),
     ]),
     el("p", { class: "muted small stop" }, `${words.stop}: ${result.stop_reason}`),
   ];
