@@ -131,8 +131,8 @@ def write_mri(folder: Path, body: Body, stance: Stance, marks: Marks, pictures: 
         labels[away[0][:, None, None] + away[1][:, None] + away[2] < radius**2] = number
     to_ras = np.array([[-SIZES[0], 0, 0, 0], [0, 0, SIZES[2], 0], [0, SIZES[1], 0, 0], [0, 0, 0, 1.0]])
     to_ras[:3, 3] = 1e3 * low[[0, 2, 1]] * [-1.0, 1.0, 1.0]
-    image = nibabel.Nifti1Image(labels, to_ras)  # type: ignore[no-untyped-call]
-    image.header.set_xyzt_units("mm")  # type: ignore[no-untyped-call]
+    image = nibabel.Nifti1Image(labels, to_ras)
+    image.header.set_xyzt_units("mm")
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "scan.nii.gz").write_bytes(gzip.compress(image.to_bytes(), 9, mtime=0))
     in_lps = {name: 1e3 * landmarks[name][[0, 2, 1]] * [1.0, -1.0, 1.0] for name in sorted(SHOWN)}

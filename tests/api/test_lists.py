@@ -30,11 +30,11 @@ def queries(service: Service) -> Iterator[list[str]]:
         asked.append(str(question))
         return real(question)
 
-    service.storage.index.asked = listen  # type: ignore[method-assign, assignment]
+    service.storage.index.asked = listen
     try:
         yield asked
     finally:
-        service.storage.index.asked = real  # type: ignore[method-assign]
+        service.storage.index.asked = real
 
 
 def pages(client: FlaskClient, address: str | None, what: str) -> list[list[str]]:

@@ -107,7 +107,7 @@ def test_what_cannot_be_removed_is_named_until_it_is_gone(case: CaseFolder, monk
     def refused(path: object, *given: object, **more: object) -> None:
         if str(path).endswith(layout.STORED):
             raise PermissionError(errno.EPERM, "Operation not permitted", path)
-        real(path, *given, **more)  # type: ignore[arg-type]
+        real(path, *given, **more)
 
     monkeypatch.setattr(os, "unlink", refused)
     [left] = delete_scan(case, scan)

@@ -27,6 +27,11 @@ def test_version_and_mistakes_are_said_without_anything_heavy(words: tuple[str, 
     assert not HEAVY & imported_by(*words)
 
 
+def test_what_lists_no_commands_searches_no_packages_and_what_keeps_no_folder_locks_none() -> None:
+    assert "importlib.metadata" not in imported_by("--version")
+    assert not {"filelock", "asyncio", "ssl"} & imported_by("fit", "--help")
+
+
 @pytest.mark.slow
 def test_a_fit_loads_none_of_the_libraries_that_it_can_do_without(tmp_path: Path) -> None:
     picks = str(EXAMPLE / "landmarks.json")

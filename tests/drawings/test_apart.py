@@ -99,7 +99,7 @@ def test_the_report_says_the_numbers_of_each_side_where_they_differ(torso: Rig, 
     plan = checked_plan({"schema": "breastrig/plan@1", "unit": "mm", "items": [item]})
     fit = SimpleNamespace(rig=torso, vertices=vertices, seen={}, landmarks={})
     for here in ([{"item": "a", "carried": False}], []):
-        (said,) = planned_items(plan.items, {"shapes": here}, {}, fit)  # type: ignore[arg-type]
+        (said,) = planned_items(plan.items, {"shapes": here}, {}, fit)
         assert said.name.endswith("both breasts")
         values = dict(said.values)
         assert values["New areola"] == "42 mm right, 36 mm left"

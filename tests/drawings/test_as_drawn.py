@@ -73,7 +73,7 @@ def test_every_number_of_every_pattern_is_measured_and_said(
             item = {"id": "a", "kind": "tumour"} | parameters
         plan = checked_plan({"schema": "breastrig/plan@1", "unit": "mm", "items": [item]})
         here = {"shapes": [{"item": "a", "carried": False}]}
-        (said,) = planned_items(plan.items, here, {}, fit)  # type: ignore[arg-type]
+        (said,) = planned_items(plan.items, here, {}, fit)
         value = dict(said.values)[parameter.label]
         assert ("asked for" in value) == differs(asked, drawn, parameter.unit), (asked, drawn, value)
         if "asked for" in value and parameter.unit == "mm":

@@ -37,10 +37,10 @@ class Broken:
 
 def test_a_reader_that_has_no_room_is_not_the_scans_fault() -> None:
     reading = object.__new__(Uploads)
-    reading._processes = Broken()  # type: ignore[assignment]
+    reading._processes = Broken()
     reading._limits = type("Limits", (), {"wall_s": 1.0})()
     with pytest.raises(OSError, match="No space left"):
-        reading._read("scan", None)  # type: ignore[arg-type]
+        reading._read("scan", None)
 
 
 def test_a_search_and_a_fit_that_have_no_room_say_so() -> None:

@@ -21,7 +21,7 @@ COLOURS = np.random.default_rng(4).integers(0, 256, (30, 3)).astype(np.uint8)
 
 
 def scan(vertices: np.ndarray = VERTICES, faces: np.ndarray = FACES, **more: object) -> Scan:
-    return Scan(vertices, faces, "m", 1.0, "", "", **more)  # type: ignore[arg-type]
+    return Scan(vertices, faces, "m", 1.0, "", "", **more)
 
 
 def visible(vertices: np.ndarray = VERTICES, faces: np.ndarray = FACES[VISIBLE]) -> Surface:

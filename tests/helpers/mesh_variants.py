@@ -89,7 +89,7 @@ def ply(
 
     def cell(kind: str, value: object) -> bytes:
         words = kind.split()
-        values = list(value) if words[0] == "list" else [value]  # type: ignore[call-overload]
+        values = list(value) if words[0] == "list" else [value]
         if not order:
             shown = [str(len(values))] if words[0] == "list" else []
             return " ".join([*shown, *(f"{each:.9g}" for each in values)]).encode() + b" "
@@ -202,7 +202,7 @@ def gltf(
 
 
 def glb(*args: object, **options: object) -> bytes:
-    document, binary = gltf(*args, **options)  # type: ignore[arg-type]
+    document, binary = gltf(*args, **options)
     return pack_glb(json.dumps(document).encode(), binary)
 
 

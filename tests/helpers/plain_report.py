@@ -31,4 +31,4 @@ def write_plain_snapshot(job: SnapshotJob) -> None:
 
 def _make_plain() -> None:
     """The process is the task's own, so nothing is put back."""
-    Scene.render = white  # type: ignore[method-assign]
+    Scene.render = white

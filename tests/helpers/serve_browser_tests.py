@@ -15,13 +15,13 @@ from helpers.remembered_uploads import remember_uploads
 
 if __name__ == "__main__":
     assets.CHECKOUT["example"] = os.environ["BREASTRIG_E2E_EXAMPLES"]
-    fit.run_fit = remembered_fits.run_fit_once  # type: ignore[assignment]
+    fit.run_fit = remembered_fits.run_fit_once
     landmarks.propose_on_file = remembered_proposals.propose_once
     from breastrig.cli.main import main  # takes them from there
     from breastrig.service import reports, share_snapshots
 
     reports.MAKERS["report.pdf"] = plain_report.plain_report_pdf_of
-    share_snapshots.write_snapshot = plain_report.write_plain_snapshot  # type: ignore[assignment]
+    share_snapshots.write_snapshot = plain_report.write_plain_snapshot
     remember_uploads()
     preload([module.__name__ for module in (remembered_fits, remembered_proposals, plain_report)])
     sys.exit(main())

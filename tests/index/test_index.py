@@ -54,7 +54,7 @@ def content(index: Index) -> list[object]:
 
 
 def codes(index: Index, **more: object) -> list[str]:
-    return [row.code for row in index.asked(lambda rows: cases_page(rows, 50, **more))[0]]  # type: ignore[arg-type]
+    return [row.code for row in index.asked(lambda rows: cases_page(rows, 50, **more))[0]]
 
 
 def made_anew(root: Path) -> list[object]:

@@ -51,10 +51,10 @@ def test_they_agree_in_files_to_the_last_digit(rng: np.random.Generator) -> None
     before, after = ([row(rng, f"measure {k}") for k in range(60)] for _ in range(2))
     flat = flat_rows([("standing", before), ("supine", after)])
     for one in flat:
-        assert round(one["left"] - one["right"], 2) == one["difference"]  # type: ignore[operator]
+        assert round(one["left"] - one["right"], 2) == one["difference"]
     count = len(before)
     for a, b, change in zip(flat[:count], flat[count : 2 * count], flat[2 * count :], strict=True):
-        assert round(b["left"] - a["left"], 2) == change["left"]  # type: ignore[operator]
+        assert round(b["left"] - a["left"], 2) == change["left"]
 
 
 def test_they_agree_as_they_are_said(rng: np.random.Generator) -> None:
@@ -108,7 +108,7 @@ def test_a_breast_that_the_scan_does_not_show_has_no_numbers_at_any_door(asymmet
     volume = next(each for each in table if each["measure"] == "volume")
     assert (volume["right"], volume["difference"], volume["not_seen"]) == ("", "", "right")
     document = report_document([reported])
-    (found,) = (each for each in document["measures"] if each["measure"] == "volume")  # type: ignore[attr-defined]
+    (found,) = (each for each in document["measures"] if each["measure"] == "volume")
     assert (found["right"], found["right_low"], found["not_seen"]) == (None, None, "right")
     groups = report_content([reported], UNNAMED)["measures"]["groups"]
     cells = {label: cells for group in groups for label, (cells,) in group["rows"]}

@@ -120,7 +120,7 @@ def test_the_least_sure_of_several_places_counts(rig: Rig) -> None:
     found = stance(rig)
     places = found.vertices[[100, 900, 2000]]
     each = [found.radius_at(place[None]) for place in places]
-    assert found.radius_at(places) == max(each)  # type: ignore[type-var]
+    assert found.radius_at(places) == max(each)
     assert replace(found, radii=None).radius_at(places) is None
 
 

@@ -95,7 +95,7 @@ def test_runs_of_equal_pixels_are_unpacked() -> None:
     packed = [RLELosslessEncoder.encode(frame, **facts) for frame in frames]
     made.PixelData = encapsulate(packed)
     made["PixelData"].is_undefined_length = True
-    made.file_meta = None  # type: ignore[assignment]
+    made.file_meta = None
     check(read_scan(file_of(made, RLELossless)))
 
 
@@ -137,7 +137,7 @@ def test_a_person_may_say_otherwise() -> None:
         ({1: "unused"}, "This label map shows no body"),
     ):
         with pytest.raises(BadInput, match=sentence):
-            breastrig.read_scan(data, segments=given)  # type: ignore[arg-type]
+            breastrig.read_scan(data, segments=given)
 
 
 def test_what_is_left_out_is_no_skin() -> None:

@@ -124,7 +124,7 @@ PART_LOW = LOW + SIZES * [110.0, 0.0, 24.0]
 
 
 def stored(labels: np.ndarray, dtype: type, kind: type = nibabel.Nifti1Image, order: str = "<") -> bytes:
-    header = kind.header_class(endianness=order)  # type: ignore[attr-defined]
+    header = kind.header_class(endianness=order)
     image = kind(labels.astype(dtype), to_ras(PART_LOW), header)
     image.header.set_xyzt_units("mm")
     return bytes(image.to_bytes())

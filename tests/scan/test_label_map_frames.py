@@ -91,7 +91,7 @@ def test_any_order_of_axes_is_asked_with_the_air_in_front(order: tuple[int, int,
     choices = question_of(unplaced(labels))
     assert len(choices) == 8
     assert all(value[front] == "P" for value in choices)
-    sides = {shown["side"] for each in choices.values() for shown in each["lesions"]}  # type: ignore[attr-defined]
+    sides = {shown["side"] for each in choices.values() for shown in each["lesions"]}
     assert {"L", "R"} <= sides
 
 
@@ -100,7 +100,7 @@ def test_a_contradiction_of_sform_and_qform_is_asked_and_both_can_be_taken() -> 
     for sform, qform, left in ((false, true, "qform"), (true, false, "sform")):
         data = placed_nifti(body_labels(), (sform, 2), (qform, 1))
         choices = question_of(data)
-        sides = {value: [each["side"] for each in choice["lesions"]] for value, choice in choices.items()}  # type: ignore[attr-defined]
+        sides = {value: [each["side"] for each in choice["lesions"]] for value, choice in choices.items()}
         assert sides == {left: ["L"], "qform" if left == "sform" else "sform": ["R"]}
         for value in choices:
             (lesion,) = read_scan(data, answers=checked_answers(value)).lesions

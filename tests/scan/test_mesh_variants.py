@@ -442,7 +442,7 @@ def test_a_missing_material_file_does_not_hide_that_the_picture_is_in_use() -> N
 
 def test_an_obj_that_is_coloured_in_part_says_so() -> None:
     rows = [list(row) if k > 20 else [] for k, row in enumerate(SHARES)]
-    scan = read_scan(obj("", False, rows))  # type: ignore[arg-type]
+    scan = read_scan(obj("", False, rows))
     assert scan.notes == (PARTLY_COLOURED,)
     np.testing.assert_array_equal(scan.colours[21:], WHOLE[21:])
 
@@ -660,7 +660,7 @@ def test_a_gltf_that_meshopt_compressed_is_read_as_the_plain_one() -> None:
     views, packed = document["bufferViews"], b""
     assert isinstance(views, list)
     for accessor, view in enumerate(views[:-1]):
-        count = document["accessors"][accessor]["count"]  # type: ignore[index]
+        count = document["accessors"][accessor]["count"]
         stride = view["byteLength"] // count
         rows = np.frombuffer(binary, np.uint8, view["byteLength"], view["byteOffset"]).reshape(count, stride)
         is_corners = accessor == 2

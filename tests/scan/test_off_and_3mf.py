@@ -82,7 +82,7 @@ def test_an_off_that_cannot_be_read_is_refused(data: bytes, word: str) -> None:
 
 
 def one(triangle: str = "", resources: str = "", **more: object) -> bytes:
-    return three_mf(model_xml(f'{resources}<object id="1" type="model">{mesh_xml(triangle)}</object>', **more))  # type: ignore[arg-type]
+    return three_mf(model_xml(f'{resources}<object id="1" type="model">{mesh_xml(triangle)}</object>', **more))
 
 
 TEXTURED = '<m:texture2d id="7" path="/3D/Textures/skin.jpg" contenttype="image/jpeg"/>' + coordinates(8, 7)

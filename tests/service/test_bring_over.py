@@ -91,7 +91,7 @@ def check(storage: Storage) -> None:
         assert (case.scan_folder(scan) / layout.STORED).read_bytes() == f"skin {k}".encode()
         assert get_landmarks(case, scan).points_mm == {"umbilicus": [1.0, 2.0, 3.0]}
         assert plan_versions(case) == [1, 2]
-        texts = [get_plan(case, version).document.items[0].text for version in (1, 2)]  # type: ignore[union-attr]
+        texts = [get_plan(case, version).document.items[0].text for version in (1, 2)]
         assert texts == ["text 1", "text 2"]
         assert {fit.id: fit.state for fit in fits_of_scan(case, scan)} == {
             name_of("done", k): "done",

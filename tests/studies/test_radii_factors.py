@@ -167,7 +167,7 @@ def test_a_half_of_few_women_does_not_speak_for_others() -> None:
 
 def test_only_a_stance_of_few_development_patients_is_joined_by_the_validation_half() -> None:
     def known(half: str, stance: str, patients: int) -> Known:
-        return [(f"{half} {k}", stance, SimpleNamespace()) for k in range(patients)]  # type: ignore[misc]
+        return [(f"{half} {k}", stance, SimpleNamespace()) for k in range(patients)]
 
     many, few = known("a", "standing", radii_factors.FEW), known("a", "prone", radii_factors.FEW - 1)
     others = known("b", "standing", 3), known("b", "prone", 3)

@@ -90,7 +90,7 @@ def test_what_cannot_be_drawn_is_said_in_a_sentence(fits: Fits) -> None:
         (Path("none.json"), "There is no drawing"),
     ):
         with pytest.raises(breastrig.BadDrawing, match=said):
-            breastrig.draw(fits[0], wrong)  # type: ignore[arg-type]
+            breastrig.draw(fits[0], wrong)
 
 
 def test_another_patients_drawing_is_asked_about(fits: Fits) -> None:

@@ -14,7 +14,7 @@ def test_a_mirrored_line_says_so_and_a_drawn_one_does_not() -> None:
     ]
     plan = checked_plan({"schema": "breastrig/plan@1", "unit": "mm", "items": items})
     assert "mirrored" not in plan.items[0].model_dump(mode="json")
-    drawn, mirrored = planned_items(plan.items, {"shapes": []}, {}, None)  # type: ignore[arg-type]
+    drawn, mirrored = planned_items(plan.items, {"shapes": []}, {}, None)
     assert drawn.values == ()
     assert mirrored.values == (("Drawn", MIRRORED),)
 
@@ -23,8 +23,8 @@ def test_numbers_of_what_is_not_drawn_here_are_as_asked_for_and_only_carried_one
     tumour = {"id": "t", "kind": "tumour", "side": "L", "clock": 10.0, "distance_mm": 45.0, "radius_mm": 12.0}
     plan = checked_plan({"schema": "breastrig/plan@1", "unit": "mm", "items": [tumour]})
     carried = {"shapes": [{"item": "t", "carried": True}]}
-    (there,) = planned_items(plan.items, carried, {}, None)  # type: ignore[arg-type]
-    (missing,) = planned_items(plan.items, {"shapes": []}, {"t": "It is not on that breast."}, None)  # type: ignore[arg-type]
+    (there,) = planned_items(plan.items, carried, {}, None)
+    (missing,) = planned_items(plan.items, {"shapes": []}, {"t": "It is not on that breast."}, None)
     assert not there.is_drawn
     assert missing.is_drawn
     assert missing.text == "Not drawn: It is not on that breast."

@@ -79,13 +79,13 @@ def test_what_cannot_be_carried_is_said_in_one_sentence(fits: tuple[breastrig.Fi
     with pytest.raises(breastrig.BadDrawing, match=r"it must be \(M, 3\)"):
         breastrig.transfer(a, b, [breastrig.Line("flat", np.zeros((4, 2)))])
     with pytest.raises(breastrig.BadDrawing, match=r"give breastrig\.Line"):
-        breastrig.transfer(a, b, [np.zeros((4, 3))])  # type: ignore[list-item]
+        breastrig.transfer(a, b, [np.zeros((4, 3))])
     rig = replace(a.in_metres.rig, name="other", sha256="0" * 64)
     other = replace(a, in_metres=replace(a.in_metres, rig=rig))
     with pytest.raises(breastrig.BadInput, match=r"made with several models \(other 0{12}, torso \w{12}\)"):
         breastrig.transfer(other, b)
     with pytest.raises(breastrig.BadDrawing, match="are no numbers"):
-        breastrig.transfer(a, b, [breastrig.Line("words", ["here", "there"])])  # type: ignore[arg-type]
+        breastrig.transfer(a, b, [breastrig.Line("words", ["here", "there"])])
     with pytest.raises(breastrig.BadDrawing, match=r"away from the scan|off the"):
         breastrig.transfer(a, b, [breastrig.Line("far", np.full((4, 3), 5.0))])
     with pytest.raises(breastrig.BadInput, match="There is no fit in nowhere"):

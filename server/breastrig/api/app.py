@@ -46,7 +46,7 @@ def create_app(config: Config, service: Service) -> APIFlask:
         register_request_log(app)
     register_metrics(app, metrics)  # before the guards, so that what they refuse is counted too
     register_security(app, config, service.storage, app.extensions[KEY].rates)
-    app.wsgi_app = BehindProxy(app.wsgi_app, config.trusted_proxy)  # type: ignore[method-assign]
+    app.wsgi_app = BehindProxy(app.wsgi_app, config.trusted_proxy)  # type: ignore[method-assign]  # as Flask has it
     return app
 
 
@@ -70,7 +70,7 @@ def _bare_app() -> APIFlask:
         version=__version__,
         spec_path=None,
         docs_path=None,
-        static_folder=None,  # type: ignore[arg-type]
+        static_folder=None,  # type: ignore[arg-type]  # none, as Flask takes it
     )
     app.config["AUTO_SERVERS"] = False
     assert isinstance(app.json, DefaultJSONProvider)
@@ -101,5 +101,5 @@ def _bare_app() -> APIFlask:
         page,
     ):
         app.register_blueprint(blueprint)
-    app.spec_processor(finish_document)  # type: ignore[arg-type]
+    app.spec_processor(finish_document)  # type: ignore[arg-type]  # it is given a dict
     return app

@@ -180,7 +180,7 @@ class _Exchange:
 class _Connection(H11Protocol):
     """uvicorn's, whose time limit between two requests holds for the first request and for its head as well."""
 
-    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # as uvicorn has it
         super().connection_made(transport)
         self._limit_idle()
 

@@ -4,7 +4,6 @@ Other packages add commands by the entry points `breastrig.commands`: modules wi
 """
 
 import importlib
-from importlib.metadata import entry_points
 from typing import Any
 
 from breastrig.core.errors import BadInput
@@ -55,11 +54,15 @@ def own_module(command: str) -> Any:
 
 def further_commands() -> dict[str, str]:
     """The commands of other installed packages, with a description of each."""
+    from importlib.metadata import entry_points  # half of the time of `breastrig --version`, which asks for none
+
     return {each.name: f"of the package {each.module.partition('.')[0]}" for each in entry_points(group=GROUP)}
 
 
 def further_module(command: str) -> Any:
     """The module of another package's command; BadInput when that package cannot be imported."""
+    from importlib.metadata import entry_points
+
     entry = next(iter(entry_points(group=GROUP, name=command)))
     try:
         return entry.load()

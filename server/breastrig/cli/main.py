@@ -19,8 +19,8 @@ from breastrig.core.private_files import shown
 from breastrig.core.version import __version__
 
 
-def parser(command: str | None = None) -> argparse.ArgumentParser:
-    """The parser, with all commands by name, and the options of the one that is called."""
+def parser(command: str | None = None, *, lists_all: bool = True) -> argparse.ArgumentParser:
+    """The parser with the options of the command that is called; without one with all commands, or with our own."""
     root = argparse.ArgumentParser(
         prog="breastrig",
         description="Fits a rigged torso model to a 3D scan and lays surgical drawings on it.",
@@ -32,7 +32,7 @@ def parser(command: str | None = None) -> argparse.ArgumentParser:
         module = _module(command)
         module.add_options(parsers.add_parser(command, description=module.__doc__))
     else:
-        for name, what in (COMMANDS | further_commands()).items():
+        for name, what in (COMMANDS | (further_commands() if lists_all else {})).items():
             parsers.add_parser(name, help=what)
     return root
 
@@ -48,7 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         named = words[0] if words else ""
         known = named in COMMANDS or (not named.startswith("-") and named in further_commands())
-        options = parser(named if known else None).parse_args(words)
+        options = parser(named if known else None, lists_all=named != "--version").parse_args(words)
         interruption.work_begins()
         if not gc.isenabled():  # what was loaded is there to the end, and need not be looked through again
             gc.freeze()

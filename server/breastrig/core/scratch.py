@@ -12,8 +12,10 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import TYPE_CHECKING, Optional
 
-from filelock import FileLock, Timeout
+if TYPE_CHECKING:
+    from filelock import FileLock
 
 LOCK = ".lock"  # behind the folder's name
 
@@ -37,9 +39,7 @@ def locked_folder(parent: Path, prefix: str) -> Iterator[Path]:
     """A new private folder inside the parent, its name beginning with the prefix; removed at the end of the block."""
     while True:
         folder = parent / f"{prefix}{secrets.token_hex(8)}"
-        lock = FileLock(f"{folder}{LOCK}", mode=0o600)
-        with suppress(Timeout):  # a sweep of another process has just looked at it
-            lock.acquire(blocking=False)
+        if (lock := _locked(folder)) is not None:  # else a sweep of another process has just looked at it
             break
     try:
         folder.mkdir(mode=0o700)
@@ -52,13 +52,24 @@ def remove_abandoned(parent: Path, prefix: str) -> None:
     """Removes the locked folders of this prefix whose process was killed."""
     folders = {each.with_name(each.name.removesuffix(LOCK)) for each in parent.glob(f"{prefix}*")}
     for folder in folders:
-        lock = FileLock(f"{folder}{LOCK}", mode=0o600)
-        with suppress(Timeout, OSError):  # it is held, or another process removes it as well
-            lock.acquire(blocking=False)
-            _remove(folder, lock)
+        with suppress(OSError):  # another process removes it as well
+            if (lock := _locked(folder)) is not None:
+                _remove(folder, lock)
 
 
-def _remove(folder: Path, lock: FileLock) -> None:
+def _locked(folder: Path) -> Optional["FileLock"]:
+    """The lock of the folder; None where another process holds it."""
+    from filelock import FileLock, Timeout  # and asyncio with it: only what keeps a folder waits for them
+
+    lock = FileLock(f"{folder}{LOCK}", mode=0o600)
+    try:
+        lock.acquire(blocking=False)
+    except Timeout:
+        return None
+    return lock
+
+
+def _remove(folder: Path, lock: "FileLock") -> None:
     """The folder, then the file that is locked; Windows removes that one only when it is released."""
     shutil.rmtree(folder, ignore_errors=True)
     with suppress(OSError):

@@ -15,7 +15,7 @@ Document: TypeAlias = pygltflib.GLTF2
 
 
 @dataclasses.dataclass
-class Node(pygltflib.Node):  # type: ignore[misc]
+class Node(pygltflib.Node):  # type: ignore[misc]  # a package without types
     """A node that can carry blendshape weights."""
 
     weights: list[float] | None = None

@@ -108,7 +108,8 @@ def _patterns(rig: Rig, text: str) -> list[dict[str, Any]]:
     """Items of a plan; BadDrawing for what no drawing is called."""
     asked = asked_drawing(rig, text)
     named: list[tuple[str, dict[str, Any]]] = [(each.name, {}) for each in asked.fixed]
-    named += [(name, pattern.model_dump(exclude_unset=True)) for name, pattern in asked.patterns]  # type: ignore[attr-defined]
+    for name, pattern in asked.patterns:
+        named.append((name, pattern.model_dump(exclude_unset=True)))  # type: ignore[attr-defined]  # all are pydantic's
     return [
         {"kind": "pattern", "id": f"pattern-{k}", "name": name, "parameters": parameters}
         for k, (name, parameters) in enumerate(named, 1)

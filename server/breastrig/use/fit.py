@@ -150,7 +150,7 @@ def to_its_end(
 
     ended.__name__, ended.__qualname__, ended.__doc__ = name, run.__qualname__.replace(run.__name__, name), doc
     ended.__annotations__ = run.__annotations__ | {"return": returns}
-    ended.__signature__ = inspect.signature(run).replace(return_annotation=returns)  # type: ignore[attr-defined]
+    ended.__signature__ = inspect.signature(run).replace(return_annotation=returns)  # type: ignore[attr-defined]  # PEP 362
     return ended
 
 

@@ -49,9 +49,7 @@ def implicit_surface(points: Array, normals: Array, width: float, cell: float, r
     if not cubes.any() or not below < 0.0 < above:
         return np.zeros((0, 3)), np.zeros((0, 3), np.int64)
     try:
-        vertices, faces, _, _ = marching_cubes(  # type: ignore[no-untyped-call]
-            heights, 0.0, spacing=(cell,) * 3, mask=cubes, allow_degenerate=False
-        )
+        vertices, faces, _, _ = marching_cubes(heights, 0.0, spacing=(cell,) * 3, mask=cubes, allow_degenerate=False)
     except (ValueError, RuntimeError):  # there is no zero where all corners are known
         return np.zeros((0, 3)), np.zeros((0, 3), np.int64)
     vertices = vertices.astype(np.float64) + low

@@ -101,7 +101,7 @@ def skin(body: Booleans, affine: Array, gaps: tuple[Gap, ...] = ()) -> tuple[Arr
     is_inside = smooth > 0.5
     if sum(np.count_nonzero(np.diff(is_inside, axis=axis)) for axis in range(3)) > TRIANGLES:  # two for each, at least
         raise TooLarge(TOO_MANY_TRIANGLES)
-    places, faces, _, _ = marching_cubes(smooth, 0.5, allow_degenerate=False)  # type: ignore[no-untyped-call]
+    places, faces, _, _ = marching_cubes(smooth, 0.5, allow_degenerate=False)
     indices = places.astype(np.float64) * steps + 0.5 * (steps - 1)
     vertices = indices @ affine[:3, :3].T + affine[:3, 3]
     corners = vertices[faces]

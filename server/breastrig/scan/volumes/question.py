@@ -59,8 +59,8 @@ def _seen(body: Booleans, affine: Array) -> tuple[NDArray[Any], Booleans]:
     """The orientation of the voxel axes (nibabel's form), and the body along left, back and up."""
     from nibabel.orientations import apply_orientation, io_orientation
 
-    turn: NDArray[Any] = io_orientation(affine)  # type: ignore[no-untyped-call]
-    return turn, np.asarray(apply_orientation(body, turn))  # type: ignore[no-untyped-call]
+    turn: NDArray[Any] = io_orientation(affine)
+    return turn, np.asarray(apply_orientation(body, turn))
 
 
 def _lesion(lesion: BallInside, affine: Array, seen: Booleans, turn: NDArray[Any], has_origin: bool) -> dict[str, Any]:

@@ -51,7 +51,7 @@ def add_share(storage: Storage, share: StoredShare, token_sha256: str) -> Stored
     document = LinkDocument(
         created_at=share.created_at,
         expires_at=share.expires_at,
-        scan=share.scan,  # type: ignore[arg-type]
+        scan=share.scan,  # type: ignore[arg-type]  # which the document checks
         notes=share.notes,
     )
     assert share.snapshot is not None

@@ -40,7 +40,7 @@ def axis_codes(affine: Array) -> str:
     """Axis codes of an affine in LPS, such as "RAS"."""
     from nibabel.orientations import aff2axcodes
 
-    found: Any = aff2axcodes(RAS_TO_LPS @ affine)  # type: ignore[no-untyped-call]
+    found: Any = aff2axcodes(RAS_TO_LPS @ affine)
     return "".join(map(str, found))
 
 
