@@ -6,10 +6,9 @@ import pytest
 from flask.testing import FlaskClient
 from helpers.waiting import until
 
-from breastrig.api.routes.scans import cut_facts
 from breastrig.cases.fits import find_fit
 from breastrig.service.service import Service
-from breastrig.storage.documents.scans import StoredScan
+from breastrig.storage.documents.scans import StoredScan, cut_facts
 from breastrig.use.cases.case_work import job_of
 
 PICTURE = [5.0, 0, 0, 0, 0, 5.0, 0, 0, 0, 0, -1.0, 0, 0, 0, 0, 1.0]

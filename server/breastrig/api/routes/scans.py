@@ -26,6 +26,7 @@ from breastrig.storage.documents.patients import StoredPatient, patients_of_scan
 from breastrig.storage.documents.scans import (
     Cuts,
     StoredScan,
+    cut_facts,
     cuts_digest,
     get_cuts,
     get_landmarks,
@@ -427,10 +428,3 @@ def _answer(row: StoredScan, owner: StoredPatient) -> wire.Scan:
     model = app_context().service.models.name_of(row.facts)
     facts |= {"model": model, "model_said": said_model(app_context().service.storage, row.id) == model}
     return wire.Scan(id=row.id, patient=patient, created_at=row.created_at, links=links, **facts)
-
-
-def cut_facts(row: StoredScan) -> dict[str, Any]:
-    """The parts of the scan that are not the patient: background, table, other_pieces."""
-    seen = (row.facts.get("orientation") or {}).get("seen", {})  # all that earlier versions have kept of the table
-    known = {"background": [], "table": seen.get("table"), "other_pieces": []}
-    return known | {name: row.facts[name] for name in known if name in row.facts}

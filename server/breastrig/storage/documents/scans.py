@@ -151,6 +151,13 @@ def cuts_digest(cuts: Sequence[dict[str, Any]]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16] if cuts else ""
 
 
+def cut_facts(row: StoredScan) -> dict[str, Any]:
+    """The parts of the scan that are not the patient: background, table, other_pieces."""
+    seen = (row.facts.get("orientation") or {}).get("seen", {})  # all that earlier versions have kept of the table
+    known = {"background": [], "table": seen.get("table"), "other_pieces": []}
+    return known | {name: row.facts[name] for name in known if name in row.facts}
+
+
 def _row(entry: ScanEntry) -> StoredScan:
     known = entry.document
     return StoredScan(entry.id, known.created_at, Path(known.file).suffix.lstrip("."), known.sha256, known.facts)
