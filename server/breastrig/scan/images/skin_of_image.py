@@ -95,7 +95,7 @@ def _surface(cells: Cells, body: Booleans) -> tuple[Array, Integers]:
 
     over: Grey = np.clip(cells.values / np.maximum(cells.level, np.float32(1e-6)) - 1.0, -1.0, 3.0)
     over = np.where(body, np.where(over > 0.0, over, 0.5), np.minimum(over, -0.5 * (over > 0.0))).astype(np.float32)
-    places, faces, _, _ = marching_cubes(over, 0.0, allow_degenerate=False)  # type: ignore[no-untyped-call]
+    places, faces, _, _ = marching_cubes(over, 0.0, allow_degenerate=False)
     vertices = places.astype(np.float64) @ cells.affine[:3, :3].T + cells.affine[:3, 3]
     is_mirrored = np.linalg.det(cells.affine[:3, :3]) < 0.0
     return vertices, np.asarray(faces if is_mirrored else faces[:, ::-1], np.int64)
