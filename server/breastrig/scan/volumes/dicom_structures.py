@@ -190,7 +190,7 @@ def _inside(planes: Mapping[int, list[Array]], bridged: list[int], box: Box) -> 
     for at, loops in planes.items():
         plane: NDArray[np.bool_] = found[:, :, at - along.start]
         for loop in loops:
-            rows, columns = polygon(loop[:, 0] - across.start, loop[:, 1] - down.start, shape)  # type: ignore[no-untyped-call]
+            rows, columns = polygon(loop[:, 0] - across.start, loop[:, 1] - down.start, shape)
             plane[rows, columns] ^= True
     for at in bridged:
         here = at - along.start

@@ -20,7 +20,7 @@ export interface OwnLesion {
 /** `laid`: as the service has it on this scan; null before there is a model. */
 export function lesionView(laid: LaidLesion | null, line: string | null, own: OwnLesion | null): HTMLElement {
   const distances = laid ? saidDistances(laid, line).filter(({ kind }) => kind !== "skin").map((each): [string, string] => [words.to(each), words.banded(each)]) : [];
-  const facts: [string, string][] = laid ? [...distances, [words.place, words.placed(laid)], ...(laid.clock ? [[words.clock, laid.clock.text] as [string, string]] : [])] : [];
+  const facts: [string, string][] = laid ? [...distances, [words.place, words.placed(laid)], ...(laid.clock ? [[words.clock, words.byClock(laid.clock.text)] as [string, string]] : [])] : [];
   const plain = [words.place, words.clock];
   const take = own && button(words.moveIt(own.lesion.name), own.move, "quiet outlined");
   take?.setAttribute("aria-pressed", String(own!.isMoved));

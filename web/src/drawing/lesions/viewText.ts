@@ -6,6 +6,7 @@ export const lesionView = {
   banded: ({ mm, low_mm: low, high_mm: high }: { mm: number; low_mm: number | null; high_mm: number | null }) => `${mm.toFixed(0)}\u00a0mm${low === null || high === null ? "" : `, ${low.toFixed(0)} to ${high.toFixed(0)}`}`,
   place: "Its place",
   clock: "By the clock",
+  byClock: (text: string) => text.replace(/ from the nipple$/, ""), // which stands above it
   name: "Name",
   radiology: "What radiology wrote",
   radiologyHint: "left, 2 o'clock, 45 mm",

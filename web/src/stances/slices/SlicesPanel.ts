@@ -25,7 +25,7 @@ const STEP_MM = { key: 1, withShift: 5 };
 const KEYS: Readonly<Record<string, readonly [right: number, up: number, out: number]>> = { ArrowLeft: [-1, 0, 0], ArrowRight: [1, 0, 0], ArrowUp: [0, 1, 0], ArrowDown: [0, -1, 0] };
 const PAGES: Readonly<Record<string, number>> = { PageUp: 1, PageDown: -1 };
 const TAP_PX = 4;
-const HANDLE = { seen: 6, reach: 14 }; // px
+const HANDLE = { seen: 5, reach: 14, away: 11 }; // px, beside the edge
 const TWICE = { ms: 350, px: 24 }; // two taps on one place
 const MOST_MM = 360; // of a scan that is seen at once: of a whole body a lesion would be a dot
 const AIR = 1.1; // around it
@@ -37,6 +37,7 @@ const ZOOM = { most: 12, key: 1.25, pixel: 1.01, notch: 30 }; // times as large 
 const PHONE = "(width < 560px), (width < 900px) and (height < 560px)"; // as ui/layout.css has it
 
 const AXIS: Readonly<Record<Plane, 0 | 1 | 2>> = { sagittal: 0, axial: 1, coronal: 2 }; // of left, up, front: along which it is moved
+const apart = (a: Vector, b: Vector): number => Math.hypot(...a.map((value, k) => value - b[k]!));
 const waysOf = (at: Vector, frame: Frame): Vector => [dot(at, leftOf(frame)), dot(at, frame.up), dot(at, frame.front)];
 const named = ([left, up, front]: Vector) => ({ left, up, front });
 const pathOf = (lines: readonly (readonly Flat[])[], end: string): string => lines.map((points) => points.map(([x, y], i) => `${i === 0 ? "M" : "L"}${x.toFixed(1)} ${(-y).toFixed(1)}`).join("") + end).join("");
@@ -107,7 +108,7 @@ export function createSlices(actions: SlicesActions) {
   function placeWords(): string {
     const { of } = slicedOf(state);
     const at = cross();
-    const nearest = lesionsIn(of).map((each) => ({ each, mm: Math.hypot(...each.center.map((value, k) => value - at[k]!)) })).sort((a, b) => a.mm - b.mm)[0];
+    const nearest = lesionsIn(of).map((each) => ({ each, mm: apart(each.center, at) })).sort((a, b) => a.mm - b.mm)[0];
     const lesion = !nearest ? "" : nearest.mm <= nearest.each.radius ? words.inLesion(nearest.each.name) : words.nearLesion(nearest.each.name, nearest.mm);
     return words.place(named(waysOf(at, frameOf(of.scan!))), lesion);
   }
@@ -213,7 +214,7 @@ export function createSlices(actions: SlicesActions) {
       const to = (now: PointerEvent): Vector => (held ? (start.map((value, k) => value + pointed(now)[k]! - from[k]!) as unknown as Vector) : pointed(now)); // a tap beside it is no wish to move it there
       const step = (now: PointerEvent, isOver: boolean): void => {
         if (isOver && isTap) hand.tap(pointed(now));
-        else if (isSized) hand.resize(Math.hypot(...pointed(now).map((value, k) => value - start[k]!)), isOver);
+        else if (isSized) hand.resize(held.radius + apart(pointed(now), start) - apart(from, start), isOver);
         else go(to(now), isOver);
       };
       if (!isTap) step(event, false);
@@ -263,7 +264,7 @@ export function createSlices(actions: SlicesActions) {
         const inHand = hand.held();
         const sketch = hand.sketch();
         const lesions = [...lesionsIn(of).map((each) => (each.id === inHand?.id ? { ...inHand, center: through } : each)), ...(sketch ? [sketch] : [])];
-        handle = inHand && [flat(through, now)[0] + inHand.radius, flat(through, now)[1]];
+        handle = inHand && [flat(through, now)[0] + inHand.radius + HANDLE.away * mm, flat(through, now)[1]];
         balls.replaceChildren(...lesions.flatMap((each) => ballsOf(each, now, offset, each.id === state.lesion)), ...(handle ? [svg("circle", { cx: handle[0], cy: -handle[1], r: HANDLE.seen * mm, class: "slice-handle" })] : []));
         const chosen = lesions.filter(({ id }) => id === state.lesion);
         for (const [name, path] of [["outlines_mm", lines.fitted], ["wall_mm", lines.wall]] as const) path.set(chosen.map((each) => modelIn(each, name, plane, now, offset)).join(""));

@@ -47,5 +47,5 @@ export const hand = {
   mark: "Mark a lesion",
   markHint: "By three taps: its centre, then its edge twice",
   marking: ["Tap the lesion's centre (or put the cross there and press Enter).", "Tap its edge.", "Tap its edge at another place, in any slice."],
-  moving: (name: string, radius: number) => `Dragging and arrow keys move ${name}; its handle and [ ] change its radius, ${Number(radius.toFixed(1))}\u00a0mm.`,
+  moving: (name: string, radius: number) => `Dragging and arrow keys move ${name}; its handle, or [ and ], its radius: ${Number(radius.toFixed(1))}\u00a0mm.`,
 };

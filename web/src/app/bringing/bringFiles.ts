@@ -1,35 +1,26 @@
 // Files that come together are one patient's: the first scan comes onto the page and is fitted, the others are added to it
 // and fitted beside it; lesions of files of their own go to the image that came with them, or that the patient on the page has;
 // files of landmarks go to the scan that they lie on, and where that is not clear nobody guesses.
-import { ApiError, type Client } from "../api/client";
-import type { Scan, Vector } from "../api/types";
-import type { FitActions } from "../fit/actions";
-import type { LandmarkActions } from "../landmarks/actions";
-import { LANDMARK_ENDINGS, picksOf } from "../landmarks/picks";
-import type { ScanActions } from "../scan/actions";
-import { isSizeAsked, sizeDoubt } from "../scan/state";
-import type { PlanActions } from "../plan/actions";
-import type { StancesActions } from "../stances/actions";
-import { messageOf, withProblem } from "../store/problems";
-import type { Store } from "../store/store";
-import { metresFromMm } from "../ui/units";
-import type { Session } from "./session";
-import { bringing as words } from "./text";
+import { ApiError, type Client } from "../../api/client";
+import type { Scan, Vector } from "../../api/types";
+import type { FitActions } from "../../fit/actions";
+import type { LandmarkActions } from "../../landmarks/actions";
+import { LANDMARK_ENDINGS, picksOf } from "../../landmarks/picks";
+import type { ScanActions } from "../../scan/actions";
+import { isSizeAsked, sizeDoubt } from "../../scan/state";
+import type { PlanActions } from "../../plan/actions";
+import type { StancesActions } from "../../stances/actions";
+import { messageOf, withProblem } from "../../store/problems";
+import type { Store } from "../../store/store";
+import { metresFromMm } from "../../ui/units";
+import type { Session } from "../session";
+import { bringing as words } from "../text";
+import { dicomOf, isVolume } from "./fileKinds";
 
+const SLICES = 5; // DICOM files beside each other that are slices of one series, and no series each
 const NEAR_M = 0.03; // a landmark is on or just below the skin
 
 const endsWith = (file: File, endings: readonly string[]): boolean => endings.some((ending) => file.name.toLowerCase().endsWith(ending));
-const isVolume = (file: File): boolean => /\.(nii|nii\.gz|nrrd|nhdr|mha|mhd|dcm|zip)$|^[^.]*$/i.test(file.name);
-const SLICES = 5; // DICOM files beside each other that are slices of one series, and no series each
-const CLASSES = /1\.2\.840\.10008\.5\.1\.4\.1\.1\.(66\.[47]|481\.3)(?![\d.])/; // segmentations, structure sets
-const HEAD = 2048; // bytes in which a DICOM file says what it is
-
-/** What a DICOM file says of itself: slices of an image, or what was drawn on one. */
-async function dicomOf(file: File): Promise<"image" | "segments" | null> {
-  const head = await file.slice(0, HEAD).arrayBuffer().then((bytes) => new TextDecoder("latin1").decode(bytes), () => "");
-  return head.slice(128, 132) !== "DICM" ? null : CLASSES.test(head) ? "segments" : "image";
-}
-
 interface Others {
   readonly scan: Pick<ScanActions, "upload" | "takeExample" | "add" | "addLesions" | "confirm" | "confirmModel" | "readAgain" | "takeSegments">;
   readonly stances: Pick<StancesActions, "addBeside" | "takeExampleBeside">;
