@@ -11,7 +11,7 @@ export const home = {
   fresh: "New patient",
   drop: "Drop the patient's scans anywhere on this page",
   limit: (megabytes: string | null) =>
-    `Standing, lying, and the labelled MRI, together or one by one. 3D scans, NIfTI, DICOM SEG or a zip, up to ${megabytes ?? "…"} MB. They stay on this service; no names.`,
+    `Standing, lying, and the MRI with its lesions, together or one by one. 3D scans, DICOM as a zip, NIfTI, NRRD, up to ${megabytes ?? "…"} MB. They stay on this service; no names.`,
   example: "Try the example",
   exampleHint: "A synthetic patient: nobody's scan",
   allExamples: "All scans of the example patient",
