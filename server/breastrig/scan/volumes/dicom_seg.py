@@ -46,7 +46,7 @@ EXPORT = "export the structures as a DICOM segmentation (SEG) or as a NIfTI labe
 OTHER_CLASSES = {
     STRUCTURES: f"This is a structure set (RTSTRUCT), which shows no skin; give it with its image, or {EXPORT}.",
     "1.2.840.10008.5.1.4.1.1.66.5": f"This is a DICOM surface segmentation, which is not read; {EXPORT}.",
-    "1.2.840.10008.1.3.10": "This is the list of a DICOM medium (DICOMDIR); give the folder that it is in.",
+    "1.2.840.10008.1.3.10": "This is the list of a DICOM medium (DICOMDIR); give its folder, or a segmentation's file.",
 }
 AN_IMAGE = "This is an image, not a segmentation of lesions; give the segmentation."
 NO_PLACE = "This DICOM segmentation does not say where its frames lie; export it again."
