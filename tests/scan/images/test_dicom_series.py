@@ -13,9 +13,9 @@ from pydicom.uid import DeflatedExplicitVRLittleEndian, ExplicitVRBigEndian, Imp
 
 from breastrig.core.errors import BadInput, BadScan, NeedsAnswer
 from breastrig.scan.images.dicom_images import DicomImage, image_in
-from breastrig.scan.images.image import ImageVolume, frame_digest
+from breastrig.scan.images.image import ImageVolume
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
-from breastrig.scan.volumes.volume import Gap
+from breastrig.scan.volumes.volume import Gap, frame_digest
 
 EXACT = 1e-3  # mm
 Change = Callable[[Dataset, int], None]

@@ -14,8 +14,8 @@ from helpers.scan_files import zipped
 from breastrig.core.errors import BadScan, BadSettings, NeedsAnswer, TooLarge
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
-from breastrig.scan.volumes import attached
 from breastrig.scan.volumes.answers import checked_answers
+from breastrig.scan.volumes.grids import attached
 from breastrig.scan.volumes.grids.nrrd import TYPES
 
 PART = np.s_[110:, :, 24:64]  # a breast with the lesion, and what is around it
