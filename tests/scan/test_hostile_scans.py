@@ -20,6 +20,7 @@ from helpers.subdivide import subdivided
 from helpers.toy_rig import toy_rig
 
 import breastrig.scan.read as read
+import breastrig.scan.untrusted as untrusted
 from breastrig.core.errors import BadInput, BadScan, BadSettings, TooLarge
 from breastrig.core.glb import pack_glb, split_glb
 from breastrig.gltf.mesh_glb import mesh_glb
@@ -148,7 +149,7 @@ def test_a_glb_over_the_triangle_limit_by_repeating_one_mesh() -> None:
 
 
 def test_over_the_size_limit(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(read, "FILE_BYTES", 1000)
+    monkeypatch.setattr(untrusted, "FILE_BYTES", 1000)
     data = as_bytes(tube(), "ply")
     assert "MB allowed" in refused(data, TooLarge)
     (tmp_path / "scan.ply").write_bytes(data)
