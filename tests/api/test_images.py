@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from flask.testing import FlaskClient
 from helpers.dicom_files import NAME, SECRET
-from helpers.example_image import example_image
+from helpers.example_image import LESIONS, example_image, example_segmentation
 from helpers.image_uploads import AFFINE, IMAGE, SHAPE, read_upload_of_image
 from helpers.label_maps import BODY_WORDS, LESION, PLAIN, RADIUS, body_labels, file_of, masks, nifti, seg
 from helpers.on_disk import bytes_below
@@ -17,6 +17,7 @@ from helpers.problems import problem
 
 from breastrig.execution.limits import UploadLimits
 from breastrig.scan.kept_image import read_image
+from breastrig.scan.read import read_scan
 from breastrig.service.scans import uploads
 from breastrig.service.service import Service
 
@@ -182,3 +183,49 @@ def test_only_a_zip_may_be_as_large_as_an_examination(
     assert "damaged" in problem(upload(client, b"PK\x03\x04" + torso[4:]), 422)
     assert "more than" in problem(upload(client, b"PK\x03\x04" + torso), 413)
     assert list((service.storage.root / "incoming").iterdir()) == []
+
+
+@pytest.mark.slow
+def test_whether_lesions_lie_in_the_image_is_asked_and_answered(client: FlaskClient, service: Service) -> None:
+    answer = upload(client, example_image())
+    assert answer.json is not None
+    scan = answer.json
+    wanted = 1e3 * read_scan(LESIONS).lesions[0].center
+    asked = add(client, scan, example_segmentation("another"))
+    assert asked.status_code == 422
+    assert asked.json is not None
+    question = asked.json["question"]
+    assert (question["field"], [each["value"] for each in question["choices"]]) == ("same_place", ["yes", "no"])
+    assert question["choices"][0]["picture"].startswith("data:image/png;base64,")
+    assert planned(client, scan) == []
+    assert "do not lie where the image does" in problem(
+        add(client, scan, example_segmentation("another"), same_place="no"), 422
+    )
+    taken = add(client, scan, example_segmentation())  # of the same frame of reference nothing is asked
+    again = add(client, scan, example_segmentation("another"), same_place="yes")
+    assert (taken.status_code, again.status_code) == (200, 200)
+    assert taken.json is not None
+    assert again.json is not None
+    assert [taken.json["lesions"][0]["new"], again.json["lesions"][0]["new"]] == [True, False]
+    [lesion] = planned(client, scan)
+    assert lesion["center"] == pytest.approx(wanted.tolist(), abs=1.0)
+    assert b"Index lesion" not in bytes_below(service.storage.root)
+    client.delete(scan["links"]["self"])
+
+
+@pytest.mark.slow
+def test_a_segmentation_in_the_zip_is_in_the_plan_or_said_to_be_left_out(client: FlaskClient) -> None:
+    answer = upload(client, example_image("t1", beside=example_segmentation()))
+    assert answer.status_code == 201, answer.json
+    assert answer.json is not None
+    assert [each["name"] for each in planned(client, answer.json)] == ["Lesion 1"]
+    client.delete(answer.json["links"]["self"])
+    asked = upload(client, example_image("t1", beside=example_segmentation("another")))
+    assert asked.json is not None
+    assert (asked.status_code, asked.json["question"]["field"]) == (422, "same_place")
+    refused = upload(client, example_image("t1", beside=example_segmentation("another")), same_place="no")
+    assert refused.status_code == 201, refused.json
+    assert refused.json is not None
+    assert planned(client, refused.json) == []
+    assert any("left out: A person said that" in note for note in refused.json["notes"])
+    client.delete(refused.json["links"]["self"])

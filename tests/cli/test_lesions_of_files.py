@@ -1,10 +1,11 @@
 """An image with the lesions of another file on the command line: `fit`, `batch` and `case`."""
 
 import json
+import zipfile
 from pathlib import Path
 
 import pytest
-from helpers.example_image import LANDMARKS, LESIONS, example_image
+from helpers.example_image import LANDMARKS, LESIONS, example_image, example_segmentation
 
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
@@ -40,6 +41,22 @@ def test_a_fit_and_a_row_of_a_batch_have_them(image: Path, tmp_path: Path, capsy
     inputs = json.loads((batch / "0001-mri" / "inputs.json").read_text())
     assert len(inputs["lesions_sha256"]) == 2
     assert "hers" not in json.dumps(inputs)
+
+
+def test_a_folder_with_the_lesion_of_another_file(
+    image: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As docs/how-to/mri.md has it."""
+    monkeypatch.chdir(tmp_path)
+    zipfile.ZipFile(image).extractall("mri")
+    Path("lesion.dcm").write_bytes(example_segmentation("another"))
+    Path("nipples.json").write_bytes(LANDMARKS.read_bytes())
+    words = ["fit", "mri/", "--lesions", "lesion.dcm", "--landmarks", "nipples.json", "-o", "prone/", "--no-progress"]
+    assert main(words) == 2
+    assert "another frame of reference" in (said := capsys.readouterr().err)
+    assert "--same-place yes" in said
+    assert main([*words, "--same-place", "yes"]) == 0
+    assert lesions_of(tmp_path / "prone") == ["Lesion 1"]
 
 
 def test_a_surface_has_no_place_for_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

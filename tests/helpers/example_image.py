@@ -8,7 +8,8 @@ import numpy as np
 
 from breastrig.core.assets import asset_folder
 from breastrig.scan.images.image import ImageVolume
-from helpers.dicom_files import Series, files, zipped
+from breastrig.scan.read import read_scan
+from helpers.dicom_files import Series, files, lesion_seg, zipped
 
 FOLDER = asset_folder("example") / "mri"
 LESIONS = FOLDER / "scan.nii.gz"  # the label map of the same patient
@@ -33,3 +34,12 @@ def example_volume() -> ImageVolume:
     affine[:3, 3] += affine[:3, :2] @ (np.array(shown.shape[:2]) - 1)
     affine[:3, :2] *= -1.0
     return ImageVolume((600 * shown).astype(np.uint16), affine)
+
+
+@cache
+def example_segmentation(frame_of: str = "frame") -> bytes:
+    """DICOM SEG of one of its lesions alone, on the image's slices; another frame of reference by another name."""
+    volume, lesion = example_volume(), read_scan(LESIONS).lesions[0]
+    index = np.stack(np.meshgrid(*(np.arange(size) for size in volume.values.shape), indexing="ij"), axis=-1)
+    away = np.linalg.norm(index @ volume.affine[:3, :3].T + volume.affine[:3, 3] - 1e3 * lesion.center, axis=-1)
+    return lesion_seg(Series(volume, frame_of=frame_of), away < 1e3 * lesion.radius)
