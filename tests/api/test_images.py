@@ -16,7 +16,9 @@ from helpers.on_disk import bytes_below
 from helpers.problems import problem
 
 from breastrig.execution.limits import UploadLimits
+from breastrig.scan.images.added_lesions import LesionsRead
 from breastrig.scan.kept_image import read_image
+from breastrig.scan.piece import BallInside
 from breastrig.scan.read import read_scan
 from breastrig.service.scans import uploads
 from breastrig.service.service import Service
@@ -229,3 +231,24 @@ def test_a_segmentation_in_the_zip_is_in_the_plan_or_said_to_be_left_out(client:
     assert planned(client, refused.json) == []
     assert any("left out: A person said that" in note for note in refused.json["notes"])
     client.delete(refused.json["links"]["self"])
+
+
+@pytest.mark.parametrize("meanwhile", ["moved", "deleted"])
+def test_a_scan_that_is_moved_or_deleted_while_its_lesions_are_read(
+    client: FlaskClient, service: Service, scan: dict, torso: bytes, monkeypatch: pytest.MonkeyPatch, meanwhile: str
+) -> None:
+    def read(*_task: object) -> LesionsRead:
+        if meanwhile == "moved":
+            assert client.put(f"/api/scans/{scan['id']}/patient", json={"patient": None}).status_code == 200
+        else:
+            assert client.delete(scan["links"]["self"]).status_code == 204
+        return LesionsRead((BallInside("Lesion 1", np.zeros(3), 5.0),), (), ())
+
+    monkeypatch.setattr(service.uploads, "_result", read)
+    answer = add(client, scan, torso)
+    if meanwhile == "deleted":
+        assert "no such scan" in problem(answer, 404)
+    else:
+        assert answer.status_code == 200, answer.json
+        assert [each["name"] for each in planned(client, client.get(scan["links"]["self"]).json)] == ["Lesion 1"]
+    assert list((service.storage.root / "incoming").iterdir()) == []

@@ -124,8 +124,8 @@ class Uploads:
 
         Raises as `add`, Conflict where the plan has no room for them.
         """
-        case = self._storage.case_of_scan(scan_id)
-        volume, place = volume_of(case, scan_id), scan_place(new_id())
+        volume = volume_of(self._storage.case_of_scan(scan_id), scan_id)
+        place = scan_place(new_id())
         try:
             self._storage.files.make(place)
             upload = self._storage.files.made(place) / UPLOAD
@@ -133,10 +133,11 @@ class Uploads:
             task = (LesionsJob(upload, volume, answers),)
             read: LesionsRead = self._result(read_lesions, task)
         except BaseException:
-            case.check_scan(scan_id)  # it may have been deleted meanwhile
+            self._storage.case_of_scan(scan_id).check_scan(scan_id)  # it may have been deleted meanwhile
             raise
         finally:
             self._storage.discard(place)
+        case = self._storage.case_of_scan(scan_id)  # it may have been moved
         taken = add_lesions(case, scan_id, read.lesions, read.segments, read.notes)
         self._storage.index.refresh(case.id)
         return taken
