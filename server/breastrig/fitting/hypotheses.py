@@ -338,8 +338,9 @@ def _with_colour(
 
 
 def _looks_at_colour(task: FitTask, scan: Scan) -> bool:
-    """Whether colours can show a landmark that is not given."""
-    return scan.shows_colour and bool((LOOKED_FOR & {*task.rig.landmark_names}) - task.given.keys())
+    """Whether colours or the image can show a landmark that is not given."""
+    is_looked_for = bool((LOOKED_FOR & {*task.rig.landmark_names}) - task.given.keys())
+    return (scan.shows_colour or bool(scan.seen)) and is_looked_for
 
 
 def _observed_from(

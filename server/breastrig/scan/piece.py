@@ -62,6 +62,15 @@ class BallInside:
     radius: float
 
 
+@dataclass(frozen=True, eq=False)
+class SeenLandmark:
+    """A landmark that an image shows."""
+
+    name: str
+    place: Array  # (3,) the file's unit
+    radius: float  # that holds the true place with 90 %
+
+
 @dataclass(frozen=True)
 class TakenSegment:
     """A segment of a label map with how it is used."""
@@ -89,6 +98,7 @@ class Pieces:
     segments: tuple[TakenSegment, ...] = ()
     wall: tuple[Array, Integers] | None = None  # (V, 3) the chest wall that a volume names, (F, 3) towards the front
     image: KeptImage | None = None  # of which the skin was made
+    seen: tuple[SeenLandmark, ...] = ()  # that it shows
 
 
 def colour_bytes(values: Array, largest: float | None = None) -> NDArray[uint8]:

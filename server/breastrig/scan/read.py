@@ -24,7 +24,7 @@ from breastrig.scan.limits import NO_PLACES, TOO_MANY_TRIANGLES, TRIANGLES
 from breastrig.scan.pictures.companions import Companions, beside
 from breastrig.scan.pictures.joined_textures import UNPAINTED, joined_textures
 from breastrig.scan.pictures.texture import written_anew
-from breastrig.scan.piece import PARTLY_COLOURED, UNCOLOURED, BallInside, Piece, Pieces, PointCloud, part
+from breastrig.scan.piece import PARTLY_COLOURED, UNCOLOURED, BallInside, Piece, Pieces, PointCloud, SeenLandmark, part
 from breastrig.scan.scan import Scan
 from breastrig.scan.stored_scan import STORED, read_stored
 from breastrig.scan.units import decide_unit, extent
@@ -130,6 +130,7 @@ def _of_pieces(pieces: Pieces, sha256: str, units: str, for_display: bool, sorti
         from_image=pieces.image is not None,
         image=pieces.image,
         lesions=inside,
+        seen=tuple(SeenLandmark(each.name, metres * each.place, metres * each.radius) for each in pieces.seen),
         segments=pieces.segments,
     )
 

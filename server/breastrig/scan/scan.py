@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Integers, frozen
 from breastrig.scan.kept_image import KeptImage
-from breastrig.scan.piece import BallInside, TakenSegment
+from breastrig.scan.piece import BallInside, SeenLandmark, TakenSegment
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +35,7 @@ class Scan:
     from_label_map: bool = False  # whose axes are the patient's (LPS)
     from_image: bool = False  # whose axes are the patient's (LPS) too
     image: KeptImage | None = None  # of which the skin was made; kept beside a stored scan
+    seen: tuple[SeenLandmark, ...] = ()  # that the image shows, m
     lesions: tuple[BallInside, ...] = ()  # that a label map shows, m
     segments: tuple[TakenSegment, ...] = ()  # of a label map, and what each was taken for
 

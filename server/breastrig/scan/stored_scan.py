@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from breastrig.core.errors import BadScan
 from breastrig.scan.pictures.texture import written_anew
-from breastrig.scan.piece import BallInside
+from breastrig.scan.piece import BallInside, SeenLandmark
 from breastrig.scan.scan import Scan
 
 STORED = "stored"  # the file type, for which no upload can pass
@@ -27,6 +27,7 @@ def write_stored(scan: Scan, path: Path) -> None:
     facts = {name: getattr(scan, name) for name in FACTS}
     if scan.in_patient_frame:
         facts |= {name: getattr(scan, name) for name in OF_VOLUMES}
+        facts["seen"] = [[each.name, each.place.tolist(), each.radius] for each in scan.seen]
         facts["lesions"] = [[each.name, each.center.tolist(), each.radius] for each in scan.lesions]
     arrays: dict[str, NDArray[Any]] = {
         "facts": np.frombuffer(json.dumps(facts).encode(), np.uint8),
@@ -61,6 +62,7 @@ def read_stored(path: Path, texture: bool = True, for_display: bool = True) -> S
                 picture=None if jpeg is None else picture,
                 **{name: facts[name] for name in FACTS} | {"notes": tuple(facts["notes"])},
                 **{name: facts.get(name, False) for name in OF_VOLUMES},
+                seen=tuple(SeenLandmark(name, np.array(at), r) for name, at, r in facts.get("seen", [])),
                 lesions=tuple(BallInside(name, np.array(at), r) for name, at, r in facts.get("lesions", [])),
             )
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:

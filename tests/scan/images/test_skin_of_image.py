@@ -9,6 +9,7 @@ from breastrig.core.errors import BadScan
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.scan.images import cells, skin_of_image
 from breastrig.scan.images.image import ImageVolume
+from breastrig.scan.images.nipples import nipples_on
 from breastrig_studies.virtual.magnetic.coverage import coverage
 from breastrig_studies.virtual.magnetic.image import PLAIN, MrImage
 from breastrig_studies.virtual.magnetic.image import mr_image as image_of
@@ -155,6 +156,29 @@ def test_missing_slices_are_open():
 
 def test_one_side_says_where_the_image_ends():
     assert found(mr_image("one side")).notes == (skin_of_image.EDGE.format("right"),)
+
+
+@pytest.mark.parametrize("seed", [1, 4, 6])
+def test_nipples_are_seen_on_their_sides(seed):
+    made = mr_image("plain", seed=seed, step=1.5)
+    seen = found(made).nipples
+    assert [each.side for each in seen] == ["L", "R"]
+    for each in seen:
+        assert np.linalg.norm(each.place - made.nipples[each.side]) < each.radius_mm
+
+
+def test_one_side_shows_one_nipple():
+    assert [each.side for each in found(mr_image("one side")).nipples] == ["L"]
+
+
+@pytest.mark.parametrize("bumps", [(), ((-20.0, 0.0), (20.0, 0.0))])
+def test_no_nipple_is_seen_without_a_bump_or_with_two_alike(bumps):
+    ball = trimesh.creation.icosphere(5, 60.0)
+    places = np.asarray(ball.vertices)
+    for x, z in bumps:
+        away = np.linalg.norm(places[:, [0, 2]] - [x, z], axis=1)
+        places = places + np.where(places[:, 1] < 0.0, 5.0 * np.exp(-((away / 5.0) ** 2)), 0.0)[:, None] * [0, -1.0, 0]
+    assert nipples_on(places + np.array([90.0, 0.0, 0.0]), np.asarray(ball.faces), 0.0) == ()
 
 
 @pytest.mark.parametrize("kind", ["noise", "constant", "nothing"])

@@ -31,26 +31,40 @@ from breastrig.rig.skinning import pose
 from breastrig.rig.state import BodyState
 from breastrig.scan.scan import Scan
 
+IN_IMAGE = "seen in the image"
+FAR = 2.2  # times the error of image and form together: a bump that is no nipple
 UNKNOWN = 0.02  # m, error of the form with models of which nobody knows how far bodies are from them
 
 
 def colour_observations(
     task: FitTask, fitted: RigParameters, margin: float | None, scan: Scan
 ) -> dict[str, Observation]:
-    """The rig's landmarks that the scan's colours show; empty for a scan without colours, or of a single one.
+    """The rig's landmarks that the scan's colours or image show; empty for a scan without, or of a single colour.
 
     `fitted` is the end of the `task`'s fit without them, `margin` the clarity of its start (Start.margin). Given
     landmarks are searched too, for those beside them.
     """
-    if not scan.shows_colour:
+    if not scan.shows_colour and not scan.seen:
         return {}
-    from breastrig.colour.features.observe import observed_landmarks  # loads image filters
-
     rig = task.rig
     known = radii(Posterior(task, fitted), margin)
     errors = {name: UNKNOWN if known is None else known.landmarks[name] / HOLDS_90 for name in rig.landmark_names}
     body, expected = expectations(rig, pose(rig, fitted), errors | dict.fromkeys(task.given, KNOWN), task.landmarks)
+    if not scan.shows_colour:
+        return seen_in_image(scan, expected)
+    from breastrig.colour.features.observe import observed_landmarks  # loads image filters
+
     return observed_landmarks(scan, expected, body[:, 0], body[:, 1])
+
+
+def seen_in_image(scan: Scan, expected: Mapping[str, Expectation]) -> dict[str, Observation]:
+    """The landmarks that the scan's image shows, but for those far from where the form has them."""
+    found = {}
+    for each in scan.seen:
+        error, form = each.radius / HOLDS_90, expected.get(each.name)
+        if form is not None and np.linalg.norm(each.place - form.place) <= FAR * np.hypot(error, form.spread):
+            found[each.name] = Observation(each.place, error**2 / 3.0 * np.eye(3), IN_IMAGE)
+    return found
 
 
 def expectations(

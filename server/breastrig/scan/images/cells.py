@@ -17,7 +17,7 @@ from breastrig.scan.images.image import ImageVolume
 
 Grey = NDArray[np.float32]
 
-CELL = 2.0  # mm
+CELL, FINE = 2.0, 0.85  # mm, and the share of it under which blocks of voxels are too small
 COARSE = 4.0  # mm, of the maxima's grid
 NEAR, WIDE = 14.0, 40.0  # mm to each side, in which the strongest signal is looked for
 ISO = 0.25  # of the strongest nearby: half of skin beside bright fat, its edge
@@ -42,7 +42,6 @@ class Cells:
     values: Grey  # (I, J, K)
     level: Grey  # (I, J, K) at the skin's edge
     closed: Booleans  # (I, J, K) tissue in the smoothed image
-    block: Integers  # (3,) voxels
     affine: Array  # (4, 4) cells' indices to mm, LPS
 
     @property
@@ -66,9 +65,14 @@ def cells_of(image: ImageVolume) -> Cells:
     steps = np.linalg.norm(image.affine[:3, :3], axis=0)
     block = np.clip(np.round(CELL / steps), 1, image.values.shape).astype(np.int64)
     grey = _averaged(image, block)
-    turn = np.diag([*block.astype(np.float64), 1.0])
+    averaged = np.array(grey.shape)
+    counts = np.where(steps * block < FINE * CELL, np.round((averaged - 1) * steps * block / CELL) + 1, averaged)
+    if (counts < averaged).any():
+        grey = ndimage.zoom(grey, counts / averaged, order=1)  # from middle to middle of the outermost
+    scale = block * (averaged - 1) / np.maximum(np.array(grey.shape) - 1, 1)
+    turn = np.diag([*scale, 1.0])
     turn[:3, 3] = 0.5 * (block - 1)
-    sizes = steps * block
+    sizes = steps * scale
     strongest = float(np.percentile(grey, 99.5))
     if min(grey.shape) < 2 or (grey < DARK * strongest).mean() < SURELY_AIR:
         raise BadScan(NO_AIR)
@@ -78,7 +82,7 @@ def cells_of(image: ImageVolume) -> Cells:
     quiet = np.float32(_noise(smooth, strongest))
     edge = np.where(ISO * near < FAINT * noise, quiet, np.float32(ISO) * near)
     closed = smooth > np.maximum(np.maximum(edge, quiet), np.float32(LEAST) * wide)
-    return Cells(grey, level, closed, block, image.affine @ turn)
+    return Cells(grey, level, closed, image.affine @ turn)
 
 
 def body_in(cells: Cells) -> Booleans:

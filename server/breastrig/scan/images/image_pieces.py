@@ -2,7 +2,7 @@
 
 from breastrig.scan.images.image import ImageVolume, kept_image
 from breastrig.scan.images.skin_of_image import skin_of_image
-from breastrig.scan.piece import Piece, Pieces
+from breastrig.scan.piece import Piece, Pieces, SeenLandmark
 from breastrig.scan.volumes.label_map import BOTH, ONE_BREAST
 
 FRAME = "Places are in the DICOM patient frame (LPS), mm; the skin was made from the image."
@@ -18,4 +18,5 @@ def image_pieces(image: ImageVolume) -> Pieces:
         notes=(FRAME, *narrow, *image.notes, *skin.notes),
         unit="mm",
         image=kept_image(image),
+        seen=tuple(SeenLandmark(f"nipple_{each.side}", each.place, each.radius_mm) for each in skin.nipples),
     )

@@ -6,7 +6,6 @@ and what the field of view folds over.
 """
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from scipy import ndimage
@@ -20,6 +19,7 @@ from breastrig.geometry.normals import face_areas, vertex_normals
 from breastrig.scan.clean import compact
 from breastrig.scan.images.cells import ISO, NO_AIR, Cells, Grey, body_in, cells_of
 from breastrig.scan.images.image import ImageVolume
+from breastrig.scan.images.nipples import SeenNipple, nipples_on
 
 DEPTHS = np.arange(-3.0, 8.01, 0.5)  # mm inwards, along which the image is looked at
 SHALLOW, DEEP = (0.0, 3.0), (4.0, 8.0)  # mm, of the skin, and of the fat under it
@@ -37,15 +37,6 @@ BESIDE = (
     "folds over; the skin is open there."
 )
 EDGE = "The body reaches the {} edge of the image; the skin is open there."
-
-
-@dataclass(frozen=True, eq=False)
-class SeenNipple:
-    """A nipple seen in the image."""
-
-    side: Literal["L", "R"]
-    place: Array  # (3,) mm, LPS
-    radius_mm: float  # that holds the true place with 90 %
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,10 +61,11 @@ def skin_of_image(image: ImageVolume) -> ImageSkin:
         iso = iso or _iso(profiles)
         levels = cells.sampled(cells.level, vertices) * (iso / ISO)
         vertices = vertices - _crossings(profiles, levels)[:, None] * normals
-    at = cells.indices(vertices[faces].mean(axis=1))
+    middles = vertices[faces].mean(axis=1)
+    at = cells.indices(middles)
     is_arm = arms[tuple(np.clip(np.round(at).astype(np.int64), 0, np.array(arms.shape) - 1).T)]
     is_flat = _without_step(vertices, faces, profiles) & ~is_arm
-    voxels = at * cells.block + 0.5 * (cells.block - 1)
+    voxels = np.linalg.solve(image.affine[:3, :3], (middles - image.affine[:3, 3]).T).T
     known = np.ones(len(faces), np.bool_)
     for gap in image.gaps:
         known &= (voxels[:, gap.axis] < gap.first - 1) | (voxels[:, gap.axis] > gap.last + 1)
@@ -86,7 +78,8 @@ def skin_of_image(image: ImageVolume) -> ImageSkin:
     vertices, faces = compact(vertices, faces[known & ~is_arm & ~is_flat])
     if not len(faces):
         raise BadScan(NO_AIR)
-    return ImageSkin(vertices, faces, (*notes, *_edges(cells, body)))
+    nipples = nipples_on(vertices, faces, _middle(cells, body))
+    return ImageSkin(vertices, faces, (*notes, *_edges(cells, body)), nipples)
 
 
 def _surface(cells: Cells, body: Booleans) -> tuple[Array, Integers]:
@@ -156,10 +149,9 @@ def _beside(cells: Cells, body: Booleans) -> Booleans:
     sizes = cells.sizes[order]
     found = np.zeros_like(turned)
     depth = sizes[1] * np.where(turned.any(axis=1), turned.argmax(axis=1), turned.shape[1])  # (left, up) mm
-    middle = cells.affine[:3, :3] @ (0.5 * (np.array(body.shape) - 1)) + cells.affine[:3, 3]
-    x = middle[0] + sizes[0] * (np.arange(turned.shape[0]) - 0.5 * (turned.shape[0] - 1))
-    there = x[turned.any(axis=(1, 2))]
-    centre = 0.0 if abs(there.mean()) < MIDDLE_WITHIN else float(there.mean())
+    volume_middle = cells.affine[:3, :3] @ (0.5 * (np.array(body.shape) - 1)) + cells.affine[:3, 3]
+    x = volume_middle[0] + sizes[0] * (np.arange(turned.shape[0]) - 0.5 * (turned.shape[0] - 1))
+    centre = _middle(cells, body)
     for half in (np.flatnonzero(x >= centre), np.flatnonzero(x < centre)[::-1]):
         if not len(half):
             continue
@@ -174,6 +166,13 @@ def _beside(cells: Cells, body: Booleans) -> Booleans:
         found[half] = (np.arange(len(half))[:, None] >= first)[:, None, :]
     back = np.flip(found, tuple(row for row in range(3) if signs[row] < 0.0))
     return np.asarray(back.transpose(np.argsort(order)))
+
+
+def _middle(cells: Cells, body: Booleans) -> float:
+    """mm, x between the sides: the origin, between the breasts, unless the body lies elsewhere."""
+    mean = np.argwhere(body[::4, ::4, ::4]).mean(axis=0) * 4.0
+    across = float((cells.affine[:3, :3] @ mean + cells.affine[:3, 3])[0])
+    return 0.0 if abs(across) < MIDDLE_WITHIN else across
 
 
 def _last_valley(outwards: Array, forward: Booleans) -> int:
