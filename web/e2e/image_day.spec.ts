@@ -30,7 +30,7 @@ test("dropped together: image, lesion and scans become one patient, the lesion i
   const truth = JSON.parse(readFileSync(join(folder, "truth.json"), "utf8")) as Truth;
   await page.setViewportSize({ width: 1280, height: 720 });
   await page.goto(base);
-  await until(page, () => window.__breastrig?.state().meta);
+  await until(page, () => window.__breastrig);
 
   await test.step("which series is asked with pictures; then all four files find their place", async () => {
     await drop(page, ["standing.ply", "lesion.dcm", "image.zip", "supine.ply"].map((name) => ({ name, path: join(folder, name) })));

@@ -18,7 +18,7 @@ import { createOutbox, type Outbox } from "../store/outbox";
 import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import { viewActions } from "../viewer/actions";
-import { bringActions } from "./bringing/bringFiles";
+import { bringActions } from "./bring";
 import { deletionActions } from "./deletion/actions";
 import { exportActions } from "./exportActions";
 import { keepTrying } from "./keepTrying";

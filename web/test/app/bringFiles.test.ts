@@ -156,6 +156,13 @@ test("whether lesions lie in the image is asked; called off, none are taken", as
   }
 });
 
+test("files that come before the service has said what it takes are all sent", async () => {
+  const { store, actions, sent } = withImages({ "mri.zip": { image } });
+  store.set({ meta: null });
+  await actions.bring.files([dicom("tumour.dcm", SEG), file("mri.zip"), file("standing.ply")]);
+  expect(sent.map(([name]) => name)).toEqual(["standing.ply", "mri.zip"]);
+});
+
 test("slices by themselves are not sent one by one", async () => {
   const { store, actions, sent } = withImages({});
   await actions.bring.files(Array.from({ length: 20 }, (_, k) => dicom(`I${k}`, SLICE)));

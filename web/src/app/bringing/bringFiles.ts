@@ -3,11 +3,10 @@
 // files of landmarks go to the scan that they lie on, and where that is not clear nobody guesses.
 import { ApiError, type Client } from "../../api/client";
 import type { Scan, Vector } from "../../api/types";
-import type { FitActions } from "../../fit/actions";
 import type { LandmarkActions } from "../../landmarks/actions";
 import { LANDMARK_ENDINGS, picksOf } from "../../landmarks/picks";
 import type { ScanActions } from "../../scan/actions";
-import { isSizeAsked, sizeDoubt } from "../../scan/state";
+import { sizeDoubt } from "../../scan/state";
 import type { PlanActions } from "../../plan/actions";
 import type { StancesActions } from "../../stances/actions";
 import { messageOf, withProblem } from "../../store/problems";
@@ -21,23 +20,20 @@ const SLICES = 5; // DICOM files beside each other that are slices of one series
 const NEAR_M = 0.03; // a landmark is on or just below the skin
 
 const endsWith = (file: File, endings: readonly string[]): boolean => endings.some((ending) => file.name.toLowerCase().endsWith(ending));
-interface Others {
-  readonly scan: Pick<ScanActions, "upload" | "takeExample" | "add" | "addLesions" | "confirm" | "confirmModel" | "readAgain" | "takeSegments">;
-  readonly stances: Pick<StancesActions, "addBeside" | "takeExampleBeside">;
-  readonly fit: Pick<FitActions, "start">;
+
+export interface Takers {
+  readonly scan: Pick<ScanActions, "upload" | "add" | "addLesions">;
+  readonly stances: Pick<StancesActions, "addBeside">;
   readonly landmarks: Pick<LandmarkActions, "importFile">;
   readonly plan: Pick<PlanActions, "takeOver">;
+  /** The scan that has just come is fitted, where nothing speaks against it. */
+  readonly begin: () => void;
 }
 
-export function bringActions(store: Store<Session>, client: Pick<Client, "landmarkFile" | "saveLandmarks">, others: Others) {
+/** Loaded with the first files. */
+export function createBringing(store: Store<Session>, client: Pick<Client, "landmarkFile" | "saveLandmarks">, others: Takers) {
   const whyNoScan = new Map<File, string>(); // of volumes that may be lesions alone
   const fail = (message: string): void => store.set((state) => withProblem(state, "scan", message));
-
-  /** A scan that has just come is fitted at once, unless something about it is asked first. */
-  function begin(): void {
-    const { scan, fit, fitsAtOnce } = store.get();
-    if (scan && fit === null && fitsAtOnce && !isSizeAsked(store.get())) void others.fit.start();
-  }
 
   async function files(all: readonly File[]): Promise<void> {
     const { meta, scan } = store.get();
@@ -50,7 +46,7 @@ export function bringActions(store: Store<Session>, client: Pick<Client, "landma
       fail(words.slices);
       return;
     }
-    const known = rest.length === 1 ? rest : rest.filter((file) => endsWith(file, endings) || dicom.get(file)); // one alone is sent whatever its name
+    const known = rest.length === 1 || endings.length === 0 ? rest : rest.filter((file) => endsWith(file, endings) || dicom.get(file)); // one alone is sent whatever its name, and all before the service has said which it takes
     const onPage = imageOnPage();
     const drawn = known.filter((file) => dicom.get(file) === "segments" || /\.seg\.nrrd$/i.test(file.name));
     const isDrawn = (file: File): boolean => drawn.includes(file) && (drawn.length === known.length ? onPage !== null : known.some((each) => isVolume(each) && !drawn.includes(each)));
@@ -72,7 +68,7 @@ export function bringActions(store: Store<Session>, client: Pick<Client, "landma
     const patient = store.get().scan!.info;
     const added: Scan[] = [patient];
     const belongings = known.filter(isDrawn);
-    if (landmarks.length + belongings.length + mayBeDrawn.length === 0) begin(); // the model settles while the others come
+    if (landmarks.length + belongings.length + mayBeDrawn.length === 0) others.begin(); // the model settles while the others come
     for (const file of scans) {
       try {
         const info = await others.scan.add(file, patient.patient);
@@ -85,7 +81,7 @@ export function bringActions(store: Store<Session>, client: Pick<Client, "landma
     }
     await lesions([...belongings, ...mayBeDrawn], added.filter(({ image }) => image));
     const unplaced = await place(landmarks, added);
-    begin();
+    others.begin();
     for (const info of added.slice(1)) await others.stances.addBeside(info, store.get().fitsAtOnce && sizeDoubt(info) === "");
     const left = rest.length - known.length;
     const said = [...(left > 0 ? [words.notTaken(left)] : []), ...(unplaced > 0 ? [words.unplaced(unplaced)] : [])];
@@ -130,38 +126,7 @@ export function bringActions(store: Store<Session>, client: Pick<Client, "landma
     return unplaced;
   }
 
-  return {
-    files,
-    begin,
-
-    /** The file of the scan on the page, read otherwise. */
-    async again(how: Parameters<ScanActions["readAgain"]>[0]): Promise<void> {
-      if (!(await others.scan.readAgain(how))) return;
-      if (how.model !== undefined) await others.scan.confirmModel();
-      begin();
-    },
-
-    takeSegments: async (chosen: Parameters<ScanActions["takeSegments"]>[0]): Promise<boolean> => {
-      const isThere = await others.scan.takeSegments(chosen);
-      if (isThere) begin();
-      return isThere;
-    },
-
-    /** Scans of the example patient, of whom there is one. */
-    async examples([first, ...further]: readonly string[]): Promise<void> {
-      if (first === undefined || !(await others.scan.takeExample(first))) return;
-      begin();
-      for (const name of further) await others.stances.takeExampleBeside(name, store.get().fitsAtOnce);
-    },
-
-    /** Somebody says that the size which looked wrong is right. */
-    sizeIsRight: (): void => {
-      others.scan.confirm();
-      begin();
-    },
-
-    chooseFitsAtOnce: (fitsAtOnce: boolean): void => store.set({ fitsAtOnce }),
-  };
+  return files;
 }
 
 /** mm, in the box of the scan. */
