@@ -22,8 +22,7 @@ COARSE = 4.0  # mm, of the maxima's grid
 NEAR, WIDE = 14.0, 40.0  # mm to each side, in which the strongest signal is looked for
 ISO = 0.25  # of the strongest nearby: half of skin beside bright fat, its edge
 LEAST = 0.12  # of the strongest within WIDE
-FAINT = 1.5  # times the noise: where less than this is the threshold, single cells say nothing
-SMOOTH = 3.0  # mm, Gaussian that says it there, and closes holes through which air would enter
+SMOOTH = 3.0  # mm, Gaussian that closes holes through which air would enter
 DEVIATIONS = 4.0  # of the air's noise over its middle
 DARK = 0.12  # of the image's strongest: what may be air
 SURELY_AIR = 0.01  # share of the cells that is dark at least
@@ -80,8 +79,7 @@ def cells_of(image: ImageVolume) -> Cells:
     level = np.maximum(np.maximum(np.float32(ISO) * near, np.float32(LEAST) * wide), np.float32(noise))
     smooth = ndimage.gaussian_filter(grey, SMOOTH / sizes)
     quiet = np.float32(_noise(smooth, strongest))
-    edge = np.where(ISO * near < FAINT * noise, quiet, np.float32(ISO) * near)
-    closed = smooth > np.maximum(np.maximum(edge, quiet), np.float32(LEAST) * wide)
+    closed = smooth > np.maximum(quiet, np.float32(LEAST) * wide)
     return Cells(grey, level, closed, image.affine @ turn)
 
 

@@ -1,0 +1,15 @@
+from breastrig.scan.images.skin_of_image import skin_of_image
+from breastrig_studies.image_skin import HEADS, found_in, row
+from helpers.mr_image import mr_image
+
+
+def test_a_row_says_what_was_found_and_missed():
+    made = mr_image("one side")
+    found = found_in(made, skin_of_image(made.image))
+    assert found.shown == len(found.nipples) == 1
+    assert found.skin.mean() < 0.4
+    assert not (found.missed > 3.0).any()
+    cells = row("one side", [found, found]).strip("|\n ").split(" | ")
+    assert len(cells) == len(HEADS)
+    assert cells[0] == "one side"
+    assert cells[-1] == "2 of 2"
