@@ -1,7 +1,7 @@
 from helpers.mr_image import mr_image
 
 from breastrig.scan.images.skin_of_image import skin_of_image
-from breastrig_studies.image_skin import HEADS, found_in, row
+from breastrig_studies.virtual.magnetic.image_skin import HEADS, found_in, row
 
 
 def test_a_row_says_what_was_found_and_missed():
