@@ -343,7 +343,7 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   const slice = page.getByRole("img", { name: /^Axial slice/ });
   await slice.press("ArrowRight"); // the cross alone
   await lesions.getByRole("button", { name: "Move MRI 1" }).click();
-  await expect(page.getByText("Dragging and arrow keys move MRI 1.")).toBeVisible();
+  await expect(page.getByText("Dragging and arrow keys move MRI 1; its handle")).toBeVisible();
   for (let k = 0; k < 3; k += 1) await slice.press("ArrowRight");
   const moved = center.map((value, i) => value + 3 * axial!.right[i]!);
   const now = async () => ((await (await page.request.get(`${base}/api/fits/${first}/plan.json`)).json()) as PlanOnScan).lesions[0]!.center.map((value) => mmFrom(value, laid.unit));
