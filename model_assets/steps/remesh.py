@@ -148,8 +148,8 @@ def _split_long(mesh: _Mesh, size: list[float]) -> int:
         for f in sides:
             t = mesh.triangles[f]
             mesh.remove(f)
-            mesh.add(tuple(middle if v == a else v for v in t))
-            mesh.add(tuple(middle if v == b else v for v in t))
+            mesh.add(tuple(middle if v == a else v for v in t))  # type: ignore[arg-type]
+            mesh.add(tuple(middle if v == b else v for v in t))  # type: ignore[arg-type]
         done += 1
     return done
 
@@ -207,7 +207,7 @@ def _collapse_short(mesh: _Mesh, size: list[float]) -> int:
                 for f in sorted(mesh.around[gone]):
                     t = mesh.triangles[f]
                     mesh.remove(f)
-                    mesh.add(tuple(kept if v == gone else v for v in t))
+                    mesh.add(tuple(kept if v == gone else v for v in t))  # type: ignore[arg-type]
                 done += 1
                 break
     return done

@@ -20,4 +20,4 @@ def test_a_study_says_what_it_takes(
             runpy.run_path(str(program), run_name="__main__")
         said = capsys.readouterr()
         assert ended.value.code == status
-        assert re.match(rf"usage: {program.name} \[-h\]( \S+)+", said.out or said.err)
+        assert re.match(rf"usage: {program.name} \[-h\]( \S+)*\n", said.out or said.err)

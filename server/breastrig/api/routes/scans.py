@@ -426,5 +426,5 @@ def _answer(row: StoredScan, owner: StoredPatient) -> wire.Scan:
     shown = {name: fact for name, fact in row.facts.items() if name != "orientation"}  # that is for our own workers
     facts = shown | cut_facts(row) | {"patient_code": owner.code, "sha256": row.sha256}
     model = app_context().service.models.name_of(row.facts)
-    facts |= {"model": model, "model_said": said_model(app_context().service.storage, row.id) == model}
+    facts |= {"model": model, "model_said": said_model(app_context().service.storage, owner.id, row.id) == model}
     return wire.Scan(id=row.id, patient=patient, created_at=row.created_at, links=links, **facts)

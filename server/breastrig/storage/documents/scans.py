@@ -130,10 +130,10 @@ def put_cuts(storage: Storage, scan_id: str, cuts: Cuts, seen: str | None = None
     return True
 
 
-def said_model(storage: Storage, scan_id: str) -> str | None:
-    """Name of the model that a person has said is the right one for the scan; None where nobody has."""
+def said_model(storage: Storage, patient_id: str, scan_id: str) -> str | None:
+    """Name of the model that a person has said is the right one for the patient's scan; None where nobody has."""
     try:
-        return of_scans.get_answers(storage.case_of_scan(scan_id), scan_id).model
+        return of_scans.get_answers(storage.case(patient_id), scan_id).model
     except NotFound:
         return None
 
