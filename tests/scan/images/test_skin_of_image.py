@@ -158,7 +158,7 @@ def test_one_side_says_where_the_image_ends():
     assert found(mr_image("one side")).notes == (skin_of_image.EDGE.format("right"),)
 
 
-@pytest.mark.parametrize("seed", [1, 4, 6])
+@pytest.mark.parametrize("seed", [1, 6])
 def test_nipples_are_seen_on_their_sides(seed):
     made = mr_image("plain", seed=seed, step=1.5)
     seen = found(made).nipples
