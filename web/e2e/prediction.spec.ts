@@ -28,7 +28,7 @@ test("the stance that is missing is predicted, the pattern is carried there, and
     await page.getByRole("dialog").getByRole("button", { name: "Predict supine" }).press("Enter");
     await expect(page.getByRole("dialog")).toHaveCount(0);
     const pane = page.getByRole("region", { name: "Supine, predicted" });
-    await expect(pane.getByText("predicted, not scanned")).toBeVisible();
+    await expect(pane.getByText("predicted, not scanned", { exact: true })).toBeVisible();
     await expect(pane.getByText(/Predicted from the standing scan: .* Drawn lines are (one|two|three) fingers? wide\./)).toBeVisible();
     await pane.locator("canvas").click();
     expect((await page.evaluate(() => window.__breastrig!.state().fit!.id)), "nothing can be worked on there").toBe(id);
@@ -65,7 +65,7 @@ test("the stance that is missing is predicted, the pattern is carried there, and
 
   await test.step("it is there again after a reload, with what is planned", async () => {
     await page.reload();
-    await expect(page.getByText("predicted, not scanned")).toBeVisible();
+    await expect(page.getByText("predicted, not scanned", { exact: true })).toBeVisible();
     await expect.poll(async () => (await other(page)).errors.length).toBeGreaterThan(0);
   });
 
@@ -75,7 +75,7 @@ test("the stance that is missing is predicted, the pattern is carried there, and
     await expect(page.getByRole("dialog")).toHaveCount(0);
     await expect.poll(() => page.evaluate(() => window.__breastrig!.state().stances.other?.fit?.id)).toBe(id);
     expect((await other(page)).from).toBeUndefined();
-    await expect(page.getByText("predicted, not scanned")).toBeHidden();
+    await expect(page.getByText("predicted, not scanned", { exact: true })).toBeHidden();
   });
   expect(troubles).toEqual([]);
 });
