@@ -71,6 +71,12 @@ LEFT = ClockPosition("L", 2.0, 0.045)
         ("right, inferolateral", ClockPosition("R", 2.0, 0.03), False),
         ("left, 8 o'clock", ClockPosition("L", None, 0.03), True),  # behind the nipple: by its side alone
         ("left 11-1 o'clock", ClockPosition("L", 12.0, 0.03), True),
+        ("links, 2 Uhr", LEFT, True),
+        ("rechts, 2 Uhr", LEFT, False),
+        ("sein droit, à l'union des quadrants", LEFT, False),
+        ("mama derecha, 2 horas", LEFT, False),
+        ("vasen, 2 o'clock", LEFT, None),  # the hour agrees, but of a side nothing was read
+        ("2 o'clock", LEFT, None),
         ("45 mm", LEFT, None),
         ("left and right", LEFT, None),
         ("14 o'clock", LEFT, None),

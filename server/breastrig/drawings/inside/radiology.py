@@ -26,9 +26,14 @@ QUADRANTS = {
 }  # middle hours, left breast
 UNREAD = 'Not compared: write side and hour, for instance "left, 2 o\'clock, 45 mm".'
 
-_HOUR = re.compile(r"\b(\d{1,2})(?:[:.](\d\d))?(?:\s*(?:-|–|to)\s*(\d{1,2}))?\s*(?:o\s*['’`]?\s*clock|h\b)")
+_HOUR = re.compile(
+    r"\b(\d{1,2})(?:[:.](\d\d))?(?:\s*(?:-|–|to)\s*(\d{1,2}))?\s*(?:o\s*['’`]?\s*clock|uhr\b|heures?\b|horas?\b|h\b)"
+)
 _TIME = re.compile(r"\b(\d{1,2}):(\d\d)\b()")
-_SIDES = {"L": re.compile(r"\b(left|lt|l)\b"), "R": re.compile(r"\b(right|rt|r)\b")}
+_SIDES = {  # a letter before an apostrophe is an article
+    "L": re.compile(r"\b(left|lt|links|linke[mnrs]?|gauche|izquierd[ao]|l)\b(?!['’])"),
+    "R": re.compile(r"\b(right|rt|rechts|rechte[mnrs]?|droite?|derech[ao]|r)\b(?!['’])"),
+}
 _ACROSS = {"upper": "superior|upper|supero", "lower": "inferior|lower|infero"}
 _ALONG = {"outer": "lateral|outer", "inner": "medial|inner"}
 
@@ -86,7 +91,11 @@ def checked_radiology(written: str, place: ClockPosition, *, is_carried: bool) -
     if here != there and off > within:
         wrote = there if within > APART else _spoken(hour)
         return RadiologyCheck(False, f"Radiology wrote {wrote}; this lesion lies at {_spoken(place.hour)} ({here}).")
-    return RadiologyCheck(True, f"Agrees with radiology by {'side and ' if side else ''}quadrant.")
+    if side is None:
+        return RadiologyCheck(
+            None, "The same quadrant as radiology wrote, but no one side was read: write left or right."
+        )
+    return RadiologyCheck(True, "Agrees with radiology by side and quadrant.")
 
 
 def quadrant(side: str, hour: float) -> str:
