@@ -50,7 +50,7 @@ export function createHome(patients: PatientActions, bring: Bringing, addressOf:
     update({ patients: state, scan, meta, examples: known, problems }: Shown): void {
       const { rows, next, search: sought, order: by, isKnown, isBusy, points, going } = state;
       show(element, scan === null);
-      setText(limit, words.limit(meta ? formatMegabytes(meta.limits.upload_bytes) : null));
+      setText(limit, words.limit(meta ? formatMegabytes(meta.limits.upload_bytes) : null, meta ? formatMegabytes(meta.limits.zip_bytes) : null));
       examples.element.classList.toggle("is-out", known.length === 0);
       const together = known.filter(({ stance }, i) => known.findIndex((each) => each.stance === stance) === i).map(({ name }) => name); // one of each stance
       fill(examples.card, known, () =>

@@ -10,8 +10,8 @@ export const home = {
   orders: { newest: "Newest first", code: "By code", deletion: "Deleted soonest" },
   fresh: "New patient",
   drop: "Drop the patient's scans anywhere on this page",
-  limit: (megabytes: string | null) =>
-    `Standing, lying, and the MRI with its lesions, together or one by one. 3D scans, DICOM as a zip, NIfTI, NRRD, up to ${megabytes ?? "…"} MB. They stay on this service; no names.`,
+  limit: (megabytes: string | null, zip: string | null) =>
+    `Standing, lying, and the MRI with its lesions, together or one by one. 3D scans, NIfTI, NRRD up to ${megabytes ?? "…"} MB, a zip of DICOM up to ${zip ?? "…"} MB. They stay on this service; no names.`,
   example: "Try the example",
   exampleHint: "A synthetic patient: nobody's scan",
   allExamples: "All scans of the example patient",
