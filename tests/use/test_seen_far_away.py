@@ -23,3 +23,4 @@ def test_a_bump_that_is_not_followed_is_said() -> None:
     found = breastrig.fit(replace(scan, in_metres=replace(scan.in_metres, seen=seen)))
     said = [note for note in found.result["notes"] if note.startswith("The image shows")]
     assert [note.startswith(NOT_FOLLOWED.format("right nipple")) for note in said] == [True]
+    assert "Found in the image: nipple_L." in found.result["notes"]

@@ -54,10 +54,6 @@ from breastrig.rig.arms import arm_angles
 from breastrig.rig.known import NOT_CALIBRATED
 from breastrig.use.steps.outcome import FitOutcome
 
-NOT_FOLLOWED = (
-    "The image shows what may be the {}, far from where the form has it, so it was not followed; place it by hand."
-)
-
 
 def _rounded(values: Array, digits: int = 6) -> list[float]:
     return [round(float(value), digits) for value in np.asarray(values).ravel()]
@@ -159,16 +155,9 @@ def result_of(outcome: FitOutcome) -> ResultFile:
             blendshapes=dict(zip(rig.shape_names, _rounded(x.weights, 9), strict=True)),
         ),
         drawing_missing=list(outcome.drawing_missing),
-        notes=[*ready.notes, *_not_followed(outcome)],
+        notes=list(ready.notes),
         versions={"breastrig": __version__} | library_versions(),
     )
-
-
-def _not_followed(outcome: FitOutcome) -> list[str]:
-    """One sentence for each landmark that the image shows and the fit did not follow."""
-    rig, used = outcome.ready.plan.rig, outcome.seen.keys() | outcome.ready.plan.landmarks.keys()
-    left = {each.name for each in outcome.ready.scan.seen} - used
-    return [NOT_FOLLOWED.format(each.label) for each in rig.landmarks if each.name in left]
 
 
 def _distances(found: FoundDistances, model: Mapping[str, Array], picked: Mapping[str, Array]) -> dict[str, Any]:

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from breastrig.colour.features.observation import Observation
 from breastrig.core.arrays import Array
 from breastrig.core.clock import Clock
 from breastrig.core.errors import BadLandmarks, BadSettings, unknown_name, unknown_names
@@ -26,6 +25,7 @@ from breastrig.fitting.hypotheses import (
     found_hypothesis,
     orientation_from,
 )
+from breastrig.fitting.observed.landmarks import IN_IMAGE
 from breastrig.fitting.prepare_scan import PreparedScan, prepared_scan
 from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import Recipe, load_recipe
@@ -46,6 +46,9 @@ from breastrig.use.steps.settings import FIRST, EarlierFit, FitJob, FitSettings
 
 ALL_EXCHANGED = "Left and right of the landmarks look exchanged, or the scan is mirrored; none of them was followed."
 SHOWN_BY_COLOUR = 0.74  # confidence; on 98 scans form proposed none surer than 0.72, colour none less sure than 0.75
+NOT_FOLLOWED = (
+    "The image shows what may be the {}, far from where the form has it, so it was not followed; place it by hand."
+)
 FAR_LANDMARK = 0.1  # m from the scan; such a pick belongs to another scan or another unit
 
 
@@ -209,7 +212,7 @@ def prepare_fit(plan: FitPlan, scan: Scan, clock: Clock) -> ReadyScan:
         notes=(
             *scan.notes,
             *prepared.notes,
-            *_words(found.shown, found.task.picked),
+            *_seen(found, scan),
             *_unchecked(plan),
             *_of_cohort(found.task),
         ),
@@ -241,13 +244,21 @@ def _of_cohort(task: FitTask) -> tuple[str, ...]:
     return (f"Fitted with what {posterior.women} patients in this stance have in common.",)
 
 
-def _words(shown: Mapping[str, Observation] | None, picked: Collection[str]) -> tuple[str, ...]:
-    """A note of what was found by colour and not `picked`."""
-    found = {name: each for name, each in (shown or {}).items() if name not in picked}
-    if not found:
+def _seen(found: Hypothesis, scan: Scan) -> tuple[str, ...]:
+    """Notes of what colours or the image show and nobody has picked, and of what was not followed of the image."""
+    if found.shown is None:
         return ()
-    reasons = sorted({each.reason for each in found.values()})
-    return (f"Found by colour: {', '.join(found)} ({', '.join(reasons)}).",)
+    task = found.task
+    unpicked = {name: each.reason for name, each in found.shown.items() if name not in task.picked}
+    by_colour = {name: reason for name, reason in unpicked.items() if reason != IN_IMAGE}
+    in_image = [name for name in unpicked if name not in by_colour]
+    left = {each.name for each in scan.seen} - found.shown.keys() - set(task.picked)
+    notes = [NOT_FOLLOWED.format(each.label) for each in task.rig.landmarks if each.name in left]
+    if in_image:
+        notes.insert(0, f"Found in the image: {', '.join(in_image)}.")
+    if by_colour:
+        notes.insert(0, f"Found by colour: {', '.join(by_colour)} ({', '.join(sorted(set(by_colour.values())))}).")
+    return tuple(notes)
 
 
 def _exchanged(
