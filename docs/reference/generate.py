@@ -431,8 +431,7 @@ FILE_MODULES: Mapping[str, tuple[str, ...]] = {  # the rooms of scan/ by what th
     "images": ("scan/images/*.py", "scan/kept_image.py"),
     "landmark files": ("scan/landmarks/*.py",),
     "cuts and orientation": (
-        *(f"scan/{name}.py" for name in ("clean", "hand_cuts", "caps", "background", "other_pieces", "table")),
-        *(f"scan/{name}.py" for name in ("orient", "scan", "stored_scan")),
+        *(f"scan/{name}.py" for name in ("clean", "hand_cuts", "caps", "around/*", "orient", "scan", "stored_scan")),
     ),
 }
 

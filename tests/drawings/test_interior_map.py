@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 from helpers.subdivide import subdivided
 from helpers.surfaces import sphere
+from helpers.walled_patient import hanging
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.inks import LESION
 from breastrig.drawings.plan_on_scan import PlannedScan, plan_on_scan
 from breastrig.drawings.plan_schema import PlanLesion
-from breastrig.drawings.skin_maps.interior_map import moved_inside
+from breastrig.drawings.skin_maps.interior_map import moved_inside, over
 from breastrig.drawings.skin_maps.lying_motion import lying_motion
 from breastrig.drawings.skin_maps.skin_map import FittedScan, SkinMap
 from breastrig.geometry.closest_point import ClosestPointSearch
@@ -111,13 +112,6 @@ def test_tissue_sinks_outwards_on_both_sides_and_comes_back_the_same_way(torso: 
     np.testing.assert_allclose(back[2:], skin, atol=1e-6)
 
 
-def hanging(rig: Rig) -> Array:
-    """(V, 3) m: the breasts' skin farther in front, as when they hang."""
-    places, tips = rig.template, np.array([rig.template[rig.regions[f"areola_{side}"]].mean(axis=0) for side in "LR"])
-    away = np.linalg.norm(places[:, None] - tips, axis=2).min(axis=1)
-    return np.asarray(places + (0.04 * np.exp(-0.5 * (away / 0.025) ** 2))[:, None] * np.array([0.0, 0.2, 1.0]))
-
-
 def test_tissue_on_a_chest_wall_that_is_seen_goes_with_the_breastbone_and_the_rest_as_without(torso: Rig) -> None:
     a = scanned(torso, hanging(torso), "prone", True)
     b = scanned(torso, moved(torso.template), "supine", True)
@@ -134,6 +128,20 @@ def test_tissue_on_a_chest_wall_that_is_seen_goes_with_the_breastbone_and_the_re
     np.testing.assert_allclose(fast[3], free[3], atol=1e-6)
     onto = replace(b, wall=ClosestPointSearch(moved(corners), wall.triangles))  # of the other scan: says nothing
     np.testing.assert_array_equal(moved_inside(torso, a, onto, rising), free)
+
+
+def test_beside_a_wall_that_ends_tissue_goes_as_without_and_the_more_so_the_farther_away(torso: Rig) -> None:
+    """Behind the plane of a wall that another breast has: nobody has seen a wall there."""
+    a = scanned(torso, hanging(torso), "prone", True)
+    b = scanned(torso, moved(torso.template), "supine", True)
+    left, right = inside_the_breasts(torso, torso.template)
+    corners = np.array([[x, y, left[2]] for x, y in ((0.0, 0.0), (0.3, 0.0), (0.3, 0.7), (0.0, 0.7))])
+    wall = ClosestPointSearch(corners, np.array([[0, 1, 2], [0, 2, 3]]))
+    behind = np.array([left, right, right * [0.0, 1.0, 1.0] - [0.004, 0.0, 0.0]]) - [0.0, 0.0, 0.003]
+    np.testing.assert_allclose(over(wall, behind), [0.0, np.hypot(right[0], 0.003), 0.005], atol=1e-9)
+    free, held = moved_inside(torso, a, b, behind), moved_inside(torso, replace(a, wall=wall), b, behind)
+    share = np.linalg.norm(held - free, axis=1) / np.linalg.norm(moved(behind) - free, axis=1)
+    assert share == pytest.approx([1.0, 0.0, np.exp(-5.0 / 8.0)], abs=0.08)
 
 
 def test_a_rig_that_has_no_breastbone_carries_as_if_no_wall_were_seen(ball: Rig) -> None:

@@ -38,7 +38,7 @@ FUNCTIONS = {
     "breastrig.colour.features.observe": ("observed_landmarks",),
     "breastrig.scan.clean": ("clean",),
     "breastrig.scan.orient": ("propose_frame",),
-    "breastrig.scan.background": ("without_background",),
+    "breastrig.scan.around.background": ("without_background",),
     "breastrig.scan.images.read_volumes": ("pieces_of",),
     "breastrig.drawings.transfer": ("transferred", "points_carried"),
     "breastrig.drawings.skin_maps.interior_map": ("moved_inside",),

@@ -9,8 +9,8 @@ from helpers.surfaces import sphere
 from breastrig.core.assets import asset_folder
 from breastrig.fitting.prepare_scan import PreparedScan, prepared
 from breastrig.geometry.normals import face_areas
+from breastrig.scan.around.other_pieces import without_other_pieces
 from breastrig.scan.clean import Surface, clean
-from breastrig.scan.other_pieces import without_other_pieces
 from breastrig.scan.read import read_scan
 
 HEIGHT, RADIUS = 0.25, 0.16  # m

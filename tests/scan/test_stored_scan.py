@@ -7,10 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.named_scans import NAME, NAMED, named_glb, named_picture, named_zip
+from helpers.walled_patient import label_map
 from PIL import Image
 
 from breastrig.core.errors import BadScan
+from breastrig.geometry.boundary import boundary_vertices
+from breastrig.geometry.normals import face_normals
 from breastrig.gltf.mesh_glb import mesh_glb
+from breastrig.rig.model import Rig
 from breastrig.scan.pictures.texture import plain_picture
 from breastrig.scan.read import read_scan
 from breastrig.scan.stored_scan import STORED, write_stored
@@ -34,6 +38,23 @@ def test_the_kept_scan_is_read_as_the_upload_was(kind: str, tmp_path: Path) -> N
     for name in ("unit", "metres_per_unit", "unit_reason", "notes", "texture", "picture", "colour_kind"):
         assert getattr(scan, name) == getattr(kept, name)
     assert kept.sha256 == hashlib.sha256(data).hexdigest()
+
+
+def test_the_chest_wall_of_a_label_map_is_kept(torso: Rig, tmp_path: Path) -> None:
+    scan = read_scan(label_map(torso))
+    assert scan.wall is not None
+    vertices, faces = scan.wall
+    inner = ~boundary_vertices(faces, len(vertices))[faces].any(axis=1)  # its rim is rounded
+    normals = face_normals(vertices, faces[inner])
+    assert np.percentile(normals[:, 1], 90) < -0.999
+    assert len(normals) > 1000
+    assert len(vertices) < 1000
+    write_stored(scan, tmp_path / "kept")
+    kept = read_scan(tmp_path / "kept", STORED).wall
+    assert kept is not None
+    np.testing.assert_array_equal(kept[0], vertices)
+    np.testing.assert_array_equal(kept[1], faces)
+    assert b"Pectoral" not in (tmp_path / "kept").read_bytes()
 
 
 @pytest.mark.parametrize("kind", NAMED)

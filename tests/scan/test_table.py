@@ -9,11 +9,11 @@ from breastrig.core.stances import AUTO
 from breastrig.fitting.prepare_scan import PreparedScan, prepared
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import face_areas
+from breastrig.scan.around.table import found_table
 from breastrig.scan.clean import Surface, clean
 from breastrig.scan.orient import propose_frame
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
-from breastrig.scan.table import found_table
 from breastrig_studies.virtual.bodies import read_bodies
 from breastrig_studies.virtual.scan import Circumstances, scan_skin
 

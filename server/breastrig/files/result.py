@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
 
 from breastrig.core.arrays import Array
 from breastrig.core.documents import json_bytes
@@ -43,6 +43,7 @@ FIT_FILES = (
     RESULT,  # the last one: where it stands, the others are there
 )
 HASHED = ("scan.ply", "fitted.ply", "drawing.json", "distances.bin", UNCERTAINTY, BODY, CHECKS)  # read again
+WALL_POINTS = 11_000  # scan/volumes/wall.py has 101 columns to each side
 EDITED = 16  # hexadecimal digits of a field's hash: against mistakes, not against intent
 
 Unit = Literal["m", "dm", "cm", "mm", "in", "ft"]
@@ -159,6 +160,21 @@ class ResultLesion(Document):
     radius_mm: FiniteFloat = Field(gt=0.0)
 
 
+class ResultWall(Document):
+    """The chest wall that the scan's label map, or a file drawn on its image, names; in the scan's frame."""
+
+    points: list[Three] = Field(max_length=WALL_POINTS, description="in the scan's unit, some 8 mm apart")
+    triangles: list[Annotated[list[int], Field(min_length=3, max_length=3)]] = Field(
+        min_length=1, max_length=8 * WALL_POINTS, description="of these, counter-clockwise from the front"
+    )
+
+    @model_validator(mode="after")
+    def _names_its_points(self) -> "ResultWall":
+        if not all(0 <= corner < len(self.points) for each in self.triangles for corner in each):
+            raise ValueError("a triangle names a point that is not there")
+        return self
+
+
 class ResultPatient(Document):
     code: Code = ""
     given: bool = Field(default=False, description="by a person; otherwise it is random")
@@ -262,6 +278,9 @@ class ResultFile(Document):
         {}, exclude_if=not_, description="by side, null where none is seen; absent for a scan without texture"
     )
     lesions: list[ResultLesion] = Field([], exclude_if=not_, description="of a label map")
+    wall: ResultWall | None = Field(
+        None, exclude_if=not_, description="the chest wall, where the scan's file names it; else it is estimated"
+    )
     parameters: ResultParameters
     drawing_missing: list[str] = Field(
         [],

@@ -20,12 +20,12 @@ from breastrig.core.stances import STANDING
 from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.normals import face_areas
 from breastrig.geometry.plane import Plane
-from breastrig.scan.background import cut_background, without_background
+from breastrig.scan.around.background import cut_background, without_background
+from breastrig.scan.around.other_pieces import Piece, without_other_pieces
+from breastrig.scan.around.table import Table, found_table
 from breastrig.scan.clean import MIN_TRIANGLES, Surface, clean, compact, large_pieces
 from breastrig.scan.orient import IMAGE_FRAME, LABEL_MAP_FRAME, Frame, propose_frame
-from breastrig.scan.other_pieces import Piece, without_other_pieces
 from breastrig.scan.scan import Scan
-from breastrig.scan.table import Table, found_table
 
 
 @dataclass(frozen=True, eq=False)

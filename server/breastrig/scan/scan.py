@@ -37,6 +37,7 @@ class Scan:
     image: KeptImage | None = None  # of which the skin was made; kept beside a stored scan
     seen: tuple[SeenLandmark, ...] = ()  # that the image shows, m
     lesions: tuple[BallInside, ...] = ()  # that a label map shows, m
+    wall: tuple[Array, Integers] | None = None  # (V, 3) m the chest wall that its file names, (F, 3) towards the front
     segments: tuple[TakenSegment, ...] = ()  # of a label map, and what each was taken for
 
     def __post_init__(self) -> None:

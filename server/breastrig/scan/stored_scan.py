@@ -36,6 +36,8 @@ def write_stored(scan: Scan, path: Path) -> None:
     }
     if scan.colours is not None:
         arrays["colours"] = scan.colours
+    if scan.wall is not None:
+        arrays["wall_vertices"], arrays["wall_faces"] = scan.wall
     if scan.uv is not None and scan.picture is not None:
         arrays |= {"uv": scan.uv, "picture": np.frombuffer(scan.picture, np.uint8)}
     with path.open("wb") as file:
@@ -63,6 +65,7 @@ def read_stored(path: Path, texture: bool = True, for_display: bool = True) -> S
                 **{name: facts[name] for name in FACTS} | {"notes": tuple(facts["notes"])},
                 **{name: facts.get(name, False) for name in OF_VOLUMES},
                 seen=tuple(SeenLandmark(name, np.array(at), r) for name, at, r in facts.get("seen", [])),
+                wall=(arrays["wall_vertices"], arrays["wall_faces"]) if "wall_faces" in arrays else None,
                 lesions=tuple(BallInside(name, np.array(at), r) for name, at, r in facts.get("lesions", [])),
             )
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:

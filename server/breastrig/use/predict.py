@@ -161,6 +161,7 @@ def _result(
             "arm_angles_deg": {},
             "areolae": {},
             "lesions": [],
+            "wall": None,
             "median_plane": plane,
         }
     )

@@ -563,6 +563,8 @@ export type LesionDistance = {
   /** with the high one the band that holds nine of ten; null where not known */
   low_mm: number | null;
   high_mm: number | null;
+  /** of the chest wall: the scan's file names it, as its slices show it */
+  seen?: boolean;
 };
 
 /** A plane through the centre of a lesion, with the fitted skin that it cuts. */
@@ -574,7 +576,7 @@ export type LesionSlice = {
   up: [number, number, number];
   /** of the skin, from the centre to the right and up */
   outlines_mm: [number, number][][];
-  /** of the chest wall; empty where nothing is known of the rig's inside */
+  /** of the chest wall, seen or estimated; empty where neither is */
   wall_mm: [number, number][][];
 };
 
@@ -1290,6 +1292,8 @@ export type ResultFile = {
   areolae?: Record<string, ResultAreola | null>;
   /** of a label map */
   lesions?: ResultLesion[];
+  /** the chest wall, where the scan's file names it; else it is estimated */
+  wall?: ResultWall | null;
   parameters: ResultParameters;
   /** why a pattern that was asked for is not in the drawing, a sentence or two for each */
   drawing_missing?: string[];
@@ -1338,6 +1342,14 @@ export type ResultScan = {
   reconstructed_from_points?: boolean;
   /** floors and walls; absent without any */
   cut_away_cm2?: number;
+};
+
+/** The chest wall that the scan's label map, or a file drawn on its image, names; in the scan's frame. */
+export type ResultWall = {
+  /** in the scan's unit, some 8 mm apart */
+  points: [number, number, number][];
+  /** of these, counter-clockwise from the front */
+  triangles: [number, number, number][];
 };
 
 export type Scan = {

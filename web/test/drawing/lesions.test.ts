@@ -72,6 +72,14 @@ test("on the depth ruler the skin is to the left, then the lesion in its band, t
   expect(wallBand![1]).toBeLessThan(WIDE);
 });
 
+test("a chest wall that the image shows is said to be from it, any other to be estimated", () => {
+  const chest = { kind: "chest_wall", to: "chest_wall", mm: 30, low_mm: 26, high_mm: 34 };
+  for (const [more, says, to] of [[{ seen: true }, "chest wall, from the image", "To the chest wall of the image"], [{}, "chest wall, estimated", "To the chest wall"]] as const) {
+    expect(words.wall(depthOf(20, [{ ...chest, ...more }]).isWallSeen)).toBe(says);
+    expect(words.to({ ...chest, ...more })).toBe(to);
+  }
+});
+
 test("a lesion outside the skin is drawn before it, and its words stay in the picture", () => {
   const { skin, at, band, words: said } = depthOf(-6);
   expect(at).toBeLessThan(skin);

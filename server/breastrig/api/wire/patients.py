@@ -135,6 +135,9 @@ class LesionDistance(Wire):
     mm: float
     low_mm: float | None = Field(description="with the high one the band that holds nine of ten; null where not known")
     high_mm: float | None
+    seen: bool = Field(
+        False, exclude_if=not_, description="of the chest wall: the scan's file names it, as its slices show it"
+    )
 
 
 Outline = list[Annotated[list[float], Field(min_length=2, max_length=2)]]
@@ -147,7 +150,7 @@ class LesionSlice(Wire):
     right: Point = Field(description="unit vector in the scan's frame: patient's left, or back where sagittal")
     up: Point = Field(description="unit vector in the scan's frame: cranial, or the patient's front where axial")
     outlines_mm: list[Outline] = Field(description="of the skin, from the centre to the right and up")
-    wall_mm: list[Outline] = Field(description="of the chest wall; empty where nothing is known of the rig's inside")
+    wall_mm: list[Outline] = Field(description="of the chest wall, seen or estimated; empty where neither is")
 
 
 class LesionClock(Wire):

@@ -26,7 +26,7 @@ from breastrig.drawings.inside.radiology import ClockPosition, RadiologyCheck, c
 from breastrig.drawings.line_error import carried_errors, radii_at
 from breastrig.drawings.plan_schema import PlanItem, PlanLesion, PlanTumour, asked_of
 from breastrig.drawings.project_drawing import on_scan
-from breastrig.drawings.skin_maps.interior_map import moved_inside
+from breastrig.drawings.skin_maps.interior_map import lie_beside, moved_inside
 from breastrig.drawings.skin_maps.settings import skin_map_settings
 from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.geometry.closest_point import ClosestPointSearch, closest_barycentric
@@ -57,6 +57,7 @@ class Distance:
     point: Array  # (3,) m, its nearest one
     length: float  # m
     margin: float | None  # m, half of the band that holds the true length with 90 %; None where that is not known
+    is_seen: bool = False  # of the chest wall: whether the scan's file names it there, else it is estimated
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +101,6 @@ class LesionsOnScan:
         """`wall` (V, 3) m: the chest wall under each vertex, where the rig knows it."""
         self._rig, self._scan = rig, scan
         self._wall = None if wall is None else ClosestPointSearch(wall, rig.faces)
-        self._surfaces = [scan.vertices] if wall is None else [scan.vertices, wall]
         self._skin = FittedSkin(rig, scan.vertices, scan.known)
         self._settings = skin_map_settings(rig)
         self._normals = vertex_normals(scan.vertices, rig.faces)
@@ -148,11 +148,7 @@ class LesionsOnScan:
             for place in self._skin.at(self._skin.landmark(name))
         ]
         nipples.sort(key=lambda each: each.length)
-        walls = []
-        if self._wall is not None:
-            place = self._wall.query(center[None]).points[0]
-            off_wall = self._settings.wall_error.get(self._scan.stance)
-            walls = [_distance("chest_wall", "chest_wall", place, center, covariance, off_wall)]
+        walls = self._to_wall(center, covariance)
         return PlacedLesion(
             item,
             center,
@@ -161,10 +157,21 @@ class LesionsOnScan:
             depth=float(np.copysign(to_skin.length, (skin - center) @ outwards)),
             is_seen=is_seen,
             distances=(to_skin, *nipples[:1], *walls),
-            slices=self._slices(center),
+            slices=self._slices(center, is_wall_seen=any(each.is_seen for each in walls)),
             is_carried=False,
             clock=self._clock(nipples[0].to, center) if nipples else None,
         )
+
+    def _to_wall(self, center: Array, covariance: Array | None) -> list[Distance]:
+        """To the chest wall that is seen, else to the estimated one; none where neither is there."""
+        for wall, is_seen in ((self._scan.wall, True), (self._wall, False)):
+            if wall is None or (is_seen and lie_beside(wall, center[None])[0]):
+                continue
+            known = self._settings
+            off = known.seen_wall_error if is_seen else known.wall_error.get(self._scan.stance)
+            found = _distance("chest_wall", "chest_wall", wall.query(center[None]).points[0], center, covariance, off)
+            return [replace(found, is_seen=is_seen)]
+        return []
 
     def _clock(self, nipple: str, center: Array) -> ClockPosition:
         return clock_position(self._skin, self._skin.landmark(nipple), split_side(nipple)[1], center)
@@ -186,21 +193,31 @@ class LesionsOnScan:
         return None if radius is None else LINE / BALL * radius
 
     @cached_property
-    def _meshes(self) -> list[Any]:
-        """Trimeshes of skin and chest wall."""
+    def _meshes(self) -> tuple[Any, Any, Any]:
+        """Trimeshes of the skin, of the estimated chest wall and of the one that is seen; None where there is none."""
         from trimesh import Trimesh  # 0.4 s, which a plan without lesions need not wait for
 
-        return [Trimesh(vertices, self._rig.faces, process=False) for vertices in self._surfaces]
+        skin = Trimesh(self._scan.vertices, self._rig.faces, process=False)
+        estimated, seen = (
+            None if wall is None else Trimesh(wall.vertices, wall.triangles, process=False)
+            for wall in (self._wall, self._scan.wall)
+        )
+        return skin, estimated, seen
 
-    def _slices(self, center: Array) -> tuple[Slice, ...]:
+    def _slices(self, center: Array, is_wall_seen: bool) -> tuple[Slice, ...]:
         axes, slices = self._skin.axes, []
+        whole, estimated, seen = self._meshes
+        chest = seen if is_wall_seen else estimated
         for plane, ((across, sign), (along, upwards)) in PLANES.items():
             right, up = sign * axes[:, across], upwards * axes[:, along]
-            cuts = [mesh.section(plane_normal=np.cross(right, up), plane_origin=center) for mesh in self._meshes]
+            cuts = [
+                None if mesh is None else mesh.section(plane_normal=np.cross(right, up), plane_origin=center)
+                for mesh in (whole, chest)
+            ]
             flat = np.column_stack([right, up])
             skin, wall = (
                 tuple((cut.vertices[each.points] - center) @ flat for each in cut.entities) if cut is not None else ()
-                for cut in (*cuts, None)[:2]
+                for cut in cuts
             )
             slices.append(Slice(plane, right, up, skin, wall))
         return tuple(slices)

@@ -10,15 +10,17 @@ Evidence: docs/decisions/0015, 0033.
 
 import numpy as np
 
-from breastrig.core.arrays import Array
+from breastrig.core.arrays import Array, Booleans
 from breastrig.drawings.skin_maps.settings import skin_map_settings
 from breastrig.drawings.skin_maps.skin_map import FittedScan, SkinMap, within_reach
+from breastrig.geometry.boundary import boundary_edges
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import face_crosses
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
 
 BREASTBONE = ("suprasternal_notch", "xiphoid")  # landmarks at its ends
+SAME = 1e-9  # m between two nearest places that are one
 BESIDE = 0.03  # m from the line between them, on the rig's template: skin that moves with the bone
 
 
@@ -57,7 +59,14 @@ def with_breastbone(rig: Rig, here: Array, there: Array, points: Array) -> Array
 
 
 def over(wall: ClosestPointSearch, points: Array) -> Array:
-    """(M,) m: how far points lie in front of a wall; 0 behind it."""
+    """(M,) m: how far points lie in front of a wall, or from its end where they lie beside it; 0 behind it."""
     nearest = wall.query(points)
     normals = face_crosses(wall.vertices, wall.triangles[nearest.faces])
-    return np.where(np.einsum("mi,mi->m", points - nearest.points, normals) > 0.0, nearest.distances, 0.0)
+    in_front = np.einsum("mi,mi->m", points - nearest.points, normals) > 0.0
+    return np.where(in_front | lie_beside(wall, points), nearest.distances, 0.0)
+
+
+def lie_beside(wall: ClosestPointSearch, points: Array) -> Booleans:
+    """(M,) whether what is nearest to points of a wall is its border: it may go on there, unseen."""
+    border = ClosestPointSearch(wall.vertices, boundary_edges(wall.triangles)[:, [0, 1, 1]])
+    return np.asarray(border.distances(points)[1] < wall.distances(points)[1] + SAME)

@@ -42,6 +42,7 @@ class SkinMapSettings(SettingsPart):
     error_skin: Positive | None = None
     error_hanging: NotNegative = 0.0  # m, the more for skin of breasts that hang in one of two stances
     wall_error: dict[str, Positive] = Field(default_factory=dict)  # m by stance: half of the chest wall's 90 % interval
+    seen_wall_error: Positive
     inside_depth_share: Positive = 1.0  # of what tissue inside is off along the skin, how far along its normal
 
 

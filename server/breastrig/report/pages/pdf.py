@@ -290,7 +290,7 @@ def _lesion_values(lesion: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 
 def _whither(distance: Mapping[str, Any]) -> str:
-    name = spoken(distance["to"])
+    name = spoken(distance["to"]) + (" of the image" if distance.get("seen") else "")
     return name if distance["kind"] == "line" else f"the {name.lower()}"
 
 

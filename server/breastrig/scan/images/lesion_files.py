@@ -25,7 +25,7 @@ from breastrig.scan.volumes.segments import LESIONS, check_chosen, taken_segment
 from breastrig.scan.volumes.unlogged import unlogged
 from breastrig.scan.volumes.volume import Volume
 from breastrig.scan.volumes.volume_files import read_volume
-from breastrig.scan.volumes.wall import wall_of
+from breastrig.scan.volumes.wall import SEEN, wall_of
 
 NO_SEGMENTATION = "This file holds no lesions; give a segmentation (NIfTI, NRRD, MetaImage, DICOM SEG, RTSTRUCT)."
 NO_LESION = "No segment of this file was taken for a lesion; say which is one, such as 2=lesion."
@@ -69,8 +69,10 @@ def lesions_of(data: bytes, on: KeptImage, answers: VolumeAnswers) -> LesionsRea
     if len(kept) < len(taken.lesions):
         notes += (SMALLER.format(len(taken.lesions) - len(kept), LESIONS),)
     is_same = bool(on.frame) and volume.frame == on.frame
+    wall = wall_of(volume, taken.segments, affine) if lesions or is_same else None
+    notes += () if wall is None else (SEEN,)
     if not lesions:
-        return LesionsRead((), taken.segments, (*notes, NO_LESION))
+        return LesionsRead((), taken.segments, (*notes, NO_LESION), wall)
     moved = shift_of(affine, volume.shape, on)
     doubt = doubt_of_place(lesions, tissue)
     if on.frame and volume.frame and not is_same:
@@ -85,7 +87,7 @@ def lesions_of(data: bytes, on: KeptImage, answers: VolumeAnswers) -> LesionsRea
         notes += (SAID.format(doubt[0][:1].lower() + doubt[0][1:]),)
     elif not is_same:
         notes += (ASSUMED,)
-    return LesionsRead(lesions, taken.segments, notes, wall_of(volume, taken.segments, affine))
+    return LesionsRead(lesions, taken.segments, notes, wall)
 
 
 def _check_frame(volume: Volume, answers: VolumeAnswers) -> None:

@@ -12,7 +12,7 @@ from breastrig.scan.volumes.question import needs_answer
 from breastrig.scan.volumes.segments import check_chosen, taken_segments
 from breastrig.scan.volumes.unlogged import unlogged
 from breastrig.scan.volumes.volume import Volume
-from breastrig.scan.volumes.wall import wall_of
+from breastrig.scan.volumes.wall import SEEN, wall_of
 
 FRAME = "Places are in the DICOM patient frame (LPS), mm; the skin was made from the label map."
 BOTH = 200.0  # mm from right to left; nipples alone are 150 to 210 apart in the four given patients
@@ -44,7 +44,7 @@ def label_map_pieces(volume: Volume, answers: VolumeAnswers) -> Pieces:
     lesions = tuple(BallInside(each.name, (affine @ [*each.center, 1.0])[:3], each.radius) for each in taken.lesions)
     width = float(vertices[:, 0].max() - vertices[:, 0].min()) if len(vertices) else BOTH
     narrow = (ONE_BREAST.format(width),) if width < BOTH else ()
-    notes = (FRAME, *narrow, *volume.notes, *said_of(taken.segments))
+    notes = (FRAME, *narrow, *volume.notes, *said_of(taken.segments), *([] if wall is None else [SEEN]))
     piece = Piece(vertices, faces)
     return Pieces(
         (piece,), notes=notes, unit="mm", is_label_map=True, lesions=lesions, segments=taken.segments, wall=wall

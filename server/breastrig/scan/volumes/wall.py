@@ -5,6 +5,7 @@ import numpy as np
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import BadInput
 from breastrig.geometry.normals import face_normals
+from breastrig.scan.clean import compact
 from breastrig.scan.piece import TakenSegment
 from breastrig.scan.volumes.body import front_of, skin
 from breastrig.scan.volumes.segments import LOOKED_AT, names_wall
@@ -13,6 +14,12 @@ from breastrig.scan.volumes.volume import Volume
 BEHIND = 4.0  # mm behind what of it is first seen from the front, which still is its surface
 FACING = 0.2  # cosine between its normals and the front, at least
 MARGIN = 3  # voxels of nothing around it
+STEP = 8.0  # mm between its vertices, in columns towards the front
+COLUMNS = 100  # at most, to each side
+SEEN = (
+    "The chest wall is the front of the muscle or wall that this file names; lesions near it are transferred with the "
+    "breastbone."
+)
 
 
 def wall_of(volume: Volume, taken: tuple[TakenSegment, ...], affine: Array) -> tuple[Array, Integers] | None:
@@ -37,8 +44,21 @@ def wall_of(volume: Volume, taken: tuple[TakenSegment, ...], affine: Array) -> t
     except BadInput:  # too thin for a surface, or noise
         return None
     seen = _faces_the_front(vertices, faces, there, moved)
-    used, faces = np.unique(faces[seen], return_inverse=True)
-    return (vertices[used], faces.reshape(-1, 3)) if len(faces) else None
+    vertices, faces = _thinned(vertices, faces[seen])
+    return (vertices, faces) if len(faces) else None
+
+
+def _thinned(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
+    """The sheet with one vertex in each column of STEP mm from back to front, the mean of those that were there."""
+    used, faces = np.unique(faces, return_inverse=True)
+    places = vertices[used][:, [0, 2]]
+    columns = np.floor(places / max(STEP, np.ptp(places, axis=0).max(initial=0.0) / COLUMNS))
+    _, column = np.unique(columns, axis=0, return_inverse=True)
+    sums = np.stack([np.bincount(column.ravel(), each) for each in vertices[used].T], axis=1)
+    corners = column.ravel()[faces.reshape(-1, 3)]
+    corners = corners[(corners != np.roll(corners, 1, axis=1)).all(axis=1)]
+    _, first = np.unique(np.sort(corners, axis=1), axis=0, return_index=True)
+    return compact(sums / np.maximum(np.bincount(column.ravel()), 1)[:, None], corners[np.sort(first)])
 
 
 def _faces_the_front(vertices: Array, faces: Integers, there: Booleans, affine: Array) -> Booleans:

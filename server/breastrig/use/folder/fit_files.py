@@ -9,7 +9,7 @@ from typing import Any, cast
 import numpy as np
 
 from breastrig.colour.areolae import areolae_document
-from breastrig.core.arrays import Array
+from breastrig.core.arrays import Array, Integers
 from breastrig.core.documents import json_bytes
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.private_files import write_files
@@ -38,6 +38,7 @@ from breastrig.files.result import (
     ResultLesion,
     ResultParameters,
     ResultScan,
+    ResultWall,
     Unit,
     Verdict,
 )
@@ -142,6 +143,7 @@ def result_of(outcome: FitOutcome) -> ResultFile:
             ResultLesion(name=each.name, center=_rounded(each.center / per_unit), radius_mm=round(1e3 * each.radius, 3))
             for each in scan.lesions
         ],
+        wall=None if scan.wall is None else _wall(scan.wall, per_unit),
         parameters=ResultParameters(
             bones=[
                 ResultBone(
@@ -158,6 +160,11 @@ def result_of(outcome: FitOutcome) -> ResultFile:
         notes=list(ready.notes),
         versions={"breastrig": __version__} | library_versions(),
     )
+
+
+def _wall(wall: tuple[Array, Integers], per_unit: float) -> ResultWall:
+    points = np.round(wall[0] / per_unit, 1 + round(np.log10(1e3 * per_unit)))  # to 0.1 mm
+    return ResultWall(points=points.tolist(), triangles=wall[1].tolist())
 
 
 def _distances(found: FoundDistances, model: Mapping[str, Array], picked: Mapping[str, Array]) -> dict[str, Any]:

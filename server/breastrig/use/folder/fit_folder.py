@@ -35,6 +35,7 @@ from breastrig.files.result import (
 )
 from breastrig.fitting.checks.basis import CheckBasis, read_basis
 from breastrig.fitting.posterior import read_contribution
+from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.rotations import rotation_from_quaternion
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.cohort_posterior import Gaussian
@@ -73,8 +74,16 @@ class FitFolder:
         """The fitted scan, for making drawings on it and transferring them."""
         target = ScanTarget(self.surface.vertices, self.surface.faces)
         return FittedScan(
-            target, self.vertices, self.landmarks, self.stance, self.radii, self.seen, self.result.predicted
+            target, self.vertices, self.landmarks, self.stance, self.radii, self.seen, self.result.predicted, self.wall
         )
+
+    @cached_property
+    def wall(self) -> ClosestPointSearch | None:
+        """The chest wall that the scan's file names, m."""
+        found = self.result.wall
+        if found is None:
+            return None
+        return ClosestPointSearch(self.metres_per_unit * np.array(found.points), np.array(found.triangles))
 
 
 def read_fit_folder(folder: Path, model: Path | None = None) -> FitFolder:

@@ -180,9 +180,11 @@ def _distance(each: Distance, fit: FitFolder) -> dict[str, Any]:
         (None, None) if each.margin is None else (max(each.length - each.margin, 0.0), each.length + each.margin)
     )
     lengths = {"mm": each.length, "low_mm": low, "high_mm": high}
-    return {"kind": each.kind, "to": each.to, "point": _place(each.point, fit)} | {
-        name: None if length is None else round(1e3 * length, 2) for name, length in lengths.items()
-    }
+    return (
+        {"kind": each.kind, "to": each.to, "point": _place(each.point, fit)}
+        | {name: None if length is None else round(1e3 * length, 2) for name, length in lengths.items()}
+        | ({"seen": True} if each.is_seen else {})
+    )
 
 
 def _slice(cut: Slice) -> dict[str, Any]:

@@ -45,9 +45,9 @@ export function lesionView(laid: LaidLesion | null, line: string | null, own: Ow
   );
 }
 
-/** From the skin to the right: the lesion with its band, and the chest wall as the model has it. */
+/** From the skin to the right: the lesion with its band, and the chest wall, seen or as the model has it. */
 function depthView(lesion: LaidLesion): SVGElement {
-  const { skin, at, band, radius, wall, wallBand, words: x } = depthPicture(lesion);
+  const { skin, at, band, radius, wall, wallBand, isWallSeen, words: x } = depthPicture(lesion);
   const depth = lesion.distances.find(({ kind }) => kind === "skin")!;
   const said = words.depth(lesion.depth_mm, depth);
   const text = (words: string, place: number, y: number, look: string): SVGElement => {
@@ -60,7 +60,7 @@ function depthView(lesion: LaidLesion): SVGElement {
     { viewBox: `0 0 ${WIDE} ${HIGH}`, class: "depth-ruler", role: "img", "aria-label": said.whole },
     svg("path", { d: `M${skin} 38H${WIDE}`, class: "depth-way" }),
     ...(wallBand ? [svg("rect", { x: wallBand[0], y: 22, width: wallBand[1] - wallBand[0], height: 32, class: "depth-wall-band" })] : []),
-    ...(wall === null ? [] : [svg("path", { d: `M${wall} 18V58`, class: "depth-wall" }), text(words.wall, WIDE, 12, "is-end")]),
+    ...(wall === null ? [] : [svg("path", { d: `M${wall} 18V58`, class: `depth-wall${isWallSeen ? " is-seen" : ""}` }), text(words.wall(isWallSeen), WIDE, 12, "is-end")]),
     svg("path", { d: `M${skin} 18V58`, class: "depth-skin" }),
     text(words.skin, Math.max(0, skin - 2), 12, ""),
     ...(band ? [svg("rect", { x: band[0], y: 30, width: Math.max(band[1] - band[0], 1), height: 16, rx: 8, class: "depth-band" })] : []),

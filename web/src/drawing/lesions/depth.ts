@@ -17,6 +17,7 @@ export interface DepthPicture {
   readonly radius: number;
   readonly wall: number | null;
   readonly wallBand: Span | null;
+  readonly isWallSeen: boolean; // in the scan's image; else the model's
   readonly words: number; // middle of the number
 }
 
@@ -43,6 +44,7 @@ export function depthPicture({ distances, depth_mm: depth, radius_mm: radius }: 
     radius: Math.min(Math.max(radius * scale, BALL.least), BALL.most),
     wall: wall === null ? null : x(wall),
     wallBand: span(wallBand),
+    isWallSeen: chest?.seen === true,
     words: Math.min(Math.max(x(depth), HALF_WORDS), WIDE - HALF_WORDS),
   };
 }

@@ -2,7 +2,7 @@
 import { drawing } from "../text";
 
 export const lesionView = {
-  to: ({ kind, to }: { kind: string; to: string }) => ({ nipple: "To the nipple", chest_wall: "To the chest wall", line: `To ${drawing.shapeName(to)}` })[kind] ?? to,
+  to: ({ kind, to, seen }: { kind: string; to: string; seen?: boolean }) => ({ nipple: "To the nipple", chest_wall: `To the chest wall${seen ? " of the image" : ""}`, line: `To ${drawing.shapeName(to)}` })[kind] ?? to,
   banded: ({ mm, low_mm: low, high_mm: high }: { mm: number; low_mm: number | null; high_mm: number | null }) => `${mm.toFixed(0)}\u00a0mm${low === null || high === null ? "" : `, ${low.toFixed(0)} to ${high.toFixed(0)}`}`,
   place: "Its place",
   clock: "By the clock",
@@ -13,7 +13,7 @@ export const lesionView = {
   placed: ({ carried, error_mm: error }: { carried: boolean; error_mm: number | null }) => [...(carried ? ["carried"] : []), error === 0 ? "as given" : error === null ? "how far off is not known" : `±\u00a0${error.toFixed(0)}\u00a0mm`].join(", "),
   unseen: "The scan shows no skin there: how deep it lies is the model's guess.",
   skin: "skin",
-  wall: "chest wall, estimated",
+  wall: (isSeen: boolean) => `chest wall, ${isSeen ? "from the image" : "estimated"}`,
   depth(depth: number, { mm, low_mm: low, high_mm: high }: { mm: number; low_mm: number | null; high_mm: number | null }) {
     const number = `${mm.toFixed(0)}\u00a0mm`;
     const band = low === null || high === null ? "" : `90\u00a0%: ${low.toFixed(0)}–${high.toFixed(0)}\u00a0mm`;
@@ -23,7 +23,7 @@ export const lesionView = {
   planes: { axial: "Axial", sagittal: "Sagittal", coronal: "Coronal" } as const,
   sides: { axial: "front up, patient's left right", sagittal: "head up, back right", coronal: "head up, patient's left right" } as const,
   slice: (plane: string, name: string) => `${plane} slice through ${name}`,
-  slicesHint: "The fitted skin, 20\u00a0cm across; dashed the chest wall as the model has it; pale where the lesion may lie, nine times in ten.",
+  slicesHint: "The fitted skin, 20\u00a0cm across; dashed the chest wall, estimated where the image does not show it; pale where the lesion may lie, nine times in ten.",
   noSlices: "No slices: this link shows the model alone, and no skin of the patient.",
   straight: "From its centre, straight.",
   moves: "While it is moved, dragging and arrow keys in the slices take it along.",

@@ -11,9 +11,9 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.geometry.boundary import triangle_components
+from breastrig.scan.around.table import Table, found_table
 from breastrig.scan.clean import FRAGMENT_SHARE, MIN_TRIANGLES, large_pieces
 from breastrig.scan.orient import Frame, propose_frame
-from breastrig.scan.table import Table, found_table
 
 PLANES = 6  # at most: a floor, four walls and a table top
 HIGH = 0.45  # m above a plane that the body reaches: lying torsos of the given patients reach 0.29

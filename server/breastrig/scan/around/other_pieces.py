@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.geometry.boundary import boundary_vertices, triangle_components
 from breastrig.geometry.normals import face_areas, face_crosses, vertex_normals
-from breastrig.scan.background import is_flat, only_body
+from breastrig.scan.around.background import is_flat, only_body
 
 LARGE = 0.3  # of the body's area, as seen from one side; a side of the patient shows it, a whole arm does not
 REACH = 0.06  # m from border to border; tears are narrower
