@@ -2,7 +2,8 @@
 
 import json
 import shutil
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from breastrig.drawings.drawing_file import parsed_drawing, rounded_mm, shape_do
 from breastrig.drawings.drawing_schema import DrawnShape
 from breastrig.drawings.line_error import across
 from breastrig.execution.limits import FitLimits
+from breastrig.execution.pool import TaskQueue
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
 from breastrig.use.folder.fit_folder import read_fit_folder
@@ -238,6 +240,29 @@ def test_a_whole_plan_is_carried_and_nothing_of_it_is_made_anew_on_the_other_bod
 
 
 @pytest.mark.slow
+def test_two_bodies_are_compared_once_for_all_versions_of_their_plan(
+    real: tuple[Service, FlaskClient, dict[str, str]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    service, client, fits = real
+    service.plans.forget()
+    result, tasks = TaskQueue.result, Counter[str]()
+
+    def counted(queue: TaskQueue, task: Callable[..., Any], *given: Any, **named: Any) -> Any:
+        tasks[task.__name__] += 1
+        return result(queue, task, *given, **named)
+
+    monkeypatch.setattr(TaskQueue, "result", counted)
+    scans = [client.get(f"/api/scans/{client.get(f'/api/fits/{fit}').json['scan']}").json for fit in fits.values()]
+    client.put(f"/api/scans/{scans[1]['id']}/patient", json={"patient": scans[0]["patient"]})
+    plan = client.get(scans[0]["links"]["plan"])
+    for text in ("before", "after"):
+        note = {"kind": "note", "id": "n", "scan": scans[0]["id"], "text": text}
+        plan = client.put(scans[0]["links"]["plan"], json={"items": [note]}, headers=stored_tag(plan))
+        assert [plan_on(client, fit)["notes"][0]["text"] for fit in fits.values()] == [text, text]
+    assert tasks == {"compared_bodies": 2, "plan_on_fit": 4}
+
+
+@pytest.mark.slow
 def test_nothing_is_carried_between_scans_that_do_not_look_like_one_patients_before_somebody_says_so(
     real: tuple[Service, FlaskClient, dict[str, str]],
 ) -> None:
@@ -247,6 +272,7 @@ def test_nothing_is_carried_between_scans_that_do_not_look_like_one_patients_bef
     whose = f"/api/scans/{supine}/patient"
     assert client.put(whose, json={"patient": patient}).status_code == 200
     with_other_body(service.storage.files.fit(fits["supine"]))
+    service.plans.forget()  # no fit of a service ever changes
     marks = read_fit_folder(service.storage.files.fit(fits["standing"])).landmarks
     ends = [list(1e3 * marks[name]) for name in ("xiphoid", "mid_sternum")]
     client.put(f"/api/scans/{standing}/drawing", json={"shapes": [{"name": "incision", "points": ends}]})

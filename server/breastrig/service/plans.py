@@ -6,6 +6,7 @@ their scan.  Which fits belong to the patient's other scans is decided here: of 
 
 import json
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from breastrig.core.documents import indented
@@ -27,13 +28,15 @@ from breastrig.storage.documents.patients import (
 from breastrig.storage.documents.scans import get_scan
 from breastrig.storage.files import fit_place
 from breastrig.storage.storage import Storage
-from breastrig.use.lines.plan_on_fit import PlanJob, PlannedFit, plan_on_fit
+from breastrig.use.folder.one_body import BodyIssue
+from breastrig.use.lines.plan_on_fit import PlanJob, PlannedFit, compared_bodies, plan_on_fit
 
 UNFITTED = (
     "It was made on a scan that is not fitted yet, or with another version of the model; fit that one to see it here."
 )
 WALL_S = 180.0  # two scans take one to two seconds; a slow or busy machine with huge scans may take many
 REMEMBERED = 32  # plans on scans, of some hundred kilobytes each
+COMPARED = 256  # pairs of fits, a sentence each
 
 
 @dataclass(frozen=True)
@@ -68,6 +71,7 @@ class Plans:
         self._processes = processes
         self._models = models
         self._remembered: Remembered[bytes] = Remembered(REMEMBERED)
+        self._compared: Remembered[BodyIssue | None] = Remembered(COMPARED)
 
     def of_fit(self, fit_id: str) -> PlannedFits:
         """Raises NotFound, or Conflict when the fit is not done.
@@ -139,6 +143,7 @@ class Plans:
     def forget(self) -> None:
         """Clears the cache after a deletion."""
         self._remembered.forget()
+        self._compared.forget()
 
     def _content(self, planned: PlannedFits) -> bytes:
         found = self._made(planned) if planned.plan.items or planned.others else self._empty(planned)
@@ -162,15 +167,27 @@ class Plans:
             explained("Carrying this plan", WALL_S, "give smaller scans", self._storage, ids),
             self._models.of_fits(ids) as model,
         ):
-            names = [fit.scan if fit.predicted_from is None else fit.id for fit in fits]
-            places = [self._storage.files.folder(fit_place(fit.id)) for fit in fits]
-            folders = [
-                PlannedFit(place, name, fit.scan in planned.said_same)
-                for place, name, fit in zip(places, names, fits, strict=True)
-            ]
-            job = PlanJob(planned.document, folders[0], tuple(folders[1:]), model)
+            here, *others = (
+                PlannedFit(
+                    self._storage.files.folder(fit_place(fit.id)),
+                    fit.scan if fit.predicted_from is None else fit.id,
+                    self._doubt(planned, fit, model),
+                )
+                for fit in fits
+            )
+            job = PlanJob(planned.document, here, tuple(others), model)
             found: dict[str, Any] = self._processes.result(plan_on_fit, (job,), WALL_S)
         return found
+
+    def _doubt(self, planned: PlannedFits, other: StoredFit, model: Path | None) -> BodyIssue | None:
+        """Whether the other fit is of the patient's body, compared once for all versions of the plan."""
+        if other is planned.fit or other.scan in planned.said_same:
+            return None
+        folders = [self._storage.files.folder(fit_place(fit.id)) for fit in (other, planned.fit)]
+        return self._compared.result(
+            (other.id, planned.fit.id),
+            lambda: self._processes.result(compared_bodies, (*folders, model), WALL_S),
+        )
 
     def _empty(self, planned: PlannedFits) -> dict[str, Any]:
         empty = empty_plan_on_scan(get_scan(self._storage, planned.fit.scan).facts["unit"])

@@ -30,7 +30,7 @@ from breastrig.drawings.plan_schema import (
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.use.folder.fit_folder import FitFolder, fit_folder_of
-from breastrig.use.folder.one_body import body_doubt
+from breastrig.use.folder.one_body import BodyIssue, body_doubt
 from breastrig.use.folder.whose import made_on
 from breastrig.volume.tetrahedra import chest_wall
 
@@ -43,7 +43,7 @@ class PlannedFit:
 
     folder: Path
     scan: str = ""  # as the plan's items name it; empty: found by the plan's table of scans, or by the stance
-    one_patient: bool = False  # a person has said that this scan and the job's are, whatever their bodies say
+    doubt: BodyIssue | None = None  # whether it is the job's patient, as `compared_bodies` has found; None: no doubt
 
 
 @dataclass(frozen=True)
@@ -59,6 +59,15 @@ class PlanJob:
 NOT_CARRIED = "It was made on a scan that does not look like this patient's; say whether it is, to see it here."
 
 
+def compared_bodies(first: Path, second: Path, model: Path | None) -> BodyIssue | None:
+    """Whether the fits in two folders are of one patient; None where nothing speaks against it.
+
+    No plan changes the answer.  Raises BadInput for what is no fit.
+    """
+    rig = read_rig(model or default_rig_path())
+    return body_doubt(fit_folder_of(first, rig), fit_folder_of(second, rig))
+
+
 def plan_on_fit(job: PlanJob) -> dict[str, Any]:
     """The plan's lines as breastrig/drawing@1 in the scan's frame and unit; each says of which item it is.
 
@@ -71,11 +80,10 @@ def plan_on_fit(job: PlanJob) -> dict[str, Any]:
     here = fit_folder_of(job.fit.folder, rig)
     fits, doubts, asked, kept_back = [(here, job.fit.scan)], [], [], []
     for other in job.others:
-        fit = fit_folder_of(other.folder, rig)
-        doubt = None if other.one_patient else body_doubt(fit, here)
+        doubt = other.doubt
         doubts += [] if doubt is None else [doubt.says]
         if doubt is None or not doubt.is_question:
-            fits.append((fit, other.scan))
+            fits.append((fit_folder_of(other.folder, rig), other.scan))
             continue
         asked.append({"scan": other.scan, "says": doubt.says})
         kept_back += [{"item": item.id, "reason": NOT_CARRIED} for item in items_of(plan, other.scan, is_home=False)]
